@@ -178,9 +178,8 @@ impl Units {
         let unit = self.prefixed(power, measure).unwrap_or_default();
         let scaled = |value: f64| value / 10f64.powi(power);
         // As many decimals as the larger end has with its digits.
-        let decimals = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32
-            - 1
-            - scaled(largest).log10().floor() as i32;
+        let digits = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32 - 1;
+        let decimals = digits.saturating_sub(scaled(largest).log10().floor() as i32);
         let number = |value: f64| match usize::try_from(decimals) {
             Ok(decimals) if largest > 0.0 && decimals < 8 => rounded(scaled(value), decimals),
             _ => Units::digits(value, power, measure),

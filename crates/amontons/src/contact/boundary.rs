@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::mortar::{Image, Mortar, MortarRow};
+use super::mortar::{Image, Mortar, MortarRow, Share};
 use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
@@ -208,6 +208,9 @@ pub struct PointOnBoundary {
     pub clamped: f64,
     /// What was added to the gap to close an overlap of the bodies at rest, m.
     pub closed: f64,
+    /// Of a pair how what happens at the point is shared out among the nodes of its own and of the other side; empty at a
+    /// foundation.
+    pub shares: [Vec<Share>; 2],
     /// Directions along the side in which friction has no component, filled up with zeros: those in which both sides of a
     /// pair are held alike.
     pub held: [Point; 3],
@@ -376,6 +379,7 @@ fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> Poi
         gap: row.gap,
         clamped: row.gap - row.gap_of_rows,
         closed: 0.0,
+        shares: row.shares.clone(),
         held: row.held,
     }
 }
@@ -398,6 +402,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, links: &[Link], local: impl Fn(u32)
             gap: 0.0,
             clamped: 0.0,
             closed: 0.0,
+            shares: [Vec::new(), Vec::new()],
             held: [[0.0; 3]; 3],
         })
         .collect();
@@ -512,6 +517,7 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
                     gap: 0.0,
                     clamped: 0.0,
                     closed: 0.0,
+                    shares: [Vec::new(), Vec::new()],
                     held: [[0.0; 3]; 3],
                 });
             }

@@ -49,25 +49,6 @@ impl WearLaw for Archard {
     }
 }
 
-/// Shares that are not negative, with the sum 1, of those that a row of a pair has in the vertices of a side: the sizes
-/// of the shares over their sum. Entries of the mortar side take either sign, and where one is negative a depth would
-/// fall.
-pub(super) fn positive(shares: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
-    let mut all: Vec<(usize, f64)> = Vec::new();
-    for (vertex, share) in shares {
-        match all.iter_mut().find(|(known, _)| *known == vertex) {
-            Some((_, sum)) => *sum += share,
-            None => all.push((vertex, share)),
-        }
-    }
-    let size: f64 = all.iter().map(|(_, share)| share.abs()).sum();
-    all.retain(|(_, share)| *share != 0.0);
-    for (_, share) in &mut all {
-        *share = share.abs() / size;
-    }
-    all
-}
-
 /// Sample laws for tests that hold for every law.
 #[cfg(test)]
 pub(crate) fn samples() -> Vec<Arc<dyn WearLaw>> {

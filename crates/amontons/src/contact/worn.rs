@@ -16,7 +16,6 @@
 use std::collections::BTreeMap;
 
 use super::boundary::{ContactBoundary, PointOnBoundary};
-use super::wear::positive;
 use super::{Contact, Pair};
 use crate::element::{Element, ShapeTable};
 use crate::list::List;
@@ -107,7 +106,7 @@ impl WornSides {
     fn faced(&self, contacts: &[Contact], boundary: &ContactBoundary) -> Vec<Vec<f64>> {
         let mut faced: Vec<Vec<f64>> = self.sides.iter().map(|side| vec![0.0; side.areas.len()]).collect();
         for point in boundary.points.iter().filter(|point| contacts[point.contact].wear.is_some()) {
-            for (side, shares) in self.of_point(contacts, boundary, point).into_iter().flatten() {
+            for (side, shares) in self.of_point(contacts, point).into_iter().flatten() {
                 for (vertex, share) in shares {
                     faced[side][vertex] += share * point.weight;
                 }
@@ -120,20 +119,21 @@ impl WornSides {
     fn of_point(
         &self,
         contacts: &[Contact],
-        boundary: &ContactBoundary,
         point: &PointOnBoundary,
     ) -> [Option<(usize, Shares)>; 2] {
         let sides = self.of_contact.get(point.contact).copied().unwrap_or_default();
-        let (own, other) = point.nodes.split_at(point.own.min(point.nodes.len()));
-        let nodes = if contacts[point.contact].sign() > 0.0 { [own, other] } else { [other, own] };
+        let [own, other] = &point.shares;
+        let shares = if contacts[point.contact].sign() > 0.0 { [own, other] } else { [other, own] };
         [0, 1].map(|k| {
             let side = sides[k]?;
             let vertices = &self.sides.get(side)?.vertices;
-            let of = |&(node, share): &(usize, f64)| {
-                let vertices = vertices.get(boundary.nodes.get(node)?)?;
-                Some(vertices.iter().map(move |&(vertex, value)| (vertex, share * value)))
-            };
-            Some((side, positive(nodes[k].iter().filter_map(of).flatten())))
+            let mut sums = BTreeMap::<usize, f64>::new();
+            for share in shares[k] {
+                for &(vertex, value) in vertices.get(&share.node).into_iter().flatten() {
+                    *sums.entry(vertex).or_default() += share.part * value;
+                }
+            }
+            Some((side, sums.into_iter().collect()))
         })
     }
 
@@ -158,7 +158,7 @@ impl WornSides {
                 return [worn.get(i).copied().unwrap_or(0.0), 1.0];
             }
             let (mut depth, mut opening) = (0.0, 0.0);
-            let sides = self.of_point(contacts, boundary, point).into_iter().zip(contact.wear_fractions());
+            let sides = self.of_point(contacts, point).into_iter().zip(contact.wear_fractions());
             for (side, shares, fraction) in sides.filter_map(|(of, fraction)| of.map(|(i, all)| (i, all, fraction))) {
                 for (vertex, share) in shares {
                     depth += share * depths[side][vertex];
@@ -176,7 +176,7 @@ impl WornSides {
         let mut after = before.clone();
         for (point, depth) in boundary.points.iter().zip(worn).filter(|(_, depth)| **depth > 0.0) {
             let contact = &contacts[point.contact];
-            let sides = self.of_point(contacts, boundary, point).into_iter().zip(contact.wear_fractions()).enumerate();
+            let sides = self.of_point(contacts, point).into_iter().zip(contact.wear_fractions()).enumerate();
             for (k, (of, fraction)) in sides {
                 let Some((side, shares)) = of else { continue };
                 let volume = fraction * point.weight * depth;

@@ -168,6 +168,9 @@ fn part_of(mesh: &Mesh) -> Vec<u32> {
 /// Sums of motions that are orthonormal on their columns; those without values there are left out.
 fn orthonormal(motions: &[Motion], columns: &[Vec<(u32, f64)>]) -> (Vec<Motion>, Vec<List<(u32, f64)>>) {
     let n = motions.len();
+    if n == 0 {
+        return (Vec::new(), Vec::new());
+    }
     let product = |a: &[(u32, f64)], b: &[(u32, f64)]| a.iter().zip(b).map(|(a, b)| a.1 * b.1).sum::<f64>();
     let gram = Mat::from_fn(n, n, |i, j| product(&columns[i], &columns[j]));
     let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return (Vec::new(), Vec::new()) };
@@ -403,6 +406,9 @@ impl Jumps {
     /// measured by D, so that a stiff part is moved towards what holds it, however far soft parts that hang on it sag.
     pub fn springs(free: &[Free], scale: &[f64]) -> Vec<Spring> {
         let n = free.len();
+        if n == 0 {
+            return Vec::new();
+        }
         let product = |a: &Free, b: &Free| -> f64 {
             a.vector.iter().zip(&b.vector).zip(scale).map(|((a, b), scale)| scale * a * b).sum()
         };

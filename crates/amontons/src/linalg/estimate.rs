@@ -286,7 +286,7 @@ mod tests {
     /// In the plane the factor is taken wherever it fits; in space slender cells make it the faster one.
     #[test]
     fn the_cells_decide() {
-        let belt = Estimate { unknowns: 1800, contact: 602, entries: 4.2e4, stored: 6e4, flops: 5e6 };
+        let belt = Estimate { unknowns: 1800, contact: 602, entries: 4.2e4, stored: 6e4, flops: 2e8 };
         let work = |slenderness: f64, is_plane| Workload {
             steps: 1.0,
             rubs: true,

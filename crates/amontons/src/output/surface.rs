@@ -10,7 +10,8 @@ use std::sync::Arc;
 use super::files::{Written, write_atomically};
 use super::{OutputError, Snapshot};
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
-use crate::mesh::FacetSet;
+use crate::contact::mortar::{Image, Share};
+use crate::mesh::{FacetSet, link_of};
 use crate::problem::{Physics, with_supports};
 use crate::scheme::ContactReport;
 use crate::tensor::Point;
@@ -128,7 +129,9 @@ fn on_side(
 ) -> Vec<Node> {
     let (state, dim) = (now.state, now.problem.mesh.dim);
     let is_nodal = |contact: &Contact| contact.quadrature == Quadrature::Nodal;
-    let has_own = side.bears && now.problem.contacts.get(side.contact).is_some_and(is_nodal);
+    let contact = now.problem.contacts.get(side.contact);
+    let is_pair = contact.is_some_and(|contact| contact.pair.is_some());
+    let has_own = !is_pair && contact.is_some_and(is_nodal);
     let begin = |&node: &u32| {
         let first = node as usize * dim;
         let component = |c: usize| if c < dim { state.u.get(first + c).copied().unwrap_or(0.0) } else { 0.0 };
@@ -138,30 +141,43 @@ fn on_side(
             ..Node::default()
         }
     };
-    let contact = now.problem.contacts.get(side.contact);
     let worn = contact.map_or(1.0, |contact| contact.wear_fraction);
     let is_on = contact.is_some_and(|contact| side.name == contact.on);
     let mut points: Vec<Vec<OfPoint>> = vec![Vec::new(); of_side.len()];
     for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side.contact) {
         let Some((values, status, weight)) = Values::at(now, report, i, point) else { continue };
-        let (own, other) = point.nodes.split_at(point.own.min(point.nodes.len()));
-        // The shares of the other side are negative in the jump.
-        let (mut values, shares, sign) = if side.bears { (values, own, 1.0) } else { (values.across(), other, -1.0) };
+        let mut values = if side.bears { values } else { values.across() };
         values.wear *= worn;
-        for (k, &(node, share)) in shares.iter().enumerate() {
-            let node = boundary.nodes.get(node).and_then(|node| of_side.binary_search(node).ok());
-            if let Some(points) = node.and_then(|node| points.get_mut(node)) {
-                let (weight, is_own) = if has_own { (weight, k == 0) } else { (sign * weight * share, false) };
-                points.push(OfPoint { values, status, weight, is_own });
+        let mut add = |node: Option<&u32>, of_point: OfPoint| {
+            let place = node.and_then(|node| of_side.binary_search(node).ok());
+            points.get_mut(place.unwrap_or(usize::MAX)).into_iter().for_each(|points| points.push(of_point.clone()));
+        };
+        if is_pair {
+            for Share { node, part, turn } in &point.shares[usize::from(!side.bears)] {
+                let values = turn.map_or(values, |turn| values.turned(&turn));
+                add(Some(node), OfPoint { values, status, weight: weight * part, is_own: false });
+            }
+        } else {
+            for (k, &(node, share)) in point.nodes.iter().enumerate() {
+                let (weight, is_own) = if has_own { (weight, k == 0) } else { (weight * share, false) };
+                add(boundary.nodes.get(node), OfPoint { values, status, weight, is_own });
             }
         }
     }
     // The depth off a body of a pair is kept by the body, and not by the points that it faces now.
-    let is_pair = contact.is_some_and(|contact| contact.pair.is_some());
     let depths = &state.surface.worn.depths;
     let depth = |node: &u32| now.discretization.worn.depth(side.contact, is_on, *node, depths).unwrap_or(0.0);
-    let made = of_side.iter().zip(&points).map(|(node, points)| {
+    let links = &now.discretization.v.links;
+    let made = of_side.iter().map(|node| {
+        // A node that follows another one shows what happens there, which counts once.
+        let link = link_of(links, *node).filter(|_| is_pair);
+        let place = of_side.binary_search(&link.map_or(*node, |link| link.to)).unwrap_or(usize::MAX);
+        let points = points.get(place).map_or(&[][..], Vec::as_slice);
         let mut made = begin(node).with(points, has_own);
+        if let Some(link) = link {
+            (made.weight, made.mean.traction) = (0.0, link.turned(&made.mean.traction));
+            made.mean.slip = link.turned(&made.mean.slip);
+        }
         if is_pair {
             made.mean.wear = depth(node);
         }
@@ -211,6 +227,11 @@ impl Values {
         Values { traction, slip, flux: 0.0 - self.flux - self.rubbed, ..self }
     }
 
+    /// The same in the sector of a node in an image.
+    fn turned(self, turn: &Image) -> Values {
+        Values { traction: turn.back(&self.traction), slip: turn.back(&self.slip), ..self }
+    }
+
     /// Adds a share of others.
     fn add(&mut self, other: &Values, share: f64) {
         let vector =
@@ -251,8 +272,8 @@ impl Node {
     /// With its own point; without one, with the mean of the points that it takes part in.
     ///
     /// Where nodes have points of their own (`has_own`), one without is in the middle of a quadratic facet, whose area
-    /// is that of its vertices. Elsewhere the area of a node is the sum of its shares. Dual functions change sign, and
-    /// so may a share; their sum is positive but for the corners of quadratic facets, where their sizes count.
+    /// is that of its vertices. Elsewhere the area of a node is the sum of its shares. Those of Gauss points are values of
+    /// shape functions, whose sum is positive but for the corners of quadratic facets, where their sizes count.
     fn with(mut self, points: &[OfPoint], has_own: bool) -> Node {
         if let Some(own) = points.iter().find(|point| point.is_own) {
             (self.mean, self.weight) = (own.values, own.weight);

@@ -72,6 +72,17 @@ pub struct Sides<'a> {
     pub keeps_all: bool,
 }
 
+/// What a node of a side has of a contact point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// The node; of nodes of which one follows the other that which is followed.
+    pub node: u32,
+    /// Its part, above zero.
+    pub part: f64,
+    /// The sector that the node is in where it is another one than that of the point.
+    pub turn: Option<Image>,
+}
+
 /// A contact point of a pair: a node of the nonmortar side that has a law of its own.
 #[derive(Clone, Debug)]
 pub struct MortarRow {
@@ -94,9 +105,9 @@ pub struct MortarRow {
     pub gap_of_rows: f64,
     /// Length of the part of B X across ν in m: the lever by which a pressure misses the balance of moments.
     pub lever: f64,
-    /// How a volume that is worn at the point is shared out among the nodes of its own and of the mortar side, in parts
-    /// above zero that sum to 1.
-    pub shares: [Vec<(u32, f64)>; 2],
+    /// How what happens at the point is shared out among the nodes of its own and of the mortar side, such as the volume
+    /// that wears off: in parts that sum to 1, Σ_i T_ki ∫H_i H_l. Entries of M take either sign.
+    pub shares: [Vec<Share>; 2],
     /// Directions in which the displacement is prescribed alike here and on the other side, so that friction has no
     /// component along them; filled up with zeros.
     pub held: [Point; 3],

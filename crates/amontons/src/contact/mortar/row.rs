@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::dual::Dual;
 use super::image::Image;
 use super::join::Joining;
-use super::{MortarRow, Pairing, Sides};
+use super::{MortarRow, Pairing, Share, Sides};
 use crate::mesh::leader;
 use crate::tensor::{Point, dot, length};
 
@@ -30,7 +30,7 @@ struct Gathered {
     weight: f64,
     own: BTreeMap<Key, f64>,
     other: BTreeMap<Key, f64>,
-    shares: [BTreeMap<u32, f64>; 2],
+    shares: [BTreeMap<Key, f64>; 2],
     /// The parts that its function is on, and whether they are turned back into its sector.
     parts: Vec<(usize, bool)>,
 }
@@ -128,7 +128,7 @@ impl Gathered {
             *self.own.entry((*node, shift)).or_default() += share * value;
         }
         let own = leader(sides.supports.links, nonmortar.node(part, a));
-        *self.shares[0].entry(own).or_default() += weight;
+        *self.shares[0].entry((own, 0)).or_default() += weight;
         for (other, values, hats) in &dual.other {
             let other = &mortar.parts()[*other];
             let power = shift + mortar.power(other.facet);
@@ -136,8 +136,10 @@ impl Gathered {
                 *self.other.entry((*node, power)).or_default() += share * value;
             }
             for (corner, hat) in hats[a].iter().take(other.corners.len()).enumerate() {
-                let node = leader(sides.supports.links, mortar.node(other, corner));
-                *self.shares[1].entry(node).or_default() += share * hat;
+                let node = mortar.node(other, corner);
+                let followed = leader(sides.supports.links, node);
+                let power = power + i8::from(followed != node);
+                *self.shares[1].entry((followed, power)).or_default() += share * hat;
             }
         }
     }
@@ -176,7 +178,11 @@ impl Gathered {
         let plain = |entries: Vec<(Key, f64)>| entries.into_iter().map(|((node, _), share)| (node, share)).collect();
         let shares = self.shares.map(|shares| {
             let sum: f64 = shares.values().sum();
-            shares.into_iter().filter(|(_, share)| *share > 0.0).map(|(node, share)| (node, share / sum)).collect()
+            let of = |((node, power), part): (Key, f64)| {
+                let turn = (power != 0).then(|| pairing.image(power));
+                Share { node, part: part / sum, turn }
+            };
+            shares.into_iter().filter(|(_, part)| *part > 0.0).map(of).collect()
         });
         let (own, other) = (plain(own), plain(other));
         Some(MortarRow { node, normal, weight, own, other, turned, gap, gap_of_rows, lever, shares, held: blocked })
