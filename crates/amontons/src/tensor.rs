@@ -353,6 +353,11 @@ pub(crate) fn safe_scale(largest: f64) -> f64 {
     }
 }
 
+/// Those of some directions, filled up with zeros, that are given.
+pub fn given(directions: &[Point; 3]) -> impl Iterator<Item = &Point> {
+    directions.iter().filter(|direction| direction.iter().any(|c| *c != 0.0))
+}
+
 /// Euclidean length of a vector, of any size: squares that under- or overflow are scaled first.
 #[must_use]
 pub fn length(a: &Point) -> f64 {

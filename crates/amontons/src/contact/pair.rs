@@ -143,13 +143,12 @@ impl ContactBoundary {
             x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
         }
         let bearing = |contact: &Contact| mesh.facets.get(contact.bearing()).map_or_else(Vec::new, FacetSet::node_list);
-        let moving: BTreeSet<u32> =
-            contacts.iter().filter(|contact| is_updated(contact)).flat_map(|contact| bearing(contact)).collect();
+        let moving: BTreeSet<u32> = contacts.iter().filter(|contact| is_updated(contact)).flat_map(&bearing).collect();
         // The laws of a pair that stays as it is may meet those of the others at a node.
         let meets = |contact: &Contact| bearing(contact).iter().any(|node| moving.contains(node));
-        let place = |contact: &Contact| match is_updated(contact) {
-            true => Some(x.as_slice()),
-            false => meets(contact).then_some(mesh.points.as_slice()),
+        let place = |contact: &Contact| {
+            let at_rest = || meets(contact).then_some(mesh.points.as_slice());
+            if is_updated(contact) { Some(x.as_slice()) } else { at_rest() }
         };
         let mut made = mortars(contacts, mesh, supports, place);
         made.retain(|(i, _)| is_updated(&contacts[*i]));

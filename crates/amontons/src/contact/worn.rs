@@ -116,11 +116,7 @@ impl WornSides {
     }
 
     /// The shares of a point in the vertices of the sides `on` and `with` that wear, with the numbers of these sides.
-    fn of_point(
-        &self,
-        contacts: &[Contact],
-        point: &PointOnBoundary,
-    ) -> [Option<(usize, Shares)>; 2] {
+    fn of_point(&self, contacts: &[Contact], point: &PointOnBoundary) -> [Option<(usize, Shares)>; 2] {
         let sides = self.of_contact.get(point.contact).copied().unwrap_or_default();
         let [own, other] = &point.shares;
         let shares = if contacts[point.contact].sign() > 0.0 { [own, other] } else { [other, own] };

@@ -15,7 +15,7 @@ use crate::linalg::{Share, Tangent, Turn};
 use crate::list::List;
 use crate::mesh::{cross, leader};
 use crate::space::Space;
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, given, length};
 
 /// Stiffness of one side of a pair relative to that of the other that is round-off.
 const NONE: f64 = 1e-13;
@@ -364,8 +364,8 @@ fn basis_at(point: &PointOnBoundary, nodes: &[u32], normal: &Point, space: &Spac
         let first = first.map(|c| c / length(&first));
         [*normal, first, cross(normal, &first)]
     };
-    if let Some(held) = point.held.into_iter().find(|held| *held != [0.0; 3]) {
-        return with_last(held);
+    if let Some(held) = given(&point.held).next() {
+        return with_last(*held);
     }
     let &[(node, _)] = point.nodes.as_slice() else { return usual };
     if !space.is_turned(nodes[node]) {

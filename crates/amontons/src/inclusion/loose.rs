@@ -285,7 +285,9 @@ impl Jumps {
         let mut matrix = Mat::<f64>::zeros(n, n);
         let mut add = |terms: &[(usize, f64)], sign: f64| {
             for &(i, a) in terms {
-                terms.iter().for_each(|&(j, b)| matrix[(i, j)] += sign * a * b);
+                for &(j, b) in terms {
+                    matrix[(i, j)] += sign * a * b;
+                }
             }
         };
         for free in held {

@@ -17,7 +17,7 @@ use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, 
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 use crate::list::List;
 use crate::space::Space;
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, given, length};
 
 /// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is
 /// 1 + λ G′ times the defect p − J. A defect of 1e-12 of the largest term is then one of 1e-9 in the pressure, which is
@@ -253,7 +253,7 @@ impl<'a> Mechanical<'a> {
     /// same; in the plane there is nothing to tie.
     pub fn held(&self, i: usize) -> [bool; 2] {
         let in_space = self.step.dim == 3;
-        match self.step.boundary.points[i].held.iter().filter(|held| **held != [0.0; 3]).count() {
+        match given(&self.step.boundary.points[i].held).count() {
             0 => [false; 2],
             _ if !in_space => [true, false],
             _ if self.contact(i).friction.never_slips() => [false; 2],

@@ -101,7 +101,9 @@ impl Mechanical<'_> {
         let Some(holds) = &self.holds else { return };
         holds.held.iter().for_each(|(_, spring)| tangent.hold(spring.clone()));
         let free = holds.jumps.free(&self.interface, resists, &holds.frees(), (false, holds.scale.len()));
-        Jumps::springs(&free, &holds.scale).into_iter().for_each(|spring| tangent.hold(spring));
+        for spring in Jumps::springs(&free, &holds.scale) {
+            tangent.hold(spring);
+        }
     }
 
     /// Solves the step: see [`super::MechanicalStep::solve`].

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use super::files::{Written, write_atomically};
 use super::{OutputError, Snapshot};
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
 use crate::contact::mortar::{Image, Share};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
 use crate::mesh::{FacetSet, link_of};
 use crate::problem::{Physics, with_supports};
 use crate::scheme::ContactReport;

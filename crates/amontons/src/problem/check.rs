@@ -80,11 +80,8 @@ impl ProblemData {
         // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
-        let exchange = self
-            .contacts
-            .iter()
-            .filter(|c| c.pair.is_none())
-            .map(|c| (c.on.as_str(), [true, c.warms_from_foundation()]));
+        let foundations = self.contacts.iter().filter(|c| c.pair.is_none());
+        let exchange = foundations.map(|c| (c.on.as_str(), [true, c.warms_from_foundation()]));
         let sides =
             self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
         for (on, holds) in sides {

@@ -140,13 +140,11 @@ impl Teller<'_> {
         };
         let (inside, outside) = (of(true), of(false));
         let region = inside.first().filter(|region| inside.len() == 1 && !outside.contains(region));
-        match region.and_then(|region| self.mesh.regions.get(*region)) {
-            Some(name) => format!("body `{name}`"),
-            None => {
-                let [low, high] = own.bounds(self.mesh);
-                format!("part {} of the body, from {} to {},", part + 1, self.place(&low), self.place(&high))
-            }
+        if let Some(name) = region.and_then(|region| self.mesh.regions.get(*region)) {
+            return format!("body `{name}`");
         }
+        let [low, high] = own.bounds(self.mesh);
+        format!("part {} of the body, from {} to {},", part + 1, self.place(&low), self.place(&high))
     }
 
     /// A place with as many digits as are of use.

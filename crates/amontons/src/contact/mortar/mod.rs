@@ -39,12 +39,13 @@ mod sight;
 mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
 use super::Supports;
 use crate::mesh::{FacetSet, Mesh, leader};
-use crate::tensor::Point;
+use crate::tensor::{Point, given};
 pub use facing::{Facing, facing};
 pub use image::Image;
 
@@ -215,7 +216,7 @@ impl<'a> Pairing<'a> {
         let Supports { held, links, .. } = self.sides.supports;
         let shared: BTreeSet<u32> = self.sides.mortar.node_list().iter().map(|&node| leader(links, node)).collect();
         let dim = self.sides.mesh.dim;
-        let is_held = |node: u32| held(node).iter().filter(|direction| **direction != [0.0; 3]).count() >= dim;
+        let is_held = |node: u32| given(&held(node)).count() >= dim;
         let is_named = |number: usize| {
             let node = self.candidates.all[number].node;
             is_crossed(node) || shared.contains(&node) || is_held(node) && self.faced(number).into_iter().any(is_held)
@@ -234,14 +235,9 @@ fn covered(sides: &Sides, nonmortar: &Facets, mortar: &Facets) -> Vec<Covered> {
     let parts = nonmortar.parts();
     let mut all: Vec<Covered> = parts.par_iter().map(|part| cut::covered(nonmortar, &opposite, part)).collect();
     if all.iter().any(|covered| covered.is_far) {
-        let made;
-        let boundary = match sides.supports.boundary {
-            Some(known) => known.get_or_init(|| sight::boundary(sides.mesh, sides.supports.links)),
-            None => {
-                made = sight::boundary(sides.mesh, sides.supports.links);
-                &made
-            }
-        };
+        let own = OnceLock::new();
+        let known = sides.supports.boundary.unwrap_or(&own);
+        let boundary = known.get_or_init(|| sight::boundary(sides.mesh, sides.supports.links));
         let facets = Facets::new(sides.mesh, sides.x, boundary, &[Image::SELF]);
         let sight = Sight::new(&facets);
         opposite.sight = Some(&sight);

@@ -7,7 +7,7 @@ use super::image::Image;
 use super::join::Joining;
 use super::{MortarRow, Pairing, Share, Sides};
 use crate::mesh::leader;
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, given, length};
 
 /// Coefficients of a row, relative to 1, that are round-off.
 const ROUND_OFF: f64 = 1e-15;
@@ -224,9 +224,10 @@ fn along_supports(sum: &Point, held: &[Point; 3]) -> Option<Point> {
 /// The directions along the side in which the displacement is prescribed at a node and alike at a node that it faces:
 /// the shear vanishes in planes of symmetry, and the slip along these directions would be that of the neighbours alone.
 fn blocked(sides: &Sides, node: u32, normal: &Point, held: &[Point; 3], other: &[(Key, f64)]) -> [Point; 3] {
-    let is_alike = |direction: &Point| {
+    let is_alike = |direction: &&Point| {
         let alike = |((l, power), _): &(Key, f64)| *power == 0 && (sides.supports.alike)(node, *l, direction);
         dot(direction, normal).abs() <= ALONG && other.iter().any(alike)
     };
-    held.map(|direction| if direction != [0.0; 3] && is_alike(&direction) { direction } else { [0.0; 3] })
+    let mut blocked = given(held).filter(is_alike);
+    std::array::from_fn(|_| blocked.next().copied().unwrap_or_default())
 }
