@@ -161,8 +161,8 @@ impl Space {
         self.held_directions(node).count() == self.components
     }
 
-    /// Whether the values at two nodes are prescribed alike in a direction: by the same number, or by the same function of
-    /// time.
+    /// Whether the values at two nodes are prescribed alike in a direction: by the same number, or by the same function
+    /// of time.
     #[must_use]
     pub fn is_alike(&self, nodes: [u32; 2], direction: &Point) -> bool {
         let [Some(a), Some(b)] = nodes.map(|node| self.source(node, direction)) else { return false };

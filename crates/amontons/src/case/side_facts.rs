@@ -1,5 +1,5 @@
-//! What is known of the sides of a pair: what the bodies behind them are made of, their facets, what holds them, and how
-//! much of one the other faces. By these friction heat is shared out, and the side is chosen that bears the contact
+//! What is known of the sides of a pair: what the bodies behind them are made of, their facets, what holds them, and
+//! how much of one the other faces. By these friction heat is shared out, and the side is chosen that bears the contact
 //! points.
 
 use std::cell::OnceCell;
@@ -46,8 +46,8 @@ impl<'m> SideFacts<'m> {
         })
     }
 
-    /// Whether the second side of a pair bears the contact points where the case does not say which does. In this order,
-    /// each with some play so that round-off decides nothing:
+    /// Whether the second side of a pair bears the contact points where the case does not say which does. In this
+    /// order, each with some play so that round-off decides nothing:
     ///
     /// 1. a side of which not every node is held as a whole;
     /// 2. that of the softer body, whatever the meshes;

@@ -199,8 +199,8 @@ pub struct PointOnBoundary {
     pub nodes: Vec<(usize, f64)>,
     /// How many of these are on the side of the point; they come first.
     pub own: usize,
-    /// Entries of `nodes`, by their numbers, whose nodes are in another sector: vectors there are turned into that of the
-    /// point. None but at the cut of a sector.
+    /// Entries of `nodes`, by their numbers, whose nodes are in another sector: vectors there are turned into that of
+    /// the point. None but at the cut of a sector.
     pub turned: Vec<(usize, Image)>,
     /// The gap of the geometry of a pair in m; zero at a foundation.
     pub gap: f64,
@@ -208,11 +208,11 @@ pub struct PointOnBoundary {
     pub clamped: f64,
     /// What was added to the gap to close an overlap of the bodies at rest, m.
     pub closed: f64,
-    /// Of a pair how what happens at the point is shared out among the nodes of its own and of the other side; empty at a
-    /// foundation.
+    /// Of a pair how what happens at the point is shared out among the nodes of its own and of the other side; empty at
+    /// a foundation.
     pub shares: [Vec<Share>; 2],
-    /// Directions along the side in which friction has no component, filled up with zeros: those in which both sides of a
-    /// pair are held alike.
+    /// Directions along the side in which friction has no component, filled up with zeros: those in which both sides of
+    /// a pair are held alike.
     pub held: [Point; 3],
 }
 

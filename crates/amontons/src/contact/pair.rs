@@ -153,8 +153,8 @@ impl ContactBoundary {
         let mut made = mortars(contacts, mesh, supports, place);
         made.retain(|(i, _)| is_updated(&contacts[*i]));
         let mut boundary = self.with(mesh, &made);
-        // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), and by how much the gap was brought into its range
-        // and an overlap closed.
+        // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), and by how much the gap was brought into its
+        // range and an overlap closed.
         let of_pairs = boundary.points.iter_mut().zip(&self.points);
         for (point, at_rest) in of_pairs.filter(|(point, _)| is_updated(&contacts[point.contact])) {
             point.closed = at_rest.closed;

@@ -352,8 +352,8 @@ fn cosine(a: &Point, b: &Point) -> f64 {
     if cosine.abs() < NOTHING { 0.0 } else { cosine }
 }
 
-/// The basis of a point. A tangent along which friction has no component is the last, and so is one along which the node
-/// of a foundation is held in no direction of the axes.
+/// The basis of a point. A tangent along which friction has no component is the last, and so is one along which the
+/// node of a foundation is held in no direction of the axes.
 fn basis_at(point: &PointOnBoundary, nodes: &[u32], normal: &Point, space: &Space) -> [Point; 3] {
     let usual = basis(normal, space.components);
     if space.components < 3 {

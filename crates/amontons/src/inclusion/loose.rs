@@ -8,9 +8,9 @@
 //!     A = Σ_i Σ_d (d·N_i Z)ᵀ (d·N_i Z),       a resisted motion has aᵀ A a > 0,
 //! ```
 //!
-//! d the directions in which the point i resists. Each motion that is left is held by a spring of its own, v vᵀ α on the
-//! unknowns, with α the mean stiffness of S over it: where nothing loads the motion, the spring bears nothing, and the
-//! solution of the system is that of least motion.
+//! d the directions in which the point i resists. Each motion that is left is held by a spring of its own, v vᵀ α on
+//! the unknowns, with α the mean stiffness of S over it: where nothing loads the motion, the spring bears nothing, and
+//! the solution of the system is that of least motion.
 //!
 //! A curved side is known as well as its facets are: the motion of a shaft about its axis moves its points along their
 //! normals by the angle between these and the facets. A motion that moves all points by no more than that is not
@@ -404,8 +404,9 @@ impl Jumps {
         resists.iter().filter(|d| d.iter().any(|c| *c != 0.0)).map(of).fold(0.0, f64::max).sqrt()
     }
 
-    /// The springs of motions in a tangent, with the energy of D = diag(S) along them: D V (Vᵀ D V)⁻¹ Vᵀ D. The motion is
-    /// measured by D, so that a stiff part is moved towards what holds it, however far soft parts that hang on it sag.
+    /// The springs of motions in a tangent, with the energy of D = diag(S) along them: D V (Vᵀ D V)⁻¹ Vᵀ D. The motion
+    /// is measured by D, so that a stiff part is moved towards what holds it, however far soft parts that hang on it
+    /// sag.
     pub fn springs(free: &[Free], scale: &[f64]) -> Vec<Spring> {
         let n = free.len();
         if n == 0 {
@@ -428,7 +429,8 @@ impl Jumps {
         (0..n).filter(|&k| values[k] > 0.0).map(of).collect()
     }
 
-    /// The spring that holds a motion, with the mean stiffness of the operator over it; `scale` is that of its unknowns.
+    /// The spring that holds a motion, with the mean stiffness of the operator over it; `scale` is that of its
+    /// unknowns.
     pub fn spring(free: &Free, scale: &[f64]) -> Spring {
         let of = |(at, (value, scale)): (usize, (&f64, &f64))| (at as u32, *value, scale * value * value);
         let entries = free.vector.iter().zip(scale).enumerate().filter(|(_, (value, _))| **value != 0.0).map(of);

@@ -249,8 +249,8 @@ impl<'a> Mechanical<'a> {
         self.interface.rows.iter().enumerate().map(of).collect()
     }
 
-    /// Along which tangents there is no friction, since both sides are held alike there. A tie in space holds them all the
-    /// same; in the plane there is nothing to tie.
+    /// Along which tangents there is no friction, since both sides are held alike there. A tie in space holds them all
+    /// the same; in the plane there is nothing to tie.
     pub fn held(&self, i: usize) -> [bool; 2] {
         let in_space = self.step.dim == 3;
         match given(&self.step.boundary.points[i].held).count() {

@@ -274,6 +274,7 @@ impl Body {
             loose: report.loose,
             reactions: report.reactions,
             contact: ContactReport {
+                boundary: None,
                 weights: report.points.iter().map(|p| p.weight).collect(),
                 rubbed: report.points.iter().map(|p| p.rubbed).collect(),
                 states: report

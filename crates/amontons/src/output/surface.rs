@@ -79,7 +79,7 @@ pub(crate) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
 pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Result<Written, OutputError> {
     static NONE: FacetSet = FacetSet { blocks: Vec::new() };
     let (problem, mesh) = (now.problem, &now.problem.mesh);
-    let boundary = boundary(now);
+    let boundary = boundary(now, report);
     let mut cells = Cells { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
     let (mut points, mut nodes, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
     for (number, side) in sides(&problem.contacts).enumerate() {
@@ -111,9 +111,12 @@ impl Field {
     }
 }
 
-/// Γ_C of a snapshot: a pair that is updated faces what is opposite to it now.
-fn boundary(now: &Snapshot) -> Arc<ContactBoundary> {
+/// Γ_C as the step saw it; after a break, what a pair that is updated faces now.
+fn boundary(now: &Snapshot, report: &ContactReport) -> Arc<ContactBoundary> {
     let Snapshot { problem, discretization, state, .. } = *now;
+    if let Some(boundary) = &report.boundary {
+        return Arc::clone(boundary);
+    }
     let of = |supports: Supports| discretization.boundary.updated(&problem.contacts, &problem.mesh, &state.u, supports);
     let updated = with_supports(&discretization.v, Some(&discretization.outside), of);
     updated.unwrap_or_else(|| Arc::clone(&discretization.boundary))
@@ -272,8 +275,8 @@ impl Node {
     /// With its own point; without one, with the mean of the points that it takes part in.
     ///
     /// Where nodes have points of their own (`has_own`), one without is in the middle of a quadratic facet, whose area
-    /// is that of its vertices. Elsewhere the area of a node is the sum of its shares. Those of Gauss points are values of
-    /// shape functions, whose sum is positive but for the corners of quadratic facets, where their sizes count.
+    /// is that of its vertices. Elsewhere the area of a node is the sum of its shares. Those of Gauss points are values
+    /// of shape functions, whose sum is positive but for the corners of quadratic facets, where their sizes count.
     fn with(mut self, points: &[OfPoint], has_own: bool) -> Node {
         if let Some(own) = points.iter().find(|point| point.is_own) {
             (self.mean, self.weight) = (own.values, own.weight);
@@ -369,8 +372,8 @@ mod tests {
         }
 
         fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
-            let boundary = boundary(last);
             self.1 = last.report.unwrap().contact.clone();
+            let boundary = boundary(last, &self.1);
             self.0 = sides(&last.problem.contacts)
                 .map(|side| on_side(last, &self.1, &boundary, &side, &last.problem.mesh.facets[side.name].node_list()))
                 .collect();

@@ -9,8 +9,8 @@ use crate::contact::{Contact, Quadrature, Supports};
 use crate::mesh::FacetSet;
 use crate::space::Space;
 
-/// Something made with what holds the nodes of a body: with the directions that a space prescribes. `boundary` keeps the
-/// facets that bound the bodies from one pairing to the next.
+/// Something made with what holds the nodes of a body: with the directions that a space prescribes. `boundary` keeps
+/// the facets that bound the bodies from one pairing to the next.
 pub fn with_supports<T>(space: &Space, boundary: Option<&OnceLock<FacetSet>>, make: impl FnOnce(Supports) -> T) -> T {
     make(Supports {
         held: &|node| space.held(node),

@@ -7,8 +7,8 @@ use crate::contact::Contact;
 use crate::mesh::Mesh;
 use crate::tensor::{Point, dot, length};
 
-/// Largest angle between the normal of a facet and the mean at a node that is a matter of the mesh: where facets turn by
-/// more than 35° at a node, the side has a kink there.
+/// Largest angle between the normal of a facet and the mean at a node that is a matter of the mesh: where facets turn
+/// by more than 35° at a node, the side has a kink there.
 const KINK: f64 = 0.300_705_799_504_273;
 
 /// Sines of the largest angles between the normals of the facets of the sides of contact and their means at the nodes,

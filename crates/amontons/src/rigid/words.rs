@@ -16,6 +16,9 @@ const DIGITS: f64 = 1e-4;
 /// that span the same space as others are told as simply as they can be: as few parts move in each as may.
 #[must_use]
 pub fn described(mesh: &Mesh, motions: &[Motion], sums: &[Vec<f64>]) -> Vec<String> {
+    if sums.is_empty() {
+        return Vec::new();
+    }
     let parts = components(mesh);
     let bounds = |low: bool, d: usize| {
         let at = mesh.points.iter().map(|x| x[d]);

@@ -357,8 +357,9 @@ impl BackwardEuler {
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
         }
-        let (mut state, report, products) = made.end(&now, ledger);
+        let (mut state, mut report, products) = made.end(&now, ledger);
         state.counts.krylov_iterations += krylov;
+        report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
         // Products of a deformation are made anew, as after a break.
         self.products = state.carried.rigid.is_empty().then_some(products);
         Ok((state, report))
@@ -414,6 +415,7 @@ impl Made {
             reactions: Reactions { force: mechanics.reactions, heat: heat.reactions },
             contact: ContactReport {
                 moments: step.moments(&mechanics.states),
+                boundary: None,
                 weights: step.boundary.points.iter().map(|point| point.weight).collect(),
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,

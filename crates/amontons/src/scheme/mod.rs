@@ -23,7 +23,7 @@ pub use system::{ACCEPTED, REFINE};
 use std::fmt;
 use std::sync::Arc;
 
-use crate::contact::{Flux, Status};
+use crate::contact::{ContactBoundary, Flux, Status};
 use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::{Account, Backend, Decided, SolveError, TangentKey};
 use crate::list::List;
@@ -175,6 +175,9 @@ impl Contraction {
 /// State of the contact points.
 #[derive(Clone, Debug, Default)]
 pub struct ContactReport {
+    /// Γ_C of the step where pairs are made anew; none where it is that of the bodies at rest, and where the step was
+    /// made before a break.
+    pub boundary: Option<Arc<ContactBoundary>>,
     /// Weight ω of each contact point in the step, m^(d−1): pairs may be made anew.
     pub weights: List<f64>,
     /// Kinematics and tractions.

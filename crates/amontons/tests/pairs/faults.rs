@@ -174,8 +174,8 @@ fn what_faces_what_is_told() {
     assert_eq!(faced(&deep).status, FindingStatus::Holds);
 }
 
-/// Where no side is named: that of the softer body; of similar ones the one that is covered more, then the finer, then the
-/// smaller one.
+/// Where no side is named: that of the softer body; of similar ones the one that is covered more, then the finer, then
+/// the smaller one.
 #[test]
 fn the_softer_then_the_covered_then_the_finer_side_is_nonmortar() {
     let bearing = |text: &str| {

@@ -1,6 +1,6 @@
-//! The coupling of pairs against an independent program: fifteen small cases (`reference/pairs`), each with its weights,
-//! normals, gaps, rows, pressures, friction and displacements. They show joined rims, facing within 35°, kinks, held nodes,
-//! the range of gaps, and the functions of quadratic facets.
+//! The coupling of pairs against an independent program: fifteen small cases (`reference/pairs`), each with its
+//! weights, normals, gaps, rows, pressures, friction and displacements. They show joined rims, facing within 35°,
+//! kinks, held nodes, the range of gaps, and the functions of quadratic facets.
 
 use std::collections::{BTreeMap, BTreeSet};
 

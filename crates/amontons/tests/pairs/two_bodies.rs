@@ -202,9 +202,9 @@ struct Point {
     power: f64,
 }
 
-/// Whether a count tells states: without friction, and at nodes that bear none, open or not is all that does. Nodes at the
-/// rim of a side that is partly covered have no law of their own here: the curved sides of `d-hertz` are, far from the
-/// contact.
+/// Whether a count tells states: without friction, and at nodes that bear none, open or not is all that does. Nodes at
+/// the rim of a side that is partly covered have no law of their own here: the curved sides of `d-hertz` are, far from
+/// the contact.
 fn tells(run: &Run, quantity: &str) -> bool {
     if quantity.ends_with("_open") && run.case.problem.name.starts_with("d-hertz") {
         return false;
@@ -324,9 +324,12 @@ fn assert_nodes(name: &str, run: &Run, nodes: &[BTreeMap<String, String>], scale
             let away = |p: &Point| (0..3).map(|c| (p.x[c] - x[c]).abs()).fold(0.0, f64::max);
             let point = points.iter().min_by(|a, b| away(a).total_cmp(&away(b))).expect("a point");
             assert!(away(point) < 1e-12, "{name}: no contact point at {x:?}");
+            // Normals of sides that are covered in part are means by the lengths of the facets, which differ here by
+            // half the square of the slope, 2e-4 at the edge of contact, between facets that turn by 1e-3.
+            let tolerance = if turns_away { 1e-7 } else { TOLERANCE };
             let near = |what: &str, computed: f64, expected: f64, scale: f64| {
                 assert!(
-                    (computed - expected).abs() <= TOLERANCE * scale,
+                    (computed - expected).abs() <= tolerance * scale,
                     "{name}, {what} at {x:?}: {computed:e}, expected {expected:e}, scale {scale:e}"
                 );
             };

@@ -5,8 +5,8 @@
 //!     ψ_a = ∫H_a / |c|                                 else
 //! ```
 //!
-//! Both have Σ_a ψ_a = 1 and ∫ψ_a = ∫H_a, so that weights are positive and a constant pressure is exact. The second needs
-//! no inverse on slivers.
+//! Both have Σ_a ψ_a = 1 and ∫ψ_a = ∫H_a, so that weights are positive and a constant pressure is exact. The second
+//! needs no inverse on slivers.
 
 use faer::Mat;
 use faer::prelude::Solve;
@@ -80,7 +80,8 @@ fn constant(weight: &[f64], samples: &[Sample]) -> Vec<Vec<f64>> {
     weight.iter().map(|own| vec![own / covered; samples.len()]).collect()
 }
 
-/// ψ_a by corner and sample: those dual to the hats. The Gram matrix is scaled by its diagonal before it is solved with.
+/// ψ_a by corner and sample: those dual to the hats. The Gram matrix is scaled by its diagonal before it is solved
+/// with.
 fn dual(
     n: usize,
     weight: &[f64],

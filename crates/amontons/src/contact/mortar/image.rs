@@ -24,8 +24,8 @@ impl Image {
     /// The side itself.
     pub const SELF: Image = Image { power: 0, turn: AXES, shift: [0.0; 3] };
 
-    /// The turn that makes the next sector from that of a side with these nodes; none of a body that is no sector. Nodes
-    /// are at `x`.
+    /// The turn that makes the next sector from that of a side with these nodes; none of a body that is no sector.
+    /// Nodes are at `x`.
     pub(super) fn next(links: &[Link], x: &[Point], nodes: &[u32]) -> Option<Image> {
         let link = nodes.iter().find_map(|&node| link_of(links, node))?;
         let [node, to] = [link.node, link.to].map(|node| x[node as usize]);
@@ -87,7 +87,8 @@ fn turned(turn: &[Point; 3], v: &Point) -> Point {
 mod tests {
     use super::*;
 
-    /// The turn of a link brings the node that is followed to that which follows, and made forth and back brings it home.
+    /// The turn of a link brings the node that is followed to that which follows, and made forth and back brings it
+    /// home.
     #[test]
     fn a_sector_turned_forth_and_back_is_where_it_was() {
         let (s, c) = 0.7f64.sin_cos();

@@ -1,9 +1,10 @@
 //! Which candidates have a law of their own, and to which of these the others give their functions.
 //!
-//! A node whose hat is covered by a sliver only would have a force as small as the sliver and a pressure of any size: it
-//! is *joined* to its neighbours (the idea of E. Béchet, N. Moës and B. Wohlmuth, IJNME 78 (2009) 931, for cut meshes, on
-//! the covered part of a side). So are nodes at which two laws would meet: at a kink between two patches, of two pairs, on
-//! both sides; and a node that is held as a whole and faces another one that is: nothing determines a traction there.
+//! A node whose hat is covered by a sliver only would have a force as small as the sliver and a pressure of any size:
+//! it is *joined* to its neighbours (the idea of E. Béchet, N. Moës and B. Wohlmuth, IJNME 78 (2009) 931, for cut
+//! meshes, on the covered part of a side). So are nodes at which two laws would meet: at a kink between two patches, of
+//! two pairs, on both sides; and a node that is held as a whole and faces another one that is: nothing determines a
+//! traction there.
 
 use super::candidate::Candidates;
 use super::cut::Covered;
@@ -20,8 +21,8 @@ const COVERED: f64 = 1e-12;
 pub(super) struct Joining {
     /// Whether a candidate has a law of its own.
     pub has_law: Vec<bool>,
-    /// T_ki by i: the candidates k with their parts, which sum to 1; itself of a candidate with a law, none of one that is
-    /// not covered.
+    /// T_ki by i: the candidates k with their parts, which sum to 1; itself of a candidate with a law, none of one that
+    /// is not covered.
     pub to: Vec<Vec<(usize, f64)>>,
 }
 

@@ -15,17 +15,17 @@
 //!   its nodes span. Facets face each other within 35° of opposite normals, the nearest counts of those behind each
 //!   other, and `sight`: none with a body between them.
 //! - `candidate`: nodes with *hats* H, the linear functions of the parts, on *patches* without a kink.
-//! - `join`: a node that is covered too little for a law of its own, or that two laws would meet at, gives its function to
-//!   its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
+//! - `join`: a node that is covered too little for a law of its own, or that two laws would meet at, gives its function
+//!   to its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
 //! - `dual`: the functions ψ, dual to the hats.
-//! - The gap of a point, −ν·(B X), is kept within the range of the distances on the support of φ_k: dual functions weigh
-//!   a part of the wedge beside a corner negatively, and bodies that touch would overlap.
+//! - The gap of a point, −ν·(B X), is kept within the range of the distances on the support of φ_k: dual functions
+//!   weigh a part of the wedge beside a corner negatively, and bodies that touch would overlap.
 //! - `image`: of a sector, facets face those of the neighbouring sectors, too, and a node on the cut has the facets on
 //!   both sides of it.
 //!
 //! Sources: dual functions, B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989; on covered parts, T. Cichosz and M.
-//! Bischoff, CMAME 200 (2011) 1317; averaged normals and the gap along them, A. Popp, M. Gee and W. Wall, IJNME 79 (2009)
-//! 1354; the facet as plane of projection, M. Puso and T. Laursen, CMAME 193 (2004) 601. Record 22.
+//! Bischoff, CMAME 200 (2011) 1317; averaged normals and the gap along them, A. Popp, M. Gee and W. Wall, IJNME 79
+//! (2009) 1354; the facet as plane of projection, M. Puso and T. Laursen, CMAME 193 (2004) 601. Record 22.
 
 mod candidate;
 mod cut;
@@ -106,8 +106,8 @@ pub struct MortarRow {
     pub gap_of_rows: f64,
     /// Length of the part of B X across ν in m: the lever by which a pressure misses the balance of moments.
     pub lever: f64,
-    /// How what happens at the point is shared out among the nodes of its own and of the mortar side, such as the volume
-    /// that wears off: in parts that sum to 1, Σ_i T_ki ∫H_i H_l. Entries of M take either sign.
+    /// How what happens at the point is shared out among the nodes of its own and of the mortar side, such as the
+    /// volume that wears off: in parts that sum to 1, Σ_i T_ki ∫H_i H_l. Entries of M take either sign.
     pub shares: [Vec<Share>; 2],
     /// Directions in which the displacement is prescribed alike here and on the other side, so that friction has no
     /// component along them; filled up with zeros.

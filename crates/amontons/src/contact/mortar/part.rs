@@ -137,8 +137,8 @@ impl<'a> Facets<'a> {
         })
     }
 
-    /// Unit outward normal of a facet at one of its nodes: where the facet is curved, that of the curve there, as a mean
-    /// over the facet would be off by the order of its size.
+    /// Unit outward normal of a facet at one of its nodes: where the facet is curved, that of the curve there, as a
+    /// mean over the facet would be off by the order of its size.
     pub fn normal_at(&self, facet: usize, local: usize) -> Point {
         let (element, nodes) = self.facet(facet);
         let mut gradients = [[0.0; 3]; MAX_NODES];

@@ -69,9 +69,9 @@ pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
     rows
 }
 
-/// Whether the side is covered as a whole, each node with a law of its own: all facets at a node then count alike in its
-/// normal, in the place of each by the integral of the function on it. Both means differ by a quarter of the product of
-/// how much two neighbours differ in size and in direction.
+/// Whether the side is covered as a whole, each node with a law of its own: all facets at a node then count alike in
+/// its normal, in the place of each by the integral of the function on it. Both means differ by a quarter of the
+/// product of how much two neighbours differ in size and in direction.
 fn is_covered_whole(pairing: &Pairing, joining: &Joining) -> bool {
     let Pairing { nonmortar, candidates, .. } = pairing;
     let corners = nonmortar.parts().iter().zip(&candidates.shares);

@@ -22,9 +22,9 @@ pub(super) struct Line<'p> {
     pub to: Point,
 }
 
-/// The facets that bound the bodies of a mesh. Two parts see each other along a line that crosses none of them: in a gap
-/// it then runs outside of all bodies, and where bodies overlap it leaves neither, which makes the overlap shallower
-/// than both.
+/// The facets that bound the bodies of a mesh. Two parts see each other along a line that crosses none of them: in a
+/// gap it then runs outside of all bodies, and where bodies overlap it leaves neither, which makes the overlap
+/// shallower than both.
 pub(super) struct Sight<'a> {
     tree: Tree<'a>,
 }

@@ -59,8 +59,8 @@ impl<'p> Tree<'p> {
         place
     }
 
-    /// The parts whose sphere `meets` something, with their numbers, in their order. What meets a sphere must meet every
-    /// sphere around it.
+    /// The parts whose sphere `meets` something, with their numbers, in their order. What meets a sphere must meet
+    /// every sphere around it.
     pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<(usize, &'p Part)> {
         let (mut open, mut found) = (vec![0], Vec::new());
         while let Some(sphere) = open.pop().map(|place: usize| &self.spheres[place]) {
