@@ -340,7 +340,7 @@ fn a_folder_that_cannot_be_written_is_named() {
 
 /// A body that only contact without friction holds against a load along it: the load is named, not round-off.
 #[test]
-fn a_body_that_slides_without_resistance_is_told_apart_from_round_off() {
+fn a_body_that_slides_without_resistance_is_refused_in_words() {
     let folder = tempdir().expect("a folder");
     let file = folder.path().join("slide.toml");
     let case = "name = \"slide\"\n[mesh]\nkind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 4\n[time]\nend = 1.0\nsteps = 2\n\
@@ -353,6 +353,6 @@ fn a_body_that_slides_without_resistance_is_told_apart_from_round_off() {
         let (out, set) = (folder.path().join(solver).display().to_string(), format!("solver.solver=\"{solver}\""));
         let printed = output(&mut amontons(&["run", &file.display().to_string(), "--out", &out, "--set", &set]));
         assert_code(&printed, 3);
-        assert!(stderr(&printed).contains("it slides or turns without resistance"), "{}", stderr(&printed));
+        assert!(stderr(&printed).contains("the body moves along (1, 0)"), "{}", stderr(&printed));
     }
 }

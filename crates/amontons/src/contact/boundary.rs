@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::mortar::{Image, Mortar, MortarRow, Share};
-use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
+use super::{
+    FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw,
+};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::list::List;
@@ -134,6 +136,13 @@ impl Contact {
     #[must_use]
     pub fn rubs(&self) -> bool {
         self.pair.is_some()
+    }
+
+    /// Whether the contact is a tie: two sides that neither part nor slip, and keep the distance that they have at
+    /// rest.
+    #[must_use]
+    pub fn is_tie(&self) -> bool {
+        self.pair.is_some() && self.normal.graph() == GraphKind::Bilateral && self.friction.never_slips()
     }
 
     /// The same contact with this law p_τ.

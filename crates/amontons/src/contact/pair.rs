@@ -31,7 +31,7 @@ pub struct Pair {
     pub geometry: Geometry,
     /// Whether the gap is the datum alone, and not that of the geometry.
     pub gap_is_given: bool,
-    /// Whether bodies that overlap at rest are taken to touch there.
+    /// Whether bodies that overlap at rest are taken to touch there. The sides of a tie always are.
     pub closes: bool,
 }
 
@@ -116,7 +116,10 @@ impl ContactBoundary {
         }
         let mut boundary = ContactBoundary::of(mesh, &sides);
         for point in &mut boundary.points {
-            if contacts[point.contact].pair.as_ref().is_some_and(|pair| pair.closes) {
+            let contact = &contacts[point.contact];
+            if contact.is_tie() && point.own < point.nodes.len() {
+                (point.closed, point.gap) = (0.0 - point.gap, 0.0);
+            } else if contact.pair.as_ref().is_some_and(|pair| pair.closes) {
                 point.closed = (0.0 - point.gap).max(0.0);
                 point.gap += point.closed;
             }

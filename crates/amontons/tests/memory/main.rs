@@ -40,20 +40,19 @@ solver = "direct"
 "#
 );
 
-/// Benchmarks of further laws and supports.
-const NAMES: [&str; 12] = [
+/// Benchmarks of further laws and supports. Not those of bodies that contact alone holds, whose motions are looked at
+/// in each step, and of pairs that wear, whose depths are: they take memory for it.
+const NAMES: [&str; 10] = [
     "bouncing-bar-signorini",
     "bowl-oscillation",
     "conveyor-drift",
     "creep-standard-linear-solid",
-    "foundation-two-capacities",
     "manufactured-b-time",
     "obstacle-plane-stick",
     "pair-dragged-block",
     "pair-friction-heat",
     "rod-on-springs",
     "stribeck-steady-sliding",
-    "wear-pin",
 ];
 
 /// How often memory is taken for the factor of a contact pattern that is new, as long as less than eight are kept: for
@@ -74,33 +73,37 @@ fn taken(problem: &Problem) -> Vec<usize> {
     (0..problem.steps).map(step).collect()
 }
 
-/// A step that needs more lists at once than any before it takes memory; the first one for all of them.
-fn assert_untaken(name: &str, problem: &Problem) {
+/// A step that needs more lists at once than any before it takes memory; the first one for all of them. Otherwise what
+/// was taken is told.
+fn told(name: &str, problem: &Problem) -> Option<String> {
     let taken = taken(problem);
     let (first, later) = taken.split_first().expect("a step");
     assert!(*first > 0, "{name}: nothing is counted");
-    assert!(later.iter().sum::<usize>() <= 8, "{name}: {taken:?}");
-    assert!(later[problem.steps / 2..].iter().all(|taken| *taken == 0), "{name}: {taken:?}");
+    let holds = later.iter().sum::<usize>() <= 8 && later[problem.steps / 2..].iter().all(|taken| *taken == 0);
+    (!holds).then(|| format!("{name}: {:?}", &taken[..taken.len().min(50)]))
 }
 
 /// The paper's case and a box, of few cells and of many. And further laws and supports: Signorini's contact, obstacles,
-/// pairs, springs, supports that move, creep, wear, foundations that warm up. In one test: lists of several would come
+/// pairs, springs, supports that move, creep. In one test: lists of several would come
 /// between.
 #[test]
 fn steps_take_no_memory() {
+    let mut problems = Vec::new();
     for quadrature in ["nodal", "gauss"] {
         for n in [8, 32, 128] {
             let overrides =
                 [format!("mesh.n={n}"), "time.steps=40".to_owned(), format!("contact.quadrature={quadrature}")];
-            assert_untaken(&overrides.join(", "), &common::case("cases/paper.toml", &overrides).problem);
+            problems.push((overrides.join(", "), common::case("cases/paper.toml", &overrides).problem));
         }
     }
     for n in [3, 6, 10] {
         let case = case::parse(&Source::new("box.toml", BOX), &[format!("mesh.n={n}")]);
-        assert_untaken(&format!("a box of n = {n}"), &case.unwrap_or_else(|faults| panic!("{faults}")).problem);
+        problems.push((format!("a box of n = {n}"), case.unwrap_or_else(|faults| panic!("{faults}")).problem));
     }
     for (name, text) in BENCHMARKS.iter().filter(|(name, _)| NAMES.contains(name)) {
         let case = case::parse(&benchmark(name, text), &["solver.solver=direct".to_owned()]);
-        assert_untaken(name, &case.unwrap_or_else(|faults| panic!("{faults}")).problem);
+        problems.push(((*name).to_owned(), case.unwrap_or_else(|faults| panic!("{faults}")).problem));
     }
+    let told: Vec<String> = problems.iter().filter_map(|(name, problem)| told(name, problem)).collect();
+    assert!(told.is_empty(), "{}", told.join("\n"));
 }

@@ -522,8 +522,8 @@ fn a_run_goes_on_with_the_solver_that_it_began_with() {
     assert_eq!(last(&resumed), last(&whole));
 }
 
-/// A belt of slender cells around a drum: in the plane a factor is taken, whichever way the drum turns. The tensions are
-/// as the exponential of friction and angle.
+/// A belt of slender cells around a drum: in the plane a factor is taken, whichever way the drum turns. The tensions
+/// are as the exponential of friction and angle.
 #[test]
 fn a_belt_of_slender_cells_is_solved_with_a_factor() {
     let belt = |sets: &[&str]| {

@@ -130,3 +130,32 @@ fn meshes_turned_against_each_other_pass_a_uniform_stress() {
         }
     }
 }
+
+/// Rings whose polygons do not match, tied and without a load: nothing is stressed. With a load they move as one ring
+/// does.
+#[test]
+fn a_tie_of_unlike_polygons_is_at_rest_without_a_load() {
+    let rings = |blocks: &str, more: &str, outer: &str, traction: &str| {
+        let text = format!(
+            "name = \"rings\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"blocks\"\nblocks = [{blocks}]\n\
+             [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\n\
+             elasticity = {{ law = \"isotropic\", young = 100.0, poisson = 0.3, stress_state = \"plane-strain\" }}\n\
+             [[boundary]]\non = \"i_inner\"\ndisplacement = [0, 0]\n\
+             [[boundary]]\non = \"{outer}\"\ntraction = {traction}\n{more}"
+        );
+        moved(&text, |_, x| *x)
+    };
+    let largest = |problem: &Problem| common::largest(&run_of(problem).expect("a run").states[1].u);
+    let one = "{ name = \"i\", radii = [1.0, 2.0], n = [6, 24], elements = \"Q2\" }";
+    let whole = largest(&rings(one, "", "i_outer", "[0.1, 0]"));
+    let two = "{ name = \"i\", radii = [1.0, 1.5], n = [3, 24] }, { name = \"o\", radii = [1.5, 2.0], n = [3, 16] }";
+    for (on, with) in [("o_inner", "i_outer"), ("i_outer", "o_inner")] {
+        let tie = format!(
+            "[contact]\non = \"{on}\"\nwith = \"{with}\"\nnormal = {{ law = \"bilateral\" }}\n\
+             friction = {{ law = \"stick\" }}\n"
+        );
+        assert!(largest(&rings(two, &tie, "o_outer", "[0, 0]")) < 1e-14, "{on}");
+        let tied = largest(&rings(two, &tie, "o_outer", "[0.1, 0]"));
+        assert!((tied / whole - 1.0).abs() < 0.1, "{on}: {tied} of {whole}");
+    }
+}

@@ -50,7 +50,7 @@ fn of_pair(
     let points: Vec<(&PointOnBoundary, f64)> = points
         .iter()
         .filter(|point| point.contact == number && point.weight > 0.0)
-        .map(|point| (point, point.gap + shift(&point.x)))
+        .map(|point| (point, point.gap - if contact.is_tie() { point.closed } else { 0.0 } + shift(&point.x)))
         .collect();
     let (deepest, low) = *points.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let high = points.iter().map(|(_, gap)| *gap).fold(low, f64::max);
@@ -62,6 +62,9 @@ fn of_pair(
     let overlap = if !closes && low < -round_off { -low } else { 0.0 };
     let (mean, varies) = variation(&points);
     let deep = depths[0].max(depths[1]);
+    if contact.is_tie() {
+        return of_tie(problem, (number, contact), &points, 2.0 * deep + round_off);
+    }
     let cuts = deep > DEEP * mean && varies > (VARIES * mean).max(round_off);
     if overlap == 0.0 && !cuts {
         return None;
@@ -84,6 +87,24 @@ fn of_pair(
     let numbers = if overlap > 0.0 { [overlap, round_off] } else { [deep, DEEP * mean] };
     let place = format!("{}.gap", problem.contact_path(number));
     Some(warning(FindingId::PairGap, &place, numbers, message, repair(cuts, units)))
+}
+
+/// Sides of a tie that are farther apart than the facets of both make them.
+fn of_tie(
+    problem: &Problem,
+    (number, contact): (usize, &Contact),
+    points: &[(&PointOnBoundary, f64)],
+    most: f64,
+) -> Option<Finding> {
+    let (farthest, gap) = *points.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let names: Vec<String> = contact.sides().map(|name| format!("\"{name}\"")).collect();
+    let (apart, place) = (problem.units().write(gap.abs(), Measure::Length), problem.mesh.place(&farthest.x));
+    let how = if gap > 0.0 { "apart" } else { "inside each other" };
+    let message =
+        format!("the tied sides {} are up to {apart} {how}, at {place}: they keep this distance", names.join(" and "));
+    let repair = "mend the mesh so that the sides touch, or name only those facets that do".to_owned();
+    let at = format!("{}.with", problem.contact_path(number));
+    (gap.abs() > most).then(|| warning(FindingId::PairGap, &at, [gap.abs(), most], message, repair))
 }
 
 /// What repairs a gap.
