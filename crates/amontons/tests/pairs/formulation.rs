@@ -4,6 +4,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use amontons::case::Case;
+use amontons::contact::{ContactBoundary, Pair, PointOnBoundary};
 use amontons::output::{Memory, Outcome};
 use amontons::run::{self, Settings};
 use serde_json::Value;
@@ -43,89 +45,105 @@ impl Compared {
     }
 }
 
-fn compare(name: &str) {
-    let text = std::fs::read_to_string(common::file(&format!("{FOLDER}/{name}.json"))).expect("the reference");
-    let reference: Value = serde_json::from_str(&text).expect("a table");
-    let case = common::case(&format!("{FOLDER}/{name}.toml"), &[]);
-    let mut memory = Memory::new().states_every(1).reports();
-    let settings = Settings { certificate: false, ..Settings::default() };
-    let summary = run::run(&case.problem, &settings, &mut [&mut memory]).expect("a run");
-    assert_eq!(summary.outcome, Outcome::Done, "{name}");
-    let (mesh, last) = (&case.problem.mesh, memory.states.len() - 1);
-    let node_of: BTreeMap<u64, usize> = {
-        let of = |node: &Value| {
-            let x = numbers(&node["x"]);
-            let id = node["id"].as_u64().expect("an id");
-            // Nodes are in the order of the file; two may be at one place.
-            let at = &mesh.points[id as usize - 1];
-            assert!(x.iter().zip(at).all(|(a, b)| (a - b).abs() < 1e-12), "{name}: node {id} is at {at:?}");
-            (id, id as usize - 1)
-        };
-        reference["nodes"].as_array().expect("nodes").iter().map(of).collect()
-    };
-    let mut all = Compared::default();
-    for node in reference["nodes"].as_array().expect("nodes") {
-        let id = node["id"].as_u64().expect("an id");
-        for (c, u) in numbers(&node["displacement"]).into_iter().enumerate() {
-            all.add("displacement", format!("node {id}"), memory.states[last].u[node_of[&id] * mesh.dim + c], u);
+/// The node with an id of the table: nodes are in the order of the file, two may be at one place.
+fn node_of(id: &Value) -> usize {
+    id.as_u64().expect("an id") as usize - 1
+}
+
+/// A case that has run, with the table that it is held against.
+struct Run {
+    name: String,
+    reference: Value,
+    case: Case,
+    memory: Memory,
+    /// Γ_C of the last step.
+    boundary: ContactBoundary,
+}
+
+impl Run {
+    fn new(name: &str) -> Run {
+        let text = std::fs::read_to_string(common::file(&format!("{FOLDER}/{name}.json"))).expect("the reference");
+        let reference = serde_json::from_str(&text).expect("a table");
+        let case = common::case(&format!("{FOLDER}/{name}.toml"), &[]);
+        let mut memory = Memory::new().states_every(1).reports();
+        let settings = Settings { certificate: false, ..Settings::default() };
+        let summary = run::run(&case.problem, &settings, &mut [&mut memory]).expect("a run");
+        assert_eq!(summary.outcome, Outcome::Done, "{name}");
+        let last = memory.reports.last().expect("a step").contact.boundary.clone();
+        let boundary = last.map_or_else(|| case.problem.contact_boundary(), |last| (*last).clone());
+        Run { name: name.to_owned(), reference, case, memory, boundary }
+    }
+
+    fn compare_nodes(&self, all: &mut Compared) {
+        let mesh = &self.case.problem.mesh;
+        let u = &self.memory.states.last().expect("a state").u;
+        for row in self.reference["nodes"].as_array().expect("nodes") {
+            let node = node_of(&row["id"]);
+            let (x, at) = (numbers(&row["x"]), &mesh.points[node]);
+            assert!(x.iter().zip(at).all(|(a, b)| (a - b).abs() < 1e-12), "{}: node {node} is at {at:?}", self.name);
+            for (c, value) in numbers(&row["displacement"]).into_iter().enumerate() {
+                all.add("displacement", format!("node {node}"), u[node * mesh.dim + c], value);
+            }
         }
     }
-    let report = &memory.reports[last - 1].contact;
-    // Of a pairing that is made anew the last one.
-    let before = memory.states[last - 1].u.to_vec();
-    let boundary = amontons::problem::with_supports(&case.problem.displacement_space(), None, |supports| {
-        let at_rest = case.problem.contact_boundary();
-        let moved = at_rest.updated(&case.problem.contacts, mesh, &before, supports);
-        moved.map_or(at_rest, |moved| (*moved).clone())
-    });
-    let mut borne = BTreeSet::new();
-    for point in reference["points"].as_array().expect("points") {
-        let id = point["node"].as_u64().expect("an id");
-        let place = format!("node {id}");
-        let is_here = |p: &amontons::contact::PointOnBoundary| {
-            p.weight > 0.0 && p.nodes.first().is_some_and(|(node, _)| boundary.nodes[*node] as usize == node_of[&id])
+
+    /// The point of a row of the table.
+    fn point(&self, row: &Value) -> usize {
+        let node = node_of(&row["node"]);
+        let is_here = |point: &PointOnBoundary| {
+            let first = point.nodes.first().map(|(node, _)| self.boundary.nodes[*node] as usize);
+            point.weight > 0.0 && first == Some(node)
         };
-        let found = boundary.points.iter().position(is_here);
-        let i = found.unwrap_or_else(|| panic!("{name}: no point at node {id}"));
-        borne.insert(i);
-        let (own, state) = (&boundary.points[i], &report.states[i]);
-        // Of revolution the table has the weights of the circle as well.
-        all.add("weight", place.clone(), own.weight, number(point, "weight"));
-        all.add("pressure", place.clone(), state.pressure, number(point, "pressure"));
-        let shift = if memory.states.len() > 2 && case.problem.contacts[0].pair.as_ref().is_some_and(|p| p.is_updated())
-        {
-            None
-        } else {
-            Some(number(point, "gap"))
-        };
-        if let Some(gap) = shift {
-            all.add("gap", place.clone(), own.gap, gap);
+        let found = self.boundary.points.iter().position(is_here);
+        found.unwrap_or_else(|| panic!("{}: no point at node {node}", self.name))
+    }
+
+    fn compare_point(&self, i: usize, row: &Value, all: &mut Compared) {
+        let (point, place) = (&self.boundary.points[i], format!("node {}", node_of(&row["node"])));
+        let state = &self.memory.reports.last().expect("a step").contact.states[i];
+        all.add("weight", place.clone(), point.weight, number(row, "weight"));
+        all.add("pressure", place.clone(), state.pressure, number(row, "pressure"));
+        all.add("clamped", place.clone(), point.clamped, number(row, "gap") - number(row, "gap_of_the_rows"));
+        // Of a pairing that is made anew the gap counts from the bodies at rest, that of the table from the last step.
+        if !self.case.problem.contacts[0].pair.as_ref().is_some_and(Pair::is_updated) {
+            all.add("gap", place.clone(), point.gap, number(row, "gap"));
         }
-        all.add("clamped", place.clone(), own.clamped, number(point, "gap") - number(point, "gap_of_the_rows"));
-        for (c, normal) in numbers(&point["normal"]).into_iter().enumerate() {
-            all.add("normal", place.clone(), own.normal[c], normal);
+        for (c, normal) in numbers(&row["normal"]).into_iter().enumerate() {
+            all.add("normal", place.clone(), point.normal[c], normal);
         }
-        for (c, friction) in numbers(&point["friction"]).into_iter().enumerate() {
+        for (c, friction) in numbers(&row["friction"]).into_iter().enumerate() {
             all.add("friction", place.clone(), state.q[c], friction);
         }
-        for (key, sign, entries) in [("own", 1.0, &own.nodes[..own.own]), ("other", -1.0, &own.nodes[own.own..])] {
-            let mut found: BTreeMap<usize, f64> =
-                entries.iter().map(|&(node, value)| (boundary.nodes[node] as usize, sign * value)).collect();
-            for entry in point[key].as_array().expect("entries") {
-                let node = node_of[&entry[0].as_u64().expect("an id")];
-                let value = found.remove(&node).unwrap_or(0.0);
+        let (own, other) = point.nodes.split_at(point.own);
+        for (key, sign, entries) in [("own", 1.0, own), ("other", -1.0, other)] {
+            let of = |&(node, value): &(usize, f64)| (self.boundary.nodes[node] as usize, sign * value);
+            let mut found: BTreeMap<usize, f64> = entries.iter().map(of).collect();
+            for entry in row[key].as_array().expect("entries") {
+                let value = found.remove(&node_of(&entry[0])).unwrap_or(0.0);
                 all.add("row", format!("{place}, {key}"), value, entry[1].as_f64().expect("a number"));
             }
-            found.values().for_each(|value| all.add("row", format!("{place}, {key}"), *value, 0.0));
+            for value in found.into_values() {
+                all.add("row", format!("{place}, {key}"), value, 0.0);
+            }
         }
     }
-    let others = boundary.points.iter().enumerate().filter(|(i, point)| point.weight > 0.0 && !borne.contains(i));
+}
+
+fn compare(name: &str) {
+    let (run, mut all) = (Run::new(name), Compared::default());
+    run.compare_nodes(&mut all);
+    let mut borne = BTreeSet::new();
+    for row in run.reference["points"].as_array().expect("points") {
+        let i = run.point(row);
+        borne.insert(i);
+        run.compare_point(i, row, &mut all);
+    }
+    let others = run.boundary.points.iter().enumerate().filter(|(i, point)| point.weight > 0.0 && !borne.contains(i));
     let others: Vec<_> = others.map(|(_, point)| point.x).collect();
     assert!(others.is_empty(), "{name}: points that are not in the table at {others:?}");
-    let length = mesh.points.iter().flatten().fold(0.0, |most: f64, c| most.max(c.abs()));
+    let length = run.case.problem.mesh.points.iter().flatten().fold(0.0, |most: f64, c| most.max(c.abs()));
     let pressure = all.0["pressure"].iter().map(|(_, _, p)| p.abs()).fold(0.0, f64::max);
-    let scales = [("gap", 1e-3 * length), ("clamped", 1e-3 * length), ("friction", pressure)];
-    all.check(name, &scales.into_iter().collect());
+    all.check(name, &[("gap", 1e-3 * length), ("clamped", 1e-3 * length), ("friction", pressure)].into());
 }
 
 macro_rules! cases {

@@ -6,6 +6,7 @@ mod common;
 
 mod automatic;
 mod faults;
+mod field;
 mod formulation;
 mod loose;
 mod manufactured;
