@@ -40,7 +40,7 @@ fn last(name: &str, overrides: &[&str]) -> Last {
     let points = boundary.points.iter().zip(&contact.states).filter(|(point, _)| point.weight > 0.0);
     Last {
         force: contact.force,
-        points: points.map(|(point, state)| (point.clone(), state.clone())).collect(),
+        points: points.map(|(point, state)| (point.clone(), *state)).collect(),
         moved: common::largest(&memory.states.last().expect("a state").u),
     }
 }
