@@ -59,8 +59,8 @@ fn bodies_that_only_touch_at_a_corner_have_no_force() {
     }
 }
 
-/// A small coarse body on a finer one: 0.561, within 3 % by the default side and 6 % by the other, pressures as they are
-/// beside an edge; and wherever the foot stands.
+/// A small coarse body on a finer one: 0.561, within 3 % by the default side and 6 % by the other, pressures as they
+/// are beside an edge; and wherever the foot stands.
 #[test]
 fn a_foot_has_its_force_wherever_it_stands() {
     let force = |sets: &[&str]| {
@@ -119,8 +119,8 @@ fn a_shaft_that_may_turn_does_not() {
     assert!((found.largest_pressure() / 45.1e6 - 1.0).abs() < 0.005, "{}", found.largest_pressure());
 }
 
-/// A block slides off the end of its base, every step with another sliver: the force falls to 63.9 kN/m, and no pressure
-/// is far above the mean.
+/// A block slides off the end of its base, every step with another sliver: the force falls to 63.9 kN/m, and no
+/// pressure is far above the mean.
 #[test]
 fn a_block_that_slides_off_has_no_pressures_of_slivers() {
     for side in on_each_side(["base_top", "block_bottom"]) {
