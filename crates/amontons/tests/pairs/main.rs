@@ -16,5 +16,6 @@ mod orders;
 mod patch;
 mod physics;
 mod press_fit;
+mod scan;
 mod two_bodies;
 mod wear;

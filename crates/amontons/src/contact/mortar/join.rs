@@ -6,6 +6,8 @@
 //! two pairs, on both sides; and a node that is held as a whole and faces another one that is: nothing determines a
 //! traction there.
 
+use std::collections::BTreeMap;
+
 use super::candidate::Candidates;
 use super::cut::Covered;
 
@@ -43,15 +45,20 @@ impl Joining {
         let rounded = |i: usize| (all[i].share / SAME).round() as i64;
         others.sort_by_key(|&i| (is_named[i], -rounded(i), i));
         for i in others {
-            let near: Vec<(usize, f64)> =
-                neighbours(candidates, covered, i).into_iter().filter(|&(k, _)| has_law[k]).collect();
-            let sum: f64 = near.iter().map(|(_, common)| common).sum();
-            if near.is_empty() {
-                has_law[i] = true;
-                to[i] = vec![(i, 1.0)];
+            let near = neighbours(candidates, covered, i);
+            let with_laws: Vec<(usize, f64)> = near.iter().copied().filter(|&(k, _)| has_law[k]).collect();
+            // At the corner of a triangle all neighbours of a sliver may be slivers themselves: what they were given
+            // they pass on.
+            let passed_on =
+                || near.iter().flat_map(|&(k, common)| to[k].iter().map(move |&(l, part)| (l, part * common)));
+            let takers = if with_laws.is_empty() { summed(passed_on()) } else { with_laws };
+            let sum: f64 = takers.iter().map(|(_, common)| common).sum();
+            has_law[i] = takers.is_empty();
+            to[i] = if has_law[i] {
+                vec![(i, 1.0)]
             } else {
-                to[i] = near.into_iter().map(|(k, common)| (k, common / sum)).collect();
-            }
+                takers.into_iter().map(|(k, common)| (k, common / sum)).collect()
+            };
         }
         Joining { has_law, to }
     }
@@ -59,20 +66,19 @@ impl Joining {
 
 /// C_ik = ∫ H_i H_k over the covered parts at a candidate, by k.
 fn neighbours(candidates: &Candidates, covered: &[Covered], i: usize) -> Vec<(usize, f64)> {
-    let mut found: Vec<(usize, f64)> = Vec::new();
-    for &(part, corner) in &candidates.all[i].corners {
-        for (other, of) in candidates.of[part].iter().enumerate() {
+    let at_corner = |&(part, corner): &(usize, usize)| {
+        candidates.of[part].iter().enumerate().map(move |(other, of)| {
             let product = |hats: &[f64; 4]| hats[corner] * hats[other];
-            let common: f64 = covered[part].samples.iter().map(|sample| sample.weight * product(&sample.hats)).sum();
-            if of.candidate == i || common <= 0.0 {
-                continue;
-            }
-            match found.iter_mut().find(|(k, _)| *k == of.candidate) {
-                Some((_, sum)) => *sum += common,
-                None => found.push((of.candidate, common)),
-            }
-        }
-    }
-    found.sort_unstable_by_key(|(k, _)| *k);
-    found
+            let common = covered[part].samples.iter().map(|sample| sample.weight * product(&sample.hats)).sum();
+            (of.candidate, common)
+        })
+    };
+    summed(candidates.all[i].corners.iter().flat_map(at_corner).filter(|&(k, common)| k != i && common > 0.0))
+}
+
+/// Candidates in their order with the sums of what they have.
+fn summed(of: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
+    let mut sums = BTreeMap::new();
+    of.for_each(|(k, part)| *sums.entry(k).or_insert(0.0) += part);
+    sums.into_iter().collect()
 }
