@@ -42,3 +42,15 @@ pub enum SolveError {
         residual: f64,
     },
 }
+
+impl SolveError {
+    /// Whether the system has no solution that was found; another one may be solved. Everything else, an interruption
+    /// or a lack of memory, is so whatever is tried.
+    #[must_use]
+    pub fn is_unsolved(&self) -> bool {
+        match self {
+            SolveError::NotPositive { .. } | SolveError::Singular { .. } | SolveError::NotConverged { .. } => true,
+            SolveError::Memory { .. } | SolveError::Interrupted => false,
+        }
+    }
+}

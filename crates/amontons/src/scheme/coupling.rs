@@ -9,7 +9,7 @@
 use super::heat::{self, Heat};
 use super::mechanics::{Beside, Mechanics};
 use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
-use super::{Contraction, CouplingReport, StepError};
+use super::{Contraction, CouplingReport, StepError, tried};
 use crate::inclusion::{PointDerivative, PointState, Rule};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
 use crate::list::List;
@@ -178,7 +178,7 @@ impl<'a> Coupled<'a> {
             }
             // Where Newton's method circles around a kink, some passes of the fixed point lead out of it.
             let circling = progress.without() / CIRCLING % 2 == 1;
-            let next = if circling { None } else { self.newton(&now) };
+            let next = if circling { None } else { self.newton(&now)? };
             now = match next {
                 Some(next) => next,
                 None => self.iterate(now.pass.heat.theta.clone(), &now.pass)?,
@@ -192,32 +192,33 @@ impl<'a> Coupled<'a> {
     }
 
     /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever
-    /// shorter parts of the Newton step.
-    fn newton(&mut self, now: &Iterate) -> Option<Iterate> {
-        // A direction that cannot be found is none: passes of the fixed point go on.
-        let tangent = Linearised::new(self, &now.pass).ok()?;
-        let most = now.residual.len().min(PRODUCTS);
-        let right = tangent.right(self, &now.residual).ok()?;
-        let change = gmres(|change| tangent.apply(self, change), &right, LINEAR, most).ok()?.x;
+    /// shorter parts of the Newton step. None where none does, or where no direction is found: passes of the fixed point
+    /// go on.
+    fn newton(&mut self, now: &Iterate) -> Result<Option<Iterate>, StepError> {
+        let Some(change) = self.direction(now)? else { return Ok(None) };
         let part = |alpha: f64| {
             now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<List<f64>>()
         };
-        let smaller = |made: &Iterate| made.merit < now.merit;
-        // A trial at which a half-step does not converge is none.
-        if let Some(next) = self.iterate(part(1.0), &now.pass).ok().filter(smaller) {
-            return Some(next);
-        }
-        if let Some(next) = self.iterate(now.pass.heat.theta.clone(), &now.pass).ok().filter(smaller) {
-            return Some(next);
-        }
-        let mut alpha = 0.5;
-        while alpha >= SHORTEST_STEP {
-            if let Some(next) = self.iterate(part(alpha), &now.pass).ok().filter(smaller) {
-                return Some(next);
+        let shorter = std::iter::successors(Some(0.5), |alpha| Some(0.5 * alpha));
+        let shorter = shorter.take_while(|&alpha| alpha >= SHORTEST_STEP).map(part);
+        for theta in [part(1.0), now.pass.heat.theta.clone()].into_iter().chain(shorter) {
+            let next = tried(self.iterate(theta, &now.pass))?;
+            if let Some(next) = next.filter(|next| next.merit < now.merit) {
+                return Ok(Some(next));
             }
-            alpha *= 0.5;
         }
-        None
+        Ok(None)
+    }
+
+    /// The Newton step of the temperature, none where its systems are not solved.
+    fn direction(&mut self, now: &Iterate) -> Result<Option<List<f64>>, StepError> {
+        let most = now.residual.len().min(PRODUCTS);
+        let found = Linearised::new(self, &now.pass).and_then(|tangent| {
+            let right = tangent.right(self, &now.residual)?;
+            gmres(|change| tangent.apply(self, change), &right, LINEAR, most)
+        });
+        let (step, t) = (self.step.n, self.step.t);
+        tried(found.map(|found| found.x).map_err(|source| StepError::Linear { step, t, part: "the coupling", source }))
     }
 }
 

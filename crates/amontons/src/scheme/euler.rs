@@ -13,7 +13,7 @@ use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step};
 use super::{
     Accumulated, Carried, ContactReport, Counts, Discretization, Kept, Ledger, Reactions, Scheme, SetupError, State,
-    StepError, StepReport,
+    StepError, StepReport, tried,
 };
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::inclusion::{Loose, Multipliers, Rule};
@@ -227,7 +227,7 @@ impl BackwardEuler {
         let first = self.attempt(old, n, middle, halvings + 1);
         if let (Ok(_), Ok((state, first))) = (&made, &first)
             && first.is_ambiguous
-            && let Ok((end, second)) = self.attempt(state, n, t, halvings + 1)
+            && let Some((end, second)) = tried(self.attempt(state, n, t, halvings + 1))?
             && second.is_ambiguous
             && !self.shortest_is_unique(old, n, &end)?
         {
@@ -237,9 +237,9 @@ impl BackwardEuler {
             let (state, second) = self.advance(&state, n, t, halvings + 1)?;
             Ok((state, second.after(&first)))
         });
-        // A step that was made stands where its halves cannot be; of one that was not, the first part that cannot be
-        // made is named.
-        halves.or_else(|first| made.map_err(|_| first))
+        // A step that was made stands where its halves are not solved; of one that was not, the first part that is not
+        // solved is named. What was interrupted is made anew by whoever resumes, in halves.
+        halves.or_else(|first| if first.is_unsolved() { made.map_err(|_| first) } else { Err(first) })
     }
 
     /// Factorizes for parts of 2^−halvings of a step.
@@ -300,7 +300,7 @@ impl BackwardEuler {
         let mut deformation = old.u.clone();
         let rigid = bodies.take(is_axisymmetric, &mut deformation);
         let apart = State { carried: Carried { rigid, deformation }, ..old.clone() };
-        self.make_step(&apart, n, t, halvings).map_err(|_| error)
+        tried(self.make_step(&apart, n, t, halvings))?.ok_or(error)
     }
 
     fn bodies(&self) -> Option<&Bodies> {

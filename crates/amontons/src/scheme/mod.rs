@@ -343,6 +343,32 @@ impl StepError {
                 | StepError::Singular { source: SolveError::Interrupted, .. }
         )
     }
+
+    /// Whether the equations of the step were not solved, or what was tried left the range of its data: a shorter step
+    /// or another way may do. Everything else, an interruption, data without a value, a lack of memory, stays whatever
+    /// is tried.
+    #[must_use]
+    pub fn is_unsolved(&self) -> bool {
+        match self {
+            StepError::NotConverged { .. }
+            | StepError::Driven { .. }
+            | StepError::Residual { .. }
+            | StepError::Coupling { .. }
+            | StepError::Uncovered { .. }
+            | StepError::NotFinite { .. } => true,
+            StepError::Linear { source, .. } | StepError::Singular { source, .. } => source.is_unsolved(),
+            StepError::Data { .. } => false,
+        }
+    }
+}
+
+/// What was tried, none where its equations were not solved; any other error goes up.
+fn tried<T>(made: Result<T, StepError>) -> Result<Option<T>, StepError> {
+    match made {
+        Ok(made) => Ok(Some(made)),
+        Err(error) if error.is_unsolved() => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// Why a scheme could not be set up.
