@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use amontons::expression::Expression;
 use amontons::field::Graded;
-use amontons::forms;
+use amontons::forms::{self, Dilatation};
 use amontons::linalg::Graph;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Diagonal, Elements, Mesh};
@@ -51,7 +51,7 @@ fn main() {
             rate(&|| drop(forms::a(&mesh, &graph, &[&law]))),
             rate(&|| drop(forms::a(&mesh, &graph, &[&graded]))),
             rate(&|| drop(forms::inner_h(&mesh, &graph))),
-            rate(&|| drop(forms::m(&mesh, &graph, &[&Sym::identity(mesh.dim)]))),
+            rate(&|| drop(forms::m(&mesh, &graph, &[&Sym::identity(mesh.dim)], &[Dilatation::Full]))),
             rate(&|| drop(Graph::of_mesh(&mesh))),
         ];
         println!(

@@ -177,8 +177,8 @@ impl Discretization {
             let mass = forms::inner_h(&mesh, &graph).repeated();
             let (a, b) = (form(|m| &m.elasticity), form(|m| &m.viscosity));
             let d = forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated();
-            let m = forms::m(&mesh, &graph, &tensors(|m| &m.expansion)).repeated();
-            let e = forms::e(&mesh, &graph, &tensors(|m| &m.coupling)).repeated();
+            let m = forms::m(&mesh, &graph, &tensors(|m| &m.expansion), &problem.dilatation()).repeated();
+            let e = forms::e(&mesh, &graph, &tensors(|m| &m.coupling), &problem.dilatation()).repeated();
             (mass, [a, b], d, [m, e])
         };
         let ((mass, [a, b], d, [m, e]), (f, q_h)) = rayon::join(matrices, loads);
@@ -354,7 +354,7 @@ impl Discretization {
         if self.warm.expansion.is_empty() {
             self.m.apply(theta)
         } else {
-            forms::expanded(&self.mesh, &self.warm.expansion, theta).into()
+            forms::expanded(&self.mesh, &self.warm.expansion, &self.dilatation, theta).into()
         }
     }
 
@@ -367,8 +367,11 @@ impl Discretization {
             return None;
         }
         let (mesh, graph) = (&self.mesh, self.mass.graph());
-        let mut matrix =
-            if warm { forms::expansion_slope(mesh, graph, &self.warm.expansion, theta) } else { self.m.clone() };
+        let mut matrix = if warm {
+            forms::expansion_slope(mesh, graph, &self.warm.expansion, &self.dilatation, theta)
+        } else {
+            self.m.clone()
+        };
         for (laws, at) in [(&self.elasticity, u), (&self.viscosity, w)] {
             if laws.iter().any(|law| depends_on_temperature(law.as_ref())) {
                 let slope = forms::law_slope(mesh, graph, &borrowed(laws), &self.dilatation, [at, theta]);

@@ -149,11 +149,12 @@ pub(crate) fn d_at<K: InSpace<Sym>>(
     .of_differences()
 }
 
-/// m(θ, v) = ∫ θ 𝓜:ε(v), rows v, columns θ.
+/// m(θ, v) = ∫ θ 𝓜:ε(v), rows v, columns θ, with the strain that a and b have: thermal stress of nearly incompressible
+/// bodies would lock all the same if it worked on another.
 #[must_use]
-pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>]) -> BlockMatrix {
+pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>], dilatation: &[Dilatation]) -> BlockMatrix {
     let tensor = |cell: &Cell| of_region(expansion, cell.region).map(|m| m.at(&cell.map.position));
-    works(mesh, graph, &[Dilatation::Full], |e| mesh.value_products(e, true), tensor)
+    works(mesh, graph, dilatation, |e| mesh.value_products(e, true), tensor)
 }
 
 /// ∫ θ 𝓣:ε(v) with a tensor at each point, none where there is none; rows v, columns θ.
@@ -181,15 +182,15 @@ fn works(
     })
 }
 
-/// e(u, η) = ∫ 𝓡:ε(u) η, rows η, columns u.
+/// e(u, η) = ∫ 𝓡:ε(u) η, rows η, columns u, with the strain of [`m`].
 #[must_use]
-pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &[&impl InSpace<Sym>]) -> BlockMatrix {
+pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &[&impl InSpace<Sym>], dilatation: &[Dilatation]) -> BlockMatrix {
     let matrix = assemble(
         mesh,
         graph,
         (1, mesh.dim),
         |e| mesh.value_products(e, true),
-        Some(&[Dilatation::Full]),
+        Some(dilatation),
         |cell, out| {
             let Some(coupling) = of_region(coupling, cell.region) else { return };
             cell.integrate(|cell, weight| {

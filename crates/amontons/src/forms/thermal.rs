@@ -125,10 +125,15 @@ pub(crate) fn conduction_slope(
 }
 
 /// m(θ, v) = ∫ θ 𝓜(θ):ε(v).
-pub(crate) fn expanded(mesh: &Mesh, expansion: &[Coefficient<Sym>], theta: &[f64]) -> Vec<f64> {
+pub(crate) fn expanded(
+    mesh: &Mesh,
+    expansion: &[Coefficient<Sym>],
+    dilatation: &[Dilatation],
+    theta: &[f64],
+) -> Vec<f64> {
     vector(
         mesh,
-        &[Dilatation::Full],
+        dilatation,
         |e| mesh.value_products(e, true),
         |cell| {
             let expansion = expansion.get(cell.region).or(expansion.last())?;
@@ -142,12 +147,13 @@ pub(crate) fn expansion_slope(
     mesh: &Mesh,
     graph: &Arc<Graph>,
     expansion: &[Coefficient<Sym>],
+    dilatation: &[Dilatation],
     theta: &[f64],
 ) -> BlockMatrix {
     works(
         mesh,
         graph,
-        &[Dilatation::Full],
+        dilatation,
         |e| mesh.value_products(e, true),
         |cell| {
             let expansion = expansion.get(cell.region).or(expansion.last())?;

@@ -25,7 +25,7 @@ use crate::element::ShapeTable;
 use crate::field::{Coefficient, Field};
 use crate::forms;
 use crate::linalg::{BlockMatrix, EXACT, Layout, SolveError, System, dot};
-use crate::material::{Dilatation, Material};
+use crate::material::Material;
 use crate::mesh::CellMap;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -211,12 +211,6 @@ impl<'a> Body<'a> {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
         let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;
-        if heat_acts && problem.dilatation().contains(&Dilatation::Mean) {
-            return Some((
-                "a and b control the mean dilatation only, and heat acts on the whole",
-                "material.dilatation".to_owned(),
-            ));
-        }
         if heat_acts
             && let Some(i) = problem.boundary.iter().position(|b| {
                 [&b.temperature, &b.heat_inflow].into_iter().flatten().any(|field| !field.is_zero())

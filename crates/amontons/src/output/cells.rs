@@ -135,6 +135,7 @@ impl<'a> Evaluator<'a> {
         let (strain, rate) = (self.strain(cell, self.state.deformation()), self.strain(cell, &self.state.w));
         let Some(material) = self.material else { return PointValues { strain, ..PointValues::default() } };
         let mut stress = material.stress(&self.map.position, &strain, &rate, theta);
+        stress += self.thermal_stress_beyond_mean(cell, material, theta);
         for b in 0..self.branches.len() {
             let (branch, state) = self.branches[b];
             let strain = if branch.time_varies() { self.fitted(number, q, state) } else { self.strain(cell, state) };
@@ -163,17 +164,44 @@ impl<'a> Evaluator<'a> {
     fn strain(&mut self, cell: &[u32], v: &[f64]) -> Sym {
         let mesh = &self.problem.mesh;
         let mut strain = strain(mesh, &self.map, cell, v);
-        if let Some((map, weights)) = &mut self.mean {
-            let (mut sum, mut volume) = (0.0, 0.0);
-            for (q, weight) in weights.iter().enumerate() {
-                map.at(cell, q);
-                sum += weight * map.measure * self::strain(mesh, map, cell, v).trace();
-                volume += weight * map.measure;
-            }
-            let d = mesh.tensor_dim();
-            strain += (sum / volume - strain.trace()) / d as f64 * Sym::identity(d);
+        let d = mesh.tensor_dim();
+        if let Some(mean) = self.mean_of(cell, |map| Sym::identity(d).dot(&self::strain(mesh, map, cell, v))) {
+            strain += (mean - strain.trace()) / d as f64 * Sym::identity(d);
         }
         strain
+    }
+
+    /// What the pressure of θ𝓜 at the point has beyond its mean over the cell: where the forms see the mean dilatation,
+    /// it does no work.
+    fn thermal_stress_beyond_mean(&mut self, cell: &[u32], material: &Material, theta: f64) -> Sym {
+        if self.mean.is_none() {
+            return Sym::ZERO;
+        }
+        let all = &self.state.theta;
+        let thermal = |map: &CellMap, theta: f64| theta * material.expansion.at_temperature(&map.position, theta);
+        let at = |map: &CellMap| -> f64 {
+            cell.iter().zip(map.values()).map(|(&node, value)| value * all[node as usize]).sum()
+        };
+        let here = thermal(&self.map, theta);
+        let d = self.problem.mesh.tensor_dim();
+        // σ₃₃ in plane strain goes with the others.
+        let (within, across) = (Sym::identity(d), Sym::identity(3) - Sym::identity(d.max(2)));
+        let mut beyond = |part: &Sym| {
+            self.mean_of(cell, |map| part.dot(&thermal(map, at(map)))).map_or(0.0, |mean| part.dot(&here) - mean)
+        };
+        beyond(&within) / d as f64 * within + beyond(&across) * across
+    }
+
+    /// The mean over a cell of what a function gives at its points, where the cell takes the mean dilatation.
+    fn mean_of(&mut self, cell: &[u32], value: impl Fn(&CellMap) -> f64) -> Option<f64> {
+        let (map, weights) = self.mean.as_mut()?;
+        let (mut sum, mut volume) = (0.0, 0.0);
+        for (q, weight) in weights.iter().enumerate() {
+            map.at(cell, q);
+            sum += weight * map.measure * value(map);
+            volume += weight * map.measure;
+        }
+        Some(sum / volume)
     }
 }
 

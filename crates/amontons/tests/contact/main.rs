@@ -10,6 +10,7 @@ mod column;
 mod common;
 
 mod energy;
+mod features;
 mod foundations;
 mod hot_friction;
 mod impact;

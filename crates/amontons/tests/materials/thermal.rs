@@ -12,7 +12,7 @@ use amontons::inclusion::Rule;
 use amontons::linalg::BlockMatrix;
 use amontons::material::{Isotropic, StressState, TensorLaw};
 use amontons::mesh::{Block, Mesh};
-use amontons::output::Memory;
+use amontons::output::{Memory, cell_values};
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
 use amontons::scheme::{BackwardEuler, Scheme, State, StepError};
@@ -38,6 +38,74 @@ fn distance(a: &State, b: &State) -> f64 {
     let relative =
         |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b);
     relative(&a.u, &b.u).max(relative(&a.w, &b.w)).max(relative(&a.theta, &b.theta))
+}
+
+/// A free plate, block or cylinder of nearly incompressible material whose temperature is linear in space is free of
+/// stress (in its plane in plane strain) and grows by α θ at each place, by (1 + ν) α θ in plane strain: thermal stress
+/// works on the mean dilatation as elastic stress does. Not so, a plate grew 700 times as much.
+#[test]
+fn a_hot_plate_of_mean_dilatation_is_free_of_stress() {
+    let table = "{ temperature = [-9, 9], value = [1e-3, 1e-3] }";
+    for (shape, growth, most) in [("plate", 1.4999, 0.01), ("cylinder", 1.0, 0.01), ("block", 1.0, 0.02)] {
+        for elements in ["Q1", "Q2"] {
+            for (expansion, coupling) in [("1e-3", "monolithic"), (table, "monolithic"), ("1e-3", "fixed-point")] {
+                let problem = case::parse(&Source::new("hot.toml", &hot(shape, elements, expansion, coupling)), &[]);
+                let problem = problem.unwrap_or_else(|error| panic!("{error}")).problem;
+                let (state, _) = solve(&problem);
+                let (mesh, name) = (&problem.mesh, format!("{shape} {elements} {expansion} {coupling}"));
+                let u = |x: [f64; 3]| {
+                    let is_at = |p: &Point| (0..3).all(|c| (p[c] - x[c]).abs() < 1e-9);
+                    let node = mesh.points.iter().position(is_at).expect("a node");
+                    let at = mesh.dim * node;
+                    [state.u[at], state.u[at + 1]]
+                };
+                // Across the hot side, along which the temperature is the same.
+                let grown = match shape {
+                    "cylinder" => u([1.0, 1.0, 0.0])[0],
+                    _ => u([1.0, 1.0, 0.0])[1] - u([1.0, 0.0, 0.0])[1],
+                };
+                assert!((grown / (growth * 1e-3) - 1.0).abs() < most, "{name}: {grown:e}");
+                let values = cell_values(&problem, &state);
+                let largest = values.iter().map(|cell| {
+                    let [xx, yy] = [cell.stress.get(0, 0), cell.stress.get(1, 1)];
+                    xx.abs().max(yy.abs())
+                });
+                // E α.
+                let largest = largest.fold(0.0, f64::max);
+                assert!(largest < 0.03e-3, "{name}: {largest:e}");
+            }
+        }
+    }
+}
+
+fn hot(shape: &str, elements: &str, expansion: &str, coupling: &str) -> String {
+    let (mesh, sides, held) = match shape {
+        "plate" => (
+            "kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = [8, 8]",
+            ["left", "right"],
+            "[[boundary]]\nat = [0, 0]\ndisplacement = [0, 0]\n[[boundary]]\nat = [1, 0]\ndisplacement = [\"free\", 0]\n",
+        ),
+        "cylinder" => (
+            "kind = \"rectangle\"\naxisymmetric = true\nsize = [1.0, 1.0]\nn = [8, 8]",
+            ["bottom", "top"],
+            "[[boundary]]\nat = [0, 0]\ndisplacement = [0, 0]\n",
+        ),
+        _ => (
+            "kind = \"box\"\nsize = [1.0, 1.0, 1.0]\nn = [4, 4, 4]",
+            ["left", "right"],
+            "[[boundary]]\nat = [0, 0, 0]\ndisplacement = [0, 0, 0]\n[[boundary]]\nat = [1, 0, 0]\n\
+             displacement = [\"free\", 0, 0]\n[[boundary]]\nat = [0, 1, 0]\ndisplacement = [\"free\", \"free\", 0]\n",
+        ),
+    };
+    let state = if shape == "plate" { ", stress_state = \"plane-strain\"" } else { "" };
+    format!(
+        "name = \"hot\"\nunits = \"dimensionless\"\n[mesh]\n{mesh}\nelements = \"{elements}\"\n\
+         [time]\nend = 1.0\nsteps = 1\n[scheme]\ncoupling = \"{coupling}\"\n[material]\ndensity = 0\n\
+         elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.4999{state} }}\ndilatation = \"mean\"\n\
+         expansion_coefficient = {expansion}\nheat_capacity = 0\nconductivity = 1.0\n\
+         [[boundary]]\non = \"{}\"\ntemperature = 0\n[[boundary]]\non = \"{}\"\ntemperature = 1\n{held}",
+        sides[0], sides[1]
+    )
 }
 
 /// Tables whose values are the same at all temperatures are numbers, in all couplings.

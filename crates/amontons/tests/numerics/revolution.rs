@@ -59,7 +59,10 @@ fn constant_strain() {
             assert!((strain_norm(&mesh, &u) - (volume * (2.0 * alpha * alpha + beta * beta)).sqrt()).abs() < 1e-13);
             // The thermal form on a unit temperature: ∫ 𝓜:ε(v) = |Ω| 𝓜:ε.
             let tensor = Sym::from_fn(3, |i, j| [[0.7, 0.1, 0.0], [0.1, 0.4, 0.0], [0.0, 0.0, 1.1]][i][j]);
-            let (m, e) = (forms::m(&mesh, &graph, &[&tensor]), forms::e(&mesh, &graph, &[&tensor]));
+            let (m, e) = (
+                forms::m(&mesh, &graph, &[&tensor], &[Dilatation::Full]),
+                forms::e(&mesh, &graph, &[&tensor], &[Dilatation::Full]),
+            );
             let work: f64 = u.iter().zip(m.apply(&vec![1.0; mesh.points.len()])).map(|(u, f)| u * f).sum();
             assert!((work - volume * (0.7 * alpha + 0.4 * beta + 1.1 * alpha)).abs() < 1e-12, "{elements:?}: {work}");
             assert!(m.asymmetry(&e) < 1e-14);
