@@ -5,10 +5,10 @@
 use std::cell::OnceCell;
 
 use crate::contact::Supports;
-use crate::contact::mortar::{Sides, covered_shares, mean_facet};
+use crate::contact::mortar::{Sides, bearing_nodes, covered_shares, mean_facet};
 use crate::element::{Element, ShapeTable};
 use crate::material::{Constants, Material};
-use crate::mesh::{FacetMap, Mesh};
+use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::BoundaryCondition;
 use crate::space::Space;
 use crate::tensor::{Sym, dot};
@@ -50,7 +50,8 @@ impl<'m> SideFacts<'m> {
     /// order, each with some play so that round-off decides nothing:
     ///
     /// 1. a side of which not every node is held as a whole;
-    /// 2. that of the softer body, whatever the meshes;
+    /// 2. that of the softer body, whatever the meshes, if there are as many points on it as hold a body from turning,
+    ///    or no more on the other;
     /// 3. the side that the other faces more of: points that are partly covered are less accurate;
     /// 4. the one with the finer facets;
     /// 5. the smaller one; the first.
@@ -65,7 +66,12 @@ impl<'m> SideFacts<'m> {
             }
         };
         let by_support = || decide(sides.map(|side| if self.is_held(side) { 2.0 } else { 1.0 }), EQUAL);
-        let by_stiffness = || decide(sides.map(|side| self.stiffness(side).unwrap_or(0.0)), SOFTER);
+        let by_stiffness = || {
+            let second = decide(sides.map(|side| self.stiffness(side).unwrap_or(0.0)), SOFTER)?;
+            let [softer, other] = if second { [sides[1], sides[0]] } else { sides };
+            let is_held_by_other = !self.holds([softer, other]) && self.holds([other, softer]);
+            Some(second != is_held_by_other)
+        };
         let by_cover = || {
             let [first, second] = self.covered(sides)?;
             ((first - second).abs() > MORE).then_some(second > first)
@@ -96,9 +102,19 @@ impl<'m> SideFacts<'m> {
     /// The shares of both sides that the other one faces.
     fn covered(&self, sides: [&str; 2]) -> Option<[f64; 2]> {
         let [Some(nonmortar), Some(mortar)] = sides.map(|side| self.mesh.facets.get(side)) else { return None };
+        self.mesh.check_nodes().ok()?;
+        Some(covered_shares(&self.pair(nonmortar, mortar)))
+    }
+
+    /// Whether as many points stand on the first of two sides as hold a body from turning.
+    fn holds(&self, sides: [&str; 2]) -> bool {
+        let [Some(nonmortar), Some(mortar)] = sides.map(|side| self.mesh.facets.get(side)) else { return true };
+        self.mesh.check_nodes().is_err() || bearing_nodes(&self.pair(nonmortar, mortar)) >= self.mesh.dim
+    }
+
+    fn pair(&self, nonmortar: &'m FacetSet, mortar: &'m FacetSet) -> Sides<'m> {
         let (mesh, supports) = (self.mesh, Supports::NONE);
-        mesh.check_nodes().ok()?;
-        Some(covered_shares(&Sides { mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false }))
+        Sides { mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false }
     }
 
     /// Size of a facet along the side in m, and measure of the side, in m^(d−1).

@@ -62,7 +62,7 @@ impl ProblemData {
         }
         let mortar = contact.pairing(&self.mesh, &self.mesh.points, Supports::NONE).map(|sides| Mortar::new(&sides));
         if mortar.is_some_and(|mortar| mortar.covered <= 0.0) && !pair.is_updated() {
-            let found = format!("no point of \"{}\" that faces \"{}\"", contact.bearing(), pair.with);
+            let found = format!("no point of \"{}\" that faces \"{}\"", contact.on, pair.with);
             let hint = "check the names of the sides, the units of the mesh and the orientation of the bodies";
             faults.push(Fault::new(at, found, "sides that face each other along their normals").hint(hint));
         }

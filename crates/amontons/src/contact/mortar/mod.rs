@@ -143,6 +143,12 @@ pub fn covered_shares(sides: &Sides) -> [f64; 2] {
     })
 }
 
+/// How many nodes of the nonmortar side are covered as far as one with a law of its own is.
+#[must_use]
+pub fn bearing_nodes(sides: &Sides) -> usize {
+    Pairing::new(sides).candidates.all.iter().filter(|candidate| bears(candidate.share)).count()
+}
+
 impl Mortar {
     /// The contact points of a pair.
     #[must_use]

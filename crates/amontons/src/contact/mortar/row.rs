@@ -11,6 +11,8 @@ use crate::tensor::{Point, dot, given, length};
 
 /// Coefficients of a row, relative to 1, that are round-off.
 const ROUND_OFF: f64 = 1e-15;
+/// Gap relative to the largest coordinate of its nodes that is the last bits of these.
+const LAST_BITS: f64 = 16.0 * f64::EPSILON;
 /// Length of a mean of unit normals below which it has no direction.
 const DIRECTION: f64 = 1e-9;
 /// cos 35°, up to which a normal is taken for one along a plane of symmetry: half a facet is turned by less.
@@ -171,6 +173,11 @@ impl Gathered {
             gap_of_rows = dot(&normal, &apart);
             lever = length(&std::array::from_fn(|c| apart[c] - gap_of_rows * normal[c]));
             gap = self.within_range(pairing, &normal, gap_of_rows);
+            // Sides that lie on each other have no gap, and without a load no force.
+            let largest = own.iter().chain(&other).flat_map(|((l, _), _)| sides.x[*l as usize]);
+            if gap.abs() <= LAST_BITS * largest.fold(0.0, |largest: f64, x| largest.max(x.abs())) {
+                gap = 0.0;
+            }
         }
         let blocked = blocked(sides, node, &normal, &held, &other);
         let turned = own.iter().chain(&other).enumerate().filter(|(_, ((_, power), _))| *power != 0);
