@@ -306,7 +306,9 @@ impl Jumps {
         let most = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let found =
             (0..n).filter(|&k| values[k] <= CANDIDATE * most).map(|k| eigen.U().col(k).iter().copied().collect());
-        let made = found.filter_map(|a: List<f64>| {
+        let made = found.filter_map(|mut a: List<f64>| {
+            // What the loads do along motions that are in it by round-off is none of it.
+            a.iter_mut().filter(|a| a.abs() < CANDIDATE).for_each(|a| *a = 0.0);
             let moves = self.moves(&resists, &a);
             let is_exact = moves <= STILL * self.size;
             if !is_exact && moves > self.leaves(&resists, &a, in_doubt) {

@@ -188,7 +188,8 @@ impl<'a> Mechanical<'a> {
             gamma: self.step.rule.gamma,
             response,
             rho: self.rho[i],
-            slip: self.slip,
+            // What never slips has no bound that could be smooth.
+            slip: if self.contact(i).friction.never_slips() { Slip::Exact } else { self.slip },
             stiff: self.stiff,
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),

@@ -7,7 +7,7 @@ use super::normal::Response;
 use super::point::Multiplier;
 use super::settle::Settled;
 use super::{Failure, ITERATIONS, NotConverged, Solved};
-use crate::contact::PointOnBoundary;
+use crate::contact::{Contact, PointOnBoundary};
 use crate::linalg::{Condensed, max_abs};
 use crate::list::List;
 use crate::tensor::Point;
@@ -189,8 +189,10 @@ impl Mechanical<'_> {
         let (x, mut iterations) =
             if self.rises() { self.descend(condensed, right)? } else { (List::copied(right.guess), 0) };
         let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
-        let fastest = (0..self.interface.len()).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);
-        if fastest == 0.0 || self.step.contacts.iter().all(|contact| contact.friction.is_frictionless()) {
+        let slips = |i: &usize| !self.contact(*i).friction.never_slips();
+        let fastest = (0..self.interface.len()).filter(slips).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);
+        let is_smooth = |contact: &Contact| contact.friction.is_frictionless() || contact.friction.never_slips();
+        if fastest == 0.0 || self.step.contacts.iter().all(is_smooth) {
             return Ok((now, iterations));
         }
         // Below it slip is the round-off of the velocities.

@@ -230,6 +230,8 @@ impl Begun {
         let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
             Rounded::Here => discrete.thermal_round_off(&theta),
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
+            // No gap depends on it.
+            Rounded::Places => 0.0,
             Rounded::Prescribed => {
                 let mut prescribed = theta.clone();
                 discrete.q.mask_free(&mut prescribed);

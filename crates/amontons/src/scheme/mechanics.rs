@@ -492,6 +492,12 @@ impl<'a> Equation<'a> {
                 step.discrete.v.mask_free(&mut sizes);
                 round_off(&w, &sizes)
             }
+            Rounded::Places => {
+                let places = step.discrete.mesh.points.iter();
+                let sizes: List<f64> =
+                    places.flat_map(|x| x.iter().take(step.discrete.mesh.dim)).map(|x| x.abs()).collect();
+                round_off(&zeros(sizes.len()), &sizes)
+            }
         })?;
         let Iterate { w: v, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold } = iterate;
         let relative = step.apart.map(|_| given.relative(step, &rigid, &v));

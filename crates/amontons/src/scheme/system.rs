@@ -76,6 +76,8 @@ pub(super) enum Rounded {
     Before,
     /// The prescribed values of this state alone.
     Prescribed,
+    /// The places of the nodes, by which gaps are known.
+    Places,
 }
 
 impl Step<'_> {
@@ -119,7 +121,8 @@ impl Step<'_> {
     /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the
     /// last bits of the state make of it, as long as that is small beside what acts on the body (`driven`). A contact
     /// force that is no more than that round-off is none. Where nothing acts, the round-off of the state must be small
-    /// beside the motion that is prescribed, or hardly be more than that of the state before. What is round-off is
+    /// beside the motion that is prescribed, or hardly be more than that of the state before, or the motion no more than
+    /// the last bits of the places of the nodes. What is round-off is
     /// given relative to the sizes of the numbers that the terms are sums of.
     pub fn accept(
         &self,
@@ -135,7 +138,10 @@ impl Step<'_> {
         let is_small = || {
             let prescribed = || round_off(Rounded::Prescribed) / f64::EPSILON;
             here <= BESIDE * driven
-                || (driven == 0.0 && (here <= GROWN * round_off(Rounded::Before) || here <= BESIDE * prescribed()))
+                || (driven == 0.0
+                    && (here <= GROWN * round_off(Rounded::Before)
+                        || here <= BESIDE * prescribed()
+                        || here <= ROUNDINGS * f64::EPSILON * round_off(Rounded::Places)))
         };
         if residual * scale <= ROUNDINGS * here && is_small() {
             return Ok(f64::EPSILON * (residual * scale / here));

@@ -17,5 +17,6 @@ mod patch;
 mod physics;
 mod press_fit;
 mod scan;
+mod stacks;
 mod two_bodies;
 mod wear;
