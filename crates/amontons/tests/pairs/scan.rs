@@ -272,7 +272,9 @@ fn scan(dim: usize, shape: Shape, places: usize, meshes: usize) {
 #[test]
 fn scan_of_some_places_in_the_plane() {
     scan(2, Shape::Block, 6, 4);
-    [15.0, 30.0, 45.0, 60.0, 80.0].into_iter().for_each(|angle| scan(2, Shape::Shoe(angle), 1, 2));
+    for angle in [15.0, 30.0, 45.0, 60.0, 80.0] {
+        scan(2, Shape::Shoe(angle), 1, 2);
+    }
     scan(2, Shape::Wheel(50.0), 2, 4);
 }
 
@@ -290,13 +292,17 @@ fn scan_of_blocks() {
 #[test]
 #[ignore = "minutes"]
 fn scan_of_corners() {
-    [15.0, 30.0, 45.0, 60.0, 80.0].into_iter().for_each(|angle| scan(2, Shape::Shoe(angle), 9, 8));
+    for angle in [15.0, 30.0, 45.0, 60.0, 80.0] {
+        scan(2, Shape::Shoe(angle), 9, 8);
+    }
 }
 
 #[test]
 #[ignore = "minutes"]
 fn scan_of_wheels() {
-    [50.0, 80.0, 120.0].into_iter().for_each(|radius| scan(2, Shape::Wheel(radius), 15, 8));
+    for radius in [50.0, 80.0, 120.0] {
+        scan(2, Shape::Wheel(radius), 15, 8);
+    }
 }
 
 #[test]
