@@ -49,7 +49,7 @@ fn a_hot_plate_of_mean_dilatation_is_free_of_stress() {
     for (shape, growth, most) in [("plate", 1.4999, 0.01), ("cylinder", 1.0, 0.01), ("block", 1.0, 0.02)] {
         for elements in ["Q1", "Q2"] {
             for (expansion, coupling) in [("1e-3", "monolithic"), (table, "monolithic"), ("1e-3", "fixed-point")] {
-                let problem = case::parse(&Source::new("hot.toml", &hot(shape, elements, expansion, coupling)), &[]);
+                let problem = case::parse(&Source::new("hot.toml", hot(shape, elements, expansion, coupling)), &[]);
                 let problem = problem.unwrap_or_else(|error| panic!("{error}")).problem;
                 let (state, _) = solve(&problem);
                 let (mesh, name) = (&problem.mesh, format!("{shape} {elements} {expansion} {coupling}"));
