@@ -32,98 +32,133 @@ use amontons::tensor::Point;
 const FEATURES: [&str; 9] = ["mean", "expansion", "monolithic", "prony", "warm", "sector", "pair", "wear", "falling"];
 const STEPS: usize = 6;
 
-/// A case with some features, its cells divided by `finer` and everything turned by an angle.
-fn problem(features: &[&str], finer: usize, angle: f64) -> Problem {
-    let has = |feature: &str| features.contains(&feature);
-    let n = |n: [usize; 2]| format!("[{}, {}]", n[0] * finer, n[1] * finer);
-    let (blocks, sides, far, fixed, more) = match (has("sector"), has("pair")) {
-        (false, false) => (
-            format!("{{ name = \"a\", size = [1.0, 0.5], n = {} }}", n([6, 3])),
-            ["a_bottom", ""],
-            "a_top",
-            "",
-            "[[boundary]]\non = \"a_left\"\nnormal_displacement = 0\n".to_owned(),
-        ),
-        (false, true) => (
-            format!(
-                "{{ name = \"a\", size = [1.0, 0.5], n = {} }}, {{ name = \"b\", size = [1.4, 0.5], origin = [-0.2, -0.5], n = {} }}",
-                n([5, 3]),
-                n([8, 3])
-            ),
-            ["a_bottom", "b_top"],
-            "a_top",
-            "b_bottom",
-            "[[boundary]]\non = \"a_left\"\nnormal_displacement = 0\n[[boundary]]\non = \"b_left\"\nnormal_displacement = 0\n"
-                .to_owned(),
-        ),
-        (true, is_pair) => {
-            let ring = |name: &str, radii: &str, n: String| {
-                format!("{{ name = \"{name}\", radii = {radii}, angle = 0.5235987755982988, n = {n} }}")
-            };
-            let [inner, outer] = [ring("a", "[1.0, 1.5]", n([3, 4])), ring("b", "[1.5, 2.0]", n([3, 4]))];
-            let mut more = "[[cyclic]]\nsides = [\"a_start\", \"a_end\"]\n".to_owned();
-            if is_pair {
-                more += "[[cyclic]]\nsides = [\"b_start\", \"b_end\"]\n";
-            }
-            let blocks = if is_pair { format!("{inner}, {outer}") } else { inner };
-            (blocks, ["a_outer", if is_pair { "b_inner" } else { "" }], "a_inner", if is_pair { "b_outer" } else { "" }, more)
+/// Blocks, the sides that meet, the side that is pressed and the one that is held, and what else holds the bodies.
+struct Bodies {
+    blocks: String,
+    sides: [&'static str; 2],
+    pressed: &'static str,
+    held: &'static str,
+    more: &'static str,
+}
+
+impl Bodies {
+    fn new(is_sector: bool, is_pair: bool, finer: usize) -> Bodies {
+        let n = |n: [usize; 2]| format!("[{}, {}]", n[0] * finer, n[1] * finer);
+        let block = |name: &str, from: &str, size: &str, cells: [usize; 2]| {
+            format!("{{ name = \"{name}\", size = {size}, origin = {from}, n = {} }}", n(cells))
+        };
+        let ring = |name: &str, radii: &str| {
+            format!("{{ name = \"{name}\", radii = {radii}, angle = 0.5235987755982988, n = {} }}", n([3, 4]))
+        };
+        match (is_sector, is_pair) {
+            (false, false) => Bodies {
+                blocks: block("a", "[0, 0]", "[1.0, 0.5]", [6, 3]),
+                sides: ["a_bottom", ""],
+                pressed: "a_top",
+                held: "",
+                more: "[[boundary]]\non = \"a_left\"\nnormal_displacement = 0\n",
+            },
+            (false, true) => Bodies {
+                blocks: block("a", "[0, 0]", "[1.0, 0.5]", [5, 3])
+                    + ", "
+                    + &block("b", "[-0.2, -0.5]", "[1.4, 0.5]", [8, 3]),
+                sides: ["a_bottom", "b_top"],
+                pressed: "a_top",
+                held: "b_bottom",
+                more: "[[boundary]]\non = \"a_left\"\nnormal_displacement = 0\n\
+                       [[boundary]]\non = \"b_left\"\nnormal_displacement = 0\n",
+            },
+            (true, false) => Bodies {
+                blocks: ring("a", "[1.0, 1.5]"),
+                sides: ["a_outer", ""],
+                pressed: "a_inner",
+                held: "",
+                more: "[[cyclic]]\nsides = [\"a_start\", \"a_end\"]\n",
+            },
+            (true, true) => Bodies {
+                blocks: ring("a", "[1.0, 1.5]") + ", " + &ring("b", "[1.5, 2.0]"),
+                sides: ["a_outer", "b_inner"],
+                pressed: "a_inner",
+                held: "b_outer",
+                more: "[[cyclic]]\nsides = [\"a_start\", \"a_end\"]\n[[cyclic]]\nsides = [\"b_start\", \"b_end\"]\n",
+            },
         }
-    };
+    }
+
+    fn boundary(&self, is_sector: bool) -> String {
+        let [pressed, held] = if is_sector {
+            let along = |c: &str| format!("\"0.02*t*{c}/(x^2 + y^2)^0.5\"");
+            [format!("displacement = [{}, {}]", along("x"), along("y")), "displacement = [0, 0]".to_owned()]
+        } else {
+            ["normal_displacement = \"-0.02*t\"".to_owned(), "normal_displacement = 0".to_owned()]
+        };
+        let mut text = format!("[[boundary]]\non = \"{}\"\n{pressed}\ntemperature = \"30*t\"\n", self.pressed);
+        if !self.held.is_empty() {
+            text += &format!("[[boundary]]\non = \"{}\"\n{held}\ntemperature = 0\n", self.held);
+        }
+        text
+    }
+}
+
+fn material(has: &dyn Fn(&str) -> bool) -> String {
     // Branches are multiples of an elasticity that does not depend on the temperature.
     let young = if has("warm") && !has("prony") { "{ temperature = [-50, 50], value = [120, 80] }" } else { "100" };
     let conductivity = if has("warm") { "{ temperature = [-50, 50], value = [0.4, 0.2] }" } else { "0.3" };
     let poisson = if has("mean") { 0.4999 } else { 0.3 };
     let mut text = format!(
-        "name = \"features\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"blocks\"\nblocks = [{blocks}]\n[time]\nend = 0.6\n\
-         steps = {STEPS}\n[scheme]\ncoupling = \"{}\"\n[material]\ndensity = 0.1\n\
-         elasticity = {{ law = \"isotropic\", young = {young}, poisson = {poisson}, stress_state = \"plane-strain\" }}\n\
-         viscosity = {{ law = \"lame\", first = 0.02, second = 0.05 }}\nheat_capacity = 1\nconductivity = {conductivity}\n",
-        if has("monolithic") { "monolithic" } else { "staggered" }
+        "[material]\ndensity = 0.1\nelasticity = {{ law = \"isotropic\", young = {young}, poisson = {poisson}, \
+         stress_state = \"plane-strain\" }}\nviscosity = {{ law = \"lame\", first = 0.02, second = 0.05 }}\n\
+         heat_capacity = 1\nconductivity = {conductivity}\n"
     );
-    if has("mean") {
-        text += "dilatation = \"mean\"\n";
+    for (is, keys) in [
+        (has("mean"), "dilatation = \"mean\"\n"),
+        (has("expansion") || has("monolithic"), "expansion_coefficient = 2e-4\n"),
+        (has("prony"), "prony = [{ ratio = 0.4, time = 0.1 }, { ratio = 0.2, time = 0.5 }]\n"),
+    ] {
+        text += if is { keys } else { "" };
     }
-    if has("expansion") || has("monolithic") {
-        text += "expansion_coefficient = 2e-4\n";
-    }
-    if has("prony") {
-        text += "prony = [{ ratio = 0.4, time = 0.1 }, { ratio = 0.2, time = 0.5 }]\n";
-    }
-    text += &more;
-    let [pressed, held] = if has("sector") {
-        let along = |c: &str| format!("\"0.02*t*{c}/(x^2 + y^2)^0.5\"");
-        [format!("displacement = [{}, {}]", along("x"), along("y")), "displacement = [0, 0]".to_owned()]
-    } else {
-        ["normal_displacement = \"-0.02*t\"".to_owned(), "normal_displacement = 0".to_owned()]
-    };
-    text += &format!("[[boundary]]\non = \"{far}\"\n{pressed}\ntemperature = \"30*t\"\n");
-    if !fixed.is_empty() {
-        text += &format!("[[boundary]]\non = \"{fixed}\"\n{held}\ntemperature = 0\n");
-    }
+    text
+}
+
+fn contact(has: &dyn Fn(&str) -> bool, sides: [&str; 2], angle: f64) -> String {
     let (s, c) = angle.sin_cos();
     let belt = if has("sector") {
         "[\"-0.1*y\", \"0.1*x\"]".to_owned()
     } else {
         format!("[\"{:?}\", \"{:?}\"]", 0.1 * c, 0.1 * s)
     };
-    text += &format!("[contact]\non = \"{}\"\n", sides[0]);
-    if has("pair") {
-        text += &format!("with = \"{}\"\n", sides[1]);
-    }
     let friction = if has("falling") {
         "{ law = \"static-kinetic\", static = 0.4, kinetic = 0.1, decay_speed = 0.02 }"
     } else {
         "{ law = \"coulomb\", coefficient = 0.3 }"
     };
-    text += &format!(
-        "normal = {{ law = \"compliance\", stiffness = 1e3 }}\nfriction = {friction}\nfoundation_velocity = {belt}\n\
-         heat = {{ law = \"pressure\", coefficient = 1.0, exponent = 0.95{} }}\nfrictional_heat = 0.5\n",
-        if has("pair") { "" } else { ", foundation_temperature = 0" }
+    format!(
+        "[contact]\non = \"{}\"\n{}normal = {{ law = \"compliance\", stiffness = 1e3 }}\nfriction = {friction}\n\
+         foundation_velocity = {belt}\nheat = {{ law = \"pressure\", coefficient = 1.0, exponent = 0.95{} }}\n\
+         frictional_heat = 0.5\n{}",
+        sides[0],
+        if has("pair") { format!("with = \"{}\"\n", sides[1]) } else { String::new() },
+        if has("pair") { "" } else { ", foundation_temperature = 0" },
+        if has("wear") { "wear = { law = \"archard\", coefficient = 1e-3 }\n" } else { "" }
+    )
+}
+
+/// A case with some features, its cells divided by `finer` and everything turned by an angle.
+fn problem(features: &[&str], finer: usize, angle: f64) -> Problem {
+    let has = |feature: &str| features.contains(&feature);
+    let bodies = Bodies::new(has("sector"), has("pair"), finer);
+    let text = format!(
+        "name = \"features\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"blocks\"\nblocks = [{}]\n[time]\nend = 0.6\n\
+         steps = {STEPS}\n[scheme]\ncoupling = \"{}\"\n{}{}{}{}",
+        bodies.blocks,
+        if has("monolithic") { "monolithic" } else { "staggered" },
+        material(&has),
+        bodies.more,
+        bodies.boundary(has("sector")),
+        contact(&has, bodies.sides, angle)
     );
-    if has("wear") {
-        text += "wear = { law = \"archard\", coefficient = 1e-3 }\n";
-    }
     let read = case::parse(&Source::new("features.toml", &text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let (s, c) = angle.sin_cos();
     changed(&read.problem, |data| {
         let mut mesh = (*data.mesh).clone();
         mesh.points.iter_mut().for_each(|x| *x = [c * x[0] - s * x[1], s * x[0] + c * x[1], 0.0]);
