@@ -19,6 +19,26 @@ pub enum System {
     Dimensionless,
 }
 
+/// The scale of the temperatures of a case. Differences of temperature are in K on both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Scale {
+    /// K.
+    #[default]
+    #[serde(rename = "K")]
+    Kelvin,
+    /// °C.
+    #[serde(rename = "°C")]
+    Celsius,
+}
+
+impl Scale {
+    /// Whether it is that of a case that does not name one.
+    #[must_use]
+    pub fn is_kelvin(&self) -> bool {
+        *self == Scale::Kelvin
+    }
+}
+
 /// What integrals over a body are over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -41,6 +61,9 @@ pub struct Units {
     pub system: System,
     /// What forces, energies, powers, areas and volumes are over.
     pub extent: Extent,
+    /// The scale of temperatures; absent from files where it is that in K.
+    #[serde(default, skip_serializing_if = "Scale::is_kelvin")]
+    pub temperature: Scale,
 }
 
 /// What a number measures.
@@ -56,6 +79,8 @@ pub enum Measure {
     Velocity,
     /// Temperature.
     Temperature,
+    /// Difference of two temperatures.
+    TemperatureDifference,
     /// Stress and pressure.
     Stress,
     /// Heat flux through a surface.
@@ -92,16 +117,18 @@ fn prefixes(symbol: &str) -> [i32; 2] {
         // thrice.
         "s" | "K" => [-12, 0],
         "m" | "m/s" => [-12, 3],
-        "" | "m²" | "m³" | "m²/m" | "m³/m" | "m²/m²" | "m³/m²" => [0, 0],
+        // Nobody counts in millipascals.
+        "Pa" => [0, 12],
+        "" | "°C" | "m²" | "m³" | "m²/m" | "m³/m" | "m²/m²" | "m³/m²" => [0, 0],
         _ => [-12, 12],
     }
 }
 
 impl Units {
     /// SI units of a body in the plane.
-    pub const PLANE: Units = Units { system: System::Si, extent: Extent::Plane };
+    pub const PLANE: Units = Units { system: System::Si, extent: Extent::Plane, temperature: Scale::Kelvin };
     /// SI units of a body in space.
-    pub const SPACE: Units = Units { system: System::Si, extent: Extent::Space };
+    pub const SPACE: Units = Units { extent: Extent::Space, ..Units::PLANE };
 
     /// The same numbers without units.
     #[must_use]
@@ -125,7 +152,8 @@ impl Units {
             Measure::Time => "s",
             Measure::Length => "m",
             Measure::Velocity => "m/s",
-            Measure::Temperature => "K",
+            Measure::Temperature if self.temperature == Scale::Celsius => "°C",
+            Measure::Temperature | Measure::TemperatureDifference => "K",
             Measure::Stress => "Pa",
             Measure::HeatFlux => "W/m²",
             Measure::SurfaceWork => "J/m²",
@@ -150,7 +178,8 @@ impl Units {
         }
         // What three digits round up to the next thousand has the next prefix: 999.96 is 1.00 k.
         let power = 3 * ((size.log10() + ROUNDED_UP).floor() as i32).div_euclid(3);
-        power.clamp(least, most)
+        // What is too small for every prefix has a power of ten, and not both.
+        if power < least { 0 } else { power.min(most) }
     }
 
     /// The unit with the prefix of a power of ten: `kPa`; none if the unit has no such prefix.
@@ -196,11 +225,18 @@ impl Units {
     /// The components of a vector in one unit: `(0, -824) N/m`.
     #[must_use]
     pub fn vector(self, components: &[f64], measure: Measure) -> String {
-        // What is the round-off of the largest is zero.
+        self.vector_beside(components, 0.0, measure)
+    }
+
+    /// The same of a sum of vectors whose components are as large as `beside`: what is the round-off of these, or of
+    /// the largest component, is zero.
+    #[must_use]
+    pub fn vector_beside(self, components: &[f64], beside: f64, measure: Measure) -> String {
         const ROUND_OFF: f64 = 1e-9;
         let largest = components.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let power = self.power(largest, measure);
-        let number = |v: &f64| Units::digits(if v.abs() < ROUND_OFF * largest { 0.0 } else { *v }, power, measure);
+        let least = ROUND_OFF * largest.max(beside);
+        let power = if largest < least { 0 } else { self.power(largest, measure) };
+        let number = |v: &f64| Units::digits(if v.abs() < least { 0.0 } else { *v }, power, measure);
         let numbers: Vec<String> = components.iter().map(number).collect();
         format!("({}) {}", numbers.join(", "), self.prefixed(power, measure).unwrap_or_default()).trim_end().to_owned()
     }
@@ -338,6 +374,14 @@ mod tests {
     fn prefixes_stand_where_the_unit_takes_them() {
         assert_eq!(Units::SPACE.prefixed(3, Measure::Stress).as_deref(), Some("kPa"));
         assert_eq!(Units::SPACE.prefixed(3, Measure::Temperature), None);
+        let celsius = Units { temperature: Scale::Celsius, ..Units::SPACE };
+        let written = [Measure::Temperature, Measure::TemperatureDifference].map(|of| celsius.write(-1.25, of));
+        assert_eq!(written, ["-1.25 °C", "-1.25 K"]);
+        // No prefix is beside a power of ten, and no pressure in mPa.
+        assert_eq!(Units::SPACE.write(6.26e-34, Measure::Length), "6.26e-34 m");
+        assert_eq!(Units::SPACE.write(0.65, Measure::Stress), "0.65 Pa");
+        // A sum that is the round-off of what it is the sum of.
+        assert_eq!(Units::SPACE.vector_beside(&[1.3e-12, 1e-13], 1e3, Measure::Force), "(0, 0) N");
         assert_eq!(Units::SPACE.prefixed(-3, Measure::Area), None);
         assert_eq!(Units::SPACE.without().prefixed(3, Measure::Stress), None);
         assert_eq!(Units::SPACE.without().prefixed(0, Measure::Stress).as_deref(), Some(""));

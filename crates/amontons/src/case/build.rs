@@ -22,7 +22,7 @@ use crate::mesh::Mesh;
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
-use crate::units::System;
+use crate::units::{Scale, System};
 
 /// Builds and checks the problem, in a machine with so much memory, where that is known.
 ///
@@ -68,6 +68,7 @@ pub(super) fn problem(
     let mut data = ProblemData {
         name: raw.name,
         system: system(raw.units),
+        scale: notes.scale,
         end: raw.time.end,
         steps: raw.time.steps,
         physics,
@@ -195,6 +196,8 @@ pub(super) struct Notes<'d> {
     pub doubtful: &'d Doubtful,
     /// What is expected of the values of expressions and tables.
     pub limits: &'d [(Path, Limits)],
+    /// The scale of temperatures.
+    pub scale: Scale,
 }
 
 /// What is known while a problem is built.

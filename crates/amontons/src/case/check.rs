@@ -11,6 +11,7 @@ use super::path::Path;
 use super::place::{At, Finding};
 use super::quantity::{Quantity, Reading, read};
 use super::schema::{Limits, View, one_of};
+use crate::units::Scale;
 
 /// Faults up to which misplaced keys are looked for in all tables.
 const HINTED: usize = 500;
@@ -25,6 +26,8 @@ pub(super) struct Checked {
     pub doubtful: Vec<Path>,
     /// What is expected of the values of expressions and tables, by the keys that have bounds.
     pub limits: Vec<(Path, Limits)>,
+    /// The scale of temperatures.
+    pub scale: Scale,
 }
 
 /// Walks a document along a schema.
@@ -40,7 +43,8 @@ pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
         scales: [None, None],
     };
     let value = walk.table(walk.all, &Path::default(), document);
-    Checked { value, findings: walk.findings, doubtful: walk.doubtful, limits: walk.limits }
+    let scale = if walk.scales[1].is_some() { Scale::Celsius } else { Scale::Kelvin };
+    Checked { value, findings: walk.findings, doubtful: walk.doubtful, limits: walk.limits, scale }
 }
 
 struct Walk<'s> {

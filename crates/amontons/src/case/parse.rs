@@ -161,7 +161,7 @@ fn build_case(
     files: &Files,
     has_other_end: bool,
 ) -> (Option<(Case, References)>, Vec<Finding>) {
-    let check::Checked { value, mut findings, doubtful, limits } = check::check(&rules(), document);
+    let check::Checked { value, mut findings, doubtful, limits, scale } = check::check(&rules(), document);
     let mut raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
         Err(error) => {
@@ -177,7 +177,7 @@ fn build_case(
     let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));
     let blocks = mesh::blocks(&raw.mesh);
     let doubtful = Doubtful::new(doubtful);
-    let notes = build::Notes { doubtful: &doubtful, limits: &limits };
+    let notes = build::Notes { doubtful: &doubtful, limits: &limits, scale };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
     let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {

@@ -80,19 +80,36 @@ impl<'e> Fit<'e> {
 
     /// Weights of the points in the value of the polynomial at a point: with the columns QR they are Q R⁻ᵀ p(x).
     pub fn weights(&self, x: &Point) -> Vec<f64> {
+        self.bounded_weights(x, &[])
+    }
+
+    /// The same of the polynomial of the highest degree whose weights sum to no more in magnitude than `most` has for
+    /// it, if it has something: beyond that values at a point would be a difference of much larger ones. Of degree 0
+    /// all weights are the same.
+    pub fn bounded_weights(&self, x: &Point, most: &[f64]) -> Vec<f64> {
         let y = self.local.of(x);
+        let degree = |m: usize| self.exponents[m].iter().sum::<i32>();
         let mut solved: Vec<f64> = Vec::with_capacity(self.independent.len());
         let mut weights = vec![0.0; self.count];
+        let mut bounded = weights.clone();
         let mut rest = &self.parts[..];
-        for (m, column) in self.independent.iter().zip(self.columns.chunks_exact(self.count.max(1))) {
+        let columns = self.columns.chunks_exact(self.count.max(1));
+        for (place, (&m, column)) in self.independent.iter().zip(columns).enumerate() {
             let (parts, others) = rest.split_at(solved.len() + 1);
             let known: f64 = parts.iter().zip(&solved).map(|(part, s)| part * s).sum();
-            let s = (monomial(&self.exponents[*m], &y) - known) / parts[solved.len()];
+            let s = (monomial(&self.exponents[m], &y) - known) / parts[solved.len()];
             weights.iter_mut().zip(column).for_each(|(w, q)| *w += s * q);
             solved.push(s);
             rest = others;
+            // Columns of one degree stand together, the lower degrees first.
+            let is_last = self.independent.get(place + 1).is_none_or(|&next| degree(next) > degree(m));
+            let sum = || weights.iter().map(|w| w.abs()).sum::<f64>();
+            let is_bounded = || most.get(degree(m) as usize).is_none_or(|most| sum() <= *most);
+            if is_last && (degree(m) == 0 || is_bounded()) {
+                bounded.copy_from_slice(&weights);
+            }
         }
-        weights
+        bounded
     }
 }
 

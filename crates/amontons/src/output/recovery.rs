@@ -9,7 +9,8 @@
 //!
 //! A patch never reaches over the boundary of a region: where two materials meet, stresses jump, and a node there has a
 //! value for each region. In a region without inner vertices, such as a layer of one cell, a patch around the node
-//! itself is fitted as far as its points determine a polynomial.
+//! itself is fitted as far as its points determine a polynomial. Where a value would be a difference of much larger
+//! ones, it is that of a polynomial of a lower degree, at last the mean of the patch.
 
 use std::collections::BTreeSet;
 
@@ -35,6 +36,10 @@ pub(super) type Stencil = Vec<(Sample, f64)>;
 /// Sampling points with the polynomial that is fitted to their values.
 type Patch<'r> = (Vec<Sample>, Fit<'r>);
 
+/// Largest sum of the weights of a value in magnitude, by the degree of the polynomial. On even meshes of triangles and
+/// tetrahedra it is up to 8 at the corner of linear cells, two edges from an inner vertex, and up to 17 at that of
+/// quadratic ones; of points that hardly determine a polynomial, as in a layer of one tetrahedron, it has no bound.
+const MOST: [f64; 3] = [1.0, 9.0, 20.0];
 /// Most often that a patch without inner vertices grows by its neighbours.
 const GROWTH: usize = 2;
 
@@ -287,7 +292,8 @@ impl<'m> Recovery<'m> {
         let x = &self.mesh.points[node as usize];
         let mut terms = Stencil::new();
         let mut add = |(samples, fit): &Patch, share: f64| {
-            terms.extend(samples.iter().copied().zip(fit.weights(x).iter().map(|weight| share * weight)));
+            terms
+                .extend(samples.iter().copied().zip(fit.bounded_weights(x, &MOST).iter().map(|weight| share * weight)));
         };
         for fit in fits {
             add(fit, 1.0 / fits.len() as f64);

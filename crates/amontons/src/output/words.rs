@@ -45,12 +45,14 @@ impl Summary {
             rows.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
         }
         let up_to = |name: &str, most: f64, measure| row(name, &format!("up to {}", units.write(most, measure)));
-        rows.extend(end.von_mises_max.map(|most| up_to("von Mises stress", most, Measure::Stress)));
+        let in_cells = |most: f64| format!("up to {} at the centre of a cell", units.write(most, Measure::Stress));
+        rows.extend(end.von_mises_max.map(|most| row("von Mises stress", &in_cells(most))));
         rows.extend(end.strain_max.map(|most| up_to("strain", most, Measure::Number)));
         if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
-            rows.extend(touching("contact", contact, units));
+            let beside = contact.sides.iter().flat_map(|(_, side)| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
+            rows.extend(touching("contact", contact, beside, units));
             for (side, contact) in &contact.sides {
-                rows.extend(touching(&format!("on \"{side}\""), contact, units));
+                rows.extend(touching(&format!("on \"{side}\""), contact, 0.0, units));
             }
         }
         rows.extend(extent(units, mechanics));
@@ -121,10 +123,11 @@ fn extent(units: Units, mechanics: bool) -> Option<Row> {
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
 
-/// Contact on one side or on all, with wear and the temperature of the foundation if there are any.
-fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
+/// Contact on one side or on all, whose forces are as large as `beside`, with wear and the temperature of the foundation
+/// if there are any.
+fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> Vec<Row> {
     let write = |value: f64, measure: Measure| units.write(value, measure);
-    let force = units.vector(&contact.force, Measure::Force);
+    let force = units.vector_beside(&contact.force, beside, Measure::Force);
     let mut lines = vec![
         row(
             name,
@@ -136,7 +139,10 @@ fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
                 write(contact.area, Measure::Area)
             ),
         ),
-        row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
+        row(
+            "contact force",
+            &format!("{force}, pressure up to {} at a point", write(contact.pressure_max, Measure::Stress)),
+        ),
     ];
     lines.extend(
         contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),

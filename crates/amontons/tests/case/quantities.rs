@@ -2,6 +2,27 @@
 
 use crate::common::{self, told};
 use amontons::case::{self, CaseError, Source};
+use amontons::run::{self, Settings};
+use amontons::units::Measure;
+
+/// A case in °C is reported in °C, differences of temperature in K: "272 K" was −1 °C. One without units of
+/// temperature, or in K, is in K.
+#[test]
+fn temperatures_are_named_on_the_scale_of_the_case() {
+    let unit = |text: &str| {
+        let case = case::parse(&Source::new("pad.toml", text), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let rows = run::run(&case.problem, &Settings::default(), &mut []).expect("a run").rows();
+        let range = rows.iter().find(|(name, _)| name == "temperature").expect("a row").1.clone();
+        let units = case.problem.units();
+        (units.of(Measure::Temperature), units.of(Measure::TemperatureDifference), range)
+    };
+    let (celsius, difference, range) = unit(DRAWN);
+    assert!(celsius == "°C" && difference == "K" && range.ends_with(" °C"), "{celsius}, {difference}, {range}");
+    for text in [PLAIN.to_owned(), DRAWN.replace("°C", "K")] {
+        let (kelvin, difference, range) = unit(&text);
+        assert!(kelvin == "K" && difference == "K" && range.ends_with(" K"), "{kelvin}, {difference}, {range}");
+    }
+}
 
 /// A brake pad in the units of a drawing.
 const DRAWN: &str = r#"

@@ -3,9 +3,10 @@
 #![allow(clippy::float_cmp, reason = "some values are exact")]
 
 use std::fs;
+use std::sync::Arc;
 
 use crate::at_rest::{PLANE_STRAIN, PLANE_STRESS, folder, hooke, options, parse, probe, read, settings, text};
-use crate::common::{self, changed};
+use crate::common::{self, Random, changed};
 use amontons::case::Case;
 use amontons::element::ShapeTable;
 use amontons::material::StressState;
@@ -140,6 +141,39 @@ fn polynomial_stresses_are_recovered_exactly() {
     }
 }
 
+/// A bent plate of one layer of tetrahedra whose nodes are anywhere: no stress at a node is far beyond those of the
+/// cells. As a polynomial of the points, which hardly determine one, it was up to 10⁷ times as large.
+#[test]
+fn recovered_stresses_are_bounded_by_those_of_the_cells() {
+    let (mut random, mut worst) = (Random(3), 0.0f64);
+    for (number, elements) in (0..200).zip(["P1", "P2", "Q1"].into_iter().cycle()) {
+        let n = 2 + number % 5;
+        let mesh =
+            format!("kind = \"box\"\nsize = [1.0, 1.0, 0.1]\nn = [{n}, {}, 1]\nelements = \"{elements}\"", n + 1);
+        let u = "[\"-x*(z-0.05)+1e-3*sin(9*y)\", \"1e-3*x*y\", \"0.5*x^2\"]";
+        let mut case = parse(&text(&mesh, "", u, "0", ""));
+        case.problem = changed(&case.problem, |data| {
+            let mut mesh = (*data.mesh).clone();
+            let bend = [(); 4].map(|()| 3.0 * random.number());
+            for x in &mut mesh.points {
+                let [along, across] =
+                    [(bend[0] * x[0] + bend[1] * x[1]).sin(), (bend[2] * x[0] + bend[3] * x[1]).cos()];
+                *x = [x[0] + 0.06 / n as f64 * along, x[1] + 0.06 / n as f64 * across, x[2] * (1.0 + 0.3 * along)];
+            }
+            data.mesh = Arc::new(mesh);
+        });
+        let (state, problem) = (initial(&case), &case.problem);
+        let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0, f64::max);
+        let of_cells = largest(&mut cell_values(problem, &state).iter().map(|values| values.stress.norm()));
+        let of_nodes = largest(&mut nodal_stress(problem, &state).regions[0].iter().map(|(_, stress)| stress.norm()));
+        worst = worst.max(of_nodes / of_cells);
+        // The centre of a cell that goes through the plate has none of its bending.
+        let most = if elements == "P1" { 5.0 } else { 100.0 };
+        assert!(of_nodes < most * of_cells, "{mesh}: {of_nodes:e} at nodes, {of_cells:e} in cells");
+    }
+    println!("up to {worst} times");
+}
+
 /// At an interface each material has its own stress; the file of the fields has the mean there.
 #[test]
 fn stresses_jump_where_materials_meet() {
@@ -158,7 +192,7 @@ fn stresses_jump_where_materials_meet() {
     }
     mesh.regions = vec!["soft".to_owned(), "stiff".to_owned()];
     case.problem = changed(&case.problem, |data| {
-        data.mesh = std::sync::Arc::new(mesh);
+        data.mesh = Arc::new(mesh);
         data.materials.extend(stiff.problem.materials.iter().cloned());
         data.materials.truncate(2);
     });

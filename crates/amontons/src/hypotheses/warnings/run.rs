@@ -84,7 +84,7 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
         "a temperature of {} is {} {which} all values that the data allow: the step of {} is short for the size of the cells next to a \
          sudden change, and the consistent mass matrix undershoots there",
         units.write(extreme, Measure::Temperature),
-        units.write(by, Measure::Temperature),
+        units.write(by, Measure::TemperatureDifference),
         units.write(problem.k(), Measure::Time)
     );
     let repair = format!(
