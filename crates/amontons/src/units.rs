@@ -352,7 +352,7 @@ mod tests {
     /// as a whole; nothing without units.
     #[test]
     fn integrals_have_the_units_of_their_extent() {
-        let of = |extent, measure| Units { system: System::Si, extent }.of(measure);
+        let of = |extent, measure| Units { extent, ..Units::PLANE }.of(measure);
         for (measure, line, plane, whole) in [
             (Measure::Force, "N/m²", "N/m", "N"),
             (Measure::Energy, "J/m²", "J/m", "J"),

@@ -389,7 +389,7 @@ mod tests {
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
         let (doubtful, memory) = (Doubtful::default(), Memory { bytes: 2e6, limit: None });
-        let notes = Notes { doubtful: &doubtful, limits: &[] };
+        let notes = Notes { doubtful: &doubtful, limits: &[], scale: Scale::Kelvin };
         let (problem, findings) = problem(raw, &Files::None, Some(memory), notes, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 2.21 MB, a mesh for the 2.00 MB of memory that are free";

@@ -117,6 +117,14 @@ findings! {
     Penetration = "penetration", Warning, Mechanics;
     /// Rigid motions that nothing determines.
     Undetermined = "undetermined-motion", Warning, Mechanics;
+    /// Contacts that never press.
+    NoContact = "no-contact", Warning, Mechanics;
+    /// A contact that few points of a side bear.
+    FewPoints = "few-points", Warning, Mechanics;
+    /// Energy of motion that the scheme takes.
+    SchemeShare = "scheme-share", Warning, Mechanics;
+    /// A stiffness and a density that no material has together.
+    Magnitude = "magnitude", Warning, Mechanics;
 }
 
 /// The equations that a problem must have for a finding to say something about it.

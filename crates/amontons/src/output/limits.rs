@@ -29,8 +29,29 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         temperature: state.temperatures,
         outside: outside(problem, state.temperatures, strain, state.t),
         loose: report.map(|report| report.loose.clone()).unwrap_or_default(),
+        steps: state.step,
+        pressed_steps: state.counts.pressed_steps,
+        few: few(last),
+        scheme: [state.ledger.scheme_dissipation, state.ledger.kinetic, state.ledger.turned_over],
         penetration: sides.max_by(|a, b| (a.depth / a.cell).total_cmp(&(b.depth / b.cell))),
     }
+}
+
+/// The contact of which the fewest points press while others are open, and how many press; of those that press at all.
+fn few(last: &Snapshot) -> Option<(usize, usize)> {
+    let contact = &last.report?.contact;
+    let boundary = contact.boundary.as_deref().unwrap_or(&last.discretization.boundary);
+    let counts = |side: usize| {
+        let states = boundary.points.iter().zip(&contact.states);
+        let faced = states.filter(|(point, _)| point.contact == side && point.weight > 0.0);
+        faced.fold([0, 0], |[pressed, open], (_, state)| {
+            let presses = state.pressure > 0.0;
+            [pressed + usize::from(presses), open + usize::from(!presses)]
+        })
+    };
+    let sides = (0..last.problem.contacts.len()).filter(|&side| !last.problem.contacts[side].is_tie());
+    let partly = sides.map(|side| (side, counts(side))).filter(|(_, [pressed, open])| *pressed > 0 && *open > 0);
+    partly.map(|(side, [pressed, _])| (side, pressed)).min_by_key(|(_, pressed)| *pressed)
 }
 
 /// By how much temperatures are below and above the maximum principle of (2.4): without sinks no temperature falls

@@ -49,7 +49,7 @@ impl Summary {
         rows.extend(end.von_mises_max.map(|most| row("von Mises stress", &in_cells(most))));
         rows.extend(end.strain_max.map(|most| up_to("strain", most, Measure::Number)));
         if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
-            let beside = contact.sides.iter().flat_map(|(_, side)| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
+            let beside = contact.sides.values().flat_map(|side| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
             rows.extend(touching("contact", contact, beside, units));
             for (side, contact) in &contact.sides {
                 rows.extend(touching(&format!("on \"{side}\""), contact, 0.0, units));
@@ -123,8 +123,8 @@ fn extent(units: Units, mechanics: bool) -> Option<Row> {
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
 
-/// Contact on one side or on all, whose forces are as large as `beside`, with wear and the temperature of the foundation
-/// if there are any.
+/// Contact on one side or on all, whose forces are as large as `beside`, with wear and the temperature of the
+/// foundation if there are any.
 fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> Vec<Row> {
     let write = |value: f64, measure: Measure| units.write(value, measure);
     let force = units.vector_beside(&contact.force, beside, Measure::Force);

@@ -192,8 +192,8 @@ impl<'a> Coupled<'a> {
     }
 
     /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever
-    /// shorter parts of the Newton step. None where none does, or where no direction is found: passes of the fixed point
-    /// go on.
+    /// shorter parts of the Newton step. None where none does, or where no direction is found: passes of the fixed
+    /// point go on.
     fn newton(&mut self, now: &Iterate) -> Result<Option<Iterate>, StepError> {
         let Some(change) = self.direction(now)? else { return Ok(None) };
         let part = |alpha: f64| {

@@ -543,6 +543,7 @@ impl Scheme for BackwardEuler {
             }
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
+        state.counts.pressed_steps += usize::from(report.contact.states.iter().any(|point| point.pressure > 0.0));
         state.temperatures = extremes(old.temperatures, &state.theta);
         Ok((state, report))
     }

@@ -121,9 +121,9 @@ impl Step<'_> {
     /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the
     /// last bits of the state make of it, as long as that is small beside what acts on the body (`driven`). A contact
     /// force that is no more than that round-off is none. Where nothing acts, the round-off of the state must be small
-    /// beside the motion that is prescribed, or hardly be more than that of the state before, or the motion no more than
-    /// the last bits of the places of the nodes. What is round-off is
-    /// given relative to the sizes of the numbers that the terms are sums of.
+    /// beside the motion that is prescribed, or hardly be more than that of the state before, or the motion no more
+    /// than the last bits of the places of the nodes. What is round-off is given relative to the sizes of the numbers
+    /// that the terms are sums of.
     pub fn accept(
         &self,
         [residual, scale, driven, contact]: [f64; 4],

@@ -1,6 +1,6 @@
-//! Bodies at random places on each other, in the plane and in space, of linear and quadratic cells, facets of any ratio,
-//! the contact points on either side, turned anyhow: the force is that of a finer mesh, no pressure stands out, and what
-//! moves by a hair changes by a hair.
+//! Bodies at random places on each other, in the plane and in space, of linear and quadratic cells, facets of any
+//! ratio, the contact points on either side, turned anyhow: the force is that of a finer mesh, no pressure stands out,
+//! and what moves by a hair changes by a hair.
 //!
 //! The tests take some of the places; two thousand are tried by
 //! `cargo test --release --package amontons-core --test pairs -- --ignored scan`.

@@ -19,6 +19,10 @@
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
 //! | `penetration` | a foundation gives way by more than the size of a cell | the run |
 //! | `undetermined-motion` | no support, contact or load determines a rigid motion | the run |
+//! | `no-contact` | no contact point presses in any step | the run |
+//! | `few-points` | a contact that ends within a side is borne by fewer than four points | the run |
+//! | `scheme-share` | the scheme takes more than 5 % of the energy of a motion | the run |
+//! | `magnitude` | waves in a material are slower or faster than in any | the material |
 
 mod gaps;
 mod jump;
@@ -30,11 +34,12 @@ pub use run::{Figures, Penetration, of_run};
 
 use super::laws::{at, norm};
 use super::{Finding, FindingId, FindingStatus};
-use crate::material::Dilatation;
+use crate::material::{Constants, Dilatation};
 use crate::mesh::FacetSet;
 use crate::mesh::defects::coincident;
 use crate::problem::Problem;
 use crate::tensor::Sym;
+use crate::units::{Measure, System};
 
 /// A warning with the value found and the limit that it exceeds or misses.
 fn warning(
@@ -60,6 +65,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));
         findings.extend(mean_dilatation(problem, region));
+        findings.extend(magnitude(problem, region));
         findings.extend(jump::jump(problem, region));
     }
     findings.extend(thermal::layer(problem));
@@ -164,6 +170,33 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
         message.to_owned(),
         repair,
     ))
+}
+
+/// `magnitude`: √(λ/ρ), λ the largest eigenvalue of 𝓔, is the speed of waves. In what is as dense as stone it is
+/// kilometres in a second, and in nothing more than 20 of them: a modulus in MPa or a density in t/mm³ is taken for one
+/// in SI units.
+fn magnitude(problem: &Problem, region: usize) -> Option<Finding> {
+    const DENSE: f64 = 2000.0;
+    const SPEEDS: [f64; 2] = [30.0, 3e4];
+    let material = problem.materials.get(region).filter(|_| problem.system == System::Si)?;
+    let x = problem.mesh.points.first()?;
+    let density = material.density.at(x);
+    let stiffness = Constants::of_linear(&material.elasticity.tangent(x, &Sym::ZERO), problem.mesh.dim).lipschitz;
+    let speed = (stiffness / density).sqrt();
+    let [slowest, fastest] = SPEEDS;
+    if !(density > 0.0 && stiffness > 0.0) || !((density > DENSE && speed < slowest) || speed > fastest) {
+        return None;
+    }
+    let units = problem.units();
+    let message = format!(
+        "with a stiffness of {} and a density of {density:e} kg/m³ waves travel at {}: no material has both",
+        units.write(stiffness, Measure::Stress),
+        units.write(speed, Measure::Velocity)
+    );
+    let repair = "give both in SI units, Pa and kg/m³, or with their units: young = \"210 GPa\"";
+    let limit = if speed < slowest { slowest } else { fastest };
+    let key = material_key(problem, region, "elasticity");
+    Some(warning(FindingId::Magnitude, &key, [speed, limit], message, repair))
 }
 
 /// `mean-dilatation`: the dilatation of a linear triangle or tetrahedron is constant, so that its mean is itself.

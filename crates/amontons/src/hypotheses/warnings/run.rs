@@ -14,6 +14,13 @@ const RANGE: f64 = 0.01;
 /// Penetration beside the height of a cell on Γ_C above which a foundation has given way.
 const PENETRATION: f64 = 0.1;
 
+/// Points that bear a contact below which its pressures are hardly resolved.
+const POINTS: usize = 4;
+/// Share of the energy that the scheme may take of a motion.
+const SCHEME: f64 = 0.05;
+/// Share of the energy turned over from which on kinetic energy counts.
+const MOVES: f64 = 0.01;
+
 /// What a run came to, to be judged.
 #[derive(Clone, Debug)]
 pub struct Figures {
@@ -29,6 +36,14 @@ pub struct Figures {
     pub penetration: Option<Penetration>,
     /// The rigid motions that nothing determines in the last step, in words.
     pub loose: Vec<String>,
+    /// Steps that were made.
+    pub steps: usize,
+    /// Those at whose end a contact point pressed.
+    pub pressed_steps: usize,
+    /// The contact of which the fewest points press at the last step while others are open, and how many press.
+    pub few: Option<(usize, usize)>,
+    /// What the scheme took of the energy, the kinetic energy at the last step, and all that was turned over.
+    pub scheme: [f64; 3],
 }
 
 /// A penetration beside the cells of the side.
@@ -51,6 +66,9 @@ pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
         absolute_zero(problem, figures),
         penetration(problem, figures),
         undetermined(problem, figures),
+        no_contact(problem, figures),
+        few_points(problem, figures),
+        scheme_share(problem, figures),
     ];
     parts.into_iter().flatten().collect()
 }
@@ -154,4 +172,48 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
         message,
         "use a stiffer foundation, or law = \"signorini\" for a rigid one",
     ))
+}
+
+/// `no-contact`: of a run that has ended, and of contacts that nothing but pressure acts through.
+fn no_contact(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let may_press = problem.contacts.iter().any(|contact| !contact.is_tie());
+    if !may_press || problem.physics.has_heat() || figures.steps < problem.steps || figures.pressed_steps > 0 {
+        return None;
+    }
+    let message = format!(
+        "no contact point presses at the end of any of {} steps: the results are those of bodies without contact",
+        figures.steps
+    );
+    let repair = "check the sides of the contact, its gap, the sign of loads and normals, and the units of the mesh";
+    Some(warning(FindingId::NoContact, "contact", [0.0, 1.0], message, repair))
+}
+
+/// `few-points`.
+fn few_points(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let (side, pressed) = figures.few.filter(|(_, pressed)| *pressed < POINTS && problem.mesh.dim > 1)?;
+    let contact = problem.contacts.get(side)?;
+    let message = format!(
+        "{pressed} of the contact points of \"{}\" {} at the last step: where a contact ends within a side, its largest pressure is known to a few points only, and resultants to a facet",
+        contact.bearing(),
+        if pressed == 1 { "presses" } else { "press" }
+    );
+    let repair = "use facets there that are a quarter of the contact or less";
+    Some(warning(FindingId::FewPoints, "mesh", [pressed as f64, POINTS as f64], message, repair))
+}
+
+/// `scheme-share`: where there is a motion that it could slow down. What the scheme takes of a slow process is that of
+/// work that is summed up in steps, and the state at their end is right.
+fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let [taken, kinetic, turned_over] = figures.scheme;
+    let is_thrown = problem.initial.velocity.iter().any(|velocity| !velocity.is_zero());
+    if taken <= SCHEME * turned_over || !(is_thrown || kinetic > MOVES * turned_over) {
+        return None;
+    }
+    let share = taken / turned_over;
+    let message = format!(
+        "the time-stepping scheme itself took {:.0} % of the energy turned over: oscillations and rebounds are weaker than they are, by as much",
+        100.0 * share
+    );
+    let repair = "use more steps (time.steps): the share falls with the step, across an impact with its square root";
+    Some(warning(FindingId::SchemeShare, "time.steps", [share, SCHEME], message, repair))
 }

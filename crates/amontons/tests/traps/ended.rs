@@ -1,0 +1,90 @@
+//! Warnings of what a run came to, and of numbers that no material has: each with cases that give cause for it and
+//! cases beside them that do not.
+
+use crate::{BLOCK, no_word, problem, solved, told, warns};
+use amontons::hypotheses::Finding;
+use amontons::output::Summary;
+
+fn of(summary: &Summary, id: &str) -> Option<Finding> {
+    summary.warnings.iter().find(|finding| finding.id.as_str() == id).cloned()
+}
+
+const MECHANICS: [&str; 2] = ["boundary=[{ on = \"top\", displacement = [0, -1e-3] }]", "load.body_force=[0, 0]"];
+
+fn block(more: &[&str]) -> Summary {
+    // Without the keys of heat it is a case of mechanics.
+    let text = BLOCK.replace("heat_capacity = 1.0\nconductivity = 1.0\n", "").replace("temperature = 0\n", "");
+    solved(&text, &[&MECHANICS, more].concat())
+}
+
+#[test]
+fn contacts_that_never_press() {
+    for more in [
+        &["contact.gap=0.5"][..],
+        &["boundary=[{ on = \"top\", displacement = [0, 1e-3] }]"],
+        &["contact.gap=0.5", "contact.normal={ law = \"signorini\" }"],
+    ] {
+        let [steps, least] = warns(of(&block(more), "no-contact"), "contact");
+        assert_eq!([steps, least], [0.0, 1.0], "{more:?}");
+    }
+    // Pressed at first only, pressed at the end only, and a gap that heat crosses.
+    for more in [
+        &[][..],
+        &["boundary=[{ on = \"top\", displacement = [0, \"if(t < 0.3, -1e-3, 1e-3)\"] }]"],
+        &["boundary=[{ on = \"top\", displacement = [0, \"if(t < 0.9, 1e-3, -1e-3)\"] }]"],
+    ] {
+        no_word(of(&block(more), "no-contact"));
+    }
+    no_word(of(&solved(BLOCK, &["contact.gap=0.5", "load.body_force=[0, 0]"]), "no-contact"));
+}
+
+/// A parabola pressed into the block: of 5, 9 and 65 points some press.
+#[test]
+fn contacts_that_few_points_bear() {
+    let pressed = |n: usize, gap: &str| {
+        let mesh = format!("mesh={{ kind = \"rectangle\", size = [2.0, 1.0], n = [{n}, 4] }}");
+        block(&[&mesh, &format!("contact.gap={gap}"), "contact.normal={ law = \"signorini\" }"])
+    };
+    let parabola = "\"0.01*(x - 1)^2\"";
+    for n in [4, 8] {
+        let [points, limit] = warns(of(&pressed(n, parabola), "few-points"), "mesh");
+        assert!(points < 4.0 && limit == 4.0, "{points}");
+    }
+    no_word(of(&pressed(64, parabola), "few-points"));
+    // All of a coarse side, and none of it.
+    no_word(of(&pressed(2, "0"), "few-points"));
+    no_word(of(&pressed(2, "0.5"), "few-points"));
+}
+
+/// A bar that rebounds from a wall loses a quarter of its energy to the scheme; a slow process of few steps, in which
+/// the scheme takes half of the work, loses nothing.
+#[test]
+fn energy_that_the_scheme_takes() {
+    let text = include_str!("../reference/field/k17-bar-impact.toml");
+    let [share, limit] = warns(of(&solved(text, &[]), "scheme-share"), "time.steps");
+    assert!((share - 0.24).abs() < 0.03 && limit == 0.05, "{share}");
+    for density in ["0", "1e-3"] {
+        no_word(of(&block(&["time.steps=1", &format!("material.density={density}")]), "scheme-share"));
+    }
+}
+
+/// Of all materials of the library none is told; each with its modulus in MPa is, and so is each with its density in
+/// t/mm³. Rubber and gel are soft and light.
+#[test]
+fn moduli_and_densities_that_no_material_has() {
+    let set = |young: f64, density: f64| {
+        let young = format!("material.elasticity.young={young:e}");
+        told(&problem(BLOCK, &[&young, &format!("material.density={density:e}")]), "magnitude")
+    };
+    for (young, density) in [(70e9, 2700.0), (110e9, 7200.0), (210e9, 7850.0), (34e9, 2447.0), (120e9, 8900.0)] {
+        no_word(set(young, density));
+        let [speed, limit] = warns(set(young / 1e6, density), "material.elasticity");
+        assert!(speed < limit && limit == 30.0, "{speed}");
+        let [speed, limit] = warns(set(young, 1e-12 * density), "material.elasticity");
+        assert!(speed > limit && limit == 3e4, "{speed}");
+    }
+    for (young, density) in [(1e6, 1100.0), (1e3, 1000.0), (3e9, 1050.0), (1e12, 3500.0), (16e9, 11340.0), (1e5, 60.0)]
+    {
+        no_word(set(young, density));
+    }
+}
