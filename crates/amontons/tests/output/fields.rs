@@ -158,7 +158,11 @@ fn recovered_stresses_are_bounded_by_those_of_the_cells() {
             for x in &mut mesh.points {
                 let [along, across] =
                     [(bend[0] * x[0] + bend[1] * x[1]).sin(), (bend[2] * x[0] + bend[3] * x[1]).cos()];
-                *x = [x[0] + 0.06 / n as f64 * along, x[1] + 0.06 / n as f64 * across, x[2] * (1.0 + 0.3 * along)];
+                *x = [
+                    x[0] + 0.06 / f64::from(n) * along,
+                    x[1] + 0.06 / f64::from(n) * across,
+                    x[2] * (1.0 + 0.3 * along),
+                ];
             }
             data.mesh = Arc::new(mesh);
         });
