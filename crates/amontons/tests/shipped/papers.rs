@@ -289,6 +289,14 @@ fn every_key_of_the_schema_is_described() {
     assert!(keys > 300, "{keys} keys");
 }
 
+/// The book counts the benchmarks that there are.
+#[test]
+fn the_book_counts_the_benchmarks() {
+    let questions = text(&file("book/src/questions.md"));
+    let counted = format!("recomputes {} benchmarks", amontons::verify::BENCHMARKS.len());
+    assert!(questions.contains(&counted), "expected \"{counted}\" in questions.md");
+}
+
 /// The first case of the README is a case; its commands are run by the tests of the program.
 #[test]
 fn the_first_case_of_the_readme_is_valid() {
