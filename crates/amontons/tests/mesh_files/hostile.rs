@@ -201,3 +201,39 @@ fn compressed_arrays_are_expanded_up_to_the_counts_of_the_file() {
         assert!(told.contains("the array Points: 500000000 bytes of data are announced"), "{told}");
     }
 }
+
+/// Thirty sets of which each names the one before three times have the nodes of the first, and not 3³⁰ of them.
+#[test]
+fn sets_that_name_sets_are_resolved_once() {
+    let mut text = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n*ELEMENT,TYPE=CPE4,ELSET=B\n1,1,2,3,4\n".to_owned();
+    for kind in ["NSET", "ELSET"] {
+        text += &format!("*{kind},{kind}={kind}0\n1{}\n", if kind == "NSET" { ",2" } else { "" });
+        for i in 1..30 {
+            let before = format!("{kind}{}", i - 1);
+            text += &format!("*{kind},{kind}={kind}{i}\n{before},{before},{before}\n");
+        }
+    }
+    text += "*SURFACE,NAME=LOWER\nELSET29,S1\n";
+    let mesh = parse("inp", text.as_bytes()).expect("a mesh");
+    for side in ["NSET29", "LOWER"] {
+        assert_eq!(mesh.facets.get(side).expect(side).len(), 1, "{side}");
+    }
+    // One that names itself ends.
+    let circle = text.replace("*NSET,NSET=NSET0\n1,2\n", "*NSET,NSET=NSET0\nNSET0,NSET0,NSET0\n");
+    assert!(refusal("inp", circle.as_bytes()).is_some());
+}
+
+/// One flat cell beside others: nodes at one place are found without boxes of its size.
+#[test]
+fn a_flat_cell_hinders_no_search() {
+    let flat = 5e-13;
+    let mut mesh =
+        Mesh::rectangle_of(Elements::P1, [1.0, 1.0], [30, 30], amontons::mesh::Diagonal::Right).expect("a mesh");
+    let of_cell = mesh.blocks[0].nodes[..3].to_vec();
+    let [a, b] = [of_cell[0], of_cell[1]].map(|node| mesh.points[node as usize]);
+    mesh.points[of_cell[1] as usize] = [a[0] + flat, a[1], a[2]];
+    mesh.points.push(b);
+    mesh.points.push(b);
+    let pairs = defects::coincident(&mesh);
+    assert!(pairs.contains(&[mesh.points.len() as u32 - 2, mesh.points.len() as u32 - 1]), "{pairs:?}");
+}

@@ -3,10 +3,14 @@
 use rayon::prelude::*;
 
 use super::super::{Block, Mesh};
-use crate::tensor::{Point, length};
+use crate::tensor::{Point, dot, length};
 
 /// Share of the shortest edge at a node within which another node is at the same place.
 const SAME: f64 = 1e-6;
+/// A direction, of length 1, across which no mesh is aligned.
+const ASKEW: Point = [0.439_714_6, 0.561_332_9, 0.701_168_3];
+/// Round-off of a coordinate along it, relative to the distance from the origin.
+const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
 /// Pairs of nodes at one place, the lower node first, ascending.
 ///
@@ -19,27 +23,20 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     if !(spacing > 0.0 && spacing.is_finite()) {
         return Vec::new();
     }
-    // Two nodes of one cell are farther apart than a box of this size, so a box holds few nodes.
-    let size = 0.5 * spacing;
-    let index = |x: f64| (x / size).floor() as i64;
-    let mut boxes: Vec<([i64; 3], u32)> =
-        mesh.points.iter().enumerate().map(|(node, p)| (p.map(index), node as u32)).collect();
-    boxes.par_sort_unstable();
+    // Along a direction that no mesh has few nodes are as near as they have to be, whatever the cells are like.
+    let along = |p: &Point| dot(p, &ASKEW);
+    let mut order: Vec<(f64, u32)> = mesh.points.iter().zip(0..).map(|(p, node)| (along(p), node)).collect();
+    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let of_node = |(node, p): (usize, &Point)| {
         let reach = SAME * if edges[node].is_finite() { edges[node] } else { spacing };
-        // More than one box in a direction only where the node is next to its border.
-        let [low, high] = [p.map(|x| index(x - reach)), p.map(|x| index(x + reach))];
-        let mut pairs = Vec::new();
-        for at in (low[0]..=high[0]).flat_map(|i| (low[1]..=high[1]).map(move |j| [i, j])) {
-            let [first, last] = [low[2], high[2]].map(|k| [at[0], at[1], k]);
-            let others = &boxes[boxes.partition_point(|(at, _)| *at < first)..];
-            let others = others.iter().take_while(|(at, _)| *at <= last).map(|(_, other)| *other);
-            let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
-            // Each pair is found at both of its nodes, or at one where their reach differs.
-            let (node, apart) = (node as u32, |other: &u32| *other as usize != node);
-            pairs.extend(others.filter(apart).filter(near).map(|other| [node.min(other), node.max(other)]));
-        }
-        pairs
+        let (here, beyond) = (along(p), reach + ROUND_OFF * length(p));
+        let others = &order[order.partition_point(|(at, _)| *at < here - beyond)..];
+        let others = others.iter().take_while(|(at, _)| *at <= here + beyond).map(|(_, other)| *other);
+        let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
+        // Each pair is found at both of its nodes, or at one where their reach differs.
+        let (node, apart) = (node as u32, |other: &u32| *other as usize != node);
+        let pairs = others.filter(apart).filter(near).map(|other| [node.min(other), node.max(other)]);
+        pairs.collect::<Vec<_>>()
     };
     let mut pairs: Vec<[u32; 2]> = mesh.points.par_iter().enumerate().flat_map_iter(of_node).collect();
     pairs.sort_unstable();

@@ -1,6 +1,9 @@
 //! Regions and sides of an input file: its sets, resolved to elements and facets.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::hash::Hash;
+use std::sync::Arc;
 
 use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, facet_with};
 use super::model::{Cell, Has, Item, Model, Part, Set, index};
@@ -21,11 +24,18 @@ struct Body {
     cells: HashMap<i64, usize>,
 }
 
+/// Sets of a body, or of the assembly, by kind and name in capitals.
+type Key = (Option<usize>, Has, String);
+
+/// What sets have been resolved to: a set that many name, and these again, is resolved once.
+type Resolved<T> = RefCell<HashMap<Key, Arc<[T]>>>;
+
 /// All sets with what is needed to resolve them.
 struct Sets {
     bodies: Vec<Body>,
-    /// Sets of a body, or of the assembly, by kind and name in capitals.
-    known: HashMap<(Option<usize>, Has, String), Vec<Set>>,
+    known: HashMap<Key, Vec<Set>>,
+    elements: Resolved<CellOf>,
+    numbers: Resolved<u32>,
     /// In the order of the file: body, kind and name as written.
     order: Vec<(Option<usize>, Has, String)>,
 }
@@ -54,7 +64,13 @@ fn unknown(line: usize, found: String, expected: &str) -> MeshFileError {
 
 impl Sets {
     fn of(model: Model) -> Result<Sets, MeshFileError> {
-        let mut sets = Sets { bodies: Vec::new(), known: HashMap::new(), order: Vec::new() };
+        let mut sets = Sets {
+            bodies: Vec::new(),
+            known: HashMap::new(),
+            elements: Resolved::default(),
+            numbers: Resolved::default(),
+            order: Vec::new(),
+        };
         let mut first_node = 0;
         let mut flat = model.flat;
         // Sets outside of parts may be those of any instance.
@@ -276,19 +292,25 @@ impl Sets {
         }
     }
 
-    /// What the entries of a set stand for, in their order.
-    fn resolved<T>(
+    /// What the entries of a set stand for, in their order and each once.
+    fn resolved<T: Copy + Eq + Hash>(
         &self,
         (body, has, name): (Option<usize>, Has, &str),
+        resolved: &Resolved<T>,
         resolve: impl Fn(Option<usize>, &Item) -> Result<Vec<T>, MeshFileError>,
     ) -> Result<Vec<T>, MeshFileError> {
-        let mut found = Vec::new();
-        for set in self.known.get(&(body, has, name.to_uppercase())).into_iter().flatten() {
+        let key = (body, has, name.to_uppercase());
+        if let Some(members) = resolved.borrow().get(&key) {
+            return Ok(members.to_vec());
+        }
+        let (mut found, mut seen) = (Vec::new(), HashSet::new());
+        for set in self.known.get(&key).into_iter().flatten() {
             let scope = self.scope(body, set.instance.as_deref());
             for item in &set.items {
-                found.extend(resolve(scope, item)?);
+                found.extend(resolve(scope, item)?.into_iter().filter(|member| seen.insert(*member)));
             }
         }
+        resolved.borrow_mut().insert(key, found.clone().into());
         Ok(found)
     }
 
@@ -309,7 +331,7 @@ impl Sets {
 
     /// Elements of a set.
     fn elements(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<CellOf>, MeshFileError> {
-        self.resolved((body, has, name), |scope, item| match item {
+        self.resolved((body, has, name), &self.elements, |scope, item| match item {
             Item::Range(first, last, step) => {
                 let Some(body) = scope else { return Ok(Vec::new()) };
                 let mut cells: Vec<CellOf> =
@@ -341,7 +363,7 @@ impl Sets {
 
     /// Nodes of a set, by their numbers among all.
     fn node_numbers(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<u32>, MeshFileError> {
-        self.resolved((body, has, name), |scope, item| match item {
+        self.resolved((body, has, name), &self.numbers, |scope, item| match item {
             Item::Range(first, last, step) => {
                 let Some(Body { nodes, first_node, .. }) = scope.map(|body| &self.bodies[body]) else {
                     return Ok(Vec::new());
