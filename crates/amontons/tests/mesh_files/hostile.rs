@@ -214,7 +214,7 @@ fn sets_that_name_sets_are_resolved_once() {
         }
     }
     text += "*SURFACE,NAME=LOWER\nELSET29,S1\n";
-    let mesh = parse("inp", text.as_bytes()).expect("a mesh");
+    let mesh = parse("inp", text.as_bytes()).expect("a mesh").mesh;
     for side in ["NSET29", "LOWER"] {
         assert_eq!(mesh.facets.get(side).expect(side).len(), 1, "{side}");
     }

@@ -80,8 +80,8 @@ impl Place {
         0.3 * (1.0 / angle.to_radians().tan()).min(1.0)
     }
 
-    /// Facets, or parts of quadratic ones, above of 0.2 to 5 times those of the table, which are as fine as the kind of cell needs for its own error
-    /// to be a percent.
+    /// Facets, or parts of quadratic ones, above of 0.2 to 5 times those of the table, which are as fine as the kind of
+    /// cell needs for its own error to be a percent.
     fn meshes(&self, random: &mut Random) -> Meshes {
         let kinds = ["P1", "Q1", "P2", "Q2"];
         let mut kind = || kinds[between(random, 0.0, 3.999) as usize];
