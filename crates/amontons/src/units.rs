@@ -305,7 +305,7 @@ mod tests {
             (0.0125, Measure::Number, "0.0125"),
             (123_456.0, Measure::Number, "123000"),
             (2.134e-6, Measure::Number, "2.13e-6"),
-            (1e-20, Measure::Length, "1e-8 pm"),
+            (1e-20, Measure::Length, "1e-20 m"),
             (f64::NAN, Measure::Length, "NaN m"),
         ];
         for (value, measure, text) in cases {
