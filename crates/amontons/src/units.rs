@@ -21,7 +21,7 @@ pub enum System {
 
 /// The scale of the temperatures of a case. Differences of temperature are in K on both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Scale {
+pub enum TemperatureScale {
     /// K.
     #[default]
     #[serde(rename = "K")]
@@ -31,11 +31,11 @@ pub enum Scale {
     Celsius,
 }
 
-impl Scale {
+impl TemperatureScale {
     /// Whether it is that of a case that does not name one.
     #[must_use]
     pub fn is_kelvin(&self) -> bool {
-        *self == Scale::Kelvin
+        *self == TemperatureScale::Kelvin
     }
 }
 
@@ -62,8 +62,8 @@ pub struct Units {
     /// What forces, energies, powers, areas and volumes are over.
     pub extent: Extent,
     /// The scale of temperatures; absent from files where it is that in K.
-    #[serde(default, skip_serializing_if = "Scale::is_kelvin")]
-    pub temperature: Scale,
+    #[serde(default, skip_serializing_if = "TemperatureScale::is_kelvin")]
+    pub temperature: TemperatureScale,
 }
 
 /// What a number measures.
@@ -126,7 +126,7 @@ fn prefixes(symbol: &str) -> [i32; 2] {
 
 impl Units {
     /// SI units of a body in the plane.
-    pub const PLANE: Units = Units { system: System::Si, extent: Extent::Plane, temperature: Scale::Kelvin };
+    pub const PLANE: Units = Units { system: System::Si, extent: Extent::Plane, temperature: TemperatureScale::Kelvin };
     /// SI units of a body in space.
     pub const SPACE: Units = Units { extent: Extent::Space, ..Units::PLANE };
 
@@ -152,7 +152,7 @@ impl Units {
             Measure::Time => "s",
             Measure::Length => "m",
             Measure::Velocity => "m/s",
-            Measure::Temperature if self.temperature == Scale::Celsius => "°C",
+            Measure::Temperature if self.temperature == TemperatureScale::Celsius => "°C",
             Measure::Temperature | Measure::TemperatureDifference => "K",
             Measure::Stress => "Pa",
             Measure::HeatFlux => "W/m²",
@@ -374,7 +374,7 @@ mod tests {
     fn prefixes_stand_where_the_unit_takes_them() {
         assert_eq!(Units::SPACE.prefixed(3, Measure::Stress).as_deref(), Some("kPa"));
         assert_eq!(Units::SPACE.prefixed(3, Measure::Temperature), None);
-        let celsius = Units { temperature: Scale::Celsius, ..Units::SPACE };
+        let celsius = Units { temperature: TemperatureScale::Celsius, ..Units::SPACE };
         let written = [Measure::Temperature, Measure::TemperatureDifference].map(|of| celsius.write(-1.25, of));
         assert_eq!(written, ["-1.25 °C", "-1.25 K"]);
         // No prefix is beside a power of ten, and no pressure in mPa.

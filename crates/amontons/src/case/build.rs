@@ -22,7 +22,7 @@ use crate::mesh::Mesh;
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
-use crate::units::{Scale, System};
+use crate::units::{System, TemperatureScale};
 
 /// Builds and checks the problem, in a machine with so much memory, where that is known.
 ///
@@ -68,7 +68,7 @@ pub(super) fn problem(
     let mut data = ProblemData {
         name: raw.name,
         system: system(raw.units),
-        scale: notes.scale,
+        temperature_scale: notes.scale,
         end: raw.time.end,
         steps: raw.time.steps,
         physics,
@@ -197,7 +197,7 @@ pub(super) struct Notes<'d> {
     /// What is expected of the values of expressions and tables.
     pub limits: &'d [(Path, Limits)],
     /// The scale of temperatures.
-    pub scale: Scale,
+    pub scale: TemperatureScale,
 }
 
 /// What is known while a problem is built.
@@ -389,7 +389,7 @@ mod tests {
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
         let (doubtful, memory) = (Doubtful::default(), Memory { bytes: 2e6, limit: None });
-        let notes = Notes { doubtful: &doubtful, limits: &[], scale: Scale::Kelvin };
+        let notes = Notes { doubtful: &doubtful, limits: &[], scale: TemperatureScale::Kelvin };
         let (problem, findings) = problem(raw, &Files::None, Some(memory), notes, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 2.21 MB, a mesh for the 2.00 MB of memory that are free";

@@ -11,7 +11,7 @@ use super::path::Path;
 use super::place::{At, Finding};
 use super::quantity::{Quantity, Reading, read};
 use super::schema::{Limits, View, one_of};
-use crate::units::Scale;
+use crate::units::TemperatureScale;
 
 /// Faults up to which misplaced keys are looked for in all tables.
 const HINTED: usize = 500;
@@ -27,7 +27,7 @@ pub(super) struct Checked {
     /// What is expected of the values of expressions and tables, by the keys that have bounds.
     pub limits: Vec<(Path, Limits)>,
     /// The scale of temperatures.
-    pub scale: Scale,
+    pub scale: TemperatureScale,
 }
 
 /// Walks a document along a schema.
@@ -43,7 +43,7 @@ pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
         scales: [None, None],
     };
     let value = walk.table(walk.all, &Path::default(), document);
-    let scale = if walk.scales[1].is_some() { Scale::Celsius } else { Scale::Kelvin };
+    let scale = if walk.scales[1].is_some() { TemperatureScale::Celsius } else { TemperatureScale::Kelvin };
     Checked { value, findings: walk.findings, doubtful: walk.doubtful, limits: walk.limits, scale }
 }
 

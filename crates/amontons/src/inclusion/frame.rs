@@ -43,6 +43,14 @@ pub struct PointState {
     pub status: Status,
 }
 
+impl PointState {
+    /// Whether a traction acts at the point: pressure, adhesion or friction.
+    #[must_use]
+    pub fn bears(&self) -> bool {
+        self.pressure != 0.0 || self.q.iter().any(|q| *q != 0.0)
+    }
+}
+
 /// Derivative of the force p ν + q on the foundation in the velocity at a contact point, Pa s/m, rows the force.
 pub type PointTangent = [[f64; 3]; 3];
 

@@ -30,14 +30,14 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         outside: outside(problem, state.temperatures, strain, state.t),
         loose: report.map(|report| report.loose.clone()).unwrap_or_default(),
         steps: state.step,
-        pressed_steps: state.counts.pressed_steps,
+        contact_steps: state.counts.contact_steps,
         few: few(last),
         scheme: [state.ledger.scheme_dissipation, state.ledger.kinetic, state.ledger.turned_over],
         penetration: sides.max_by(|a, b| (a.depth / a.cell).total_cmp(&(b.depth / b.cell))),
     }
 }
 
-/// The contact of which the fewest points press while others are open, and how many press; of those that press at all.
+/// The contact of which the fewest points bear a traction while others are open, and how many do.
 fn few(last: &Snapshot) -> Option<(usize, usize)> {
     let contact = &last.report?.contact;
     let boundary = contact.boundary.as_deref().unwrap_or(&last.discretization.boundary);
@@ -45,7 +45,7 @@ fn few(last: &Snapshot) -> Option<(usize, usize)> {
         let states = boundary.points.iter().zip(&contact.states);
         let faced = states.filter(|(point, _)| point.contact == side && point.weight > 0.0);
         faced.fold([0, 0], |[pressed, open], (_, state)| {
-            let presses = state.pressure > 0.0;
+            let presses = state.bears();
             [pressed + usize::from(presses), open + usize::from(!presses)]
         })
     };

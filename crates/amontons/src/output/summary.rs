@@ -346,9 +346,9 @@ pub struct Solver {
     /// Steps in which there may be several solutions, however short their parts.
     #[serde(default)]
     pub ambiguous_steps: usize,
-    /// Steps at whose end a contact point presses.
+    /// Steps at whose end a contact point bears a traction.
     #[serde(default)]
-    pub pressed_steps: usize,
+    pub contact_steps: usize,
 }
 
 /// Wall-clock times in s, of all sessions of a run.
@@ -454,7 +454,7 @@ impl Summary {
                 contraction_max: counts.contraction_max,
                 halved_steps: counts.halved_steps,
                 ambiguous_steps: counts.ambiguous_steps,
-                pressed_steps: counts.pressed_steps,
+                contact_steps: counts.contact_steps,
             },
             energy,
             warnings: findings.iter().filter(|finding| finding.warns()).cloned().collect(),

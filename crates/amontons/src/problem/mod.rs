@@ -29,7 +29,7 @@ use crate::field::Field;
 use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{Cyclic, FacetSet, Mesh};
-use crate::units::{Extent, Scale, System, Units};
+use crate::units::{Extent, System, TemperatureScale, Units};
 
 /// One fault of the data: where, what was found, what was expected, what to try.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,7 +132,7 @@ pub struct ProblemData {
     /// Whether the data are in SI units or without units.
     pub system: System,
     /// The scale of its temperatures: the same numbers, otherwise named.
-    pub scale: Scale,
+    pub temperature_scale: TemperatureScale,
     /// The body.
     pub mesh: Arc<Mesh>,
     /// T in s.
@@ -221,7 +221,7 @@ impl ProblemData {
         ProblemData {
             name: name.into(),
             system: System::Si,
-            scale: Scale::Kelvin,
+            temperature_scale: TemperatureScale::Kelvin,
             mesh: Arc::new(mesh),
             end,
             steps,
@@ -247,7 +247,7 @@ impl ProblemData {
             2 => Extent::Plane,
             _ => Extent::Space,
         };
-        Units { system: self.system, extent, temperature: self.scale }
+        Units { system: self.system, extent, temperature: self.temperature_scale }
     }
 
     /// Whether a foundation, or the other side of a pair, slides out of the plane of the body, or about its axis.

@@ -16,7 +16,7 @@ use super::{
     StepError, StepReport, tried,
 };
 use crate::contact::{Contact, ContactBoundary, Supports};
-use crate::inclusion::{Loose, Multipliers, Rule};
+use crate::inclusion::{Loose, Multipliers, PointState, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::list::{Keeping, List};
 use crate::problem::{Problem, with_supports};
@@ -543,7 +543,7 @@ impl Scheme for BackwardEuler {
             }
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
-        state.counts.pressed_steps += usize::from(report.contact.states.iter().any(|point| point.pressure > 0.0));
+        state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
         state.temperatures = extremes(old.temperatures, &state.theta);
         Ok((state, report))
     }

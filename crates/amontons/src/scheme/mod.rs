@@ -83,8 +83,8 @@ pub struct Counts {
     pub halved_steps: usize,
     /// Steps in which there may be several solutions.
     pub ambiguous_steps: usize,
-    /// Steps at whose end a contact point presses.
-    pub pressed_steps: usize,
+    /// Steps at whose end a contact point bears a traction.
+    pub contact_steps: usize,
 }
 
 /// What happened in one step.

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test uses its part")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+pub mod interrupts;
+
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};

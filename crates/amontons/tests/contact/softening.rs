@@ -3,10 +3,9 @@
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::column::column;
-use crate::common::{changed, paper};
+use crate::common::{changed, interrupts, paper};
 use amontons::case::{self, Source};
 use amontons::contact::{Compliance, NormalLaw, Pressure, Status};
 use amontons::hypotheses::{self, Finding};
@@ -504,32 +503,6 @@ fn halved_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
     }
 }
 
-/// A law that sets a flag when its pressure is asked for so many times.
-#[derive(Debug)]
-struct Interrupts {
-    law: Arc<dyn NormalLaw>,
-    left: AtomicUsize,
-    flag: Arc<AtomicBool>,
-}
-
-impl NormalLaw for Interrupts {
-    fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
-        if self.left.fetch_sub(1, Ordering::Relaxed) == 1 {
-            self.flag.store(true, Ordering::Relaxed);
-        }
-        self.law.pressure(x, z, rate, lambda)
-    }
-    fn potential(&self, x: &Point, r: f64) -> f64 {
-        self.law.potential(x, r)
-    }
-    fn lipschitz(&self) -> Option<f64> {
-        self.law.lipschitz()
-    }
-    fn least_slope(&self, x: &Point, from: f64, to: f64) -> f64 {
-        self.law.least_slope(x, from, to)
-    }
-}
-
 /// A step that is interrupted while it is made in halves is not made: as it was first tried it would be another.
 #[test]
 fn a_step_that_is_interrupted_in_halves_is_not_made() {
@@ -537,16 +510,7 @@ fn a_step_that_is_interrupted_in_halves_is_not_made() {
     let problem = paper(&["mesh.n=8", "time.steps=16", law]).problem;
     let (states, reports) = run(&problem);
     let halved = reports.iter().position(|report| report.parts > 1).expect("a halved step");
-    let made_with = |left: usize| {
-        let flag = Arc::new(AtomicBool::new(false));
-        let problem = changed(&problem, |data| {
-            let law = Arc::clone(&data.contacts[0].normal);
-            data.contacts[0].normal =
-                Arc::new(Interrupts { law, left: AtomicUsize::new(left), flag: Arc::clone(&flag) });
-            data.backend = data.backend.interruptible(&flag).expect("a backend that looks at the flag");
-        });
-        scheme(&problem).0.step(&states[halved])
-    };
+    let made_with = |left: usize| scheme(&interrupts::interrupted(&problem, left)).0.step(&states[halved]);
     let mut interrupted = 0;
     // As many evaluations as the whole step takes, and more.
     for left in (1..).step_by(37) {

@@ -192,13 +192,14 @@ fn the_softer_then_the_covered_then_the_finer_side_is_nonmortar() {
     // Both 4 m long.
     let long =
         swapped.replace("size = [2.0, 1.0]", "size = [4.0, 1.0]").replace("origin = [1.0, 1.0]", "origin = [0.0, 1.0]");
-    let soft = |body: &str, young: f64| {
+    let region = |body: &str, young: f64| {
         let law =
             format!("{{ law = \"isotropic\", young = {young:e}, poisson = 0.3, stress_state = \"plane-strain\" }}");
         format!(
-            "{long}[[region]]\non = \"{body}\"\n[region.material]\ndensity = 0\nheat_capacity = 0\nconductivity = 1\nelasticity = {law}\n"
+            "[[region]]\non = \"{body}\"\n[region.material]\ndensity = 0\nheat_capacity = 0\nconductivity = 1\nelasticity = {law}\n"
         )
     };
+    let soft = |body: &str, young: f64| long.clone() + &region(body, young);
     assert_eq!(bearing(&long), "disc_top");
     assert_eq!(bearing(&soft("pad", 1e5)), "pad_bottom");
     assert_eq!(bearing(&soft("disc", 1e7)), "pad_bottom");
@@ -206,6 +207,10 @@ fn the_softer_then_the_covered_then_the_finer_side_is_nonmortar() {
     assert_eq!(bearing(&soft("pad", 8e5)), "disc_top");
     // Facets of 0.44 and 0.57 m are similar.
     assert_eq!(bearing(&soft("pad", 8e5).replace("n = [4, 2]", "n = [9, 2]")), "disc_top");
+    // Below the pad there are 3 nodes, or 1, about which the pad could turn: then the stiffer side has the points.
+    let coarse = |n: usize| CASE.replace("n = [7, 2]", &format!("n = [{n}, 2]")) + &region("disc", 1e5);
+    assert_eq!(bearing(&coarse(4)), "disc_top");
+    assert_eq!(bearing(&coarse(2)), "pad_bottom");
     let named = "with = \"disc_top\"\nnonmortar = \"disc_top\"";
     assert_eq!(bearing(&CASE.replace("with = \"disc_top\"", named)), "disc_top");
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::common;
+use amontons::case::{self, Source};
 use amontons::contact::Supports;
 use amontons::contact::mortar::{Mortar, MortarRow, Sides};
 use amontons::element::P1_SEGMENT;
@@ -307,4 +308,31 @@ fn uncovered_nodes_have_no_weight() {
         assert!((row.weight - weight).abs() < 1e-15);
     }
     assert!(all[2].gap >= 3.0 && all[3].other.is_empty());
+}
+
+/// Blocks anywhere on triangles in space: a point has at least 0.7 of a third of a triangle, also where all neighbours
+/// of a sliver are slivers, as at the corners of a block; and all have the area of the block together.
+#[test]
+fn no_point_has_the_weight_of_a_sliver() {
+    let mut random = common::Random(11);
+    for _ in 0..60 {
+        let [x, z] = [(); 2].map(|()| 0.6 + 0.5 * random.number());
+        let length = 0.65 + 0.25 * random.number();
+        let text = format!(
+            "name = \"sliver\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
+             {{ name = \"table\", size = [2.0, 1.0, 2.0], n = [14, 1, 14], elements = \"P1\" }},\n\
+             {{ name = \"above\", size = [{length:?}, 0.7, {length:?}], origin = [{x:?}, 1.0, {z:?}], n = [3, 1, 3] }},\n]\n\
+             [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\n\
+             elasticity = {{ law = \"isotropic\", young = 1000, poisson = 0.25 }}\n\
+             [contact]\non = \"above_bottom\"\nwith = \"table_top\"\nnonmortar = \"table_top\"\n\
+             normal = {{ law = \"signorini\" }}\n"
+        );
+        let read = case::parse(&Source::new("sliver.toml", &text), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let points = read.problem.contact_boundary().points;
+        let weights: Vec<f64> = points.iter().map(|point| point.weight).filter(|weight| *weight > 0.0).collect();
+        let (least, sum) = (weights.iter().copied().fold(f64::INFINITY, f64::min), weights.iter().sum::<f64>());
+        let triangle = 0.5 / 49.0;
+        assert!(least > 0.7 / 3.0 * triangle * (1.0 - 1e-9), "{x}, {z}, {length}: {least:e} of {triangle:e}");
+        assert!((sum / (length * length) - 1.0).abs() < 1e-12, "{x}, {z}, {length}: {sum}");
+    }
 }

@@ -284,13 +284,13 @@ fn scan_of_some_places_in_space() {
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "two thousand places take minutes: cargo test --release --test pairs -- --ignored"]
 fn scan_of_blocks() {
     scan(2, Shape::Block, 140, 8);
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "two thousand places take minutes: cargo test --release --test pairs -- --ignored"]
 fn scan_of_corners() {
     for angle in [15.0, 30.0, 45.0, 60.0, 80.0] {
         scan(2, Shape::Shoe(angle), 9, 8);
@@ -298,7 +298,7 @@ fn scan_of_corners() {
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "two thousand places take minutes: cargo test --release --test pairs -- --ignored"]
 fn scan_of_wheels() {
     for radius in [50.0, 80.0, 120.0] {
         scan(2, Shape::Wheel(radius), 15, 8);
@@ -306,7 +306,7 @@ fn scan_of_wheels() {
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "two thousand places take minutes: cargo test --release --test pairs -- --ignored"]
 fn scan_in_space() {
     scan(3, Shape::Block, 20, 8);
 }

@@ -7,8 +7,10 @@
 
 use crate::common::{self, Random};
 use amontons::case::{self, Source};
+use amontons::contact::PointOnBoundary;
 use amontons::inclusion::PointState;
 use amontons::output::Memory;
+use amontons::problem::Problem;
 use amontons::run::{self, RunError, Settings};
 use amontons::scheme::StepError;
 
@@ -159,52 +161,59 @@ impl Stack {
     }
 }
 
-/// Tries so many stacks: how many were solved, refused, and left something undetermined.
-fn tried(count: usize, seed: u64) -> [usize; 3] {
-    let mut random = Random(seed);
-    let (mut counts, mut faults) = ([0; 3], Vec::new());
-    for number in 0..count {
-        let stack = Stack::random(&mut random);
-        match tried_one(&stack) {
-            Ok(None) => counts[1] += 1,
-            Ok(Some(is_loose)) => {
-                counts[0] += 1;
-                counts[2] += usize::from(is_loose);
-            }
-            Err(why) => faults.push(format!("{number}: {why}\n{}", stack.text())),
-        }
-    }
-    // Where two bodies meet at the end of a coarse facet, one point may be too few to balance them.
-    assert!(faults.len() <= count / 200, "{} of {count}\n{}", faults.len(), faults.join("\n"));
-    counts
+/// What came of a stack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum End {
+    /// It bears its weight; whether something is undetermined.
+    Borne { is_loose: bool },
+    /// It tips, and is refused: with the motion in words, or because the iteration does not end.
+    Tips { in_words: bool },
+    /// It does not tip, and is refused.
+    Refused,
 }
 
-/// Whether something is undetermined in a stack; none of one that is refused as it must be.
-fn tried_one(stack: &Stack) -> Result<Option<bool>, String> {
+/// Tries so many stacks. None may bear another weight than its own.
+fn tried(count: usize, seed: u64) -> Vec<End> {
+    let mut random = Random(seed);
+    let one = |number: usize| {
+        let stack = Stack::random(&mut random);
+        tried_one(&stack).unwrap_or_else(|why| panic!("{number}: {why}\n{}", stack.text()))
+    };
+    (0..count).map(one).collect()
+}
+
+fn counted(ends: &[End], is: impl Fn(End) -> bool) -> usize {
+    ends.iter().filter(|end| is(**end)).count()
+}
+
+fn tried_one(stack: &Stack) -> Result<End, String> {
     let text = stack.text();
     let read = case::parse(&Source::new("stack.toml", &text), &[]).map_err(|error| error.to_string())?;
     let mut memory = Memory::new().states_every(1).reports();
     let settings = Settings { certificate: false, ..Settings::default() };
     match run::run(&read.problem, &settings, &mut [&mut memory]) {
-        Ok(_) => bears(stack, &read.problem, &memory).map(Some),
-        Err(RunError::Step { source: StepError::Driven { .. } | StepError::NotConverged { .. }, .. })
-            if !stack.is_balanced() =>
-        {
-            Ok(None)
+        Ok(_) => bears(stack, &read.problem, &memory).map(|is_loose| End::Borne { is_loose }),
+        Err(RunError::Step { source: StepError::Driven { .. }, .. }) if !stack.is_balanced() => {
+            Ok(End::Tips { in_words: true })
         }
+        Err(RunError::Step { source: StepError::NotConverged { .. }, .. }) if !stack.is_balanced() => {
+            Ok(End::Tips { in_words: false })
+        }
+        // Where two bodies meet at the end of a coarse facet, one point is too few to balance them.
+        Err(RunError::Step { source: StepError::Driven { .. }, .. }) => Ok(End::Refused),
         Err(error) => Err(error.to_string()),
     }
 }
 
 /// Every joint bears the weight above it, with no motion beyond what the bodies are compressed by. Whether something is
 /// undetermined.
-fn bears(stack: &Stack, problem: &amontons::problem::Problem, memory: &Memory) -> Result<bool, String> {
+fn bears(stack: &Stack, problem: &Problem, memory: &Memory) -> Result<bool, String> {
     let report = memory.reports.last().ok_or("no step")?;
     let boundary = problem.contact_boundary();
     let borne = stack.borne();
     let largest = borne[0][0];
     for side in 0..problem.contacts.len() {
-        let of = |((point, state), weight): ((&amontons::contact::PointOnBoundary, &PointState), &f64)| {
+        let of = |((point, state), weight): ((&PointOnBoundary, &PointState), &f64)| {
             let own = -problem.contacts[side].sign() * weight * (state.pressure * state.normal[1] + state.q[1]);
             if point.contact == side { own } else { 0.0 }
         };
@@ -228,15 +237,25 @@ fn bears(stack: &Stack, problem: &amontons::problem::Problem, memory: &Memory) -
     Ok(!report.loose.is_empty())
 }
 
-#[test]
-fn stacks_bear_their_weight() {
-    let counts = tried(40, 5);
-    println!("{counts:?}");
-    assert!(counts[0] > 20 && counts[1] > 1 && counts[2] > 3, "{counts:?}");
+/// Most are solved, some of them with motions that nothing determines; what tips is refused, mostly in words; of what
+/// does not, next to nothing.
+fn assert_ends(count: usize, seed: u64) {
+    let ends = tried(count, seed);
+    let [borne, loose] = [false, true].map(|loose| counted(&ends, |end| end == End::Borne { is_loose: loose }));
+    let [silent, told] = [false, true].map(|in_words| counted(&ends, |end| end == End::Tips { in_words }));
+    let refused = counted(&ends, |end| end == End::Refused);
+    println!("{borne} borne, {loose} with something undetermined, {told} and {silent} tip, {refused} refused");
+    assert!(borne > count / 4 && loose > count / 10 && told > 0, "{borne}, {loose}, {told}");
+    assert!(silent <= told && refused <= count / 200, "{silent} of {told}, {refused}");
 }
 
 #[test]
-#[ignore = "minutes"]
+fn stacks_bear_their_weight() {
+    assert_ends(60, 5);
+}
+
+#[test]
+#[ignore = "five hundred take half a minute: cargo test --release --test pairs -- --ignored"]
 fn stacks_of_every_kind_bear_their_weight() {
-    println!("{:?} solved, refused, with something undetermined", tried(500, 23));
+    assert_ends(500, 23);
 }

@@ -27,6 +27,11 @@ fn contacts_that_never_press() {
         let [steps, least] = warns(of(&block(more), "no-contact"), "contact");
         assert_eq!([steps, least], [0.0, 1.0], "{more:?}");
     }
+    // A foundation that holds the block, which is pulled.
+    let pulled = "boundary=[{ on = \"top\", displacement = [0, 1e-3] }]";
+    let holds = "contact.normal={ law = \"bilateral\" }";
+    no_word(of(&block(&[pulled, holds]), "no-contact"));
+    no_word(of(&block(&[pulled, holds]), "few-points"));
     // Pressed at first only, pressed at the end only, and a gap that heat crosses.
     for more in [
         &[][..],

@@ -189,8 +189,9 @@ fn magnitude(problem: &Problem, region: usize) -> Option<Finding> {
     }
     let units = problem.units();
     let message = format!(
-        "with a stiffness of {} and a density of {density:e} kg/m³ waves travel at {}: no material has both",
+        "with a stiffness of {} and a density of {} kg/m³ waves travel at {}: no material has both",
         units.write(stiffness, Measure::Stress),
+        units.write(density, Measure::Number),
         units.write(speed, Measure::Velocity)
     );
     let repair = "give both in SI units, Pa and kg/m³, or with their units: young = \"210 GPa\"";

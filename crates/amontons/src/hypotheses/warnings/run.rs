@@ -38,9 +38,9 @@ pub struct Figures {
     pub loose: Vec<String>,
     /// Steps that were made.
     pub steps: usize,
-    /// Those at whose end a contact point pressed.
-    pub pressed_steps: usize,
-    /// The contact of which the fewest points press at the last step while others are open, and how many press.
+    /// Those at whose end a contact point bore a traction.
+    pub contact_steps: usize,
+    /// The contact of which the fewest points bear a traction at the last step while others are open, and how many do.
     pub few: Option<(usize, usize)>,
     /// What the scheme took of the energy, the kinetic energy at the last step, and all that was turned over.
     pub scheme: [f64; 3],
@@ -177,11 +177,11 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
 /// `no-contact`: of a run that has ended, and of contacts that nothing but pressure acts through.
 fn no_contact(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let may_press = problem.contacts.iter().any(|contact| !contact.is_tie());
-    if !may_press || problem.physics.has_heat() || figures.steps < problem.steps || figures.pressed_steps > 0 {
+    if !may_press || problem.physics.has_heat() || figures.steps < problem.steps || figures.contact_steps > 0 {
         return None;
     }
     let message = format!(
-        "no contact point presses at the end of any of {} steps: the results are those of bodies without contact",
+        "at the end of no step of {} a contact point bears anything: the results are those of bodies without contact",
         figures.steps
     );
     let repair = "check the sides of the contact, its gap, the sign of loads and normals, and the units of the mesh";
@@ -193,11 +193,12 @@ fn few_points(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let (side, pressed) = figures.few.filter(|(_, pressed)| *pressed < POINTS && problem.mesh.dim > 1)?;
     let contact = problem.contacts.get(side)?;
     let message = format!(
-        "{pressed} of the contact points of \"{}\" {} at the last step: where a contact ends within a side, its largest pressure is known to a few points only, and resultants to a facet",
+        "{} of \"{}\" {} at the last step, and others are open: so few points give the size of the contact to a facet only, and hardly its largest pressure",
+        if pressed == 1 { "1 contact point".to_owned() } else { format!("{pressed} contact points") },
         contact.bearing(),
-        if pressed == 1 { "presses" } else { "press" }
+        if pressed == 1 { "bears the contact" } else { "bear the contact" }
     );
-    let repair = "use facets there that are a quarter of the contact or less";
+    let repair = "use facets there that are at most a quarter as long as the contact";
     Some(warning(FindingId::FewPoints, "mesh", [pressed as f64, POINTS as f64], message, repair))
 }
 
@@ -211,7 +212,7 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
     }
     let share = taken / turned_over;
     let message = format!(
-        "the time-stepping scheme itself took {:.0} % of the energy turned over: oscillations and rebounds are weaker than they are, by as much",
+        "the time-stepping scheme itself took {:.0} % of the energy turned over: oscillations and rebounds are computed weaker than they are, by as much",
         100.0 * share
     );
     let repair = "use more steps (time.steps): the share falls with the step, across an impact with its square root";
