@@ -322,7 +322,7 @@ fn no_point_has_the_weight_of_a_sliver() {
             "name = \"sliver\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
              {{ name = \"table\", size = [2.0, 1.0, 2.0], n = [14, 1, 14], elements = \"P1\" }},\n\
              {{ name = \"above\", size = [{length:?}, 0.7, {length:?}], origin = [{x:?}, 1.0, {z:?}], n = [3, 1, 3] }},\n]\n\
-             [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\n\
+             [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 1\n\
              elasticity = {{ law = \"isotropic\", young = 1000, poisson = 0.25 }}\n\
              [contact]\non = \"above_bottom\"\nwith = \"table_top\"\nnonmortar = \"table_top\"\n\
              normal = {{ law = \"signorini\" }}\n"
