@@ -159,3 +159,62 @@ fn a_tie_of_unlike_polygons_is_at_rest_without_a_load() {
         assert!((tied / whole - 1.0).abs() < 0.1, "{on}: {tied} of {whole}");
     }
 }
+
+/// Two blocks beside each other, cut at c, on a table whose facets they do not match, all pressed by 1.
+fn two_on_a_table(dim: usize, elements: [&str; 2], cells: [usize; 3], cut: f64, side: Option<&str>) -> Problem {
+    let vector = |x: &str, y: &str, z: &str| if dim == 2 { format!("[{x}, {y}]") } else { format!("[{x}, {y}, {z}]") };
+    let block = |name: &str, [x, y]: [f64; 2], length: f64, n: usize, elements: &str, across: &str| {
+        format!(
+            "[[mesh.blocks]]\nname = \"{name}\"\nelements = \"{elements}\"\nsize = {}\norigin = {}\nn = {}\n",
+            vector(&format!("{length:?}"), "0.5", "1.0"),
+            vector(&format!("{x:?}"), &format!("{y:?}"), "0.0"),
+            vector(&n.to_string(), "2", across)
+        )
+    };
+    let held = |on: &str, displacement: String| format!("[[boundary]]\non = \"{on}\"\ndisplacement = {displacement}\n");
+    let mut text = String::from("name = \"two\"\n[mesh]\nkind = \"blocks\"\n");
+    text += &block("table", [0.0, -0.5], 1.0, cells[0], elements[0], "2");
+    text += &block("a", [0.0, 0.0], cut, cells[1], elements[1], "3");
+    text += &block("b", [cut, 0.0], 1.0 - cut, cells[2], elements[1], "3");
+    text += "[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\n\
+             [material.elasticity]\nlaw = \"isotropic\"\nyoung = 10\npoisson = 0.3\n";
+    text += if dim == 2 { "stress_state = \"plane-strain\"\n" } else { "" };
+    for side in ["table_left", "a_left", "b_right"] {
+        text += &held(side, vector("0", "\"free\"", "\"free\""));
+    }
+    for body in ["table", "a", "b"].iter().filter(|_| dim == 3) {
+        text += &held(&format!("{body}_front"), vector("\"free\"", "\"free\"", "0"));
+    }
+    text += &held("table_bottom", vector("\"free\"", "0", "\"free\""));
+    for body in ["a", "b"] {
+        text += &format!("[[boundary]]\non = \"{body}_top\"\ntraction = {}\n", vector("0", "-1", "0"));
+        text +=
+            &format!("[[contact]]\non = \"{body}_bottom\"\nwith = \"table_top\"\nnormal = {{ law = \"signorini\" }}\n");
+        text += &side.map_or_else(String::new, |side| format!("nonmortar = \"{}\"\n", side.replace("body", body)));
+    }
+    moved(&text, |_, x| *x)
+}
+
+/// A uniform pressure passes where either contact covers facets in part, by slivers, too, with the points on either
+/// side. In space a contact that covers a single row of facets of the table beside another contact is left out: the
+/// functions on it are constant on each facet, and one more than facets, so that they do not determine the pressures.
+#[test]
+fn a_uniform_pressure_passes_through_partly_covered_facets() {
+    let mut random = common::Random(29);
+    let quick = [["P1", "P1"], ["Q1", "Q1"], ["P2", "P2"], ["Q2", "Q2"], ["Q1", "P2"], ["Q2", "Q1"]];
+    for (dim, elements) in quick.into_iter().map(|e| (2, e)).chain([(3, ["P1", "P1"]), (3, ["Q1", "Q1"])]) {
+        for cells in [[5, 3, 4], [8, 2, 2], [3, 7, 5]] {
+            let anywhere = 0.5 + 0.3 * random.number();
+            for cut in [0.43, 0.6001, 0.3999].into_iter().chain((dim == 2).then_some(anywhere)) {
+                for side in [None, Some("body_bottom"), Some("table_top")] {
+                    let what = format!("{dim}, {elements:?}, {cells:?}, cut {cut}, {side:?}");
+                    let memory = run_of(&two_on_a_table(dim, elements, cells, cut, side));
+                    let memory = memory.unwrap_or_else(|error| panic!("{what}: {error}"));
+                    for state in &memory.reports[0].contact.states {
+                        assert!((state.pressure - 1.0).abs() < 1e-10, "{what}: {}", state.pressure);
+                    }
+                }
+            }
+        }
+    }
+}

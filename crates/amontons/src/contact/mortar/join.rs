@@ -44,24 +44,34 @@ impl Joining {
         let mut others: Vec<usize> = (0..all.len()).filter(|&i| !has_law[i] && all[i].share > COVERED).collect();
         let rounded = |i: usize| (all[i].share / SAME).round() as i64;
         others.sort_by_key(|&i| (is_named[i], -rounded(i), i));
-        for i in others {
-            let near = neighbours(candidates, covered, i);
-            let with_laws: Vec<(usize, f64)> = near.iter().copied().filter(|&(k, _)| has_law[k]).collect();
-            // At the corner of a triangle all neighbours of a sliver may be slivers themselves: what they were given
-            // they pass on.
-            let passed_on =
-                || near.iter().flat_map(|&(k, common)| to[k].iter().map(move |&(l, part)| (l, part * common)));
-            let takers = if with_laws.is_empty() { summed(passed_on()) } else { with_laws };
-            let sum: f64 = takers.iter().map(|(_, common)| common).sum();
-            has_law[i] = takers.is_empty();
-            to[i] = if has_law[i] {
-                vec![(i, 1.0)]
-            } else {
-                takers.into_iter().map(|(k, common)| (k, common / sum)).collect()
-            };
+        // Who finds no taker waits for those who do: a sliver beside a node that is joined itself passes on to where that
+        // went. Where nobody does, the one that is covered most has a law after all.
+        while let Some(&first) = others.first() {
+            let waiting = others.len();
+            others.retain(|&i| {
+                let takers = takers(&neighbours(candidates, covered, i), &has_law, &to);
+                let sum: f64 = takers.iter().map(|(_, common)| common).sum();
+                to[i] = takers.into_iter().map(|(k, common)| (k, common / sum)).collect();
+                to[i].is_empty()
+            });
+            if others.len() == waiting {
+                others.remove(0);
+                has_law[first] = true;
+                to[first] = vec![(first, 1.0)];
+            }
         }
         Joining { has_law, to }
     }
+}
+
+/// Who takes the function of a candidate with these neighbours, in what proportion: those of them with laws; beside
+/// slivers alone, as at the corner of a triangle, those to whom these gave theirs.
+fn takers(near: &[(usize, f64)], has_law: &[bool], to: &[Vec<(usize, f64)>]) -> Vec<(usize, f64)> {
+    let with_laws: Vec<(usize, f64)> = near.iter().copied().filter(|&(k, _)| has_law[k]).collect();
+    if !with_laws.is_empty() {
+        return with_laws;
+    }
+    summed(near.iter().flat_map(|&(k, common)| to[k].iter().map(move |&(l, part)| (l, part * common))))
 }
 
 /// C_ik = ∫ H_i H_k over the covered parts at a candidate, by k.
