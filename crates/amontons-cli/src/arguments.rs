@@ -126,6 +126,15 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Say what a key, a quantity, a column or a finding means
+    Explain {
+        /// The word, such as `coefficient`, `contact.friction.coefficient`, `von_mises`, `few-points` [default: all of
+        /// them, as the chapter "Reference" of the guide]
+        word: Option<String>,
+        /// Form of what is printed on standard output
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
     /// Show what a mesh file has: regions, sides, sizes, the quality of its cells
     Mesh {
         /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK)
@@ -133,6 +142,9 @@ pub enum Command {
         /// Factor of the coordinates: 0.001 if the file is in mm
         #[arg(long, value_name = "F", default_value_t = 1.0)]
         scale: f64,
+        /// Refuse a link that leads out of the folder of the file
+        #[arg(long)]
+        confine: bool,
         /// Form of what is printed on standard output
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
@@ -287,7 +299,7 @@ impl Command {
     /// In what form messages are printed.
     pub fn format(&self) -> Format {
         match self {
-            Command::Mesh { format, .. } => *format,
+            Command::Mesh { format, .. } | Command::Explain { format, .. } => *format,
             _ => self.common().map_or(Format::Text, |common| common.format),
         }
     }
@@ -309,6 +321,7 @@ impl Command {
             Command::Plot { .. }
             | Command::Report { .. }
             | Command::Mesh { .. }
+            | Command::Explain { .. }
             | Command::Schema
             | Command::Materials { .. }
             | Command::New { .. }

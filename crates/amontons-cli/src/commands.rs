@@ -17,7 +17,7 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, materials, new, reproduce, sweep, verify};
+use crate::{constants, converge, explain, materials, new, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
@@ -47,7 +47,13 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         }
         Command::Verify { names, common } => verify::execute(&names, &common),
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
-        Command::Mesh { file, scale, format } => show_mesh(&file, scale, format),
+        Command::Explain { word, format } => explain::execute(word.as_deref(), format),
+        Command::Mesh { file, scale, confine, format } => {
+            if confine {
+                check_confined(&file)?;
+            }
+            show_mesh(&file, scale, format)
+        }
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::Materials { name } => show_materials(name.as_deref()),
         Command::New { file, template, mesh } => new::execute(&file, template, mesh.as_deref()),
@@ -85,6 +91,19 @@ fn show_materials(name: Option<&str>) -> Result<(), Failure> {
         Failure::Usage(format!("found \"{found}\", expected the name of a material; `amontons materials` lists them"))
     })?;
     Ok(print::text(&materials::one(name, material))?)
+}
+
+/// The file, links followed, is in the folder that it is named in.
+fn check_confined(file: &Path) -> Result<(), Failure> {
+    let named = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let inside = file.canonicalize().ok().zip(named.canonicalize().ok());
+    match inside {
+        Some((real, folder)) if !real.starts_with(&folder) => {
+            let message = format!("{}: found a link out of its folder, which --confine refuses", file.display());
+            Err(Failure::Usage(message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints what a mesh file has; a defect of its cells or sides is a check that does not hold.

@@ -6,6 +6,11 @@ use amontons::case::{CaseFault, FaultPlace, Source};
 use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
 use serde_json::{Value, json};
 
+use crate::plain;
+
+/// Longest line in bytes of which an excerpt is shown.
+const LONGEST: usize = 1000;
+
 /// Prints all faults, each with its place, and how many there are.
 pub fn print(file: &Source, faults: &[CaseFault], more: usize) {
     let mut text = Vec::new();
@@ -21,31 +26,40 @@ fn colours() -> bool {
 }
 
 fn write(file: &Source, (faults, more): (&[CaseFault], usize), colours: bool, out: &mut Vec<u8>) -> io::Result<()> {
-    let name = file.name.as_str();
-    let mut source = (name, ariadne::Source::from(&file.text));
+    let name = &*plain::plain(&file.name);
+    let text = plain::same_length(&file.text);
+    let mut source = (name, ariadne::Source::from(&*text));
     for fault in faults {
-        let message = if fault.path.is_empty() {
+        let message = plain::message(&if fault.path.is_empty() {
             format!("found {}", fault.found)
         } else {
             format!("{}: found {}", fault.path, fault.found)
-        };
+        });
+        let expected = plain::message(&fault.expected);
+        let hint = fault.hint.as_deref().map(plain::message);
+        let apart =
+            |place: &str, out: &mut Vec<u8>| without_excerpt(place, [&message, &expected], hint.as_deref(), out);
         match &fault.place {
+            FaultPlace::File { line, column, .. }
+                if text.lines().nth(line - 1).is_some_and(|it| it.len() > LONGEST) =>
+            {
+                apart(&format!("{name}, line {line}, column {column}"), out)?;
+            }
             FaultPlace::File { start, end, .. } => {
                 let span = || (name, *start..*end);
                 let config = Config::new().with_index_type(IndexType::Byte).with_color(colours);
-                let label =
-                    Label::new(span()).with_message(format!("expected {}", fault.expected)).with_color(Color::Red);
+                let label = Label::new(span()).with_message(format!("expected {expected}")).with_color(Color::Red);
                 let mut report = Report::build(ReportKind::Error, span())
                     .with_config(config)
-                    .with_message(message)
+                    .with_message(&message)
                     .with_label(label);
-                if let Some(hint) = &fault.hint {
+                if let Some(hint) = &hint {
                     report = report.with_help(hint);
                 }
                 report.finish().write(&mut source, &mut *out)?;
             }
-            FaultPlace::Override(given) => without_excerpt(&format!("--set {given}"), &message, fault, out)?,
-            FaultPlace::Whole => without_excerpt(name, &message, fault, out)?,
+            FaultPlace::Override(given) => apart(&format!("--set {}", plain::message(given)), out)?,
+            FaultPlace::Whole => apart(name, out)?,
         }
         writeln!(out)?;
     }
@@ -54,9 +68,10 @@ fn write(file: &Source, (faults, more): (&[CaseFault], usize), colours: bool, ou
     writeln!(out, "{name}: {count} fault{}{told}", if count == 1 { "" } else { "s" })
 }
 
-fn without_excerpt(place: &str, message: &str, fault: &CaseFault, out: &mut Vec<u8>) -> io::Result<()> {
-    writeln!(out, "Error: {message}\n   in {place}\n   expected {}", fault.expected)?;
-    match &fault.hint {
+fn without_excerpt(place: &str, words: [&str; 2], hint: Option<&str>, out: &mut Vec<u8>) -> io::Result<()> {
+    let [message, expected] = words;
+    writeln!(out, "Error: {message}\n   in {place}\n   expected {expected}")?;
+    match hint {
         Some(hint) => writeln!(out, "   Help: {hint}"),
         None => Ok(()),
     }

@@ -2,7 +2,7 @@
 
 use amontons::mesh::Skipped;
 use amontons::model::{Cost, MeshModel, Model, Size};
-use amontons::output::unknowns_in_words;
+use amontons::output::{computed_with, unknowns_in_words};
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
@@ -40,6 +40,7 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
             &format!("√(k K/c) = {step} in a step, {end} in the run, cell {cell} high on \"{}\"", layer.side),
         )
     }));
+    rows.extend(computed_with(&problem.choices()).iter().map(|(name, text)| row(name, text)));
     rows.extend(cost(&model.cost, mechanics, heat));
     rows
 }

@@ -11,15 +11,20 @@ use amontons::units::Measure;
 use serde_json::{Value, json};
 
 use crate::model::{self, row};
+use crate::plain::{self, plain};
 use crate::voices;
 
 /// Prints a value as indented JSON on standard output.
 pub fn json(value: &Value) -> io::Result<()> {
-    text(&format!("{value:#}\n"))
+    write(&plain::json(&format!("{value:#}\n")))
 }
 
 /// Prints a text on standard output.
 pub fn text(text: &str) -> io::Result<()> {
+    write(&plain(text))
+}
+
+fn write(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.flush()
@@ -27,7 +32,8 @@ pub fn text(text: &str) -> io::Result<()> {
 
 /// Prints an error on standard error.
 pub fn error(message: &str, hint: Option<&str>) {
-    let hint = hint.map_or_else(String::new, |hint| format!("{hint}\n"));
+    let message = plain::message(message);
+    let hint = hint.map_or_else(String::new, |hint| format!("{}\n", plain::message(hint)));
     // Where standard error fails there is no one to tell.
     let _ = write!(io::stderr().lock(), "Error: {message}\n{hint}");
 }
@@ -35,7 +41,7 @@ pub fn error(message: &str, hint: Option<&str>) {
 /// Prints on standard error what a user has to know although the command goes on.
 pub fn note(text: &str) {
     // Where standard error fails there is no one to tell.
-    let _ = writeln!(io::stderr().lock(), "Note: {text}");
+    let _ = writeln!(io::stderr().lock(), "Note: {}", plain::message(text));
 }
 
 /// The summary of a run for reading.
@@ -118,6 +124,7 @@ pub fn valid_json(problem: &Problem, model: &Model, certificate: &Certificate) -
         "cells": mesh.cell_count(),
         "h": mesh.h(),
         "steps": problem.steps,
+        "choices": problem.choices(),
         "k": problem.k(),
         "time": problem.end,
         // A name, or an array of the names of several sides.

@@ -87,6 +87,23 @@ impl Place {
         format!("{part}step {} of {}{time}{contact}; {gone} gone{left}", self.step, self.steps)
     }
 
+    /// What fits beside a bar of 80 columns, the most important first: `step 12 of 64, about 9 min left; 3 open,
+    /// 0 stick, 5 slip`.
+    fn short(&self) -> String {
+        let part = if self.part.is_empty() { String::new() } else { format!("{}: ", self.part) };
+        if self.phase != "steps" {
+            return format!("{part}{}, {}", self.phase, duration(self.phase_begin.elapsed().as_secs_f64()));
+        }
+        let left = self.left().map_or_else(
+            || format!(", {} gone", duration(self.begin.elapsed().as_secs_f64())),
+            |left| format!(", about {} left", duration(left)),
+        );
+        let contact = self
+            .contact
+            .map_or_else(String::new, |[open, stick, slip]| format!("; {open} open, {stick} stick, {slip} slip"));
+        format!("{part}step {} of {}{left}{contact}", self.step, self.steps)
+    }
+
     fn json(&self) -> Value {
         let mut value = json!({ "phase": self.phase, "seconds": self.begin.elapsed().as_secs_f64() });
         if !self.part.is_empty() {
@@ -303,7 +320,7 @@ fn report(shared: &Shared, interval: Duration) {
 
 fn new_bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    match ProgressStyle::with_template("[{bar:30}] {msg}") {
+    match ProgressStyle::with_template("[{bar:8}] {wide_msg}") {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
@@ -312,7 +329,7 @@ fn new_bar() -> ProgressBar {
 fn draw(bar: &ProgressBar, place: &Place) {
     bar.set_length(place.steps.max(1) as u64);
     bar.set_position(place.step as u64);
-    bar.set_message(place.line());
+    bar.set_message(place.short());
 }
 
 /// Notes the steps of a run.

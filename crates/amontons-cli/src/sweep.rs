@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::case::{self, Case};
 use amontons::output::{
-    self, Checkpoint, Folder, FolderOptions, Outcome, OutputError, RunStart, Sink, Snapshot, Summary,
+    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, RunStart, Sink, Snapshot, Summary,
 };
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::run::{self, RunError, Settings};
@@ -61,6 +61,9 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
         Ok(Part { folder: out.join(&variant.folder), variant, case })
     });
     let parts = parts.collect::<Result<Vec<Part>, Failure>>()?;
+    fs::create_dir_all(&out).map_err(|source| OutputError::Io { doing: "create", path: out.clone(), source })?;
+    // Two sweeps would take the runs of each other for failed ones.
+    let _lock = FolderLock::take(&out)?;
     let progress = Progress::new(common);
     progress.part(&format!("{} runs", parts.len()), parts.iter().map(|part| part.case.problem.steps).sum());
     progress.begin_steps();
@@ -248,7 +251,8 @@ fn flatten(path: &str, value: &Value, into: &mut BTreeMap<String, f64>) {
 
 /// The last row of `probes.csv`, if there is one.
 fn probes(folder: &Path) -> Vec<(String, f64)> {
-    let text = fs::read_to_string(folder.join("probes.csv")).unwrap_or_default();
+    let path = folder.join("probes.csv");
+    let text = if path.is_file() { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
     let (Some(head), Some(last)) = (text.lines().next(), text.lines().last()) else { return Vec::new() };
     let cells = head.split(',').zip(last.split(',')).filter(|(name, _)| !matches!(*name, "step" | "t"));
     cells.filter_map(|(name, value)| Some((name.to_owned(), value.parse().ok()?))).collect()

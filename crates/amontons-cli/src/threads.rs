@@ -1,19 +1,16 @@
 //! The threads of a command.
 
-use amontons::run::RunError;
+use amontons::run::{RunError, most_threads};
 
 use crate::status::Failure;
 
-/// Most threads that can be asked for: that many on every machine, and more on one with many cores.
-const MOST: usize = 64;
-const PER_CORE: usize = 4;
 /// Stack of a thread.
 const STACK: usize = 8 << 20;
 
 /// Does the work of a command in a pool with so many threads, by default one per core.
 pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let most = MOST.max(PER_CORE * cores);
+    let most = most_threads();
     if let Some(threads) = threads.filter(|threads| *threads > most) {
         return Err(Failure::Usage(format!(
             "--threads {threads}: expected at most {most} on this machine with {cores} cores"

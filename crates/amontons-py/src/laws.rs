@@ -52,6 +52,13 @@ impl fmt::Debug for Function {
 }
 
 impl Function {
+    /// What a value that is infinite or no number is told by: the law, the value and the arguments that gave it.
+    fn not_a_number(&self, rows: &[Inputs], values: &[f64], at: usize) -> String {
+        let row = at / (values.len() / rows.len().max(1)).max(1);
+        let arguments = rows.get(row).map_or_else(String::new, |row| format!(" for the arguments {row:?}"));
+        format!("the law {} gave {}{arguments}, expected finite numbers", self.name, values[at])
+    }
+
     fn call(&self, rows: &[Inputs], out: &mut [f64]) -> PyResult<()> {
         Python::attach(|py| {
             let inputs = PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), INPUTS])?;
@@ -59,6 +66,9 @@ impl Function {
             let values = values.as_slice()?;
             if values.len() != out.len() {
                 return Err(errors::wrong(&format!("a law has {} values, expected {}", values.len(), out.len())));
+            }
+            if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+                return Err(errors::wrong(&self.not_a_number(rows, values, at)));
             }
             out.copy_from_slice(values);
             Ok(())

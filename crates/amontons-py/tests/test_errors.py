@@ -22,7 +22,7 @@ steps = 2
 
 [material]
 density = 1.0
-elasticity = { law = "isotropic", young = 2.0, poisson = 0.1 }
+elasticity = { law = "isotropic", young = 2.0, poisson = 0.1, stress_state = "plane-stress" }
 """
 
 

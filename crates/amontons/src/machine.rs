@@ -127,13 +127,13 @@ pub(crate) fn disk_free(_path: &Path) -> Option<u64> {
     None
 }
 
-/// What a file holds that is a regular file of at most `longest` bytes.
+/// Opens a regular file for reading.
 ///
 /// Pipes, devices and folders are refused and never waited for.
 ///
 /// # Errors
-/// When the file cannot be read, is none, or is longer.
-pub(crate) fn read(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
+/// When the file cannot be opened or is none.
+pub(crate) fn open(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);
     #[cfg(unix)]
@@ -141,21 +141,31 @@ pub(crate) fn read(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
         use std::os::unix::fs::OpenOptionsExt;
         options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
     }
-    let file: File = options.open(path)?;
+    let file = options.open(path)?;
     let meta = file.metadata()?;
-    if !meta.is_file() {
-        let found = if meta.is_dir() { "found a folder" } else { "found a pipe or a device" };
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{found}, expected a regular file")));
+    if meta.is_file() {
+        return Ok(file);
     }
+    let found = if meta.is_dir() { "found a folder" } else { "found a pipe or a device" };
+    Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{found}, expected a regular file")))
+}
+
+/// What a file holds that is a regular file of at most `longest` bytes.
+///
+/// # Errors
+/// When the file cannot be read, is none, or is longer.
+pub(crate) fn read(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    let length = file.metadata()?.len();
     let too_long = || {
         let message = format!("found more than {longest} bytes, expected at most that many");
         io::Error::new(io::ErrorKind::FileTooLarge, message)
     };
-    if meta.len() > longest {
+    if length > longest {
         return Err(too_long());
     }
     let mut bytes = Vec::new();
-    bytes.try_reserve_exact(meta.len() as usize).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+    bytes.try_reserve_exact(length as usize).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
     // A file may grow while it is read, and those of the kernel have no length.
     file.take(longest + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > longest { Err(too_long()) } else { Ok(bytes) }

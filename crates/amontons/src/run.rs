@@ -347,6 +347,9 @@ fn interrupted(settings: &Settings) -> bool {
 
 /// Stack of a thread: that of the first one on most systems, whichever thread the work is done on.
 const STACK: usize = 8 << 20;
+/// Bound of the threads on a machine with few cores, and threads per core on others: more starve the machine.
+const LEAST_BOUND: usize = 64;
+const PER_CORE: usize = 4;
 
 /// A pool of its own, so that nothing global is set and a thread that cannot be started is an error; none where the
 /// work is in a pool already that will do.
@@ -359,11 +362,28 @@ fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
     if inside && threads.is_none_or(|threads| threads == rayon::current_num_threads()) {
         return Ok(None);
     }
-    let built = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK).build();
+    let (most, asked) = (most_threads(), threads.unwrap_or(0));
+    if asked > most {
+        let message = format!("that is more than {most}, four per core or 64");
+        return Err(RunError::Threads { threads: asked, message });
+    }
+    let (most, asked) = (most_threads(), threads.unwrap_or(0));
+    if asked > most {
+        let message = format!("at most {most} are, 64 or four per core");
+        return Err(RunError::Threads { threads: asked, message });
+    }
+    let built = rayon::ThreadPoolBuilder::new().num_threads(asked).stack_size(STACK).build();
     built.map(Some).map_err(|error| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         RunError::Threads { threads: threads.unwrap_or(cores), message: error.to_string() }
     })
+}
+
+/// Most threads that can be asked for: 64 on every machine, and more on one with many cores.
+#[must_use]
+pub fn most_threads() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    LEAST_BOUND.max(PER_CORE * cores)
 }
 
 /// Computes with a number of threads, or with all available ones.

@@ -30,7 +30,7 @@ heat_capacity = 1
 expansion = 0.1
 coupling = 0.1
 conductivity = 1
-elasticity = { law = "isotropic", young = 10.0, poisson = 0.2 }
+elasticity = { law = "isotropic", young = 10.0, poisson = 0.2, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 1, second = 1 }
 [load]
 body_force = [0.3, -1]

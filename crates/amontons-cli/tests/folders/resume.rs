@@ -457,7 +457,7 @@ heat_capacity = 1
 expansion = 0.1
 coupling = 0.1
 conductivity = 0.5
-elasticity = { law = "isotropic", young = 20.0, poisson = 0.2 }
+elasticity = { law = "isotropic", young = 20.0, poisson = 0.2, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 1, second = 1 }
 [load]
 body_force = [4, -6]

@@ -18,9 +18,9 @@ use crate::field::Field;
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::Material;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Plane};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
-use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
+use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::units::{System, TemperatureScale};
 
@@ -41,6 +41,8 @@ pub(super) fn problem(
         doubtful: notes.doubtful,
         limits: notes.limits,
         loader: Loader::new(files),
+        plane: None,
+        chosen: Vec::new(),
         no_mesh: false,
         is_sound: notes.doubtful.is_empty(),
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
@@ -82,6 +84,7 @@ pub(super) fn problem(
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
         backend: Arc::new(Supernodal),
+        chosen: std::mem::take(&mut build.chosen),
     };
     data.backend = backend(raw.solver.solver, &data);
     let probes = build.probes(&raw.probe, &data);
@@ -210,6 +213,10 @@ pub(super) struct Build<'d> {
     pub loader: Loader<'d>,
     /// The file of the mesh with the factor of its coordinates; none of a generated one.
     pub mesh_file: Option<(String, f64)>,
+    /// What the elements of the mesh file say of the direction that a plane body lacks.
+    pub plane: Option<Plane>,
+    /// What the program chose where the case leaves it open.
+    pub chosen: Vec<Choice>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
     pub no_mesh: bool,
     /// Whether the case has no faults so far.

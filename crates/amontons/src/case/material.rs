@@ -5,11 +5,13 @@ use std::sync::Arc;
 use super::build::Build;
 use super::coefficient::{Plan, Refusal, Sites};
 use super::elasticity::{self, Law, Shape};
+use super::library;
 use super::place::At;
 use super::raw::{self, Coefficient, Elasticity, Expansion, ExpansionKind, Orientation, Tensor};
 use crate::field::{self, Field, Graded};
 use crate::material::{Dilatation, Isotropic, Material, Prony, StressState, TensorLaw};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Plane};
+use crate::problem::Choice;
 use crate::tensor::{Point, Rotation, Sym, mandel_len};
 
 fn dilatation(raw: raw::Dilatation) -> Dilatation {
@@ -25,7 +27,11 @@ impl Build<'_> {
     pub fn material(&mut self, raw: &raw::Material, prefix: &str, mesh: &Mesh, regions: &[usize]) -> Material {
         let sites = Sites::new(|| regions.iter().flat_map(|&region| mesh.sites(Some(region))).collect());
         let is_tangent = raw.expansion_kind == Some(ExpansionKind::Tangent);
-        Builder { prefix, mesh, sites, is_tangent, build: self }.material(raw)
+        // Where its stress state is told to be in the wrong place, it is not told to be missing.
+        let stands_in = raw.base.as_ref().map(|name| !library::materials().contains_key(name));
+        let is_stand_in = stands_in.unwrap_or(raw.stress_state.is_some());
+        let has_base = raw.base.is_some();
+        Builder { prefix, mesh, sites, has_base, is_stand_in, is_tangent, build: self }.material(raw)
     }
 }
 
@@ -39,6 +45,9 @@ struct Builder<'a, 'b, 'd> {
     prefix: &'a str,
     mesh: &'a Mesh,
     sites: Sites<'a>,
+    /// Whether it is a material of the library, and whether one stands in for a name that is not there.
+    has_base: bool,
+    is_stand_in: bool,
     /// Whether tables of thermal expansion hold tangent coefficients.
     is_tangent: bool,
     build: &'b mut Build<'d>,
@@ -166,10 +175,40 @@ impl Builder<'_, '_, '_> {
                 Some("remove it"),
             );
         }
-        match stress_state.unwrap_or_default() {
+        let of_file = match self.build.plane {
+            Some(Plane::Stress) => Some(StressState::PlaneStress),
+            Some(Plane::Strain) => Some(StressState::PlaneStrain),
+            None => None,
+        };
+        let given = stress_state.map(|given| match given {
             raw::StressState::PlaneStress => StressState::PlaneStress,
             raw::StressState::PlaneStrain => StressState::PlaneStrain,
+        });
+        if given.or(of_file).is_none() && self.dim() == 2 && !self.is_stand_in {
+            self.no_stress_state();
         }
+        if given.is_none() && self.dim() < 3 {
+            let (value, why) = match of_file {
+                Some(StressState::PlaneStrain) => ("plane-strain", "the elements of the mesh file say so"),
+                Some(StressState::PlaneStress) => ("plane-stress", "the elements of the mesh file say so"),
+                None => ("plane-stress", "a line is a bar, whose sides are free"),
+            };
+            self.build.chosen.push(Choice::new(self.path("elasticity.stress_state"), value, why));
+        }
+        given.or(of_file).unwrap_or_default()
+    }
+
+    /// A plane body of which nobody says how the third direction is held: both answers are common, and their stiffness
+    /// differs by 1/(1 − ν²).
+    fn no_stress_state(&mut self) {
+        let key = if self.has_base { "stress_state" } else { "elasticity.stress_state" };
+        let path = self.path(key);
+        let hint =
+            "\"plane-stress\" is a thin sheet whose faces are free, \"plane-strain\" a long body whose ends are held";
+        let named = "a material by its name is { base = NAME, stress_state = … } then; ";
+        let hint = if self.has_base { format!("{named}{hint}") } else { hint.to_owned() };
+        let expected = "\"plane-stress\" or \"plane-strain\" of a plane body";
+        self.build.note(&path, At::Missing, "no such key", expected, Some(&hint));
     }
 
     /// The law in the dimension of the body, and in three.

@@ -163,7 +163,10 @@ impl Build<'_> {
             return None;
         }
         let mut mesh = match mesh::parse(&ending, &bytes) {
-            Ok(read) => read.mesh.scaled(scale),
+            Ok(read) => {
+                self.plane = read.plane;
+                read.mesh.scaled(scale)
+            }
             Err(error) => {
                 let at = error.at().map_or_else(String::new, |at| format!("{at}: "));
                 let expected = error.expected().unwrap_or_else(|| "a mesh of one body".to_owned());

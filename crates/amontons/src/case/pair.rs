@@ -5,6 +5,7 @@ use super::place::At;
 use super::raw::{self, Datum};
 use super::side_facts::SideFacts;
 use crate::contact::{Geometry, Pair};
+use crate::problem::Choice;
 
 impl Build<'_> {
     /// Puts the fraction by effusivity in the place of the word.
@@ -37,7 +38,12 @@ impl Build<'_> {
                 self.note(&format!("{path}.nonmortar"), At::Value, format!("\"{side}\""), expected, None);
                 false
             }
-            None => materials.second_bears([&raw.on, with]),
+            None => {
+                let (second, why) = materials.second_bears([&raw.on, with]);
+                let bears = if second { with } else { &raw.on };
+                self.chosen.push(Choice::new(format!("{path}.nonmortar"), bears, why));
+                second
+            }
         };
         Some(Pair {
             with: with.clone(),

@@ -289,6 +289,29 @@ impl<'s> View<'s> {
         self.node.get(SHORT_FOR).and_then(Value::as_str)
     }
 
+    /// What is here, in full.
+    pub fn description(&self) -> Option<&'s str> {
+        self.about
+    }
+
+    /// What is expected here: `a number ≥ 0`.
+    pub fn expects(&self) -> String {
+        self.phrase()
+    }
+
+    /// The table that may stand here, or the array of tables, where other forms may as well.
+    pub fn table(&self) -> View<'s> {
+        let is_table =
+            |form: &View| form.kind() == "object" || form.items().is_some_and(|items| items.kind() == "object");
+        self.one_of_several().or_else(|| self.alternatives().into_iter().find(is_table)).unwrap_or(*self)
+    }
+
+    /// Whether a number or a text may stand here beside a table, other than the name of one.
+    pub fn has_scalars(&self) -> bool {
+        let is_scalar = |form: &View| !matches!(form.kind(), "object" | "array");
+        self.short_for().is_none() && self.alternatives().iter().any(is_scalar)
+    }
+
     /// What is here, as it reads inside a sentence.
     pub fn about(&self) -> Option<String> {
         self.about.map(first_paragraph).filter(|about| !about.is_empty())

@@ -46,8 +46,8 @@ impl<'m> SideFacts<'m> {
         })
     }
 
-    /// Whether the second side of a pair bears the contact points where the case does not say which does. In this
-    /// order, each with some play so that round-off decides nothing:
+    /// Whether the second side of a pair bears the contact points where the case does not say which does, and why. In
+    /// this order, each with some play so that round-off decides nothing:
     ///
     /// 1. a side of which not every node is held as a whole;
     /// 2. that of the softer body, whatever the meshes, if there are as many points on it as hold a body from turning,
@@ -55,7 +55,7 @@ impl<'m> SideFacts<'m> {
     /// 3. the side that the other faces more of: points that are partly covered are less accurate;
     /// 4. the one with the finer facets;
     /// 5. the smaller one; the first.
-    pub fn second_bears(&self, sides: [&str; 2]) -> bool {
+    pub fn second_bears(&self, sides: [&str; 2]) -> (bool, &'static str) {
         let decide = |[first, second]: [f64; 2], play: f64| -> Option<bool> {
             if second * play < first {
                 Some(true)
@@ -69,8 +69,10 @@ impl<'m> SideFacts<'m> {
         let by_stiffness = || {
             let second = decide(sides.map(|side| self.stiffness(side).unwrap_or(0.0)), SOFTER)?;
             let [softer, other] = if second { [sides[1], sides[0]] } else { sides };
-            let is_held_by_other = !self.holds([softer, other]) && self.holds([other, softer]);
-            Some(second != is_held_by_other)
+            if !self.holds([softer, other]) && self.holds([other, softer]) {
+                return Some((!second, "too few points of the softer body lie on the other"));
+            }
+            Some((second, "its body is the softer one"))
         };
         let by_cover = || {
             let [first, second] = self.covered(sides)?;
@@ -79,7 +81,14 @@ impl<'m> SideFacts<'m> {
         let sizes = sides.map(|side| self.sizes(side));
         let by_facets = || decide(sizes.map(|[facet, _]| facet), FINER);
         let by_size = || decide(sizes.map(|[_, size]| size), EQUAL);
-        by_support().or_else(by_stiffness).or_else(by_cover).or_else(by_facets).or_else(by_size).unwrap_or(false)
+        let because = |why: &'static str| move |second: bool| (second, why);
+        by_support()
+            .map(because("the other side is held as a whole"))
+            .or_else(by_stiffness)
+            .or_else(|| by_cover().map(because("more of it is faced")))
+            .or_else(|| by_facets().map(because("its facets are finer")))
+            .or_else(|| by_size().map(because("it is the smaller one")))
+            .unwrap_or((false, "the sides are alike, and it is named first"))
     }
 
     /// Whether every node of a side is held in all directions.

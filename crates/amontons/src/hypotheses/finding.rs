@@ -9,13 +9,13 @@ use crate::problem::Physics;
 
 /// The ids of findings, each with its text, its voice and the equations that it speaks of.
 macro_rules! findings {
-    ($($(#[$doc:meta])* $id:ident = $text:literal, $kind:ident, $of:ident;)*) => {
+    ($(#[doc = $doc:literal] $id:ident = $text:literal, $kind:ident, $of:ident;)*) => {
         /// What a finding is about. Its text is the `id` of result files and messages.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[serde(into = "String", try_from = "String")]
         #[non_exhaustive]
         pub enum FindingId {
-            $($(#[$doc])* $id,)*
+            $(#[doc = $doc] $id,)*
         }
 
         impl FindingId {
@@ -26,6 +26,12 @@ macro_rules! findings {
             #[must_use]
             pub const fn as_str(self) -> &'static str {
                 match self { $(FindingId::$id => $text,)* }
+            }
+
+            /// What it is about.
+            #[must_use]
+            pub const fn meaning(self) -> &'static str {
+                match self { $(FindingId::$id => $doc.trim_ascii(),)* }
             }
 
             /// The voice in which it is said.

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, of_vtk};
+use super::read::{CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFileError, NUMBER, NodeSet, Room, of_vtk};
 use crate::tensor::Point;
 
 /// Length of the name of a group.
@@ -65,16 +65,17 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     };
     let mesh = meshes.group(name).map_err(told(name))?;
     let step = step(&mesh, name)?;
-    let points = points(&mesh, &step)?;
+    let room = Room::of(bytes);
+    let points = points(&mesh, &step, room)?;
     let families = child(&root, "FAS").and_then(|all| child(&all, name));
-    let mut read = Reading { points: points.len(), blocks: Vec::new(), groups: Groups::default() };
+    let mut read = Reading { room, points: points.len(), blocks: Vec::new(), groups: Groups::default() };
     if let Some(cells) = child(&step, "MAI") {
-        let of_cells = families_of(families.as_ref(), "ELEME")?;
+        let of_cells = families_of(families.as_ref(), "ELEME", room)?;
         for kind in cells.groups().map_err(told("MAI"))? {
             read.cells(&cells.group(&kind).map_err(told(&kind))?, &kind, &of_cells)?;
         }
     }
-    let node_sets = read.nodes(&step, &families_of(families.as_ref(), "NOEUD")?)?;
+    let node_sets = read.nodes(&step, &families_of(families.as_ref(), "NOEUD", room)?)?;
     let names = read.groups.names();
     Loose { points, blocks: read.blocks, names, node_sets }.into_mesh(FilePosition::Cell)
 }
@@ -106,12 +107,13 @@ fn integer(value: &AttrValue) -> Option<i64> {
 }
 
 /// The coordinates: all x, all y, all z.
-fn points(mesh: &Group, step: &Group) -> Result<Vec<Point>, MeshFileError> {
+fn points(mesh: &Group, step: &Group, room: Room) -> Result<Vec<Point>, MeshFileError> {
     let attributes = mesh.attrs().map_err(told("the mesh"))?;
     let dim = ["ESP", "DIM"].iter().find_map(|key| integer(attributes.get(*key)?)).unwrap_or(0);
     let dim = usize::try_from(dim).ok().filter(|dim| (1..=3).contains(dim));
     let dim = dim.ok_or_else(|| refuse("a mesh without a dimension of space (ESP), expected 1, 2 or 3"))?;
-    let values = step.dataset("NOE/COO").and_then(|data| data.read_f64()).map_err(told("NOE/COO"))?;
+    let data = step.dataset("NOE/COO").map_err(told("NOE/COO"))?;
+    let values = fits(&data, "NOE/COO", NUMBER, room)?.read_f64().map_err(told("NOE/COO"))?;
     let count = values.len() / dim;
     if count * dim != values.len() || count > u32::MAX as usize {
         return Err(refuse(format!("{} coordinates (NOE/COO) in {dim} dimensions", values.len())));
@@ -128,7 +130,7 @@ fn points(mesh: &Group, step: &Group) -> Result<Vec<Point>, MeshFileError> {
 }
 
 /// The names of the groups of each family.
-fn families_of(families: Option<&Group>, of: &str) -> Result<BTreeMap<i64, BTreeSet<String>>, MeshFileError> {
+fn families_of(families: Option<&Group>, of: &str, room: Room) -> Result<Families, MeshFileError> {
     let mut all = BTreeMap::new();
     let Some(families) = families.and_then(|families| child(families, of)) else { return Ok(all) };
     for name in families.groups().map_err(told(of))? {
@@ -138,7 +140,7 @@ fn families_of(families: Option<&Group>, of: &str) -> Result<BTreeMap<i64, BTree
         let number = number.ok_or_else(|| refuse(format!("the family {name} has no number (NUM)")))?;
         let mut groups = BTreeSet::new();
         if let Ok(names) = family.dataset("GRO/NOM") {
-            let bytes = names.read_raw().map_err(told(&name))?;
+            let bytes = fits(&names, &name, CHARACTER, room)?.read_raw().map_err(told(&name))?;
             for name in bytes.chunks(NAME) {
                 let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
                 let name = String::from_utf8_lossy(&name[..end]).trim().to_owned();
@@ -166,6 +168,7 @@ impl Groups {
 }
 
 struct Reading {
+    room: Room,
     /// Number of nodes.
     points: usize,
     blocks: Vec<LooseBlock>,
@@ -183,12 +186,12 @@ impl Reading {
             return Err(refuse(format!("cells of type {code}, expected one of {}{hint}", known.join(", "))));
         };
         let kind = Kind { name, dim, nodes, element: of_vtk(vtk).map(|(element, _)| element) };
-        let listed = integers(&group.dataset("NOD").map_err(told("NOD"))?, "NOD")?;
+        let listed = integers(&group.dataset("NOD").map_err(told("NOD"))?, "NOD", self.room)?;
         let count = listed.len() / nodes;
         if count * nodes != listed.len() {
             return Err(refuse(format!("{} nodes of cells of type {code}, which have {nodes} each", listed.len())));
         }
-        let of = family_of_each(group, count, code)?;
+        let of = family_of_each(group, count, code, self.room)?;
         let mut index: BTreeMap<i64, usize> = BTreeMap::new();
         for cell in 0..count {
             let family = of.as_ref().map_or(0, |of| of[cell]);
@@ -207,7 +210,10 @@ impl Reading {
 
     /// The groups of nodes.
     fn nodes(&self, step: &Group, families: &Families) -> Result<Vec<NodeSet>, MeshFileError> {
-        let of = child(step, "NOE").map(|group| family_of_each(&group, self.points, "nodes")).transpose()?.flatten();
+        let of = child(step, "NOE")
+            .map(|group| family_of_each(&group, self.points, "nodes", self.room))
+            .transpose()?
+            .flatten();
         let mut sets: BTreeMap<&String, BTreeSet<u32>> = BTreeMap::new();
         for (node, family) in of.iter().flatten().enumerate() {
             for name in families.get(family).into_iter().flatten() {
@@ -233,17 +239,23 @@ impl Reading {
 }
 
 /// The family of each of `count` cells or nodes; none where all are in family 0.
-fn family_of_each(group: &Group, count: usize, of: &str) -> Result<Option<Vec<i64>>, MeshFileError> {
+fn family_of_each(group: &Group, count: usize, of: &str, room: Room) -> Result<Option<Vec<i64>>, MeshFileError> {
     let Ok(data) = group.dataset("FAM") else { return Ok(None) };
-    let families = integers(&data, "FAM")?;
+    let families = integers(&data, "FAM", room)?;
     if families.len() != count {
         return Err(refuse(format!("{} families (FAM) of {count} {of}", families.len())));
     }
     Ok(Some(families))
 }
 
-fn integers(data: &Dataset, what: &str) -> Result<Vec<i64>, MeshFileError> {
-    data.read_i64().map_err(told(what))
+fn integers(data: &Dataset, what: &str, room: Room) -> Result<Vec<i64>, MeshFileError> {
+    fits(data, what, NUMBER, room)?.read_i64().map_err(told(what))
+}
+
+/// The data, if the file can hold them.
+fn fits<'a>(data: &'a Dataset, what: &str, each: u64, room: Room) -> Result<&'a Dataset, MeshFileError> {
+    room.holds(what, &data.shape().map_err(told(what))?, each)?;
+    Ok(data)
 }
 
 /// The place in MED of a node of a cell with so many.

@@ -32,7 +32,7 @@ pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
-pub use read::{EXTENSIONS, FilePosition, MeshFileError, Read, Skipped, parse, read, read_all};
+pub use read::{EXTENSIONS, FilePosition, MeshFileError, Plane, Read, Skipped, parse, read, read_all};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};

@@ -266,7 +266,7 @@ pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
     let n = [problem.mesh.dim, problem.components_of_force()];
     let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(n)).collect();
     for (side, contact) in problem.contacts.iter().enumerate() {
-        let end = if problem.contacts.len() > 1 { format!("@{}", contact.on) } else { String::new() };
+        let end = if problem.contacts.len() > 1 { format!("@{}", in_header(&contact.on)) } else { String::new() };
         let columns = of_side(problem, side).flat_map(|column| column.named(n));
         all.extend(columns.map(|(name, measure)| (name + &end, measure)));
     }
@@ -449,9 +449,17 @@ pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
     points(now).iter().map(line).collect()
 }
 
-/// A name as a field of a table: in quotes where it has a comma, a quote or a line end.
+/// A name as a field of a table: in quotes where it has a comma, a quote or a line end, behind an apostrophe where a
+/// spreadsheet would take it for a formula.
 fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
+    let is_formula = name.starts_with(['=', '+', '-', '@', '\t']);
+    let name = if is_formula { format!("'{name}") } else { name.to_owned() };
+    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
+}
+
+/// The name of a side in the header of a table, which is read up to the next comma.
+fn in_header(name: &str) -> String {
+    name.replace(|c: char| c.is_control() || matches!(c, ',' | '"'), "_")
 }
 
 /// Every name that a column of the two tables can have, in space, with what it measures; those of sides without the

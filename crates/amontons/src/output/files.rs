@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::manifest::hexadecimal;
+use crate::machine;
 
 /// Longest file of a results folder that is read into memory.
 pub(crate) const LONGEST: u64 = 1 << 36;
@@ -33,7 +34,7 @@ impl Written {
     /// A file as it stands on the disk.
     pub fn read(path: &Path) -> io::Result<Written> {
         let mut out = Out::new(io::sink());
-        io::copy(&mut File::open(path)?, &mut out)?;
+        io::copy(&mut machine::open(path)?, &mut out)?;
         Ok(out.written())
     }
 }
@@ -183,7 +184,7 @@ pub(super) fn move_file(from: &Path, to: &Path) -> Result<(), OutputError> {
 
 /// Copies a file, atomically; that it is not there is no error.
 pub(super) fn copy_file(from: &Path, to: &Path) -> Result<(), OutputError> {
-    match File::open(from) {
+    match machine::open(from) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         file => {
             let mut file = file.map_err(OutputError::io("read", from))?;

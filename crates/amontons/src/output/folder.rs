@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::columns::{contact_measures, history_columns, history_measures, history_values};
 use super::csv::{Rows, write_contact};
 use super::earlier::{CERTIFICATE, write_certificate};
-use super::files::{Written, create_folder, remove_file, remove_folder, write_atomically, write_json};
+use super::files::{LONGEST, Written, create_folder, remove_file, remove_folder, write_atomically, write_json};
 use super::inputs::{Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
 use super::owned::{self, STAGING};
@@ -397,9 +397,40 @@ impl Folder {
         tables
     }
 
+    /// The tables of a run that has ended begin with what it wrote: rows that were changed since are not taken over
+    /// under a new hash. They grow from here on, so that the old hashes are forgotten before.
+    fn take_over_tables(&mut self) -> Result<(), OutputError> {
+        let noted: Vec<(&str, Written)> = self
+            .manifest
+            .outputs()
+            .into_iter()
+            .filter_map(|(name, noted)| {
+                let name = [HISTORY, PROBES].into_iter().find(|table| *table == name)?;
+                Some((name, noted?.clone()))
+            })
+            .collect();
+        for (name, noted) in &noted {
+            let path = self.path.join(name);
+            let found = machine::read(&path, LONGEST).map_err(OutputError::io("read", &path))?;
+            let whole = usize::try_from(noted.bytes).ok().and_then(|bytes| found.get(..bytes));
+            if whole.map(Written::of).as_ref() != Some(noted) {
+                let (found, expected) = ("another hash than that in manifest.json", "the file that the run wrote");
+                return Err(OutputError::Inconsistent { path, found: found.to_owned(), expected: expected.to_owned() });
+            }
+        }
+        if noted.is_empty() {
+            return Ok(());
+        }
+        for (name, _) in &noted {
+            self.manifest.list(name, None);
+        }
+        self.manifest.write(&self.path)
+    }
+
     /// Brings the files back to the step of the checkpoint.
     fn go_on(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, step) = (start.from.problem, start.from.state.step);
+        self.take_over_tables()?;
         self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
         self.probes = self.probe_rows(problem, |columns| Rows::reopen(self.path.join(PROBES), columns, step))?;
         self.keep_snapshots(problem, step)?;

@@ -69,7 +69,7 @@ pub use packed::FieldsFormat;
 #[cfg(feature = "case")]
 pub(crate) use packed::StoredFields;
 pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
-pub use quantity::{Base, Quantity, Selection};
+pub use quantity::{Base, Quantity, Selection, quantities};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use study::StudyFolder;
 #[cfg(feature = "case")]
@@ -78,7 +78,7 @@ pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summar
 #[cfg(feature = "plot")]
 pub(crate) use surface::{measures as surface_measures, sides as surface_sides};
 pub use vtu::OutputField;
-pub use words::unknowns_in_words;
+pub use words::{computed_with, unknowns_in_words};
 
 use crate::convergence::StudyTable;
 use crate::hypotheses::Finding;

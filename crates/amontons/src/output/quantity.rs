@@ -135,7 +135,55 @@ const BASES: [(&str, Base, &[(&str, Selection)]); 19] = [
     ("friction_work", Base::Contact(OnContact::FrictionWork), NUMBER),
 ];
 
+/// Every quantity: its name, what it is, and what it measures.
+#[must_use]
+pub fn quantities() -> Vec<(String, String, Measure)> {
+    Quantity::all().map(|(name, quantity)| (name, quantity.meaning(), quantity.measure())).collect()
+}
+
 impl Quantity {
+    /// What it is, and what is taken of it.
+    fn meaning(self) -> String {
+        let of = match self.base {
+            Base::Displacement => "displacement u",
+            Base::Velocity => "velocity w = u̇",
+            Base::Temperature => "temperature θ",
+            Base::Stress => "stress σ of (2.1)",
+            Base::Strain => "strain ε(u)",
+            Base::VonMises => "von Mises stress",
+            Base::MeanStress => "tr(σ)/3",
+            Base::Principal => "principal stresses, the largest first",
+            Base::Hoop => "hoop stress of a body of revolution",
+            Base::HeatFlux => "heat flux q = −𝓚∇θ",
+            Base::Reaction => "what a prescribed displacement exerts on the body",
+            Base::ReactionHeat => "heat that a prescribed temperature supplies to the body",
+            Base::Contact(OnContact::Pressure) => "contact pressure p_ν",
+            Base::Contact(OnContact::Penetration) => "penetration r, negative where the gap is open",
+            Base::Contact(OnContact::Traction) => "what friction does to the side, σ_τ",
+            Base::Contact(OnContact::SlipVelocity) => "slip velocity of the side against what it faces",
+            Base::Contact(OnContact::Touching) => {
+                "1 where there is contact, 0 where the gap is open: its integral is the area"
+            }
+            Base::Contact(OnContact::Wear) => "depth worn off",
+            Base::Contact(OnContact::FrictionWork) => "work of friction since the start",
+        };
+        let ending = self.name();
+        let component = |c: usize| {
+            let name = ending.rsplit('_').next().unwrap_or_default();
+            if self.base == Base::Principal {
+                format!("{of}: number {}", c + 1)
+            } else {
+                format!("{of}: {name} component")
+            }
+        };
+        match self.part {
+            Selection::All => of.to_owned(),
+            Selection::Component(c) => component(c),
+            Selection::Magnitude => format!("{of}: its length"),
+            Selection::Normal => format!("{of}: its part along the outward normal of a side"),
+        }
+    }
+
     /// Every quantity with its name.
     pub fn all() -> impl Iterator<Item = (String, Quantity)> {
         BASES.iter().flat_map(|&(name, base, parts)| {

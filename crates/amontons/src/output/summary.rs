@@ -11,7 +11,7 @@ use crate::hypotheses::{self, Finding, warnings};
 use crate::inclusion::{Passed, PointState};
 use crate::linalg::max_abs;
 use crate::machine;
-use crate::problem::Problem;
+use crate::problem::{Choice, Problem};
 use crate::scheme::{Accumulated, ContactReport, Contraction, Ledger};
 use crate::tensor::Point;
 use crate::units::Units;
@@ -57,6 +57,9 @@ pub struct Summary {
     /// The last good step.
     #[serde(rename = "final")]
     pub last: Final,
+    /// What the run was computed with where there is a choice.
+    #[serde(default)]
+    pub choices: Vec<Choice>,
     /// Work of the solver.
     pub solver: Solver,
     /// The last row of the audit, with `closing_error` and `heat_closing_error` divided by what was turned over.
@@ -141,6 +144,10 @@ pub struct ContactSummary {
     /// Moment of σν about the axis of revolution, N m; none where no foundation turns about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moment: Option<f64>,
+    /// Moment of σν about the origin of the coordinates: about the normal of the plane, N m/m, or its three components
+    /// in space, N m; none of other bodies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment_about_origin: Option<Vec<f64>>,
     /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution; none without heat.
     pub heat_flow: Option<f64>,
     /// Largest penetration, m; 0 where all is open.
@@ -207,7 +214,7 @@ impl ContactSummary {
                 .filter(|(point, _)| point.weight > 0.0)
         };
         let count = |status| states().filter(|(_, s)| s.status == status).count();
-        let of_all = |values: [f64; 3]| values[..dim].to_vec();
+        let of_all = |v: [f64; 3]| v[..dim].to_vec();
         let pressing: f64 = states().map(|(point, s)| point.weight * s.pressure.max(0.0)).sum();
         let moment = |c: usize| states().map(|(point, s)| point.weight * s.pressure.max(0.0) * point.x[c]).sum::<f64>();
         let only = side.or((!several).then_some(0));
@@ -229,6 +236,7 @@ impl ContactSummary {
         ContactSummary {
             force: force[..problem.components_of_force()].to_vec(),
             moment: problem.turns().then(|| 0.0 - about_axis.sum::<f64>()),
+            moment_about_origin: about_origin(problem, states()),
             heat_flow: problem.physics.has_heat().then_some(heat_flow),
             penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
             pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
@@ -241,10 +249,7 @@ impl ContactSummary {
             wear_volume,
             wear_volumes: volumes.unwrap_or_default(),
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
-            heat_passed: one
-                .and_then(|(side, _)| state.surface.passed.get(side))
-                .map(Passed::by_name)
-                .unwrap_or_default(),
+            heat_passed: passed(one.and_then(|(side, _)| state.surface.passed.get(side))),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
             sides: sides.map(|side| ContactSummary::of_contact(now, contact, side)).collect(),
         }
@@ -254,6 +259,11 @@ impl ContactSummary {
     fn of_contact(now: &Snapshot, contact: &ContactReport, side: usize) -> (String, ContactSummary) {
         (now.problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))
     }
+}
+
+/// Heat that has passed a contact, by what it passes by.
+fn passed(of: Option<&Passed>) -> BTreeMap<String, f64> {
+    of.map(Passed::by_name).unwrap_or_default()
 }
 
 /// The volume worn off and the largest depth, of all contacts or of one. What has come off bodies that slide over each
@@ -301,7 +311,28 @@ fn resultant<'a>(states: impl Iterator<Item = (Weighted, &'a PointState)>) -> Po
     sum.map(|component| 0.0 - component)
 }
 
+/// The moment of the tractions at contact points about the origin, by the components that the body has.
+fn about_origin<'a>(problem: &Problem, states: impl Iterator<Item = (Weighted, &'a PointState)>) -> Option<Vec<f64>> {
+    const ROUND_OFF: f64 = 1e-9;
+    let (mut moment, mut size) = ([0.0; 3], 0.0);
+    for (point, s) in states {
+        let [x, f] = [point.x, resultant(std::iter::once((point, s)))];
+        for (c, sum) in moment.iter_mut().enumerate() {
+            let [a, b] = [x[(c + 1) % 3] * f[(c + 2) % 3], x[(c + 2) % 3] * f[(c + 1) % 3]];
+            *sum += a - b;
+            size += a.abs() + b.abs();
+        }
+    }
+    let moment = moment.map(|m: f64| if m.abs() < ROUND_OFF * size { 0.0 } else { m });
+    match (problem.mesh.dim, problem.mesh.axisymmetric) {
+        (2, false) => Some(vec![moment[2]]),
+        (3, _) => Some(moment.to_vec()),
+        _ => None,
+    }
+}
+
 /// A contact point in a step.
+#[derive(Clone, Copy)]
 struct Weighted {
     weight: f64,
     x: Point,
@@ -439,6 +470,7 @@ impl Summary {
             steps: state.step,
             unknowns,
             last: Final::new(last, &figures),
+            choices: problem.choices(),
             solver: Solver {
                 newton_mechanics_total: counts.newton_mechanics_total,
                 newton_mechanics_max: counts.newton_mechanics_max,

@@ -322,7 +322,7 @@ mod tests {
             density = 1
             heat_capacity = 1
             conductivity = 1
-            elasticity = {{ law = "isotropic", young = 100, poisson = 0.3 }}
+            elasticity = {{ law = "isotropic", young = 100, poisson = 0.3, stress_state = "plane-stress" }}
             viscosity = {{ law = "lame", first = 1, second = 1 }}
             [time]
             end = 0.5

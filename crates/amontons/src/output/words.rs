@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
+use crate::problem::Choice;
 use crate::units::{Extent, Measure, Units};
 
 /// A name and what there is to be said under it.
@@ -26,44 +27,66 @@ impl Summary {
         format!("{}: {state}, {} steps to t = {time} in {:.2} s", self.case, self.steps, self.seconds.total)
     }
 
-    /// The results for reading: names and texts.
+    /// The results for reading, names and texts: what was asked for first, then how it was computed.
     #[must_use]
     pub fn rows(&self) -> Vec<(String, String)> {
-        let (end, units) = (&self.last, self.units);
-        let (mechanics, heat) = (!end.displacement_min.is_empty(), end.temperature_min.is_some());
-        let counts = &self.unknowns;
-        let unknowns = [counts.displacement, counts.temperature, counts.contact];
-        let mut rows = vec![
-            row("unknowns", &unknowns_in_words(unknowns, mechanics, heat)),
-            row("time", &phases(&self.seconds)),
-            systems(&self.solver),
-        ];
-        for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
-            rows.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
-        }
-        if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
-            rows.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
-        }
-        let up_to = |name: &str, most: f64, measure| row(name, &format!("up to {}", units.write(most, measure)));
-        let in_cells = |most: f64| format!("up to {} at the centre of a cell", units.write(most, Measure::Stress));
-        rows.extend(end.von_mises_max.map(|most| row("von Mises stress", &in_cells(most))));
-        rows.extend(end.strain_max.map(|most| up_to("strain", most, Measure::Number)));
-        if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
-            let beside = contact.sides.values().flat_map(|side| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
-            rows.extend(touching("contact", contact, beside, units));
-            for (side, contact) in &contact.sides {
-                rows.extend(touching(&format!("on \"{side}\""), contact, 0.0, units));
-            }
-        }
-        rows.extend(extent(units, mechanics));
+        let (mechanics, heat) = (!self.last.displacement_min.is_empty(), self.last.temperature_min.is_some());
+        let mut rows = self.of_contact();
+        rows.extend(self.of_fields());
+        rows.extend(extent(self.units, mechanics));
         let closes = |name: &str, what: &str, error: f64| {
             row(&format!("{name} closes to"), &format!("{error:.1e} of the {what} turned over"))
         };
         rows.extend(mechanics.then(|| closes("energy", "energy", self.energy.closing_error)));
         rows.extend(heat.then(|| closes("heat", "heat", self.energy.heat_closing_error)));
         rows.extend(halved(&self.solver));
+        rows.extend(computed_with(&self.choices));
+        let counts = &self.unknowns;
+        let unknowns = [counts.displacement, counts.temperature, counts.contact];
+        rows.push(row("unknowns", &unknowns_in_words(unknowns, mechanics, heat)));
+        rows.push(systems(&self.solver));
+        rows.push(row("time", &phases(&self.seconds)));
         rows
     }
+
+    /// Contact on all sides together, and on each where there are several.
+    fn of_contact(&self) -> Vec<Row> {
+        let Some(contact) = self.last.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) else {
+            return Vec::new();
+        };
+        let beside = contact.sides.values().flat_map(|side| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
+        let mut rows = touching("contact", contact, beside, self.units);
+        for (side, contact) in &contact.sides {
+            rows.extend(touching(&format!("on \"{side}\""), contact, 0.0, self.units));
+        }
+        rows
+    }
+
+    /// The largest values of the fields.
+    fn of_fields(&self) -> Vec<Row> {
+        let (end, units) = (&self.last, self.units);
+        let up_to = |name: &str, most: f64, measure| row(name, &format!("up to {}", units.write(most, measure)));
+        let in_cells = |most: f64| format!("up to {} at the centre of a cell", units.write(most, Measure::Stress));
+        let mut rows: Vec<Row> =
+            end.von_mises_max.map(|most| row("von Mises stress", &in_cells(most))).into_iter().collect();
+        rows.extend(end.strain_max.map(|most| up_to("strain", most, Measure::Number)));
+        if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
+            rows.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
+        }
+        for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
+            rows.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
+        }
+        rows
+    }
+}
+
+/// What a run is computed with where there is a choice, a row each; the first has the name.
+#[must_use]
+pub fn computed_with(choices: &[Choice]) -> Vec<(String, String)> {
+    let name = |number: usize| if number == 0 { "computed with" } else { "" };
+    let of =
+        |(number, Choice { what, value, why }): (usize, &Choice)| row(name(number), &format!("{what} {value}: {why}"));
+    choices.iter().enumerate().map(of).collect()
 }
 
 /// Numbers of unknowns: displacement, temperature, contact, those that a case has.
@@ -144,6 +167,16 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
             &format!("{force}, pressure up to {} at a point", write(contact.pressure_max, Measure::Stress)),
         ),
     ];
+    lines.extend(
+        contact.moment.map(|moment| row("moment", &format!("{} about the axis", write(moment, Measure::Moment)))),
+    );
+    lines.extend(
+        contact
+            .moment_about_origin
+            .as_ref()
+            .filter(|moment| moment.iter().any(|m| *m != 0.0))
+            .map(|moment| row("moment", &format!("{} about the origin", units.vector(moment, Measure::Moment)))),
+    );
     lines.extend(
         contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
     );

@@ -5,6 +5,7 @@
 
 mod boundary;
 mod check;
+mod choices;
 mod cyclic;
 mod data;
 mod pairs;
@@ -19,6 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
+pub use choices::Choice;
 pub(crate) use data::{Datum, Role, Sample};
 pub use physics::Physics;
 pub use tables::Uncovered;
@@ -160,6 +162,9 @@ pub struct ProblemData {
     pub coupling: Coupling,
     /// How linear systems are solved: of a run, a study and the certificate.
     pub backend: Arc<dyn Backend>,
+    /// What was chosen while the problem was made, such as the side of a pair that bears the points: for those who read
+    /// the results.
+    pub chosen: Vec<Choice>,
 }
 
 /// A problem whose data are checked; it reads like its [`ProblemData`].
@@ -235,6 +240,7 @@ impl ProblemData {
             initial: Initial::default(),
             coupling: Coupling::Staggered,
             backend: Arc::new(Supernodal),
+            chosen: Vec::new(),
         }
     }
 

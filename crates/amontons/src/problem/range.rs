@@ -2,6 +2,7 @@
 //! absolute zero.
 
 use super::{Datum, Fault, ProblemData, Role};
+use crate::contact::Contact;
 use crate::field::{Coefficient, Field};
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -79,7 +80,7 @@ impl ProblemData {
         if !self.k().is_normal() {
             return;
         }
-        let Scales { stress, displacement, velocity, temperature, energy, matrices } = self.scales();
+        let Scales { stress, displacement, velocity, temperature, flux, energy, matrices } = self.scales();
         let squares = [
             ("stresses", "Pa", stress),
             ("displacements", "m", displacement),
@@ -96,11 +97,16 @@ impl ProblemData {
             Some((scale.clone().times(scale.power), found))
         });
         let energy = energy.map(|scale| (scale.clone(), format!("energies of about {} J", tens(scale.power))));
+        // A flux may be as small as it likes: there is none where nothing differs in temperature.
+        let flux = flux.filter(|scale| scale.power > 0.0);
+        let flux = flux.map(|scale| (scale.clone(), format!("heat fluxes of about {} W/m²", tens(scale.power))));
         let matrices = matrices
             .into_iter()
             .flatten()
             .map(|scale| (scale.clone(), format!("entries of a matrix of about {}", tens(scale.power))));
-        for (scale, found) in squares.chain(energy).chain(matrices).filter(|(scale, _)| scale.power.abs() > LIMIT) {
+        for (scale, found) in
+            squares.chain(energy).chain(flux).chain(matrices).filter(|(scale, _)| scale.power.abs() > LIMIT)
+        {
             // Of a datum the first quantity says enough.
             if faults.iter().any(|fault| fault.path == scale.key) {
                 continue;
@@ -187,6 +193,14 @@ impl ProblemData {
         scale(largest, format!("material.{key}"))
     }
 
+    /// The scale of a bound of the laws of contact, with the key of the law; of laws that have none there is none.
+    fn of_laws(&self, key: &str, bound: impl Fn(&Contact) -> Option<f64>) -> Option<Scale> {
+        largest(self.contacts.iter().enumerate().map(|(side, contact)| {
+            let bound = bound(contact).filter(|bound| bound.is_finite());
+            scale(bound?, format!("{}.{key}", self.contact_path(side)))
+        }))
+    }
+
     /// The magnitudes of a run by its data: what loads and prescribed values make of the body, by orders of magnitude.
     fn scales(&self) -> Scales {
         let (mesh, k) = (&*self.mesh, self.k());
@@ -201,6 +215,8 @@ impl ProblemData {
         let capacity = self.largest_number("heat_capacity", |m| &m.heat_capacity);
         let conductivity = self.largest_entry("conductivity", |m| &m.conductivity);
         let expansion = self.largest_entry("expansion", |m| &m.expansion);
+        let conductance = self.of_laws("heat", |contact| Some(contact.heat.conductance_bound()));
+        let stiffness = self.of_laws("normal", |contact| contact.normal.lipschitz());
         let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.end).unwrap_or(0.0));
         let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| {
             Some(scale?.times(sign * factor.as_ref()?.power + more))
@@ -231,21 +247,27 @@ impl ProblemData {
         let velocity = largest([fast, of(Role::FoundationVelocity), displacement.clone().map(|s| s.times(-end))]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
-        let matrices = entries(mesh, k, [density, viscous, elastic], [capacity, conductivity]);
-        Scales { stress, displacement, velocity, temperature, energy, matrices }
+        let flux = by(temperature.clone(), &conductance, 1.0, 0.0)
+            .map(|flux| Scale { key: conductance.as_ref().map_or(flux.key, |scale| scale.key.clone()), ..flux });
+        let matrices = entries(mesh, k, [density, viscous, elastic, stiffness], [capacity, conductivity, conductance]);
+        Scales { stress, displacement, velocity, temperature, flux, energy, matrices }
     }
 }
 
-/// The largest entries of K_u with ρ, 𝓥, 𝓔 and of K_θ with c, 𝓚.
-fn entries(mesh: &Mesh, k: f64, of_u: [Option<Scale>; 3], of_theta: [Option<Scale>; 2]) -> [Option<Scale>; 2] {
-    let ([density, viscous, elastic], [capacity, conductivity]) = (of_u, of_theta);
+/// The largest entries of K_u with ρ, 𝓥, 𝓔 and the stiffness of contact, and of K_θ with c, 𝓚 and the conductance.
+fn entries(mesh: &Mesh, k: f64, of_u: [Option<Scale>; 4], of_theta: [Option<Scale>; 3]) -> [Option<Scale>; 2] {
+    let ([density, viscous, elastic, contact], [capacity, conductivity, conductance]) = (of_u, of_theta);
     let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
     let dim = mesh.tensor_dim() as f64;
-    let [volume, edge] = [dim, dim - 2.0].map(|d| d * h);
+    let [volume, side, edge] = [dim, dim - 1.0, dim - 2.0].map(|d| d * h);
     let (inertia, stiffness) = (density.map(|s| s.times(volume - k)), elastic.map(|s| s.times(edge + k)));
     [
-        largest([inertia, viscous.map(|s| s.times(edge)), stiffness]),
-        largest([capacity.map(|s| s.times(volume - k)), conductivity.map(|s| s.times(edge))]),
+        largest([inertia, viscous.map(|s| s.times(edge)), stiffness, contact.map(|s| s.times(side + k))]),
+        largest([
+            capacity.map(|s| s.times(volume - k)),
+            conductivity.map(|s| s.times(edge)),
+            conductance.map(|s| s.times(side)),
+        ]),
     ]
 }
 
@@ -260,6 +282,8 @@ struct Scales {
     displacement: Option<Scale>,
     velocity: Option<Scale>,
     temperature: Option<Scale>,
+    /// Heat flux through contact.
+    flux: Option<Scale>,
     energy: Option<Scale>,
     /// Largest entries of K_u and K_θ.
     matrices: [Option<Scale>; 2],

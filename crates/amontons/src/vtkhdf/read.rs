@@ -34,6 +34,8 @@ impl Reader {
     /// # Errors
     /// What is wrong with it.
     pub fn open(path: &Path) -> Result<Reader, String> {
+        // The library would wait for a pipe.
+        machine::open(path).map_err(|error| format!("cannot be read: {error}"))?;
         let file = File::open_streaming(path).map_err(|error| format!("cannot be read: {error}"))?;
         let most = machine::memory().map_or(u64::MAX, |memory| (memory.bytes / 64.0) as u64);
         let mut reader = Reader { file, at: Vec::new(), points: 0, cells: 0, most };

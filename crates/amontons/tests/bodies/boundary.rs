@@ -163,7 +163,7 @@ const BODY: &str = body!(
     r#"kind = "rectangle", size = [2.0, 1.0], n = [6, 3], diagonal = "crossed""#,
     "end = 2.0, steps = 4",
     0.0,
-    "young = 50.0, poisson = 0.25",
+    r#"young = 50.0, poisson = 0.25, stress_state = "plane-stress""#,
     "heat_capacity = 0.0\nconductivity = 3.0\n"
 );
 

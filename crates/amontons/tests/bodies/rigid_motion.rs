@@ -98,7 +98,7 @@ fn contact_alone_holds_a_block_upright() {
         r#"kind = "rectangle", size = [2.0, 1.0], n = [4, 2]"#,
         "end = 1.0, steps = 4",
         0,
-        "young = 2.0, poisson = 0.25",
+        r#"young = 2.0, poisson = 0.25, stress_state = "plane-stress""#,
         r#"
 [[boundary]]
 on = "left"

@@ -219,7 +219,7 @@ fn oblique_planes_move_apart() {
 #[test]
 fn a_bent_side_is_refused() {
     let text = "name = \"ring\"\n[mesh]\nkind = \"ring\"\nradii = [1.0, 2.0]\nangle = 0.5\nn = [2, 2]\n[time]\nend = 1.0\nsteps = 1\n\
-                [material]\ndensity = 0\nelasticity = { law = \"isotropic\", young = 2.0, poisson = 0.3 }\n\
+                [material]\ndensity = 0\nelasticity = { law = \"isotropic\", young = 2.0, poisson = 0.3, stress_state = \"plane-stress\" }\n\
                 viscosity = { law = \"lame\", first = 0, second = 0 }\n[[boundary]]\non = \"inner\"\nnormal_displacement = 0\n";
     let refusal = case::parse(&Source::new("ring.toml", text), &[]).unwrap_err().to_string();
     assert_eq!(

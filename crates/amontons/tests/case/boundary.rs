@@ -23,7 +23,7 @@ heat_capacity = 1.0
 expansion = 0.0
 coupling = 0.0
 conductivity = 1.0
-elasticity = { law = "isotropic", young = 1.0, poisson = 0.0 }
+elasticity = { law = "isotropic", young = 1.0, poisson = 0.0, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 0.0, second = 1.0 }
 [load]
 heat_source = 1.0

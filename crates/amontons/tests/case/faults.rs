@@ -180,7 +180,7 @@ spoiled! {
     unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"rectangl\""
         "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\", \"cylinder\" or \"blocks\", or the key `file`; did you mean \"rectangle\"?";
     misspelled_word: "stress_state = \"plane-stress\"" => "stress_state = \"plane stress\""
-        "paper.toml:33:16: material.elasticity.stress_state: found \"plane stress\", expected \"plane-stress\" or \"plane-strain\" (plane stress or plane strain, for bodies of one and two dimensions); did you mean \"plane-stress\"?";
+        "paper.toml:33:16: material.elasticity.stress_state: found \"plane stress\", expected \"plane-stress\" or \"plane-strain\" (plane stress or plane strain, of a plane body; the elements of an `.inp` file may say it); did you mean \"plane-stress\"?";
     unknown_word: "quadrature = \"nodal\"" => "quadrature = \"simpson\""
         "paper.toml:59:14: contact.quadrature: found \"simpson\", expected \"nodal\" or \"gauss\" (where the integrals over Γ_C are evaluated)";
     unknown_diagonal: "diagonal = \"right\"" => "diagonal = \"/\""

@@ -45,8 +45,8 @@ spoiled! {
         "--set material.conductivity=[[\"1\", \"x\"], [\"x\", \"0.5\"]]: material.conductivity: found the eigenvalue -0.2807764064044151 at x = 1.0, y = 0.0, expected no negative eigenvalue: heat flows from warm to cold";
     a_tensor_that_is_not_symmetric: "material.conductivity=[[1, \"x/2\"], [\"y/2\", 1]]"
         "--set material.conductivity=[[1, \"x/2\"], [\"y/2\", 1]]: material.conductivity: found 0.25 in row 1, column 2 but 0.0 in row 2, column 1 at x = 0.5, y = 0.0, expected a number or a symmetric 2 × 2 matrix";
-    a_stiffness_that_is_not_definite: "material.elasticity={ law = 'orthotropic', young = [1, 1, 1], poisson = ['1.2*x', 0, 0], shear = [1, 1, 1] }"
-        "--set material.elasticity={ law = 'orthotropic', young = [1, 1, 1], poisson = ['1.2*x', 0, 0], shear = [1, 1, 1] }: material.elasticity: found a compliance −ν_ij (E_j/E_i)^½ of the normal strains, with ones on its diagonal, with eigenvalues from -2.000e-1 to 2.200e0 at x = 1.0, y = 0.0, expected all of them positive";
+    a_stiffness_that_is_not_definite: "material.elasticity={ law = 'orthotropic', young = [1, 1, 1], poisson = ['1.2*x', 0, 0], shear = [1, 1, 1], stress_state = 'plane-stress' }"
+        "--set material.elasticity={ law = 'orthotropic', young = [1, 1, 1], poisson = ['1.2*x', 0, 0], shear = [1, 1, 1], stress_state = 'plane-stress' }: material.elasticity: found a compliance −ν_ij (E_j/E_i)^½ of the normal strains, with ones on its diagonal, with eigenvalues from -2.000e-1 to 2.200e0 at x = 1.0, y = 0.0, expected all of them positive";
     negative_friction_at_one_node: "contact.friction.coefficient=\"0.3 - x\""
         "--set contact.friction.coefficient=\"0.3 - x\": contact.friction.coefficient: found the value -0.2 at x = 0.5, y = 0.0, expected a number ≥ 0 (friction coefficient μ)";
     negative_friction_at_one_time: "contact.friction.coefficient=\"0.3 - 0.5*t\""

@@ -11,5 +11,6 @@ mod files;
 mod graded_faults;
 mod materials;
 mod quantities;
+mod reference;
 mod thermal_faults;
 mod valid;

@@ -36,7 +36,7 @@ density = "7.3 g/cm³"
 heat_capacity = "2.5e3 kJ/(m³ K)"
 conductivity = "50 W/(m K)"
 expansion_coefficient = "12e-6 1/K"
-elasticity = { law = "isotropic", young = { temperature = ["20 °C", "600 °C"], value = ["210 GPa", "110 kN/mm²"] }, poisson = 0.3 }
+elasticity = { law = "isotropic", young = { temperature = ["20 °C", "600 °C"], value = ["210 GPa", "110 kN/mm²"] }, poisson = 0.3, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = "1 MPa s", second = "2 MPa·s" }
 [initial]
 temperature = "20 °C"
@@ -73,7 +73,7 @@ density = 7300
 heat_capacity = 2.5e6
 conductivity = 50
 expansion_coefficient = 12e-6
-elasticity = { law = "isotropic", young = { temperature = [20, 600], value = [210e9, 110e9] }, poisson = 0.3 }
+elasticity = { law = "isotropic", young = { temperature = [20, 600], value = [210e9, 110e9] }, poisson = 0.3, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 1e6, second = 2e6 }
 [initial]
 temperature = 20

@@ -38,7 +38,7 @@ spoiled! {
         "KEY: found the eigenvalue -1.0 at x = 0.0, y = 0.0, θ = 20.0, expected no negative eigenvalue: heat flows from warm to cold";
     an_initial_temperature_beyond_the_table: "material.conductivity" "{ temperature = [20, 200], value = [1, 2] }"
         "thermal.toml: initial.temperature: found the temperature 0.0 at x = 0.0, y = 0.0, expected temperatures from 20.0 to 200.0, which material.conductivity covers; extend the table, or give another initial temperature";
-    tables_without_a_common_range: "material.elasticity" "{ law = 'isotropic', young = { temperature = [0, 10], value = [1, 2] }, poisson = { temperature = [20, 30], value = [0.1, 0.2] } }"
+    tables_without_a_common_range: "material.elasticity" "{ law = 'isotropic', young = { temperature = [0, 10], value = [1, 2] }, poisson = { temperature = [20, 30], value = [0.1, 0.2] }, stress_state = 'plane-stress' }"
         "KEY: found tables over temperatures without a common range, expected tables of one law that have temperatures in common";
     a_density: "material.density" "{ temperature = [0, 20], value = [1, 2] }"
         "KEY: found a table over the temperature, expected a number, an expression or a table in time: this datum does not depend on the temperature";
@@ -50,8 +50,8 @@ spoiled! {
         "KEY: found a table without clear data, expected `temperature` and `value`, with `factor` alone";
     a_factor_in_time: "material.heat_capacity" "{ temperature = [0, 20], value = [1, 2], factor = \"1 + t\" }"
         "KEY.factor: found `t` in an expression, expected an expression in x, y";
-    branches_besides_a_modulus_over_the_temperature: "material" "{ density = 1, heat_capacity = 1, conductivity = 1, elasticity = { law = 'isotropic', young = { temperature = [0, 1], value = [1, 2] }, poisson = 0.3 }, prony = [{ ratio = 0.5, time = 1.0 }] }"
+    branches_besides_a_modulus_over_the_temperature: "material" "{ density = 1, heat_capacity = 1, conductivity = 1, elasticity = { law = 'isotropic', young = { temperature = [0, 1], value = [1, 2] }, poisson = 0.3, stress_state = 'plane-stress' }, prony = [{ ratio = 0.5, time = 1.0 }] }"
         "KEY.prony: found branches besides an elasticity over the temperature, expected an elasticity that does not depend on the temperature: branches are multiples of it";
-    tangent_coefficients_that_do_not_reach_zero: "material" "{ density = 1, heat_capacity = 1, conductivity = 1, elasticity = { law = 'isotropic', young = 1, poisson = 0.3 }, expansion_coefficient = { temperature = [-20, -5], value = [1, 2] }, expansion_kind = 'tangent' }"
+    tangent_coefficients_that_do_not_reach_zero: "material" "{ density = 1, heat_capacity = 1, conductivity = 1, elasticity = { law = 'isotropic', young = 1, poisson = 0.3, stress_state = 'plane-stress' }, expansion_coefficient = { temperature = [-20, -5], value = [1, 2] }, expansion_kind = 'tangent' }"
         "KEY.expansion_coefficient: found tangent coefficients from θ = -20.0 to θ = -5.0, expected a table that covers θ = 0; extend the table to θ = 0, at which nothing is expanded";
 }

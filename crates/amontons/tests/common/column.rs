@@ -38,7 +38,7 @@ heat_capacity = 3
 expansion = 0
 coupling = 0
 conductivity = 1
-elasticity = { law = "isotropic", young = 2, poisson = 0 }
+elasticity = { law = "isotropic", young = 2, poisson = 0, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 0, second = 2 }
 
 [initial]

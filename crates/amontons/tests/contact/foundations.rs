@@ -49,7 +49,7 @@ heat_capacity = {heat:e}
 expansion = {expansion:e}
 coupling = {coupling:e}
 conductivity = {conductivity:e}
-elasticity = {{ law = "isotropic", young = {young:e}, poisson = 0.2 }}
+elasticity = {{ law = "isotropic", young = {young:e}, poisson = 0.2{state} }}
 viscosity = {{ law = "lame", first = {viscosity:e}, second = {viscosity:e} }}
 [load]
 body_force = {force}
@@ -74,6 +74,7 @@ heat = {{ law = "ramp", conductance = {conductance:e}, width = {width:e}, founda
 frictional_heat = 0.7
 foundation = {{ heat_capacity = {c2:e} }}
 "#,
+        state = if dim == 2 { ", stress_state = \"plane-stress\"" } else { "" },
         density = m / l.powi(3),
         heat = stress / kelvin,
         expansion = 0.1 * stress / kelvin,
@@ -363,7 +364,7 @@ const PRESSED: &str = body!(
     r#"kind = "rectangle", size = [1.0, 1.0], n = [8, 8]"#,
     "end = 1.0, steps = 10",
     0,
-    "young = 2.0, poisson = 0.3",
+    r#"young = 2.0, poisson = 0.3, stress_state = "plane-stress""#,
     r#"
 viscosity = { law = "lame", first = 0.1, second = 0.2 }
 heat_capacity = 1

@@ -125,21 +125,21 @@ const LAWS: [(&str, &[(&str, &str)]); 9] = [
         "orthotropic",
         &[(
             "material.elasticity",
-            "{ law = 'orthotropic', young = [3N, 2N, 1N], poisson = [0.2N, 0.1N, 0.1N], shear = [1N, 1N, 1N], orientation = 0.4N }",
+            "{ law = 'orthotropic', young = [3N, 2N, 1N], poisson = [0.2N, 0.1N, 0.1N], shear = [1N, 1N, 1N], orientation = 0.4N, stress_state = 'plane-stress' }",
         )],
     ),
     (
         "von Mises",
         &[(
             "material.elasticity",
-            "{ law = 'von-mises-projection', young = 2N, poisson = 0.1N, excess = 1N, radius = 0.01N }",
+            "{ law = 'von-mises-projection', young = 2N, poisson = 0.1N, excess = 1N, radius = 0.01N, stress_state = 'plane-stress' }",
         )],
     ),
     (
         "Hencky",
         &[(
             "material.elasticity",
-            "{ law = 'hencky', bulk = 2N, shear = 1N, shear_infinite = 0.5N, strain = 0.1N, exponent = 0.5N }",
+            "{ law = 'hencky', bulk = 2N, shear = 1N, shear_infinite = 0.5N, strain = 0.1N, exponent = 0.5N, stress_state = 'plane-stress' }",
         )],
     ),
     (
@@ -322,7 +322,7 @@ heat_capacity = 1.0
 conductivity = 1.0
 expansion = 0.3
 coupling = 0.2
-elasticity = { law = "isotropic", young = 10.0, poisson = 0.3 }
+elasticity = { law = "isotropic", young = 10.0, poisson = 0.3, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 0.1, second = 0.2 }
 [load]
 body_force = [0.3, "-1 - x"]
@@ -361,7 +361,8 @@ fn data_of_a_mesh_file_are_expressions() {
             ("body.msh", msh(&turned, "2.2", jump, linear)),
             ("body.MSH", msh(&turned, "4.1", jump, linear)),
         ];
-        let body = if dim == 3 { BODY.replace("\"-1 - x\"]", "\"-1 - x\", 0.2]") } else { BODY.to_owned() };
+        let in_space = BODY.replace("\"-1 - x\"]", "\"-1 - x\", 0.2]").replace(", stress_state = \"plane-stress\"", "");
+        let body = if dim == 3 { in_space } else { BODY.to_owned() };
         for (name, file) in &files {
             let read =
                 |sets: &[String]| with_file(&body, name, file, sets).unwrap_or_else(|e| panic!("{name}: {e}")).problem;

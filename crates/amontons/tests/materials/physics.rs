@@ -30,7 +30,7 @@ end = 1
 steps = 4
 [material]
 density = 0
-elasticity = { law = "isotropic", young = 10, poisson = 0.3 }
+elasticity = { law = "isotropic", young = 10, poisson = 0.3, stress_state = "plane-stress" }
 [[boundary]]
 on = "top"
 displacement = [0.01, -0.02]

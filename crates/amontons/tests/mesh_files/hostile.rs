@@ -237,3 +237,16 @@ fn a_flat_cell_hinders_no_search() {
     let pairs = defects::coincident(&mesh);
     assert!(pairs.contains(&[mesh.points.len() as u32 - 2, mesh.points.len() as u32 - 1]), "{pairs:?}");
 }
+
+/// Files of 22 and 26 kB that announce 10⁷ blocks and 1.5·10⁹ coordinates are refused by their counts.
+#[test]
+fn counts_that_a_packed_file_cannot_hold_are_refused() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/announced");
+    for (name, what) in [("prop-1e7.e", "eb_prop1 announces 10000000 "), ("coordinates-5e8.med", "NOE/COO announces ")]
+    {
+        let bytes = std::fs::read(folder.join(name)).expect(name);
+        let (_, extension) = name.split_once('.').expect("an extension");
+        let told = refusal(extension, &bytes).expect(name).to_string();
+        assert!(told.contains(what) && told.contains("can hold"), "{name}: {told}");
+    }
+}

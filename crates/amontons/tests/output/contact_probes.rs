@@ -9,7 +9,7 @@ const BODY: &str = body!(
     "MESH",
     "end = 0.2, steps = 2",
     1,
-    "young = 2.0, poisson = 0.3",
+    "young = 2.0, poisson = 0.3STATE",
     r#"
 viscosity = { law = "lame", first = 1, second = 1 }
 heat_capacity = 1
@@ -32,6 +32,7 @@ fn body(mesh: &str, dim: usize, quadrature: &str, probes: &str) -> Case {
         if dim == 2 { ("[0, \"-0.1*t*(1 + x)\"]", "[1, 0]") } else { ("[0, \"-0.1*t*(1 + x)\", 0]", "[0.6, 0, 0.8]") };
     let text = BODY
         .replace("MESH", mesh)
+        .replace("STATE", if dim == 2 { ", stress_state = \"plane-stress\"" } else { "" })
         .replace("TOP", top)
         .replace("BELT", belt)
         .replace("QUADRATURE", quadrature)
@@ -187,6 +188,7 @@ fn elsewhere_there_is_no_contact() {
         let probe = format!("[[probe]]\nname = 'p'\nquantity = 'slip_velocity_x'\n{at}\n");
         let text = BODY
             .replace("MESH", "kind = 'rectangle', size = [1, 1], n = 4")
+            .replace("STATE", ", stress_state = \"plane-stress\"")
             .replace("TOP", "[0, 0]")
             .replace("BELT", "[1, 0]");
         let text = text.replace("QUADRATURE", "nodal").replace("\"STIFFNESS\"", "100") + &probe;

@@ -20,7 +20,7 @@ heat_capacity = 1e6
 expansion = 0.0
 coupling = 0.0
 conductivity = 1.0
-elasticity = { law = "isotropic", young = 1e6, poisson = 0.3 }
+elasticity = { law = "isotropic", young = 1e6, poisson = 0.3, stress_state = "plane-stress" }
 viscosity = { law = "lame", first = 0.0, second = 1e3 }
 "#;
 
@@ -49,7 +49,14 @@ fn read(chapter: &str) -> (usize, usize) {
             continue;
         }
         let mut whole: toml::Table = REST.parse().expect("the rest");
-        whole.extend(block.parse::<toml::Table>().unwrap_or_else(|error| panic!("{block}\n{error}")));
+        let part = block.parse::<toml::Table>().unwrap_or_else(|error| panic!("{block}\n{error}"));
+        let mesh = part.get("mesh").map(ToString::to_string).unwrap_or_default();
+        if ["box", "cylinder", "axisymmetric"].iter().any(|word| mesh.contains(word)) {
+            // The rest is a plane body.
+            let elasticity = whole["material"]["elasticity"].as_table_mut().expect("a law");
+            elasticity.remove("stress_state");
+        }
+        whole.extend(part);
         if let Err(error) = case::parse(&Source::new("part.toml", whole.to_string()), &[]) {
             panic!("{block}\n{error}");
         }

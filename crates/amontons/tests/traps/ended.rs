@@ -30,8 +30,12 @@ fn contacts_that_never_press() {
     // A foundation that holds the block, which is pulled.
     let pulled = "boundary=[{ on = \"top\", displacement = [0, 1e-3] }]";
     let holds = "contact.normal={ law = \"bilateral\" }";
-    no_word(of(&block(&[pulled, holds]), "no-contact"));
-    no_word(of(&block(&[pulled, holds]), "few-points"));
+    // With friction and without: then it bears by its tension alone.
+    for friction in [0.2, 0.0] {
+        let friction = format!("contact.friction.coefficient={friction}");
+        no_word(of(&block(&[pulled, holds, &friction]), "no-contact"));
+        no_word(of(&block(&[pulled, holds, &friction]), "few-points"));
+    }
     // Pressed at first only, pressed at the end only, and a gap that heat crosses.
     for more in [
         &[][..],
@@ -92,4 +96,37 @@ fn moduli_and_densities_that_no_material_has() {
     {
         no_word(set(young, density));
     }
+}
+
+/// What is computed with where there is a choice is told: the scheme, the side of the points and why, the stress state
+/// that a file decides.
+#[test]
+fn choices_are_told() {
+    let told = |summary: &Summary| -> Vec<String> {
+        summary.choices.iter().map(|choice| format!("{} {}: {}", choice.what, choice.value, choice.why)).collect()
+    };
+    let alone = told(&block(&[]));
+    assert!(
+        alone[0].starts_with("scheme backward Euler") && !alone.iter().any(|row| row.contains("nonmortar")),
+        "{alone:?}"
+    );
+    let pair = include_str!("../reference/field/foot-plane.toml");
+    let summary = solved(pair, &[]);
+    let rows = told(&summary);
+    assert!(rows.iter().any(|row| row.starts_with("contact.nonmortar ")), "{rows:?}");
+    let shown = summary.rows();
+    let first = shown.iter().position(|(name, _)| name == "computed with").expect("a row");
+    assert_eq!(shown[0].0, "contact", "what was asked for comes first");
+    assert!(shown[first..].iter().any(|(_, text)| text.starts_with("contact.nonmortar ")), "{shown:?}");
+    assert!(!told(&solved(pair, &["contact.nonmortar=\"foot_bottom\""])).iter().any(|row| row.contains("nonmortar")));
+}
+
+/// The moment of the contact about the origin is that of its force at the centre of pressure, where nothing rubs.
+#[test]
+fn contact_has_a_moment_about_the_origin() {
+    let contact = block(&["contact.friction.coefficient=0"]).last.contact.expect("contact");
+    let moment = contact.moment_about_origin.expect("a moment");
+    let expected = contact.center[0] * contact.force[1] - contact.center[1] * contact.force[0];
+    assert!(moment.len() == 1 && expected != 0.0, "{moment:?}");
+    assert!((moment[0] / expected - 1.0).abs() < 1e-12, "{moment:?}, {expected:e}");
 }

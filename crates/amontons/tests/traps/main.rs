@@ -324,6 +324,29 @@ fn magnitudes_beyond_the_range_of_numbers_are_refused() {
     }
 }
 
+/// A conductance passes the same heat from where nothing hinders it to the end of the range, and is refused beyond it.
+#[test]
+fn laws_beyond_the_range_of_numbers_are_refused() {
+    let flow = |conductance: f64| {
+        let law =
+            format!("contact.heat={{ law = \"constant\", conductance = {conductance:e}, foundation_temperature = 2 }}");
+        parsed(BLOCK, &[&law]).map(|problem| run(&problem, &Settings::default(), &mut []).expect("a run").last.contact)
+    };
+    let exact = flow(1e12).expect("a case").expect("contact").heat_flow.expect("heat");
+    for conductance in [1e20, 1e100, 1e280] {
+        near(flow(conductance).expect("a case").expect("contact").heat_flow.expect("heat"), exact, 1e-9);
+    }
+    for conductance in [1e292, 1e307, 1e308, 1.7e308] {
+        let fault = flow(conductance).expect_err("a fault");
+        assert!(fault.contains("contact.heat: found "), "{fault}");
+    }
+    for stiffness in ["1e295", "1e308"] {
+        let stiffness = format!("contact.normal.stiffness={stiffness}");
+        let fault = parsed(BLOCK, &[&stiffness]).expect_err("a fault");
+        assert!(fault.contains("contact.normal: found entries of a matrix of about "), "{fault}");
+    }
+}
+
 /// Each new fault in full, with the place of the datum.
 #[test]
 fn refused_data_have_their_place() {

@@ -29,7 +29,7 @@ pub(in crate::case) struct Material {
     /// alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
-    /// Plane stress or plane strain for the elasticity of `base`; default: plane stress.
+    /// Plane stress or plane strain for the elasticity of `base` of a plane body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress_state: Option<StressState>,
     /// Density ρ in kg/m³; 0: quasistatic.
@@ -130,7 +130,9 @@ pub(in crate::case) enum Elasticity {
         /// Above −1; below 1 in plane stress, below 0.5 in plane strain.
         #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
         poisson: Coefficient,
-        /// Plane stress or plane strain, for bodies of one and two dimensions.
+        /// Plane stress or plane strain, of a plane body; the elements of an `.inp` file may say it.
+        ///
+        /// A line is a bar with free sides unless it says otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -145,7 +147,9 @@ pub(in crate::case) enum Elasticity {
         /// Orientation of the axes of the material: angles in rad.
         #[serde(default)]
         orientation: Orientation,
-        /// Plane stress or plane strain, for bodies of one and two dimensions.
+        /// Plane stress or plane strain, of a plane body; the elements of an `.inp` file may say it.
+        ///
+        /// A line is a bar with free sides unless it says otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -156,7 +160,9 @@ pub(in crate::case) enum Elasticity {
         /// Orientation of the axes of the material: angles in rad.
         #[serde(default)]
         orientation: Orientation,
-        /// Plane stress or plane strain, for bodies of one and two dimensions.
+        /// Plane stress or plane strain, of a plane body; the elements of an `.inp` file may say it.
+        ///
+        /// A line is a bar with free sides unless it says otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -174,7 +180,9 @@ pub(in crate::case) enum Elasticity {
         /// Radius κ of the convex, a strain.
         #[schemars(extend("exclusiveMinimum" = 0))]
         radius: Coefficient,
-        /// Plane stress or plane strain, for bodies of one and two dimensions.
+        /// Plane stress or plane strain, of a plane body; the elements of an `.inp` file may say it.
+        ///
+        /// A line is a bar with free sides unless it says otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -195,7 +203,9 @@ pub(in crate::case) enum Elasticity {
         /// Exponent n of the stress between the two limits.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
         exponent: Coefficient,
-        /// Plane stress or plane strain, for bodies of one and two dimensions.
+        /// Plane stress or plane strain, of a plane body; the elements of an `.inp` file may say it.
+        ///
+        /// A line is a bar with free sides unless it says otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -218,7 +228,8 @@ impl Default for Orientation {
     }
 }
 
-/// Plane stress or plane strain, for bodies of one and two dimensions.
+/// Plane stress or plane strain: of a plane body, unless the elements of its `.inp` file say it. A line is a bar
+/// with free sides unless it says otherwise.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum StressState {

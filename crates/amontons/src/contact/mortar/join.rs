@@ -44,8 +44,8 @@ impl Joining {
         let mut others: Vec<usize> = (0..all.len()).filter(|&i| !has_law[i] && all[i].share > COVERED).collect();
         let rounded = |i: usize| (all[i].share / SAME).round() as i64;
         others.sort_by_key(|&i| (is_named[i], -rounded(i), i));
-        // Who finds no taker waits for those who do: a sliver beside a node that is joined itself passes on to where that
-        // went. Where nobody does, the one that is covered most has a law after all.
+        // Who finds no taker waits for those who do: a sliver beside a node that is joined itself passes on to where
+        // that went. Where nobody does, the one that is covered most has a law after all.
         while let Some(&first) = others.first() {
             let waiting = others.len();
             others.retain(|&i| {

@@ -88,7 +88,14 @@ struct Reading {
 impl Reading {
     /// Numbers and names of the blocks or sets; an empty name where there is none.
     fn named(&self, short: &str) -> Result<Vec<(i64, String)>, MeshFileError> {
-        let numbers = self.file.list(&format!("{short}_prop1"))?;
+        let list = format!("{short}_prop1");
+        let numbers = self.file.list(&list)?;
+        if numbers.len() > self.file.most_things() {
+            return Err(refuse(format!(
+                "{list} announces {} blocks or sets, more than the file can hold",
+                numbers.len()
+            )));
+        }
         let names = self.file.lines(&format!("{short}_names"))?;
         let name = |at: usize| names.get(at).cloned().unwrap_or_default();
         Ok(numbers.iter().enumerate().map(|(at, number)| (*number as i64, name(at))).collect())

@@ -1,14 +1,19 @@
 //! The variables of a netCDF file of any of its formats: classic, with 64-bit offsets or data, and netCDF-4, which is
 //! HDF5.
 
-use super::super::read::MeshFileError;
+use super::super::read::{CHARACTER, MeshFileError, NUMBER, Room};
 use super::refuse;
 
 /// First bytes of HDF5.
 const HDF5: &[u8] = b"\x89HDF";
 
 /// A file with named arrays.
-pub(super) enum Variables {
+pub(super) struct Variables {
+    file: Format,
+    room: Room,
+}
+
+enum Format {
     Classic(netcdf_reader::NcFile),
     Hdf5(hdf5_pure::File),
 }
@@ -28,33 +33,42 @@ impl Variables {
         let unknown = |error: &dyn std::fmt::Display| {
             refuse(format!("no netCDF, which an Exodus file is: {error}; it may be truncated"))
         };
-        if bytes.starts_with(HDF5) {
-            return hdf5_pure::File::from_bytes(bytes.to_vec()).map(Variables::Hdf5).map_err(|error| unknown(&error));
-        }
-        let file = netcdf_reader::NcFile::from_bytes(bytes).map_err(|error| unknown(&error))?;
-        Ok(Variables::Classic(file))
+        let file = if bytes.starts_with(HDF5) {
+            Format::Hdf5(hdf5_pure::File::from_bytes(bytes.to_vec()).map_err(|error| unknown(&error))?)
+        } else {
+            Format::Classic(netcdf_reader::NcFile::from_bytes(bytes).map_err(|error| unknown(&error))?)
+        };
+        Ok(Variables { file, room: Room::of(bytes) })
     }
 
-    /// Lengths of the dimensions of a variable, if there is one of this name.
-    fn shape(&self, name: &str) -> Result<Option<Vec<usize>>, MeshFileError> {
-        let shape = match self {
-            Variables::Classic(file) => file.variable(name).ok().map(netcdf_reader::NcVariable::shape),
-            Variables::Hdf5(file) => {
+    /// How many blocks or sets the file may have.
+    pub fn most_things(&self) -> usize {
+        self.room.things()
+    }
+
+    /// Lengths of the dimensions of a variable with values of so many bytes each, if there is one of this name.
+    fn shape(&self, name: &str, each: u64) -> Result<Option<Vec<usize>>, MeshFileError> {
+        let shape = match &self.file {
+            Format::Classic(file) => file.variable(name).ok().map(netcdf_reader::NcVariable::shape),
+            Format::Hdf5(file) => {
                 let data = file.dataset(name).ok();
                 data.map(|data| data.shape().map_err(|error| told(name, error))).transpose()?
             }
         };
+        if let Some(shape) = &shape {
+            self.room.holds(&format!("the variable {name}"), shape, each)?;
+        }
         let length = |n: u64| usize::try_from(n).map_err(|error| told(name, error));
         shape.map(|shape| shape.into_iter().map(length).collect()).transpose()
     }
 
     pub fn numbers(&self, name: &str) -> Result<Option<Numbers>, MeshFileError> {
-        let Some(shape) = self.shape(name)? else { return Ok(None) };
-        let values = match self {
-            Variables::Classic(file) => {
+        let Some(shape) = self.shape(name, NUMBER)? else { return Ok(None) };
+        let values = match &self.file {
+            Format::Classic(file) => {
                 file.read_variable_as_f64(name).map(|values| values.into_iter().collect()).map_err(|e| told(name, e))?
             }
-            Variables::Hdf5(file) => {
+            Format::Hdf5(file) => {
                 file.dataset(name).and_then(|data| data.read_f64()).map_err(|error| told(name, error))?
             }
         };
@@ -68,14 +82,14 @@ impl Variables {
 
     /// The rows of an array of characters, without the zeros and blanks behind them.
     pub fn lines(&self, name: &str) -> Result<Vec<String>, MeshFileError> {
-        let Some(shape) = self.shape(name)? else { return Ok(Vec::new()) };
+        let Some(shape) = self.shape(name, CHARACTER)? else { return Ok(Vec::new()) };
         let trimmed = |text: &str| text.split('\0').next().unwrap_or_default().trim().to_owned();
-        match self {
-            Variables::Classic(file) => {
+        match &self.file {
+            Format::Classic(file) => {
                 let lines = file.read_variable_as_strings(name).map_err(|error| told(name, error))?;
                 Ok(lines.iter().map(|line| trimmed(line)).collect())
             }
-            Variables::Hdf5(file) => {
+            Format::Hdf5(file) => {
                 let bytes = file.dataset(name).and_then(|data| data.read_raw()).map_err(|error| told(name, error))?;
                 let length = shape.last().copied().unwrap_or(1).max(1);
                 Ok(bytes.chunks(length).map(|line| trimmed(&String::from_utf8_lossy(line))).collect())
@@ -85,9 +99,9 @@ impl Variables {
 
     /// An attribute of a variable, as text.
     pub fn attribute(&self, name: &str, key: &str) -> Option<String> {
-        let text = match self {
-            Variables::Classic(file) => file.variable(name).ok()?.attribute(key)?.value.as_string()?,
-            Variables::Hdf5(file) => file.dataset(name).ok()?.attrs().ok()?.get(key)?.as_str()?.to_owned(),
+        let text = match &self.file {
+            Format::Classic(file) => file.variable(name).ok()?.attribute(key)?.value.as_string()?,
+            Format::Hdf5(file) => file.dataset(name).ok()?.attrs().ok()?.get(key)?.as_str()?.to_owned(),
         };
         Some(text.trim_matches(['\0', ' ']).to_owned())
     }

@@ -25,8 +25,8 @@ pub fn parse(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let text = String::from_utf8_lossy(bytes);
     let model = model::Model::of(&lines::keywords(&text)?)?;
     let skipped = model.skipped.clone();
-    let (loose, axisymmetric) = sets::loose(model)?;
+    let (loose, axisymmetric, plane) = sets::loose(model)?;
     let mut mesh = loose.into_mesh(FilePosition::Line)?;
     mesh.axisymmetric = axisymmetric && mesh.dim == 2;
-    Ok(Read { mesh, skipped })
+    Ok(Read { mesh, plane, skipped })
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::Arc;
 
-use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, facet_with};
+use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, Plane, facet_with};
 use super::model::{Cell, Has, Item, Model, Part, Set, index};
 use super::solid::face;
 
@@ -43,8 +43,9 @@ struct Sets {
 /// A cell of a body.
 type CellOf = (usize, usize);
 
-/// What the file describes, and whether it is the half section of a body of revolution.
-pub(super) fn loose(model: Model) -> Result<(Loose, bool), MeshFileError> {
+/// What the file describes, whether it is the half section of a body of revolution, and what its elements say of the
+/// direction that a plane body lacks.
+pub(super) fn loose(model: Model) -> Result<(Loose, bool, Option<Plane>), MeshFileError> {
     let sets = Sets::of(model)?;
     let points = sets.bodies.iter().flat_map(|body| body.part.points.iter().copied()).collect();
     let mut loose = Loose { points, blocks: Vec::new(), names: BTreeMap::new(), node_sets: Vec::new() };
@@ -54,7 +55,7 @@ pub(super) fn loose(model: Model) -> Result<(Loose, bool), MeshFileError> {
     if dim > 0 {
         sets.sides(&mut loose)?;
     }
-    Ok((loose, is_of_revolution))
+    Ok((loose, is_of_revolution, sets.plane()))
 }
 
 /// The error of something that a line names and that there is not.
@@ -137,6 +138,13 @@ impl Sets {
                 "elements of one kind, CAX… or CPS…, CPE…",
             )),
         }
+    }
+
+    /// What all elements say of the direction that a plane body lacks, if it is the same.
+    fn plane(&self) -> Option<Plane> {
+        let mut of_cells = self.cells().map(|(body, cell)| self.cell(body, cell).solid.plane);
+        let first = of_cells.next().flatten();
+        first.filter(|_| of_cells.all(|other| other == first))
     }
 
     /// The name of a set of a body to the outside.

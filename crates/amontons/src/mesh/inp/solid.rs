@@ -2,7 +2,7 @@
 
 use crate::element::{self, Element};
 
-use super::super::read::Kind;
+use super::super::read::{Kind, Plane};
 
 /// Families of types whose elements fill a body, with the dimension; what follows is the number of nodes and letters
 /// for integration, mixed forms and coupled fields, which say nothing about the mesh.
@@ -31,6 +31,8 @@ pub(super) struct Solid {
     pub kind: Kind,
     /// Whether it is part of the half section of a body of revolution.
     pub axisymmetric: bool,
+    /// What it says of the direction that a plane body lacks.
+    pub plane: Option<Plane>,
 }
 
 /// What a name of an element type means.
@@ -68,7 +70,16 @@ pub(super) fn of(name: &str) -> Type {
         _ => return Type::Missing,
     };
     let kind = Kind { name: element.name, dim, nodes, element: Some(element) };
-    Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family) })
+    Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family) })
+}
+
+/// What a family of elements says of the direction that a plane body lacks.
+fn plane(family: &str) -> Option<Plane> {
+    match family {
+        "CPS" => Some(Plane::Stress),
+        "CPE" | "CPEG" => Some(Plane::Strain),
+        _ => None,
+    }
 }
 
 /// The vertices of the face S1, S2, … of an element, numbered from 0.

@@ -12,6 +12,7 @@
 //! that neither a cell nor a named facet uses: the points of the geometry are often among them. Where no side is named,
 //! the whole boundary is the side `boundary`.
 
+mod announced;
 mod loose;
 mod node_sets;
 mod serendipity;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
 
 use super::Mesh;
 use crate::machine;
+pub(super) use announced::{CHARACTER, NUMBER, Room};
 pub(super) use loose::{Kind, Loose, LooseBlock};
 pub(super) use node_sets::{FacetOf, NodeSet, facet_with};
 pub(super) use serendipity::{complete_data, completed, of_vtk};
@@ -322,11 +324,23 @@ impl std::error::Error for MeshFileError {}
 /// Extensions of the formats that are read, in small letters.
 pub const EXTENSIONS: [&str; 7] = ["msh", "inp", "vtu", "med", "e", "exo", "g"];
 
+/// What the elements of a plane mesh say of the direction that they lack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// Plane stress, as CPS3.
+    Stress,
+    /// Plane strain, as CPE4.
+    Strain,
+}
+
 /// A mesh from a file, with what else the file has.
 #[derive(Clone, Debug)]
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
+    /// What its elements say of the direction that they lack, if they all say the same; none in formats that do not say
+    /// it.
+    pub plane: Option<Plane>,
     /// What an input file of Abaqus or CalculiX has besides, in its order; empty for other formats.
     pub skipped: Vec<Skipped>,
 }
@@ -374,7 +388,7 @@ pub fn read_all(path: &Path) -> Result<Read, MeshFileError> {
 /// # Errors
 /// Those of [`read`].
 pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
-    let alone = |mesh: Mesh| Read { mesh, skipped: Vec::new() };
+    let alone = |mesh: Mesh| Read { mesh, plane: None, skipped: Vec::new() };
     match extension {
         "msh" => super::gmsh::parse(bytes).map(alone),
         "inp" => super::inp::parse(bytes),

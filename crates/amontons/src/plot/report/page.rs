@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use super::Contents;
-use crate::hypotheses::{Finding, Kind};
+use crate::hypotheses::{Finding, FindingStatus, Kind};
 use crate::output::Summary;
 use crate::plot::table::CsvTable;
 
@@ -83,11 +83,8 @@ pub(super) fn write(contents: &Contents) -> String {
 fn sections(contents: &Contents) -> Vec<(&'static str, &'static str, String)> {
     let mut all = Vec::new();
     if let Some(summary) = &contents.summary {
-        all.push(("summary", "Summary", rows(summary) + &notes(&contents.notes)));
-        let findings = findings(&summary.findings);
-        if !findings.is_empty() {
-            all.push(("verdicts", "Verdicts", findings));
-        }
+        let warnings: Vec<&Finding> = summary.warnings.iter().collect();
+        all.push(("summary", "Summary", rows(summary) + &list(WARNINGS, &warnings) + &notes(&contents.notes)));
     }
     let has = |key: &str| !contents.data[key].is_null();
     if has("body") || has("rod") {
@@ -104,6 +101,11 @@ fn sections(contents: &Contents) -> Vec<(&'static str, &'static str, String)> {
     }
     if let Some((table, picture)) = &contents.study {
         all.push(("convergence", "Convergence", self::table(table) + &image(picture, "Errors over the refinement")));
+    }
+    // What was asked for comes first; what the theory says of the data is for those who ask for it.
+    let findings = contents.summary.as_ref().map_or_else(String::new, |summary| findings(&summary.findings));
+    if !findings.is_empty() {
+        all.push(("verdicts", "Verdicts", findings));
     }
     all.push(("case", "Case", format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escaped(&contents.text))));
     all
@@ -125,20 +127,32 @@ fn notes(notes: &[String]) -> String {
     notes.iter().map(|note| format!("<p class=\"note\">{}</p>\n", escaped(note))).collect()
 }
 
-/// The findings in their two voices.
+/// The titles of the two voices.
+const WARNINGS: &str = "What you can act on";
+const THEORY: &str = "What the theory covers";
+
+/// The findings in their two voices, folded.
 fn findings(all: &[Finding]) -> String {
-    let mut html = String::new();
-    for (title, kind) in [("What you can act on", Kind::Warning), ("What the theory covers", Kind::Theory)] {
+    let of = |(title, kind): (&str, Kind)| {
         let mut own: Vec<&Finding> = all.iter().filter(|f| f.kind == kind).collect();
-        if own.is_empty() {
-            continue;
-        }
         // What does not hold comes first.
         own.sort_by_key(|f| std::cmp::Reverse(f.status));
-        let verdicts: String = own.into_iter().map(verdict).collect();
-        html += &format!("<h3>{title}</h3>\n<ul class=\"verdicts\">\n{verdicts}</ul>\n");
+        let fails = own.iter().filter(|f| f.status == FindingStatus::Fails).count();
+        let told = format!("{title}: {} looked at, {fails} {}", own.len(), if fails == 1 { "fails" } else { "fail" });
+        let folded = format!("<details>\n<summary>{told}</summary>\n{}</details>\n", list("", &own));
+        if own.is_empty() { String::new() } else { folded }
+    };
+    [(WARNINGS, Kind::Warning), (THEORY, Kind::Theory)].into_iter().map(of).collect()
+}
+
+/// Findings under a title.
+fn list(title: &str, findings: &[&Finding]) -> String {
+    if findings.is_empty() {
+        return String::new();
     }
-    html
+    let verdicts: String = findings.iter().map(|finding| verdict(finding)).collect();
+    let title = if title.is_empty() { String::new() } else { format!("<h3>{title}</h3>\n") };
+    format!("{title}<ul class=\"verdicts\">\n{verdicts}</ul>\n")
 }
 
 fn verdict(finding: &Finding) -> String {

@@ -1,0 +1,74 @@
+//! What a case is computed with where it leaves a choice: nothing of it is decided in silence.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Coupling, ProblemData};
+use crate::contact::{Contact, Quadrature};
+use crate::material::Dilatation;
+
+/// A choice: what of, what was taken, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Choice {
+    /// What there is a choice of, as the key of the case names it.
+    pub what: String,
+    /// What is taken.
+    pub value: String,
+    /// Why, or what it means.
+    pub why: String,
+}
+
+impl Choice {
+    /// A choice.
+    #[must_use]
+    pub fn new(what: impl Into<String>, value: impl Into<String>, why: impl Into<String>) -> Choice {
+        Choice { what: what.into(), value: value.into(), why: why.into() }
+    }
+}
+
+impl ProblemData {
+    /// What the problem is computed with: what was chosen while it was made, the scheme, its coupling, the dilatation
+    /// and the places of the laws of contact.
+    #[must_use]
+    pub fn choices(&self) -> Vec<Choice> {
+        let scheme =
+            Choice::new("scheme", "backward Euler", "of first order; it damps what oscillates within few steps");
+        let mut all = vec![scheme];
+        all.extend(self.chosen.iter().cloned());
+        if self.physics.has_mechanics() && self.physics.has_heat() {
+            let (value, why) = match self.coupling {
+                Coupling::Staggered => ("staggered", "mechanics with the temperature of the step before, then heat"),
+                Coupling::FixedPoint => ("fixed-point", "both repeated until they agree"),
+                Coupling::Monolithic => ("monolithic", "both at once"),
+            };
+            all.push(Choice::new("coupling", value, why));
+        }
+        if self.physics.has_mechanics() {
+            all.extend(self.choice_of_dilatation());
+        }
+        let places = |contact: &Contact| match contact.quadrature {
+            Quadrature::Nodal => "nodal",
+            Quadrature::Gauss => "gauss",
+        };
+        if let Some(first) = self.contacts.first() {
+            let same = self.contacts.iter().all(|contact| places(contact) == places(first));
+            let (value, why) = match places(first) {
+                _ if !same => ("nodal and gauss", "as each contact says"),
+                "nodal" => ("nodal", "the laws of contact hold at the nodes of the side"),
+                other => (other, "the laws of contact hold at points within the facets"),
+            };
+            all.push(Choice::new("quadrature", value, why));
+        }
+        all
+    }
+
+    fn choice_of_dilatation(&self) -> Option<Choice> {
+        let is_mean = |dilatation: Dilatation| dilatation == Dilatation::Mean;
+        let mean = self.materials.iter().filter(|material| is_mean(material.dilatation)).count();
+        let (value, why) = match mean {
+            0 => ("full", "near ν = 0.5 linear cells lock: \"mean\" is for them"),
+            some if some == self.materials.len() => ("mean", "the mean of each cell, against locking near ν = 0.5"),
+            _ => ("full and mean", "as each region says"),
+        };
+        (!self.materials.is_empty() && self.mesh.dim > 1).then(|| Choice::new("dilatation", value, why))
+    }
+}
