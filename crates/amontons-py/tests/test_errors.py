@@ -74,7 +74,7 @@ def test_a_run_that_does_not_reach_its_end(tmp_path, program):
         "name": "loose",
         "mesh": {"kind": "rectangle", "size": [1, 1], "n": 2},
         "time": {"end": 1, "steps": 2},
-        "material": {"density": 0.0, "elasticity": {"law": "isotropic", "young": 1e6, "poisson": 0.3}},
+        "material": {"density": 0.0, "elasticity": {"law": "isotropic", "young": 1e6, "poisson": 0.3, "stress_state": "plane-strain"}},
         "boundary": [{"on": "top", "displacement": ["free", "-1e-3*t"]}, {"on": "left", "traction": [1e3, 0.0]}],
         "contact": {"on": "bottom", "normal": {"law": "signorini"}},
     }
@@ -98,6 +98,9 @@ def test_arguments(paper, tmp_path):
         amontons.run(7)
     with pytest.raises(amontons.RequestError, match="threads: found 0, expected a positive number"):
         amontons.run(paper, SMALL, threads=0)
+    # More than a machine takes: none of them is started.
+    with pytest.raises(amontons.ThreadsError, match="cannot start 1000000 threads: at most"):
+        amontons.run(paper, SMALL, threads=10**6)
     with pytest.raises(TypeError, match="callback: found int, expected a function"):
         amontons.run(paper, SMALL, callback=3)
     with pytest.raises(amontons.RequestError, match="found None, expected a number, a text"):

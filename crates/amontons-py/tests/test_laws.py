@@ -150,6 +150,16 @@ class Shape(Coulomb):
         return np.zeros(len(at) + 1), {"pressure": 0.0}
 
 
+class NotFinite(Coulomb):
+    def bound(self, at):
+        return np.full(len(at), np.inf), {"pressure": 0.0}
+
+
+class NotANumber(Coulomb):
+    def bound(self, at):
+        return np.zeros(len(at)), {"pressure": np.nan}
+
+
 class NoSlopes(Coulomb):
     def bound(self, at):
         return at.pressure
@@ -165,6 +175,8 @@ class Unknown(Coulomb):
     [
         (Raises(0.2), ZeroDivisionError, "in the law"),
         (Shape(0.2), amontons.LawError, r"Shape.bound: found the shape \(\d+,\) of the value, expected"),
+        (NotFinite(0.2), RuntimeError, "the law NotFinite gave inf for the arguments"),
+        (NotANumber(0.2), RuntimeError, "the law NotANumber gave NaN for the arguments"),
         (NoSlopes(0.2), amontons.LawError, "NoSlopes.bound: found ndarray, expected the values and a dict"),
         (Unknown(0.2), amontons.LawError, "found a slope in 'presure', expected one of penetration, pressure"),
     ],

@@ -69,7 +69,7 @@ def test_a_run_that_fails_does_not_end_the_sweep():
         "name": "loose",
         "mesh": {"kind": "rectangle", "size": [1, 1], "n": 2},
         "time": {"end": 1, "steps": 2},
-        "material": {"density": 0.0, "elasticity": {"law": "isotropic", "young": 1e6, "poisson": 0.3}},
+        "material": {"density": 0.0, "elasticity": {"law": "isotropic", "young": 1e6, "poisson": 0.3, "stress_state": "plane-strain"}},
         "boundary": [{"on": "top", "displacement": ["free", "-1e-3*t"]}, {"on": "left", "traction": [1e3, 0.0]}],
         "contact": {"on": "bottom", "normal": {"law": "signorini"}},
     }
