@@ -364,12 +364,7 @@ fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
     }
     let (most, asked) = (most_threads(), threads.unwrap_or(0));
     if asked > most {
-        let message = format!("that is more than {most}, four per core or 64");
-        return Err(RunError::Threads { threads: asked, message });
-    }
-    let (most, asked) = (most_threads(), threads.unwrap_or(0));
-    if asked > most {
-        let message = format!("at most {most} are, 64 or four per core");
+        let message = format!("at most {most} can be asked for, 64 or four per core");
         return Err(RunError::Threads { threads: asked, message });
     }
     let built = rayon::ThreadPoolBuilder::new().num_threads(asked).stack_size(STACK).build();

@@ -324,6 +324,18 @@ fn magnitudes_beyond_the_range_of_numbers_are_refused() {
     }
 }
 
+/// As many threads as would starve the machine are not started.
+#[test]
+fn threads_have_a_bound() {
+    let most = amontons::run::most_threads();
+    assert!(most >= 64);
+    assert_eq!(amontons::run::with_threads(Some(2), rayon::current_num_threads).ok(), Some(2));
+    for threads in [most + 1, 1_000_000] {
+        let told = amontons::run::with_threads(Some(threads), || ()).expect_err("an error").to_string();
+        assert!(told.starts_with(&format!("cannot start {threads} threads: at most {most} ")), "{told}");
+    }
+}
+
 /// A conductance passes the same heat from where nothing hinders it to the end of the range, and is refused beyond it.
 #[test]
 fn laws_beyond_the_range_of_numbers_are_refused() {
