@@ -336,3 +336,34 @@ fn no_point_has_the_weight_of_a_sliver() {
         assert!((sum / (length * length) - 1.0).abs() < 1e-12, "{x}, {z}, {length}: {sum}");
     }
 }
+
+/// A strip that is narrower than the facets that bear its points has laws along all of its length: the length of the
+/// strip between two of them is no more than four facets, and the resultant of a linear pressure keeps its place.
+#[test]
+fn a_strip_of_slivers_has_points_along_its_length() {
+    let mut random = common::Random(17);
+    for elements in ["P1", "Q1"] {
+        for _ in 0..12 {
+            let (width, x) = (0.1 + 0.04 * random.number(), 0.77 + 0.02 * random.number());
+            let text = format!(
+                "name = \"strip\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
+                 {{ name = \"table\", size = [2.0, 1.0, 3.0], n = [8, 1, 12], elements = \"{elements}\" }},\n\
+                 {{ name = \"above\", size = [{width:?}, 0.3, 2.4], origin = [{x:?}, 1.0, 0.3], n = [1, 1, 9] }},\n]\n\
+                 [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 1\n\
+                 elasticity = {{ law = \"isotropic\", young = 1000, poisson = 0.25 }}\n\
+                 [contact]\non = \"above_bottom\"\nwith = \"table_top\"\nnonmortar = \"table_top\"\n\
+                 normal = {{ law = \"signorini\" }}\n"
+            );
+            let read = case::parse(&Source::new("strip.toml", &text), &[]).unwrap_or_else(|error| panic!("{error}"));
+            let points = read.problem.contact_boundary().points;
+            let bearing: Vec<(f64, f64)> =
+                points.iter().filter(|point| point.weight > 0.0).map(|point| (point.x[2], point.weight)).collect();
+            let area: f64 = bearing.iter().map(|(_, weight)| weight).sum();
+            assert!((area - 2.4 * width).abs() < 1e-12, "{elements}, {width}, {x}: {area}");
+            let mut along: Vec<f64> = bearing.iter().map(|(z, _)| *z).chain([0.3, 2.7]).collect();
+            along.sort_by(f64::total_cmp);
+            let widest = along.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+            assert!(widest <= 1.0 + 1e-12, "{elements}, {width}, {x}: {along:?}");
+        }
+    }
+}

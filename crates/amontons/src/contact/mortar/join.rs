@@ -44,18 +44,24 @@ impl Joining {
         let mut others: Vec<usize> = (0..all.len()).filter(|&i| !has_law[i] && all[i].share > COVERED).collect();
         let rounded = |i: usize| (all[i].share / SAME).round() as i64;
         others.sort_by_key(|&i| (is_named[i], -rounded(i), i));
+        let near: Vec<Vec<(usize, f64)>> = others.iter().map(|&i| neighbours(candidates, covered, i)).collect();
+        let mut waiting: Vec<(usize, &[(usize, f64)])> =
+            others.into_iter().zip(near.iter().map(Vec::as_slice)).collect();
+        let mut is_beside = vec![false; all.len()];
         // Who finds no taker waits for those who do: a sliver beside a node that is joined itself passes on to where
         // that went. Where nobody does, the one that is covered most has a law after all.
-        while let Some(&first) = others.first() {
-            let waiting = others.len();
-            others.retain(|&i| {
-                let takers = takers(&neighbours(candidates, covered, i), &has_law, &to);
+        while let Some(&(first, _)) = waiting.first() {
+            let before = waiting.len();
+            waiting.retain(|&(i, near)| {
+                let beside = near.iter().any(|&(k, _)| has_law[k]);
+                let takers = takers(near, &has_law, &is_beside, &to);
                 let sum: f64 = takers.iter().map(|(_, common)| common).sum();
+                is_beside[i] = beside;
                 to[i] = takers.into_iter().map(|(k, common)| (k, common / sum)).collect();
                 to[i].is_empty()
             });
-            if others.len() == waiting {
-                others.remove(0);
+            if waiting.len() == before {
+                waiting.remove(0);
                 has_law[first] = true;
                 to[first] = vec![(first, 1.0)];
             }
@@ -65,13 +71,15 @@ impl Joining {
 }
 
 /// Who takes the function of a candidate with these neighbours, in what proportion: those of them with laws; beside
-/// slivers alone, as at the corner of a triangle, those to whom these gave theirs.
-fn takers(near: &[(usize, f64)], has_law: &[bool], to: &[Vec<(usize, f64)>]) -> Vec<(usize, f64)> {
+/// slivers alone, as at the corner of a triangle, those to whom these gave theirs, if they are beside them. What is
+/// farther away takes nothing: a strip that is narrower than a facet has laws along all of its length.
+fn takers(near: &[(usize, f64)], has_law: &[bool], is_beside: &[bool], to: &[Vec<(usize, f64)>]) -> Vec<(usize, f64)> {
     let with_laws: Vec<(usize, f64)> = near.iter().copied().filter(|&(k, _)| has_law[k]).collect();
     if !with_laws.is_empty() {
         return with_laws;
     }
-    summed(near.iter().flat_map(|&(k, common)| to[k].iter().map(move |&(l, part)| (l, part * common))))
+    let passing = near.iter().filter(|&&(k, _)| is_beside[k]);
+    summed(passing.flat_map(|&(k, common)| to[k].iter().map(move |&(l, part)| (l, part * common))))
 }
 
 /// C_ik = ∫ H_i H_k over the covered parts at a candidate, by k.
