@@ -89,6 +89,7 @@ fn assert_facets(element: &'static Element) {
     let mesh = Mesh {
         dim: element.dim().max(1),
         axisymmetric: false,
+        thickness: None,
         points: element.nodes.to_vec(),
         blocks: Vec::new(),
         regions: Vec::new(),

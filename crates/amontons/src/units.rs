@@ -1,9 +1,10 @@
 //! What a number is: its unit by the dimension of the body, and how it is written for reading.
 //!
-//! Units are defined in this module only. A plane body is taken per metre of thickness, a body on a line per square
-//! metre of cross-section; integrals over a body of revolution are those over the full turn, 2πr dr dz, and so are in
-//! the units of a body in space. Summary, pictures, the units of columns in `manifest.json` and the tables of the book
-//! ask here. Files for programs keep all digits: only [`Units::write`], [`Units::range`] and [`Units::vector`] round.
+//! Units are defined in this module only. A plane body without a thickness is taken per metre of it, a body on a line
+//! per square metre of cross-section; integrals over a body of revolution are those over the full turn, 2πr dr dz, and
+//! so are in the units of a body in space. Summary, pictures, the units of columns in `manifest.json` and the tables of
+//! the book ask here. Files for programs keep all digits: only [`Units::write`], [`Units::range`] and [`Units::vector`]
+//! round.
 
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +49,8 @@ pub enum Extent {
     /// A plane body: per m of its thickness.
     #[default]
     Plane,
+    /// A plane body of a given thickness: all of it.
+    Sheet,
     /// A body of revolution: the full turn.
     Revolution,
     /// A body in space.
@@ -142,7 +145,7 @@ impl Units {
         let by_extent = |all: [&'static str; 3]| match self.extent {
             Extent::Line => all[0],
             Extent::Plane => all[1],
-            Extent::Revolution | Extent::Space => all[2],
+            Extent::Sheet | Extent::Revolution | Extent::Space => all[2],
         };
         if self.system == System::Dimensionless {
             return "";

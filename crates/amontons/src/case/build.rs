@@ -50,6 +50,7 @@ pub(super) fn problem(
         solver: raw.solver.solver,
         end: raw.time.end,
         steps: raw.time.steps,
+        inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
         has_other_end,
     };
     build.name(&raw.name);
@@ -58,6 +59,7 @@ pub(super) fn problem(
     let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.iter().copied()).collect();
     let mut mesh = build.mesh(&raw.mesh, &contact_on, &sides, available);
     build.dim = mesh.dim;
+    build.thickness(raw.thickness, &mut mesh);
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
     let bodies = materials.clone();
@@ -229,6 +231,17 @@ pub(super) struct Build<'d> {
     pub end: f64,
     pub steps: usize,
     pub has_other_end: bool,
+    /// Whether densities count.
+    pub inertia: Inertia,
+}
+
+/// Whether ρü acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Inertia {
+    /// As much as the densities say.
+    Acts,
+    /// On no body: every density counts as zero.
+    Ignored,
 }
 
 impl Build<'_> {
@@ -285,6 +298,20 @@ impl Build<'_> {
         };
         let expected = "a name that a folder can have: letters, digits, `-`, `_`";
         self.note("name", At::Value, found, expected, Some("choose another name: results go to results/<name>"));
+    }
+
+    /// Gives a plane body its thickness; others have none.
+    fn thickness(&mut self, given: Option<f64>, mesh: &mut Mesh) {
+        let (true, Some(_)) = (mesh.dim != 2 || mesh.axisymmetric, given) else {
+            mesh.thickness = given;
+            return;
+        };
+        let found = match mesh.dim {
+            1 => "the thickness of a line",
+            2 => "the thickness of a body of revolution",
+            _ => "the thickness of a body in space",
+        };
+        self.note("thickness", At::Value, found, "one of a plane body", Some("remove it"));
     }
 
     /// Steps are not so short that their length is no number to divide by.

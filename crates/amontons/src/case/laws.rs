@@ -5,11 +5,13 @@ use std::sync::Arc;
 use super::coefficient::Refusal;
 use super::raw::{Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
-    Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw,
-    FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip, NormalLaw, Orthotropic,
-    PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp,
-    Signorini, Softening, StaticKinetic, Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
+    Adhesion, Archard, Bilateral, Capped, Compliance, ConductanceFormula, ConstantConductance, Coulomb, Damped,
+    FrictionFormula, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip,
+    NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureFormula,
+    PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening, StaticKinetic,
+    Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
 };
+use crate::expression::ExpressionError;
 
 /// Coefficients with their keys below the law, in the order in which the law takes their values.
 pub(super) type Keyed<'a> = Vec<(String, &'a Datum)>;
@@ -48,6 +50,14 @@ pub(super) fn normal(raw: &Normal) -> NormalPlan<'_> {
             let make = move |v: &[f64]| -> Result<Arc<dyn NormalLaw>, Refusal> {
                 let law = PressureTable::new(&penetration, &times(&pressure, v[0]));
                 Ok(Arc::new(law.map_err(|fault| pressure_refusal(&fault))?))
+            };
+            (keyed(&[("factor", factor)]), Box::new(make))
+        }
+        Normal::Expression { pressure, factor } => {
+            let pressure = pressure.clone();
+            let make = move |v: &[f64]| -> Result<Arc<dyn NormalLaw>, Refusal> {
+                let law = PressureFormula::new(&pressure, v[0]);
+                Ok(Arc::new(law.map_err(|fault| formula_refusal(fault).of("pressure"))?))
             };
             (keyed(&[("factor", factor)]), Box::new(make))
         }
@@ -94,6 +104,27 @@ fn pressure_refusal(fault: &PressureTableFault) -> Refusal {
     Refusal::new(fault.found(), fault.expected()).of(key)
 }
 
+fn formula_refusal(fault: PressureFormulaFault) -> Refusal {
+    match fault {
+        PressureFormulaFault::Text(error) => expression_refusal(error),
+        PressureFormulaFault::Start(value) => {
+            Refusal::new(format!("{value:?} at r = 0"), "a pressure that is 0 where the gap just closes")
+        }
+        PressureFormulaFault::Falls(r) => {
+            let expected =
+                "a pressure that is finite and does not fall as r grows; law = \"softening\" is one that falls";
+            Refusal::new(format!("one that falls or is not finite at r = {r:.3e}"), expected)
+        }
+    }
+}
+
+/// A text that is no formula.
+fn expression_refusal(error: ExpressionError) -> Refusal {
+    let ExpressionError { offset, found, expected, hint } = error;
+    let hint = hint.map_or_else(String::new, |hint| format!(" ({hint})"));
+    Refusal::new(format!("{found} at byte {offset}"), format!("{expected}{hint}"))
+}
+
 /// What a law of friction takes and makes.
 type FrictionPlan<'a> = (Keyed<'a>, Make<Arc<dyn FrictionLaw>>);
 
@@ -136,6 +167,13 @@ pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
         }
         Friction::Pressure { pressure, coefficient, factor, cap } => {
             tabulated(Variable::Pressure, "pressure", (pressure, coefficient), factor, cap.as_ref())
+        }
+        Friction::Expression { coefficient, factor, cap } => {
+            let coefficient = coefficient.clone();
+            capped(&[("factor", factor)], cap.as_ref(), move |v| {
+                let law = FrictionFormula::new(&coefficient, v[0]);
+                Ok(Arc::new(law.map_err(|error| expression_refusal(error).of("coefficient"))?))
+            })
         }
         Friction::Orthotropic { coefficients, direction } => {
             let numbered = |key: &str, all: &'_ [Datum]| -> Vec<String> {
@@ -246,6 +284,16 @@ pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
             truncation.as_ref(),
             |v, truncation| GapConduction { conductivity: v[0], roughness: v[1], truncation },
         ),
+        HeatTerm::Expression { conductance, factor, truncation } => {
+            let mut keys = keyed(&[("factor", factor)]);
+            keys.extend(truncation.as_ref().map(|truncation| ("truncation".to_owned(), truncation)));
+            let conductance = conductance.clone();
+            let make = move |v: &[f64]| -> Result<Arc<dyn HeatLaw>, Refusal> {
+                let law = ConductanceFormula::new(&conductance, v[0], v.get(1).copied());
+                Ok(Arc::new(law.map_err(|error| expression_refusal(error).of("conductance"))?))
+            };
+            (keys, Box::new(make))
+        }
         HeatTerm::Radiation { emissivity, absolute_zero, constant } => {
             let (constant, absolute_zero) = (*constant, *absolute_zero);
             heat_law(&[("emissivity", emissivity)], None, move |v, _| Radiation {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::build::Build;
+use super::build::{Build, Inertia};
 use super::coefficient::{Plan, Refusal, Sites};
 use super::elasticity::{self, Law, Shape};
 use super::library;
@@ -87,8 +87,12 @@ impl Builder<'_, '_, '_> {
             conductivity
         });
         let prony = self.prony(&raw.prony, &elasticity);
+        let density = self.number("density", raw.density.clone().map(Into::into).as_ref());
         Material {
-            density: self.number("density", raw.density.clone().map(Into::into).as_ref()),
+            density: match self.build.inertia {
+                Inertia::Acts => density,
+                Inertia::Ignored => 0.0.into(),
+            },
             heat_capacity,
             elasticity,
             viscosity,

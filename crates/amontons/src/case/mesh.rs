@@ -56,6 +56,7 @@ fn empty() -> Mesh {
     Mesh {
         dim: 2,
         axisymmetric: false,
+        thickness: None,
         points: Vec::new(),
         blocks: Vec::new(),
         regions: Vec::new(),

@@ -4,6 +4,7 @@ use super::path::Path;
 use super::place::{At, Finding};
 use super::raw::{self, Datum, Friction, Heat, Scalar, Wear};
 use super::schema::{View, rules};
+use crate::contact::FrictionFormula;
 use crate::problem::Physics;
 
 /// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
@@ -39,7 +40,7 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     };
     for (prefix, material) in &materials {
         if mechanics {
-            needs(prefix, "density", material.density.is_some(), findings);
+            needs(prefix, "density", material.density.is_some() || !raw.time.inertia, findings);
             needs(prefix, "elasticity", material.elasticity.is_some(), findings);
         }
         if heat {
@@ -90,6 +91,17 @@ fn is_zero(scalar: &Scalar) -> bool {
     matches!(scalar, Scalar::Number(value) if *value == 0.0)
 }
 
+/// Whether friction depends on the temperature.
+fn sees_temperature(friction: &Friction) -> bool {
+    match friction {
+        Friction::Temperature { .. } => true,
+        Friction::Expression { coefficient, .. } => {
+            FrictionFormula::new(coefficient, 1.0).is_ok_and(|law| law.sees_temperature())
+        }
+        _ => false,
+    }
+}
+
 /// The data of heat outside the materials: where, and what.
 pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
@@ -121,7 +133,7 @@ pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
                 "heat of friction",
             ),
             ("foundation", contact.foundation.is_some(), "a foundation with a heat capacity"),
-            ("friction", matches!(contact.friction, Friction::Temperature { .. }), "friction of the temperature"),
+            ("friction", sees_temperature(&contact.friction), "friction of the temperature"),
             ("wear", matches!(contact.wear, Some(Wear::ArchardTemperature { .. })), "wear of the temperature"),
         ];
         found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("{path}.{key}"), what)));

@@ -24,17 +24,17 @@ pub use arrays::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, CONTACT_INPUT
 pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Side};
 pub use foundation::LumpedFoundation;
 pub use friction::{
-    Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, NoSlip, Orthotropic, StaticKinetic, Tabulated, Tresca,
-    Variable,
+    Bound, Capped, Cone, Coulomb, FrictionFormula, FrictionLaw, Frictionless, NoSlip, Orthotropic, StaticKinetic,
+    Tabulated, Tresca, Variable,
 };
 pub use heat::{
-    ConstantConductance, FRICTION, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance,
-    PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum,
+    ConductanceFormula, ConstantConductance, FRICTION, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated,
+    PowerConductance, PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum,
 };
 pub use means::{Shares, read, read_vector};
 pub use normal::{
-    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable,
-    PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,
+    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureFormula,
+    PressureFormulaFault, PressureTable, PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,
 };
 pub use obstacle::Obstacle;
 pub use pair::{Geometry, Pair, Supports};

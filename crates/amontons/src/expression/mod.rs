@@ -123,7 +123,12 @@ impl Expression {
     /// [`ExpressionError`] at the first place where the text departs from the language, or if it
     /// is too long or too deeply nested.
     pub fn parse(source: &str) -> Result<Expression, ExpressionError> {
-        let parsed = parse::parse(source)?;
+        Expression::named(source, parse::PLACE)
+    }
+
+    /// The same in up to four variables by these names.
+    fn named(source: &str, names: &[&str]) -> Result<Expression, ExpressionError> {
+        let parsed = parse::parse(source, names)?;
         Ok(Expression {
             source: source.to_owned(),
             variables: parsed.variables,
@@ -195,6 +200,42 @@ impl Expression {
     /// Whether the text mentions a coordinate.
     pub fn depends_on_space(&self) -> bool {
         [Variable::X, Variable::Y, Variable::Z].into_iter().any(|variable| self.uses(variable))
+    }
+}
+
+/// A formula in up to four variables of its own, by their names, such as `0.2 + 0.1*exp(-v/0.3)` in `p` and `v`; see
+/// the [module](self) for the language.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Formula {
+    expression: Expression,
+}
+
+impl Formula {
+    /// Compiles a formula in variables of these names, of which the first four count.
+    ///
+    /// # Errors
+    /// As [`Expression::parse`].
+    pub fn parse(source: &str, names: &[&str]) -> Result<Formula, ExpressionError> {
+        Ok(Formula { expression: Expression::named(source, names)? })
+    }
+
+    /// The value, and the derivatives by the variables in their order, as [`Expression::derivatives`] takes them.
+    #[must_use]
+    pub fn derivatives(&self, [x, y, z, t]: [f64; 4]) -> (f64, [f64; 4]) {
+        let Derivatives { value, by_x: [by_x, by_y, by_z], by_t } = self.expression.derivatives(&[x, y, z], t);
+        (value, [by_x, by_y, by_z, by_t])
+    }
+
+    /// The value.
+    #[must_use]
+    pub fn value(&self, [x, y, z, t]: [f64; 4]) -> f64 {
+        self.expression.value(&[x, y, z], t)
+    }
+
+    /// Whether the text mentions the variable with this number, from 0.
+    #[must_use]
+    pub fn uses(&self, variable: usize) -> bool {
+        self.expression.variables.get(variable).is_some_and(|used| *used)
     }
 }
 

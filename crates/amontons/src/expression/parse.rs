@@ -51,8 +51,10 @@ pub(super) const FUNCTIONS: [(&str, Op, Arity); 25] = [
     ("if", Op::If, Arity::Exactly(3)),
 ];
 
-const VARIABLES: [(&str, Variable); 4] =
-    [("x", Variable::X), ("y", Variable::Y), ("z", Variable::Z), ("t", Variable::T)];
+/// The variables in the order of their names.
+const VARIABLES: [Variable; 4] = [Variable::X, Variable::Y, Variable::Z, Variable::T];
+/// The names of the coordinates and the time.
+pub(super) const PLACE: &[&str] = &["x", "y", "z", "t"];
 
 const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
 
@@ -120,7 +122,7 @@ pub(super) struct Parsed {
     pub(super) variables: [bool; 4],
 }
 
-pub(super) fn parse(source: &str) -> Result<Parsed, ExpressionError> {
+pub(super) fn parse<'s>(source: &'s str, names: &'s [&'s str]) -> Result<Parsed, ExpressionError> {
     if source.len() > MAX_LENGTH {
         return Err(ExpressionError {
             offset: source.floor_char_boundary(MAX_LENGTH),
@@ -131,6 +133,7 @@ pub(super) fn parse(source: &str) -> Result<Parsed, ExpressionError> {
     }
     let mut parser = Parser {
         source,
+        names,
         token: Token::End,
         span: 0..0,
         previous: Token::End,
@@ -149,6 +152,8 @@ pub(super) fn parse(source: &str) -> Result<Parsed, ExpressionError> {
 
 struct Parser<'a> {
     source: &'a str,
+    /// Names of the variables.
+    names: &'a [&'a str],
     token: Token,
     span: Range<usize>,
     previous: Token,
@@ -271,7 +276,8 @@ impl<'a> Parser<'a> {
 
     fn name(&mut self) -> Result<NodeId, ExpressionError> {
         let name = self.text();
-        if let Some(&(_, variable)) = VARIABLES.iter().find(|entry| entry.0 == name) {
+        let named = self.names.iter().zip(VARIABLES).find(|(known, _)| **known == name);
+        if let Some((_, variable)) = named {
             self.advance()?;
             self.variables[variable as usize] = true;
             return Ok(self.graph.variable(variable));
@@ -284,8 +290,9 @@ impl<'a> Parser<'a> {
             self.advance()?;
             return self.call(name, op, arity);
         }
-        let hint = suggestion(name);
-        Err(self.error("a variable (x, y, z, t), a constant (pi, e) or a function", hint))
+        let hint = suggestion(name, self.names);
+        let variables = self.names.join(", ");
+        Err(self.error(&format!("a variable ({variables}), a constant (pi, e) or a function"), hint))
     }
 
     fn call(&mut self, name: &str, op: Op, arity: Arity) -> Result<NodeId, ExpressionError> {
@@ -474,19 +481,19 @@ fn product_of_variables(name: &str) -> Option<String> {
 }
 
 /// What was probably meant by an unknown name.
-fn suggestion(name: &str) -> Option<String> {
+fn suggestion(name: &str, names: &[&str]) -> Option<String> {
     let length = name.chars().count();
     if length > MAX_QUOTE {
         return None;
     }
-    if let Some(product) = product_of_variables(name) {
+    if let Some(product) = product_of_variables(name).filter(|_| names == PLACE) {
         return Some(format!("write {product}"));
     }
     let lower = name.to_lowercase();
     let known = || {
         let functions = FUNCTIONS.iter().map(|entry| entry.0);
         let constants = CONSTANTS.iter().map(|entry| entry.0);
-        functions.chain(constants).chain(VARIABLES.iter().map(|entry| entry.0))
+        functions.chain(constants).chain(names.iter().copied())
     };
     let foreign = FOREIGN_NAMES.iter().find(|entry| entry.0 == lower).map(|entry| entry.1);
     let close = || {

@@ -16,6 +16,7 @@ impl Mesh {
         let mut all = Mesh {
             dim: bodies.iter().map(|(_, mesh)| mesh.dim).max().unwrap_or(1),
             axisymmetric: bodies.iter().any(|(_, mesh)| mesh.axisymmetric),
+            thickness: bodies.iter().find_map(|(_, mesh)| mesh.thickness),
             points: Vec::with_capacity(count),
             blocks: Vec::new(),
             regions: bodies.iter().map(|(name, _)| name.clone()).collect(),

@@ -148,7 +148,16 @@ impl Mesh {
         let line = |node: u32| (0..layers).flat_map(move |l| [l, l + 1].map(|l| node + (l * size) as u32));
         let swept = |set: &FacetSet| FacetSet::of(&P1_SEGMENT, points_of(set).flat_map(line).collect());
         let edges = self.edges.iter().map(|(name, set)| (name.clone(), swept(set))).collect();
-        Ok(Mesh { dim: 3, axisymmetric: false, points, blocks, regions: self.regions.clone(), facets, edges })
+        Ok(Mesh {
+            dim: 3,
+            axisymmetric: false,
+            thickness: None,
+            points,
+            blocks,
+            regions: self.regions.clone(),
+            facets,
+            edges,
+        })
     }
 
     /// The same mesh in simplices: a quadrilateral becomes two triangles, a prism three tetrahedra. Every

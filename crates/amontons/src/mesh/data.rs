@@ -46,6 +46,7 @@ impl MeshData {
             facets: std::collections::BTreeMap::new(),
             edges: std::collections::BTreeMap::new(),
             axisymmetric: false,
+            thickness: None,
         };
         let grid = Arc::new(Grid::new(&mesh));
         Ok(MeshData { mesh, grid, surface: None, values })

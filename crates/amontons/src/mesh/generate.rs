@@ -67,6 +67,7 @@ impl Mesh {
         elements.complete(Mesh {
             dim: 1,
             axisymmetric: false,
+            thickness: None,
             points,
             blocks,
             regions: vec!["body".to_owned()],
@@ -142,6 +143,7 @@ impl Mesh {
         elements.complete(Mesh {
             dim: 2,
             axisymmetric: false,
+            thickness: None,
             points,
             blocks,
             regions: vec!["body".to_owned()],

@@ -93,7 +93,7 @@ impl<'a> CellMap<'a> {
         }
         self.position = position;
         self.jacobian = determinant;
-        self.measure = determinant * self.mesh.circumference(&self.position);
+        self.measure = determinant * self.mesh.across(&self.position);
     }
 }
 
@@ -138,7 +138,7 @@ impl<'a> FacetMap<'a> {
         let element = self.table.element;
         if element.dim() + 1 < self.mesh.dim {
             self.area = length(&tangents[0]).max(f64::from(u8::from(element.dim() == 0)));
-            self.area *= self.mesh.circumference(&self.position);
+            self.area *= self.mesh.across(&self.position);
             return;
         }
         let normal = match element.shape {
@@ -149,7 +149,7 @@ impl<'a> FacetMap<'a> {
         };
         let area = length(&normal);
         self.normal = normal.map(|c| c / area);
-        self.area = area * self.mesh.circumference(&self.position);
+        self.area = area * self.mesh.across(&self.position);
     }
 
     /// Values of the shape functions of the facet, one per node.
@@ -176,9 +176,9 @@ impl Mesh {
         sum
     }
 
-    /// 2πr of a body of revolution, 1 of any other: the factor of the measures at a point.
-    fn circumference(&self, x: &Point) -> f64 {
-        if self.axisymmetric { std::f64::consts::TAU * x[0] } else { 1.0 }
+    /// 2πr of a body of revolution, the thickness of a plane one, 1 of any other: the factor of measures at a point.
+    fn across(&self, x: &Point) -> f64 {
+        if self.axisymmetric { std::f64::consts::TAU * x[0] } else { self.thickness() }
     }
 }
 

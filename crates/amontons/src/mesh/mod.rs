@@ -209,6 +209,9 @@ pub struct Mesh {
     /// Whether the body is one of revolution, of which the mesh of d = 2 is the half section: x is the distance r
     /// from the axis and y the height. Integrals are then those over the whole body, 2πr dr dz.
     pub axisymmetric: bool,
+    /// Thickness of a plane body in m: integrals are then those over the whole body. None for integrals per metre of
+    /// thickness; it is not looked at in other bodies.
+    pub thickness: Option<f64>,
     /// Coordinates of the nodes in m.
     pub points: Vec<Point>,
     /// The cells.
@@ -244,6 +247,12 @@ impl Mesh {
     #[must_use]
     pub fn cell_count(&self) -> usize {
         self.blocks.iter().map(Block::len).sum()
+    }
+
+    /// What measures of a plane body are multiplied by: 1 where it has no thickness, and of all other bodies.
+    pub(crate) fn thickness(&self) -> f64 {
+        let is_plane = self.dim == 2 && !self.axisymmetric;
+        self.thickness.filter(|_| is_plane).unwrap_or(1.0)
     }
 
     /// Dimension of the tensors of a body: d, and 3 for a body of revolution, whose strain has a hoop component.

@@ -118,6 +118,7 @@ fn plane(points: Vec<Point>, nodes: Vec<u32>, facets: BTreeMap<String, FacetSet>
     Mesh {
         dim: 2,
         axisymmetric: false,
+        thickness: None,
         points,
         blocks,
         regions: vec!["body".to_owned()],

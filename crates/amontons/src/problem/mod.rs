@@ -250,6 +250,7 @@ impl ProblemData {
         let extent = match self.mesh.dim {
             1 => Extent::Line,
             2 if self.mesh.axisymmetric => Extent::Revolution,
+            2 if self.mesh.thickness.is_some() => Extent::Sheet,
             2 => Extent::Plane,
             _ => Extent::Space,
         };

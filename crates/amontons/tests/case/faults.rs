@@ -35,7 +35,7 @@ spoiled! {
         "paper.toml:21:1: found `end` again, expected each key once in its table";
     duplicate_table: "[output]" => "[time]"
         "paper.toml:69:2: found `time` again, expected each key once in its table"
-        "paper.toml:70:1: time.every: found an unknown key, expected one of end, steps; `every` belongs to [output]";
+        "paper.toml:70:1: time.every: found an unknown key, expected one of end, inertia, steps; `every` belongs to [output]";
     two_syntax_errors: "end = 1.0\nsteps = 64" => "end = \nsteps = "
         "paper.toml:20:7: found the end of the line, expected a value"
         "paper.toml:21:9: found the end of the line, expected a value";
@@ -48,7 +48,7 @@ spoiled! {
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
-        "paper.toml:20:1: time.young: found an unknown key, expected one of end, steps; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
+        "paper.toml:20:1: time.young: found an unknown key, expected one of end, inertia, steps; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
         "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields, format";
     format_unknown: "[output]" => "[output]\nformat = \"vtkhd\""
@@ -58,11 +58,11 @@ spoiled! {
     coupling_unknown: "[output]" => "[scheme]\ncoupling = \"monolitic\"\n[output]"
         "paper.toml:70:12: scheme.coupling: found \"monolitic\", expected \"staggered\", \"fixed-point\" or \"monolithic\" (how mechanics and heat are coupled within a step); did you mean \"monolithic\"?";
     unknown_table: "[output]" => "[outputs]"
-        "paper.toml:69:2: outputs: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, time, units, verify; did you mean `output`?";
+        "paper.toml:69:2: outputs: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, thickness, time, units, verify; did you mean `output`?";
     unknown_key_at_the_root: "name = \"paper\"" => "name = \"paper\"\nsteps = 4"
-        "paper.toml:11:1: steps: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, time, units, verify; `steps` belongs to [output.checkpoint] or [time]";
+        "paper.toml:11:1: steps: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, thickness, time, units, verify; `steps` belongs to [output.checkpoint] or [time]";
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
-        "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\"";
+        "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\" or [contact.friction] with law = \"expression\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
         "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of at, convection, dashpot, displacement, force, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
     missing_key: "density = 1.0 " => "# "
@@ -98,7 +98,7 @@ spoiled! {
         "paper.toml:20:7: time.end: found the date 2025-01-01, expected a number > 0 (end of the time interval in s)";
     number_for_table: "[output]\nevery = 16" => "output = 16\n[load2]"
         "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
-        "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, time, units, verify; did you mean `load`?";
+        "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, thickness, time, units, verify; did you mean `load`?";
     number_for_vector: "traction = [1.4, 0.4]" => "traction = 1.4"
         "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry per component)";
     table_for_boundary: "[[boundary]]                         # Γ_D: (2.5), (2.7)\non = \"top\"\ndisplacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹: (2.6), (2.7)\non = \"left\"\ntraction = [1.4, 0.4]\ntemperature = 0\n[[boundary]]                         # Γ_N²: (2.6), (2.7)\non = \"right\"" => "[boundary]\non = \"right\""
@@ -172,11 +172,11 @@ spoiled! {
     unknown_law: "law = \"isotropic\"" => "law = \"neo-hooke\""
         "paper.toml:30:7: material.elasticity.law: found \"neo-hooke\", expected \"isotropic\", \"orthotropic\", \"anisotropic\", \"von-mises-projection\" or \"hencky\"";
     misspelled_law: "law = \"coulomb\"" => "law = \"coulom\""
-        "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"coulomb\"?";
+        "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\", \"expression\" or \"orthotropic\"; did you mean \"coulomb\"?";
     law_with_capitals: "law = \"compliance\"" => "law = \"Compliance\""
-        "paper.toml:60:18: contact.normal.law: found \"Compliance\", expected \"compliance\", \"power\", \"table\", \"stop\", \"signorini\", \"bilateral\", \"damped\", \"hunt-crossley\", \"softening\" or \"adhesion\"; did you mean \"compliance\"?";
+        "paper.toml:60:18: contact.normal.law: found \"Compliance\", expected \"compliance\", \"power\", \"table\", \"expression\", \"stop\", \"signorini\", \"bilateral\", \"damped\", \"hunt-crossley\", \"softening\" or \"adhesion\"; did you mean \"compliance\"?";
     law_that_is_a_number: "law = \"ramp\"" => "law = 3"
-        "paper.toml:62:16: contact.heat.law: found 3, expected \"none\", \"constant\", \"ramp\", \"power\", \"pressure\", \"gap\", \"radiation\" or \"sum\"";
+        "paper.toml:62:16: contact.heat.law: found 3, expected \"none\", \"constant\", \"ramp\", \"power\", \"pressure\", \"gap\", \"expression\", \"radiation\" or \"sum\"";
     unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"rectangl\""
         "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\", \"cylinder\" or \"blocks\", or the key `file`; did you mean \"rectangle\"?";
     misspelled_word: "stress_state = \"plane-stress\"" => "stress_state = \"plane stress\""
@@ -292,15 +292,15 @@ spoiled! {
     set_unknown_key: "" => "" set "mesh.m=4"
         "--set mesh.m=4: mesh.m: found an unknown key, expected one of axisymmetric, diagonal, elements, kind, n, origin, size";
     set_unknown_table: "" => "" set "contcat.gap=4"
-        "--set contcat.gap=4: contcat: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, time, units, verify; did you mean `contact`?";
+        "--set contcat.gap=4: contcat: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, thickness, time, units, verify; did you mean `contact`?";
     set_wrong_value: "" => "" set "mesh.n=0"
         "--set mesh.n=0: mesh.n: found 0, expected an integer ≥ 1 (cells per side)";
     set_wrong_in_vector: "" => "" set "boundary.1.traction[0]=\"x+\""
         "--set boundary.1.traction[0]=\"x+\": boundary[1].traction[0]: found the end of the expression, expected a number, a variable, a function or `(`";
     set_bad_law: "" => "" set "contact.friction.law=trescas"
-        "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"tresca\"?";
+        "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\", \"expression\" or \"orthotropic\"; did you mean \"tresca\"?";
     set_missing: "initial]" => "initia]" set "initial.temprature=5"
-        "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, time, units, verify; did you mean `initial`?"
+        "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, thickness, time, units, verify; did you mean `initial`?"
         "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, temperature, velocity; did you mean `temperature`?";
     set_bracket: "" => "" set "boundary[0.on=4"
         "--set boundary[0.on=4: found `[` without `]`, expected a dotted key, such as mesh.n or boundary[1].traction";
@@ -374,7 +374,7 @@ spoiled! {
     gauss_points_on_a_rigid_foundation: "quadrature = \"nodal\"" => "quadrature = \"gauss\"" set "contact.normal={ law = 'signorini' }"
         "paper.toml:59:14: contact.quadrature: found Gauss points on a rigid foundation, expected nodal quadrature; more points than nodes have no unique pressures";
     set_law_of_missing: "" => "" set "contact.friction={ law = \"none\", coefficient = 1 }"
-        "--set contact.friction={ law = \"none\", coefficient = 1 }: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\"";
+        "--set contact.friction={ law = \"none\", coefficient = 1 }: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\" or [contact.friction] with law = \"expression\"";
 }
 
 // Several at once, and what no replaced line shows.
@@ -423,7 +423,7 @@ fn a_key_given_twice_does_not_hide_other_faults() {
     let text = spoil(PAPER, "end = 1.0", "end = 1.0\nend = 2.0\nstepz = 3");
     let expected = [
         "paper.toml:21:1: found `end` again, expected each key once in its table",
-        "paper.toml:22:1: time.stepz: found an unknown key, expected one of end, steps; did you mean `steps`?",
+        "paper.toml:22:1: time.stepz: found an unknown key, expected one of end, inertia, steps; did you mean `steps`?",
     ];
     assert_eq!(message(text, &[]), expected.join("\n"));
 }

@@ -17,10 +17,16 @@ fn temperatures_are_named_on_the_scale_of_the_case() {
         (units.of(Measure::Temperature), units.of(Measure::TemperatureDifference), range)
     };
     let (celsius, difference, range) = unit(DRAWN);
-    assert!(celsius == "°C" && difference == "K" && range.ends_with(" °C"), "{celsius}, {difference}, {range}");
+    assert!(
+        celsius == "°C" && difference == "K" && range.ends_with(" °C at the nodes"),
+        "{celsius}, {difference}, {range}"
+    );
     for text in [PLAIN.to_owned(), DRAWN.replace("°C", "K")] {
         let (kelvin, difference, range) = unit(&text);
-        assert!(kelvin == "K" && difference == "K" && range.ends_with(" K"), "{kelvin}, {difference}, {range}");
+        assert!(
+            kelvin == "K" && difference == "K" && range.ends_with(" K at the nodes"),
+            "{kelvin}, {difference}, {range}"
+        );
     }
 }
 
@@ -231,10 +237,11 @@ const UNITS: &[(&str, &str)] = &[
           Heat constant.foundation_temperature, Heat constant.truncation, \
           Heat ramp.foundation_temperature, Heat ramp.truncation, Heat power.foundation_temperature, \
           Heat power.truncation, Heat pressure.foundation_temperature, Heat pressure.truncation, \
-          Heat gap.foundation_temperature, Heat gap.truncation, Heat radiation.absolute_zero, \
+          Heat gap.foundation_temperature, Heat gap.truncation, Heat expression.foundation_temperature, \
+          Heat expression.truncation, Heat radiation.absolute_zero, \
           Heat radiation.foundation_temperature, Heat sum.foundation_temperature, \
           HeatTerm constant.truncation, HeatTerm ramp.truncation, HeatTerm power.truncation, \
-          HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm radiation.absolute_zero, \
+          HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm expression.truncation, HeatTerm radiation.absolute_zero, \
           Initial.temperature, TableData.temperature, Wear archard-temperature.temperature",
     ),
     ("N", "Boundary.force"),
@@ -247,7 +254,7 @@ const UNITS: &[(&str, &str)] = &[
           Elasticity hencky.bulk, Elasticity hencky.shear, Elasticity hencky.shear_infinite, \
           Friction coulomb.cap, Friction tresca.bound, Friction static-kinetic.cap, \
           Friction slip-rate.cap, Friction temperature.cap, Friction pressure.cap, \
-          Friction pressure.pressure, Normal table.pressure, Normal softening.peak, \
+          Friction pressure.pressure, Friction expression.cap, Normal table.pressure, Normal softening.peak, \
           Normal softening.residual, Normal adhesion.strength",
     ),
     (

@@ -5,6 +5,7 @@
 
 mod cases;
 mod frame;
+mod said;
 mod ways;
 #[path = "../mesh_files/writer.rs"]
 #[allow(dead_code, reason = "the tests of mesh files use the rest")]

@@ -52,6 +52,7 @@ fn pyramid() -> Mesh {
     let mut mesh = Mesh {
         dim: 3,
         axisymmetric: false,
+        thickness: None,
         points,
         blocks: vec![block],
         regions: vec!["body".to_owned()],

@@ -60,6 +60,7 @@ fn mesh_of(dim: usize, points: Vec<Point>) -> Mesh {
     Mesh {
         dim,
         axisymmetric: false,
+        thickness: None,
         points,
         blocks,
         regions: Vec::new(),

@@ -223,6 +223,16 @@ pub(in crate::case) enum Normal {
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
     },
+    /// A formula of your own over the penetration.
+    Expression {
+        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 at r = 0 and not falling.
+        /// It counts for r > 0.
+        pressure: String,
+        /// Factor of the formula.
+        #[serde(default = "one")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
+    },
     /// Compliant layer on a rigid stop: compliance up to the penetration `depth`, no further penetration.
     Stop {
         /// Stiffness of the layer in Pa/m.
@@ -383,6 +393,20 @@ pub(in crate::case) enum Friction {
         #[schemars(extend("minimum" = 0))]
         cap: Option<Datum>,
     },
+    /// A formula of your own over pressure, slip speed and temperature.
+    Expression {
+        /// Friction coefficient as a formula in the pressure `p` (Pa), the slip speed `v` (m/s) and the temperature `theta`
+        /// of the body, such as "0.2 + 0.1*exp(-v/0.3)". Where it is negative, it counts as 0.
+        coefficient: String,
+        /// Factor of the formula.
+        #[serde(default = "one")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
+        /// Shear strength in Pa: upper limit of the friction bound.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0))]
+        cap: Option<Datum>,
+    },
     /// Orthotropic friction: an elliptic friction cone with one coefficient along a direction and one across it.
     ///
     /// The slip velocity is normal to the cone.
@@ -518,6 +542,20 @@ heat_laws! {
         /// Effective width in m of a closed gap.
         #[schemars(extend("exclusiveMinimum" = 0))]
         roughness: Datum,
+        /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        truncation: Option<Datum>,
+    },
+    /// A formula of your own over pressure and penetration.
+    Expression {
+        /// Conductance (W/(m² K)) as a formula in the pressure `p` (Pa) and the penetration `r` (m), which is negative where
+        /// the gap is open, such as "50 + 2*p^0.95". Where the formula is negative, it counts as 0.
+        conductance: String,
+        /// Factor of the formula.
+        #[serde(default = "one")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]

@@ -46,6 +46,13 @@ pub(in crate::case) struct Case {
     /// Units of all numbers: SI, or none. It decides what summary and pictures write behind a number.
     #[serde(default)]
     pub units: Units,
+    /// Thickness of a plane body in m.
+    ///
+    /// Forces, energies, heat flows and areas are then those of the whole body, in N, J, W and m²; without it they are
+    /// per metre of thickness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub thickness: Option<f64>,
     /// The mesh of the body.
     pub mesh: Mesh,
     /// The time interval (0, end) and its steps.
@@ -118,6 +125,16 @@ pub(in crate::case) struct Time {
     /// Number of equal time steps.
     #[schemars(range(min = 1, max = 1_000_000_000))]
     pub steps: usize,
+    /// Whether inertia acts, ρü of (2.3).
+    ///
+    /// With `false` the body is in balance at every time, and the density of no material counts, which may then be
+    /// left out.
+    #[serde(default = "yes")]
+    pub inertia: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// Loads.

@@ -2,6 +2,7 @@
 
 mod capped;
 mod coulomb;
+mod formula;
 mod orthotropic;
 mod static_kinetic;
 mod stick;
@@ -18,6 +19,7 @@ use crate::tensor::{Point, dot, length};
 
 pub use capped::Capped;
 pub use coulomb::{Coulomb, Frictionless};
+pub use formula::FrictionFormula;
 pub use orthotropic::Orthotropic;
 pub use static_kinetic::StaticKinetic;
 pub use stick::NoSlip;
@@ -144,6 +146,7 @@ pub(crate) fn samples() -> Vec<Arc<dyn FrictionLaw>> {
         stick::samples,
         static_kinetic::samples,
         tabulated::samples,
+        formula::samples,
         capped::samples,
         orthotropic::samples,
     ] {

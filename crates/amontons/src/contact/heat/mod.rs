@@ -1,6 +1,7 @@
 //! Heat exchange: laws for q·ν of (2.10), one per file.
 
 mod constant;
+mod formula;
 mod frictional;
 mod gap;
 mod power;
@@ -17,6 +18,7 @@ use crate::arrays::Arrays;
 use crate::field::Graded;
 
 pub use constant::ConstantConductance;
+pub use formula::ConductanceFormula;
 pub use frictional::FrictionalHeat;
 pub use gap::GapConduction;
 pub use power::PowerConductance;
@@ -140,6 +142,7 @@ pub(crate) fn samples() -> Vec<(Arc<dyn HeatLaw>, f64)> {
         ramp::samples,
         power::samples,
         pressure::samples,
+        formula::samples,
         gap::samples,
         radiation::samples,
         frictional::samples,

@@ -83,7 +83,7 @@ pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
         [a, b] => {
             let length = part.area();
             // ∫ H r of the ends at the radii r_a and r_b.
-            let [ra, rb] = [a, b].map(|x| facets.circumference(x));
+            let [ra, rb] = [a, b].map(|x| facets.across(x));
             sums[0] = length * (2.0 * ra + rb) / 6.0;
             sums[1] = length * (ra + 2.0 * rb) / 6.0;
         }
@@ -177,7 +177,7 @@ fn segments(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
             for (point, weight) in rule.iter() {
                 let (s, t, [own, other]) = at(from + (to - from) * point[0]);
                 let x: Point = std::array::from_fn(|c| a[c] + s * along[c]);
-                let weight = weight * (to - from) * squared.sqrt() * nonmortar.circumference(&x);
+                let weight = weight * (to - from) * squared.sqrt() * nonmortar.across(&x);
                 let [hats, other_hats] = [s, t].map(|s| [1.0 - s, s, 0.0, 0.0]);
                 covered.samples.push(Sample { weight, hats, own, other: (piece.number, other_hats, other) });
             }

@@ -59,6 +59,8 @@ pub(super) struct Facets<'a> {
     x: &'a [Point],
     images: Vec<Image>,
     pub is_axisymmetric: bool,
+    /// Of a plane body in m; 1 of others.
+    thickness: f64,
 }
 
 impl<'a> Facets<'a> {
@@ -72,6 +74,7 @@ impl<'a> Facets<'a> {
             x,
             images: images.to_vec(),
             is_axisymmetric: mesh.axisymmetric,
+            thickness: mesh.thickness(),
         };
         for number in 0..facets.all.len() {
             facets.first.push(facets.parts.len());
@@ -161,12 +164,12 @@ impl<'a> Facets<'a> {
 
     /// Length or area of a facet, of its parts in the case of a curved one; around the axis in a body of revolution.
     pub fn measure(&self, facet: usize) -> f64 {
-        self.parts_of(facet).iter().map(|part| part.area() * self.circumference(&part.centre)).sum()
+        self.parts_of(facet).iter().map(|part| part.area() * self.across(&part.centre)).sum()
     }
 
-    /// 2πr of a body of revolution, 1 of any other.
-    pub fn circumference(&self, x: &Point) -> f64 {
-        if self.is_axisymmetric { std::f64::consts::TAU * x[0] } else { 1.0 }
+    /// 2πr of a body of revolution, the thickness of a plane one, 1 of any other.
+    pub fn across(&self, x: &Point) -> f64 {
+        if self.is_axisymmetric { std::f64::consts::TAU * x[0] } else { self.thickness }
     }
 
     /// The flat parts of a facet.

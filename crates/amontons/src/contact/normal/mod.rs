@@ -4,6 +4,7 @@ mod adhesion;
 mod bilateral;
 mod compliance;
 mod damped;
+mod formula;
 mod power;
 mod signorini;
 mod softening;
@@ -21,6 +22,7 @@ pub use adhesion::Adhesion;
 pub use bilateral::Bilateral;
 pub use compliance::Compliance;
 pub use damped::{Damped, HuntCrossley};
+pub use formula::{PressureFormula, PressureFormulaFault};
 pub use power::Power;
 pub use signorini::Signorini;
 pub use softening::Softening;
@@ -158,6 +160,7 @@ pub(crate) fn samples() -> Vec<(Arc<dyn NormalLaw>, f64)> {
         compliance::samples,
         power::samples,
         table::samples,
+        formula::samples,
         stop::samples,
         signorini::samples,
         bilateral::samples,

@@ -82,7 +82,8 @@ impl Loose {
         let (regions, blocks) = self.regions(dim, &cells, &place)?;
         let facets = self.sides(dim, &rest, &place)?;
         let edges = self.edges(dim, &cells, &rest, &place)?;
-        let mut mesh = Mesh { dim, points: self.points, blocks, regions, facets, edges, axisymmetric: false };
+        let mut mesh =
+            Mesh { dim, points: self.points, blocks, regions, facets, edges, axisymmetric: false, thickness: None };
         orient(&mut mesh);
         drop_unused(&mut mesh);
         if mesh.facets.is_empty() {

@@ -1,0 +1,124 @@
+//! A pressure given by a formula in the penetration.
+
+use super::{NormalLaw, Pressure};
+use crate::expression::{ExpressionError, Formula};
+use crate::quadrature::{Rule, Shape, rule};
+use crate::tensor::Point;
+
+/// p = c f(r) for r > 0, f a formula that does not fall and vanishes at r = 0; no pressure where the gap is open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureFormula {
+    /// c ≥ 0.
+    factor: f64,
+    /// f in Pa.
+    pressure: Formula,
+    /// For the energy.
+    gauss: Rule,
+}
+
+/// Why a formula is no law for the pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PressureFormulaFault {
+    /// The text is no formula.
+    Text(ExpressionError),
+    /// It is not 0 at r = 0.
+    Start(f64),
+    /// The pressure falls, or is not finite, beyond a penetration in m.
+    Falls(f64),
+}
+
+/// Penetrations at which a formula is looked at: from 10⁻¹² m to 10 m, so many per decade.
+const DECADES: [i32; 2] = [-12, 1];
+const PER_DECADE: i32 = 16;
+/// A pressure beyond which a formula may overflow.
+const ENOUGH: f64 = 1e16;
+/// Relative round-off of a formula.
+const ROUND_OFF: f64 = 1e-12;
+/// Degree of the rule for the energy, its error relative to it, and the most halvings of an interval.
+const DEGREE: usize = 15;
+const ACCURACY: f64 = 1e-14;
+const HALVINGS: usize = 40;
+
+impl PressureFormula {
+    /// Names of the variables.
+    pub const VARIABLES: [&'static str; 1] = ["r"];
+
+    /// A formula times a factor.
+    ///
+    /// # Errors
+    /// Where the text is no formula in `r`, does not vanish at r = 0, or falls between 10⁻¹² m and 10 m.
+    pub fn new(pressure: &str, factor: f64) -> Result<PressureFormula, PressureFormulaFault> {
+        let pressure = Formula::parse(pressure, &Self::VARIABLES).map_err(PressureFormulaFault::Text)?;
+        let law = PressureFormula { factor: 1.0, pressure, gauss: rule(Shape::Segment, DEGREE) };
+        let [first, last] = DECADES.map(|decade| decade * PER_DECADE);
+        let penetrations = || (first..=last).map(|i| 10f64.powf(f64::from(i) / f64::from(PER_DECADE)));
+        let sizes = penetrations().map(|r| law.at(r).0.abs()).filter(|p| *p <= ENOUGH);
+        let start = law.at(0.0).0;
+        if start.is_nan() || start.abs() > ROUND_OFF * sizes.fold(0.0, f64::max) {
+            return Err(PressureFormulaFault::Start(start));
+        }
+        let mut before = start;
+        for r in penetrations() {
+            let (p, slope) = law.at(r);
+            if !p.is_finite() || slope.is_nan() || p < before - ROUND_OFF * before.abs() {
+                return Err(PressureFormulaFault::Falls(r));
+            }
+            if p > ENOUGH {
+                break;
+            }
+            before = p;
+        }
+        Ok(PressureFormula { factor, ..law })
+    }
+
+    /// c f and its derivative.
+    fn at(&self, r: f64) -> (f64, f64) {
+        let (value, [slope, ..]) = self.pressure.derivatives([r, 0.0, 0.0, 0.0]);
+        (self.factor * value, self.factor * slope)
+    }
+
+    /// ∫ c f between two penetrations by Gauss points.
+    fn integral(&self, from: f64, to: f64) -> f64 {
+        let at = |(x, weight): (&Point, f64)| {
+            weight * self.factor * self.pressure.value([from + x[0] * (to - from), 0.0, 0.0, 0.0])
+        };
+        (to - from) * self.gauss.iter().map(at).sum::<f64>()
+    }
+
+    /// The same, with the interval halved until both halves agree with the whole.
+    fn halved(&self, [from, to]: [f64; 2], whole: f64, size: f64, left: usize) -> f64 {
+        let middle = 0.5 * (from + to);
+        let [a, b] = [self.integral(from, middle), self.integral(middle, to)];
+        if left == 0 || (a + b - whole).abs() <= ACCURACY * size {
+            return a + b;
+        }
+        self.halved([from, middle], a, size, left - 1) + self.halved([middle, to], b, size, left - 1)
+    }
+}
+
+impl NormalLaw for PressureFormula {
+    fn pressure(&self, _x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
+        if z <= 0.0 {
+            return Pressure::default();
+        }
+        let (value, slope) = self.at(z);
+        Pressure { value: value.max(0.0), slope: slope.max(0.0), by_rate: 0.0 }
+    }
+    fn potential(&self, _x: &Point, r: f64) -> f64 {
+        if r <= 0.0 {
+            return 0.0;
+        }
+        let whole = self.integral(0.0, r);
+        self.halved([0.0, r], whole, whole.abs().max(f64::MIN_POSITIVE), HALVINGS)
+    }
+    fn lipschitz(&self) -> Option<f64> {
+        // Nothing is known of the slope of a formula at all penetrations.
+        None
+    }
+}
+
+#[cfg(test)]
+pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
+    let all = [PressureFormula::new("1e4*r + 2e7*r^2", 1.0), PressureFormula::new("50*tanh(150*r)", 2.0)];
+    all.into_iter().flatten().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn NormalLaw>, 1e-3)).collect()
+}
