@@ -18,7 +18,7 @@ pub fn execute(word: Option<&str>, format: Format) -> Result<(), Failure> {
     let entries = case::explain(word.trim_start_matches('(').trim_end_matches(')'));
     if entries.is_empty() {
         let near = case::similar(word).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
-        let expected = "expected a key of the case file, a quantity of a probe, a column or a finding";
+        let expected = "expected a key of the case file, a quantity of a probe, a value of the results or a finding";
         return Err(Failure::Usage(format!("found \"{}\", {expected}{near}", word.escape_debug())));
     }
     match format {

@@ -1,12 +1,11 @@
-//! Every word of the program with what it means: keys of the case file, quantities of probes, columns of the tables and
-//! findings. The chapter "Reference" of the guide and `amontons explain` are made of it.
+//! Every word of the program with what it means: keys of the case file, quantities of probes, values in the files of
+//! results and findings. The chapter "Reference" of the guide and `amontons explain` are made of it.
 
 use serde_json::Value;
 
 use super::schema::{View, schema};
 use crate::hypotheses::FindingId;
-use crate::output::columns::all_measures;
-use crate::output::quantities;
+use crate::output::{Table, quantities, shown};
 use crate::units::{Measure, Units};
 
 /// What a word is.
@@ -16,8 +15,8 @@ pub enum Word {
     Key,
     /// A quantity of a probe.
     Quantity,
-    /// A column of `history.csv` or `contact.csv`.
-    Column,
+    /// A value in a file of results: a key of the summary, a column, an array.
+    Value,
     /// The id of a finding.
     Finding,
 }
@@ -42,77 +41,16 @@ pub struct Entry {
 /// Where keys of tables of values stand.
 const VALUES: &str = "a table in the place of a value";
 
-/// What the columns of the tables are, by the names without components.
-const COLUMNS: [(&str, &str); 58] = [
-    ("step", "number of the step"),
-    ("t", "time"),
-    ("kinetic", "kinetic energy at t"),
-    ("elastic", "elastic energy at t, of relaxing springs, too"),
-    ("viscous_dissipation", "dissipated by viscosity since the start"),
-    ("friction_dissipation", "dissipated by friction since the start"),
-    ("contact_energy", "energy of compliant contact at t"),
-    ("load_work", "work of loads and prescribed displacements since the start"),
-    ("thermal_work", "work of thermal stress since the start"),
-    ("scheme_dissipation", "what the time-stepping scheme itself took since the start"),
-    ("closing_error", "error of the energy balance"),
-    ("heat_content", "heat of the body at t, above that at the start"),
-    ("heat_contact", "heat that has come through contact since the start"),
-    ("contact_force", "resultant of σν on Γ_C, of all contacts or of one"),
-    ("contact_moment", "moment of σν about the axis, where a foundation turns about it"),
-    ("penetration_max", "largest penetration of a contact point"),
-    ("open", "contact points without traction"),
-    ("stick", "contact points that stick"),
-    ("slip", "contact points that slip"),
-    ("newton_mechanics", "Newton iterations of the mechanical step"),
-    ("newton_heat", "Newton iterations of the heat step"),
-    ("heat_prescribed", "heat from prescribed temperatures since the start"),
-    ("heat_supplied", "heat of sources, inflows and convection since the start"),
-    ("heat_coupling", "heat of strain (𝓡) since the start"),
-    ("heat_closing_error", "error of the heat balance"),
-    ("passes", "passes over both half-steps"),
-    ("contraction", "mean contraction factor of the fixed-point coupling; 0 without one"),
-    ("contact_area", "area in contact"),
-    ("wear_max", "largest depth worn off"),
-    ("wear_volume", "volume worn off"),
-    ("wear_dissipation", "energy of what has worn off"),
-    ("heat_friction", "heat of friction in the body since the start"),
-    ("heat_foundation", "heat of foundations with a heat capacity at t"),
-    ("heat_surroundings", "heat that foundations have given to their surroundings"),
-    ("parts", "parts that the step was made in: 1, or more of a halved one"),
-    ("contact_center", "where the pressure acts, Σ ω p x/Σ ω p"),
-    ("foundation_temperature", "θ_F of a foundation with a heat capacity"),
-    ("modulus_work", "work of moduli and contact stiffnesses that change with time or temperature"),
-    ("heat_pairs", "heat that has crossed pairs since the start"),
-    ("heat_flow", "∫ q·ν over a side"),
-    ("pressure_max", "largest pressure of a contact point"),
-    ("node", "number of the node; of Gauss points the number of the point"),
-    ("x", "position at rest"),
-    ("y", "position at rest"),
-    ("z", "position at rest"),
-    ("penetration", "r: how far the body is beyond the gap; negative where it is open"),
-    ("pressure", "p_ν, the contact pressure"),
-    ("traction", "σ_τ, what friction does to the body"),
-    ("slip_velocity", "w_τ − v_F, of the body against what it faces"),
-    ("status", "open, stick or slip"),
-    ("temperature", "θ of the side"),
-    ("heat_flux", "q·ν, heat that leaves the body"),
-    ("weight", "area ω of a contact point"),
-    ("wear", "depth worn off; of a pair off both bodies where they face each other now"),
-    ("friction_work", "work of friction on the area since the start"),
-    ("side", "name of the side that bears the points"),
-    ("bound", "friction bound s"),
-    ("opposite_temperature", "θ_F of the foundation, or θ of the other body of a pair"),
-];
-
-/// What a column is; those of a vector end with an axis.
-fn of_column(name: &str) -> &'static str {
-    let of = |name: &str| COLUMNS.iter().find(|(known, _)| *known == name).map(|(_, meaning)| *meaning);
-    let axes = ["_x", "_y", "_z"];
-    let vector = || axes.iter().find_map(|axis| of(name.strip_suffix(axis)?));
-    of(name).or_else(vector).unwrap_or_default()
+/// What a value of a file is called.
+fn of_table(table: Table) -> &'static str {
+    match table {
+        Table::Summary => "key",
+        Table::History | Table::Contact => "column",
+        Table::Fields | Table::Surface => "array",
+    }
 }
 
-/// All words: keys in the order of their tables, then quantities, columns and findings.
+/// All words: keys in the order of their tables, then quantities, values of results and findings.
 #[must_use]
 pub fn reference() -> Vec<Entry> {
     let schema = schema();
@@ -134,16 +72,12 @@ pub fn reference() -> Vec<Entry> {
     all.extend(quantities().into_iter().map(|(name, meaning, measure)| {
         other(Word::Quantity, "quantity of a [[probe]]", name, meaning, unit(Some(measure)))
     }));
-    let columns = all_measures().into_iter();
-    let mut columns: Vec<Entry> = columns
-        .map(|(name, measure)| {
-            let meaning = of_column(&name).to_owned();
-            other(Word::Column, "column of history.csv or contact.csv", name, meaning, unit(measure))
-        })
-        .collect();
-    let mut known = std::collections::BTreeSet::new();
-    columns.retain(|entry| known.insert((entry.name.clone(), entry.expected.clone())));
-    all.extend(columns);
+    all.extend(shown().into_iter().map(|value| {
+        let place = format!("{} of {}", of_table(value.table), value.table.file());
+        let meaning =
+            value.lives.after(&format!("{}{}", value.meaning(), if value.lives.words().is_empty() { "" } else { "," }));
+        other(Word::Value, &place, value.name, meaning, unit(value.measure))
+    }));
     all.extend(
         FindingId::ALL
             .iter()
@@ -211,7 +145,7 @@ fn keys_of(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
 pub fn markdown() -> String {
     let all = reference();
     let mut text = String::from(
-        "# Reference\n\nEvery key of the case file, quantity of a probe, column and finding. `amontons explain WORD` prints the entry of one; \
+        "# Reference\n\nEvery key of the case file, quantity of a probe, value in the files of results and finding. `amontons explain WORD` prints the entry of one; \
          `amontons schema` prints the keys as a JSON Schema. Keys marked with * are required in their table.\n",
     );
     let cell = |text: &str| text.replace('|', "\\|").replace('<', "&lt;");
@@ -224,7 +158,9 @@ pub fn markdown() -> String {
                 Word::Key if place == VALUES => "A table in the place of a value".to_owned(),
                 Word::Key => "Above all tables".to_owned(),
                 Word::Quantity => "Quantities of probes".to_owned(),
-                Word::Column => "Columns of `history.csv` and `contact.csv`".to_owned(),
+                Word::Value => {
+                    place.rsplit_once(' ').map_or_else(String::new, |(_, file)| format!("Values of `{file}`"))
+                }
                 Word::Finding => "Findings".to_owned(),
             };
             let head = if entry.word == Word::Key { "key | expected" } else { "name | unit" };
@@ -252,7 +188,7 @@ pub fn json(entries: &[Entry]) -> Value {
         let word = match word {
             Word::Key => "key",
             Word::Quantity => "quantity",
-            Word::Column => "column",
+            Word::Value => "value",
             Word::Finding => "finding",
         };
         serde_json::json!({ "word": word, "place": place, "name": name, "meaning": meaning, "expected": expected, "required": is_required })

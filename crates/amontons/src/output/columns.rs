@@ -2,6 +2,7 @@
 //!
 //! Writers, readers, pictures and the guide take names and units from here.
 
+use super::shown::{Lives, Shown, Table};
 use super::{ContactSummary, Snapshot};
 use crate::contact::{Contact, PointOnBoundary, Quadrature};
 use crate::inclusion::PointState;
@@ -17,6 +18,8 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 pub trait Rows {
     /// A row, borrowed from a run.
     type Row<'a>;
+    /// Where the values of its columns live, but for those that are a maximum.
+    const LIVES: Lives;
 }
 
 /// `history.csv`: one row per step.
@@ -24,6 +27,7 @@ pub enum History {}
 
 impl Rows for History {
     type Row<'a> = StepRow<'a>;
+    const LIVES: Lives = Lives::Whole;
 }
 
 /// `contact.csv`: one row per contact point.
@@ -31,6 +35,7 @@ pub enum OnContact {}
 
 impl Rows for OnContact {
     type Row<'a> = PointRow<'a>;
+    const LIVES: Lives = Lives::Point;
 }
 
 /// A column of a table, or the columns of a vector.
@@ -39,6 +44,7 @@ pub struct Column<T: Rows> {
     pub name: &'static str,
     /// What it measures; none of words.
     pub measure: Option<Measure>,
+    lives: Lives,
     value: Value<T>,
 }
 
@@ -55,23 +61,28 @@ enum Value<T: Rows> {
 
 impl<T: Rows> Column<T> {
     const fn number(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> f64) -> Column<T> {
-        Column { name, measure: Some(measure), value: Value::Number(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Number(value) }
+    }
+
+    /// The largest value of the contact points.
+    const fn largest(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> f64) -> Column<T> {
+        Column { name, measure: Some(measure), lives: Lives::Point, value: Value::Number(value) }
     }
 
     const fn vector(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
-        Column { name, measure: Some(measure), value: Value::Vector(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Vector(value) }
     }
 
     const fn on_contact(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
-        Column { name, measure: Some(measure), value: Value::OnContact(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::OnContact(value) }
     }
 
     const fn optional(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Option<f64>) -> Column<T> {
-        Column { name, measure: Some(measure), value: Value::Optional(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Optional(value) }
     }
 
     const fn text(name: &'static str, value: fn(&T::Row<'_>) -> String) -> Column<T> {
-        Column { name, measure: None, value: Value::Text(value) }
+        Column { name, measure: None, lives: T::LIVES, value: Value::Text(value) }
     }
 
     /// The name of component `c` of a vector: `contact_force_x`. A vector without a name is the position: `x`.
@@ -89,6 +100,12 @@ impl<T: Rows> Column<T> {
             _ => vec![self.name.to_owned()],
         };
         names.into_iter().map(|name| (name, self.measure)).collect()
+    }
+
+    /// Its names with what they measure and where they live.
+    fn shown(&self, table: Table) -> Vec<Shown> {
+        let shown = |(name, measure)| Shown::new(table, name, measure, self.lives);
+        self.named([3, 3]).into_iter().map(shown).collect()
     }
 
     /// The side that a column of this name belongs to: `left` of `foundation_temperature@left`, and no word of the
@@ -150,7 +167,7 @@ columns! { History:
     HEAT_CONTACT = number("heat_contact", Measure::Energy, |row| row.ledger.heat_contact);
     CONTACT_FORCE = on_contact("contact_force", Measure::Force, |row| vector(&row.contact.force));
     CONTACT_MOMENT = optional("contact_moment", Measure::Moment, |row| row.contact.moment);
-    PENETRATION_MAX = number("penetration_max", Measure::Length, |row| row.contact.penetration_max);
+    PENETRATION_MAX = largest("penetration_max", Measure::Length, |row| row.contact.penetration_max);
     OPEN = number("open", Measure::Number, |row| row.contact.open as f64);
     STICK = number("stick", Measure::Number, |row| row.contact.stick as f64);
     SLIP = number("slip", Measure::Number, |row| row.contact.slip as f64);
@@ -164,7 +181,7 @@ columns! { History:
     // No contraction factor is 0, so that every row has a number in every column.
     CONTRACTION = number("contraction", Measure::Number, |row| row.report.coupling.contraction.unwrap_or_default().mean);
     CONTACT_AREA = number("contact_area", Measure::Area, |row| row.contact.area);
-    WEAR_MAX = number("wear_max", Measure::Length, |row| row.contact.wear_max);
+    WEAR_MAX = largest("wear_max", Measure::Length, |row| row.contact.wear_max);
     WEAR_VOLUME = number("wear_volume", Measure::Volume, |row| row.contact.wear_volume);
     WEAR_DISSIPATION = number("wear_dissipation", Measure::Energy, |row| row.ledger.wear_dissipation);
     HEAT_FRICTION = number("heat_friction", Measure::Energy, |row| row.ledger.heat_friction);
@@ -176,7 +193,7 @@ columns! { History:
     MODULUS_WORK = number("modulus_work", Measure::Energy, |row| row.ledger.modulus_work);
     HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
     HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
-    PRESSURE_MAX = number("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
+    PRESSURE_MAX = largest("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
 }
 
 /// The columns of `history.csv` in their order, but for those of each contact.
@@ -462,16 +479,14 @@ fn in_header(name: &str) -> String {
     name.replace(|c: char| c.is_control() || matches!(c, ',' | '"'), "_")
 }
 
-/// Every name that a column of the two tables can have, in space, with what it measures; those of sides without the
-/// name of the side.
-#[must_use]
-pub fn all_measures() -> Vec<(String, Option<Measure>)> {
-    let of_sides = std::iter::once(&FOUNDATION_TEMPERATURE as &Column<History>).chain(OF_SIDE.iter().copied());
-    let history = OF_STEP
-        .iter()
-        .copied()
-        .chain([&HEAT_PAIRS as &Column<History>, &CONTACT_MOMENT])
-        .chain(of_sides)
-        .flat_map(|column| column.named([3, 3]));
-    history.chain(OF_POINT.iter().flat_map(|column| column.named([3, 3]))).collect()
+/// Every column that `history.csv` can have, in space; those of sides without the name of the side.
+pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
+    let mut all: Vec<&Column<History>> = OF_STEP.iter().chain(OF_PAIRS).copied().collect();
+    all.extend([&CONTACT_MOMENT as &Column<History>, &FOUNDATION_TEMPERATURE]);
+    all.into_iter().flat_map(|column| column.shown(Table::History))
+}
+
+/// Every column that `contact.csv` can have, in space.
+pub(super) fn contact_shown() -> impl Iterator<Item = Shown> {
+    OF_POINT.iter().flat_map(|column| column.shown(Table::Contact))
 }

@@ -30,6 +30,7 @@ mod quantity;
 mod reaction;
 mod recovery;
 mod room;
+mod shown;
 mod study;
 mod summary;
 mod surface;
@@ -71,6 +72,7 @@ pub(crate) use packed::StoredFields;
 pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
 pub use quantity::{Base, Quantity, Selection, quantities};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
+pub use shown::{Lives, Shown, Table, shown};
 pub use study::StudyFolder;
 #[cfg(feature = "case")]
 pub(crate) use summary::of_last;

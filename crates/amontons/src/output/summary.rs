@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::shown::FIGURES;
 use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::{Contact, PointOnBoundary, Status};
 use crate::hypotheses::warnings::Figures;
@@ -515,39 +516,12 @@ impl Summary {
 
     /// The numbers of the run with their keys in `summary.json`.
     fn figures(&self) -> Vec<(String, f64)> {
-        let (last, norms) = (&self.last, &self.last.norms);
-        let vectors = [
-            ("displacement_min", &last.displacement_min),
-            ("displacement_max", &last.displacement_max),
-            ("velocity_max", &last.velocity_max),
+        let errors = [
+            ("energy.closing_error", self.energy.closing_error),
+            ("energy.heat_closing_error", self.energy.heat_closing_error),
         ];
-        let mut all: Vec<(String, f64)> = vectors
-            .into_iter()
-            .flat_map(|(key, values)| {
-                values.iter().enumerate().map(move |(c, value)| (format!("final.{key}[{c}]"), *value))
-            })
-            .collect();
-        let some = [
-            ("final.temperature_min", last.temperature_min),
-            ("final.temperature_max", last.temperature_max),
-            ("final.von_mises_max", last.von_mises_max),
-            ("final.strain_max", last.strain_max),
-            ("final.norms.displacement_l2", norms.displacement_l2),
-            ("final.norms.displacement_v", norms.displacement_v),
-            ("final.norms.velocity_l2", norms.velocity_l2),
-            ("final.norms.temperature_l2", norms.temperature_l2),
-            ("energy.closing_error", Some(self.energy.closing_error)),
-            ("energy.heat_closing_error", Some(self.energy.heat_closing_error)),
-        ];
-        all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
-        if let Some(contact) = &last.contact {
-            all.extend(
-                contact.force.iter().enumerate().map(|(c, value)| (format!("final.contact.force[{c}]"), *value)),
-            );
-            all.extend(contact.heat_flow.map(|flow| ("final.contact.heat_flow".to_owned(), flow)));
-            all.push(("final.contact.pressure_max".to_owned(), contact.pressure_max));
-        }
-        all
+        let of_last = FIGURES.iter().flat_map(|figure| figure.values(&self.last));
+        of_last.chain(errors.map(|(key, value)| (key.to_owned(), value))).collect()
     }
 }
 

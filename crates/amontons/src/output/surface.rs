@@ -8,6 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::files::{Written, write_atomically};
+use super::shown::{Lives, Shown, Table};
 use super::{OutputError, Snapshot};
 use crate::contact::mortar::{Image, Share};
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
@@ -25,6 +26,9 @@ struct Field {
     is_of: fn(Physics) -> bool,
     value: Value,
 }
+
+/// Unknowns at the nodes, in the fields of the body, too.
+const UNKNOWNS: [&str; 2] = ["displacement", "temperature"];
 
 enum Value {
     Scalar(fn(&Node) -> f64),
@@ -56,6 +60,16 @@ static FIELDS: [Field; 11] = [
 /// The arrays at the points with what they measure.
 pub(crate) fn measures() -> Vec<(String, Measure)> {
     FIELDS.iter().map(|field| (field.name.to_owned(), field.measure)).collect()
+}
+
+/// Every array that the files can have.
+pub(super) fn shown() -> impl Iterator<Item = Shown> {
+    let of = |field: &Field| {
+        let lives = if UNKNOWNS.contains(&field.name) { Lives::Node } else { Lives::Mean };
+        Shown::new(Table::Surface, field.name, Some(field.measure), lives)
+    };
+    let side = Shown::new(Table::Surface, "side", None, Lives::Whole);
+    FIELDS.iter().map(of).chain([side])
 }
 
 /// A side of a contact.

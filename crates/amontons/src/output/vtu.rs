@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::files::{Written, write_atomically};
+use super::shown::{Lives, Shown, Table};
 use super::{OutputError, Snapshot, StressRecovery, cell_values};
 use crate::material::VTK_COMPONENTS;
 use crate::problem::{Physics, Problem};
@@ -41,17 +42,43 @@ impl OutputField {
     }
 }
 
+/// An array of the files, without its values.
+struct Field {
+    name: &'static str,
+    measure: Measure,
+    lives: Lives,
+}
+
+const fn field(name: &'static str, measure: Measure, lives: Lives) -> Field {
+    Field { name, measure, lives }
+}
+
+/// The arrays in the order in which they are written.
+static FIELDS: [Field; 14] = [
+    field("displacement", Measure::Length, Lives::Node),
+    field("velocity", Measure::Velocity, Lives::Node),
+    field("temperature", Measure::Temperature, Lives::Node),
+    field("nodal_stress", Measure::Stress, Lives::Recovered),
+    field("nodal_von_mises", Measure::Stress, Lives::Recovered),
+    field("stress", Measure::Stress, Lives::Cell),
+    field("von_mises", Measure::Stress, Lives::Cell),
+    field("region", Measure::Number, Lives::Cell),
+    field("strain", Measure::Number, Lives::Cell),
+    field("principal", Measure::Stress, Lives::Cell),
+    field("principal_direction_1", Measure::Number, Lives::Cell),
+    field("principal_direction_2", Measure::Number, Lives::Cell),
+    field("principal_direction_3", Measure::Number, Lives::Cell),
+    field("heat_flux", Measure::HeatFlux, Lives::Cell),
+];
+
+/// Every array that the files can have.
+pub(super) fn shown() -> impl Iterator<Item = Shown> {
+    FIELDS.iter().map(|field| Shown::new(Table::Fields, field.name, Some(field.measure), field.lives))
+}
+
 /// What the arrays of the files measure.
 pub(super) fn measures() -> Vec<(String, Measure)> {
-    let stresses = ["nodal_stress", "nodal_von_mises", "stress", "von_mises", "principal"];
-    let others = [
-        ("displacement", Measure::Length),
-        ("velocity", Measure::Velocity),
-        ("temperature", Measure::Temperature),
-        ("heat_flux", Measure::HeatFlux),
-    ];
-    let all = others.into_iter().chain(stresses.map(|name| (name, Measure::Stress)));
-    all.map(|(name, measure)| (name.to_owned(), measure)).collect()
+    FIELDS.iter().map(|field| (field.name.to_owned(), field.measure)).collect()
 }
 
 /// Writes the fields of a state as an unstructured grid, compressed by zlib. Stresses at nodes are written with a
@@ -67,28 +94,10 @@ pub(super) fn write_fields(
     write_atomically(path, |out| write(out, &now.problem.mesh.points, connectivity(now.problem), &points, &cells))
 }
 
-/// The arrays in the order in which they are written.
-const ORDER: [&str; 14] = [
-    "displacement",
-    "velocity",
-    "temperature",
-    "nodal_stress",
-    "nodal_von_mises",
-    "stress",
-    "von_mises",
-    "region",
-    "strain",
-    "principal",
-    "principal_direction_1",
-    "principal_direction_2",
-    "principal_direction_3",
-    "heat_flux",
-];
-
 /// Writes a grid that was read to the bytes that [`write_fields`] wrote.
 pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<Written, OutputError> {
     let arrays = |data: &'_ std::collections::BTreeMap<String, crate::vtu::Array>| {
-        let place = |name: &str| ORDER.iter().position(|other| *other == name).unwrap_or(ORDER.len());
+        let place = |name: &str| FIELDS.iter().position(|field| field.name == name).unwrap_or(FIELDS.len());
         let mut names: Vec<&String> = data.keys().collect();
         names.sort_by_key(|name| place(name));
         let array = |name: &String| {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::shown::placed;
 use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
 use crate::problem::Choice;
 use crate::units::{Extent, Measure, Units};
@@ -65,16 +66,17 @@ impl Summary {
     /// The largest values of the fields.
     fn of_fields(&self) -> Vec<Row> {
         let (end, units) = (&self.last, self.units);
-        let up_to = |name: &str, most: f64, measure| row(name, &format!("up to {}", units.write(most, measure)));
-        let in_cells = |most: f64| format!("up to {} at the centre of a cell", units.write(most, Measure::Stress));
-        let mut rows: Vec<Row> =
-            end.von_mises_max.map(|most| row("von Mises stress", &in_cells(most))).into_iter().collect();
-        rows.extend(end.strain_max.map(|most| up_to("strain", most, Measure::Number)));
+        let up_to = |key: &str, most: f64, measure| placed(key, &format!("up to {}", units.write(most, measure)));
+        let of_von_mises = |most| row("von Mises stress", &up_to("final.von_mises_max", most, Measure::Stress));
+        let mut rows: Vec<Row> = end.von_mises_max.map(of_von_mises).into_iter().collect();
+        rows.extend(end.strain_max.map(|most| row("strain", &up_to("final.strain_max", most, Measure::Number))));
         if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
-            rows.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
+            let range = range(units, [min, max], Measure::Temperature);
+            rows.push(row("temperature", &placed("final.temperature_max", &range)));
         }
         for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
-            rows.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
+            let range = range(units, [*min, *max], Measure::Length);
+            rows.push(row(&format!("displacement {axis}"), &placed("final.displacement_max", &range)));
         }
         rows
     }
@@ -135,13 +137,13 @@ fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
     format!("{low} … {high} {unit}").trim_end().to_owned()
 }
 
-/// What integrals over a body are over. Absent in space, where they are over the body.
+/// What integrals over a body are over. Absent where they are over all of it.
 fn extent(units: Units, mechanics: bool) -> Option<Row> {
     let text = match units.extent {
         Extent::Line => "per unit of cross-section",
         Extent::Plane => "per unit of thickness",
         Extent::Revolution => "of the full turn",
-        Extent::Space => return None,
+        Extent::Sheet | Extent::Space => return None,
     };
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
@@ -164,7 +166,10 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
         ),
         row(
             "contact force",
-            &format!("{force}, pressure up to {} at a point", write(contact.pressure_max, Measure::Stress)),
+            &placed(
+                "final.contact.pressure_max",
+                &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress)),
+            ),
         ),
     ];
     lines.extend(
@@ -186,7 +191,8 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
     }
     if contact.wear_max > 0.0 {
         let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
-        lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
+        let deep = placed("final.contact.wear_max", &format!("up to {deep} deep"));
+        lines.push(row("wear", &format!("{deep}, volume {volume}")));
     }
     let volumes =
         contact.wear_volumes.iter().map(|(side, volume)| format!("{side} {}", write(*volume, Measure::Volume)));

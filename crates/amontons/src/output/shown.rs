@@ -1,0 +1,312 @@
+//! Every value that a run shows, with where it stands, what it means, what it measures and where it lives.
+//!
+//! Summary, report, pictures, `manifest.json`, the reference and `amontons explain` ask here, so that one value has one
+//! name and one unit everywhere, and that a maximum says what it is the maximum of: contact points, centres of cells,
+//! nodes, and means about nodes have maxima of their own.
+
+use super::columns::{contact_shown, history_shown};
+use super::{ContactSummary, Final, surface, vtu};
+use crate::units::Measure;
+
+/// Where a value lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lives {
+    /// On all of the body or of a side: a sum, an integral, a count.
+    Whole,
+    /// At the nodes of the mesh: unknowns of the problem.
+    Node,
+    /// At the nodes, recovered from the values in the cells around ([`super::nodal_stress`]).
+    Recovered,
+    /// At the centres of the cells.
+    Cell,
+    /// At the quadrature points of the cells.
+    Quadrature,
+    /// At the contact points.
+    Point,
+    /// At the nodes of a side: of the contact point that the node has, or the mean of the points that it takes part in.
+    Mean,
+}
+
+impl Lives {
+    /// The words behind a value: `5.2 MPa at the centre of a cell`; none of a whole.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Lives::Whole => "",
+            Lives::Node => "at the nodes",
+            Lives::Recovered => "recovered at the nodes",
+            Lives::Cell => "at the centre of a cell",
+            Lives::Quadrature => "at a quadrature point",
+            Lives::Point => "at a contact point",
+            Lives::Mean => "about a node of the side",
+        }
+    }
+
+    /// A text with these words.
+    #[must_use]
+    pub fn after(self, text: &str) -> String {
+        format!("{text} {}", self.words()).trim_end().to_owned()
+    }
+}
+
+/// Where a value stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Table {
+    /// `summary.json`: numbers of the last good step.
+    Summary,
+    /// `history.csv`: one row per step.
+    History,
+    /// `contact.csv`: one row per contact point.
+    Contact,
+    /// `fields.pvd`: arrays over the body.
+    Fields,
+    /// `contact.pvd`: arrays over the sides of contact.
+    Surface,
+}
+
+impl Table {
+    /// The file that has it.
+    #[must_use]
+    pub fn file(self) -> &'static str {
+        match self {
+            Table::Summary => "summary.json",
+            Table::History => "history.csv",
+            Table::Contact => "contact.csv",
+            Table::Fields => "fields.pvd",
+            Table::Surface => "contact.pvd",
+        }
+    }
+}
+
+/// A value that a run shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Where it stands.
+    pub table: Table,
+    /// Its name there: a key of `summary.json`, a column or an array.
+    pub name: String,
+    /// What it measures; none of words, and of norms, whose units are those of no other value.
+    pub measure: Option<Measure>,
+    /// Where it lives.
+    pub lives: Lives,
+}
+
+impl Shown {
+    pub(super) fn new(table: Table, name: impl Into<String>, measure: Option<Measure>, lives: Lives) -> Shown {
+        Shown { table, name: name.into(), measure, lives }
+    }
+
+    /// What it means.
+    #[must_use]
+    pub fn meaning(&self) -> &'static str {
+        meaning(&self.name)
+    }
+}
+
+/// Every value that a run can show, of a body in space; the names of sides are left out.
+#[must_use]
+pub fn shown() -> Vec<Shown> {
+    let figures = FIGURES.iter().map(|figure| Shown::new(Table::Summary, figure.key, figure.measure, figure.lives));
+    figures.chain(history_shown()).chain(contact_shown()).chain(vtu::shown()).chain(surface::shown()).collect()
+}
+
+/// A figure of `summary.json`.
+pub(super) struct Figure {
+    /// Its key, such as `final.von_mises_max`.
+    key: &'static str,
+    measure: Option<Measure>,
+    lives: Lives,
+    value: Value,
+}
+
+/// How a figure is taken from a summary; none where a run does not have it.
+enum Value {
+    Number(fn(&Final) -> Option<f64>),
+    Vector(fn(&Final) -> &[f64]),
+    OfContact(fn(&ContactSummary) -> Option<f64>),
+    VectorOfContact(fn(&ContactSummary) -> &[f64]),
+}
+
+use Value::{Number, OfContact, Vector, VectorOfContact};
+
+impl Figure {
+    /// Its numbers with their keys; those of a vector end with the component: `final.displacement_max[0]`.
+    pub fn values(&self, last: &Final) -> Vec<(String, f64)> {
+        let contact = last.contact.as_ref();
+        let (number, vector) = match self.value {
+            Number(value) => (value(last), &[][..]),
+            Vector(value) => (None, value(last)),
+            OfContact(value) => (contact.and_then(value), &[][..]),
+            VectorOfContact(value) => (None, contact.map(value).unwrap_or_default()),
+        };
+        let components = vector.iter().enumerate().map(|(c, value)| (format!("{}[{c}]", self.key), *value));
+        number.map(|value| (self.key.to_owned(), value)).into_iter().chain(components).collect()
+    }
+}
+
+const fn figure(key: &'static str, measure: Measure, lives: Lives, value: Value) -> Figure {
+    Figure { key, measure: Some(measure), lives, value }
+}
+
+const fn norm(key: &'static str, value: fn(&Final) -> Option<f64>) -> Figure {
+    Figure { key, measure: None, lives: Lives::Whole, value: Number(value) }
+}
+
+/// The figures of the last good step. Those of contact stand for each side, too, below `final.contact.sides`.
+pub(super) static FIGURES: [Figure; 28] = [
+    figure("final.displacement_min", Measure::Length, Lives::Node, Vector(|last| &last.displacement_min)),
+    figure("final.displacement_max", Measure::Length, Lives::Node, Vector(|last| &last.displacement_max)),
+    figure("final.velocity_max", Measure::Velocity, Lives::Node, Vector(|last| &last.velocity_max)),
+    figure("final.temperature_min", Measure::Temperature, Lives::Node, Number(|last| last.temperature_min)),
+    figure("final.temperature_max", Measure::Temperature, Lives::Node, Number(|last| last.temperature_max)),
+    figure("final.von_mises_max", Measure::Stress, Lives::Cell, Number(|last| last.von_mises_max)),
+    figure("final.strain_max", Measure::Number, Lives::Quadrature, Number(|last| last.strain_max)),
+    figure("final.undershoot", Measure::TemperatureDifference, Lives::Node, Number(|last| last.undershoot)),
+    figure("final.overshoot", Measure::TemperatureDifference, Lives::Node, Number(|last| last.overshoot)),
+    figure("final.penetration_per_cell", Measure::Number, Lives::Point, Number(|last| last.penetration_per_cell)),
+    norm("final.norms.displacement_l2", |last| last.norms.displacement_l2),
+    norm("final.norms.displacement_v", |last| last.norms.displacement_v),
+    norm("final.norms.velocity_l2", |last| last.norms.velocity_l2),
+    norm("final.norms.temperature_l2", |last| last.norms.temperature_l2),
+    figure("final.contact.force", Measure::Force, Lives::Whole, VectorOfContact(|c| &c.force)),
+    figure("final.contact.moment", Measure::Moment, Lives::Whole, OfContact(|c| c.moment)),
+    figure(
+        "final.contact.moment_about_origin",
+        Measure::Moment,
+        Lives::Whole,
+        VectorOfContact(|c| c.moment_about_origin.as_deref().unwrap_or_default()),
+    ),
+    figure("final.contact.heat_flow", Measure::Power, Lives::Whole, OfContact(|c| c.heat_flow)),
+    figure("final.contact.penetration_max", Measure::Length, Lives::Point, OfContact(|c| Some(c.penetration_max))),
+    figure("final.contact.pressure_max", Measure::Stress, Lives::Point, OfContact(|c| Some(c.pressure_max))),
+    figure("final.contact.open", Measure::Number, Lives::Whole, OfContact(|c| Some(c.open as f64))),
+    figure("final.contact.stick", Measure::Number, Lives::Whole, OfContact(|c| Some(c.stick as f64))),
+    figure("final.contact.slip", Measure::Number, Lives::Whole, OfContact(|c| Some(c.slip as f64))),
+    figure("final.contact.area", Measure::Area, Lives::Whole, OfContact(|c| Some(c.area))),
+    figure("final.contact.center", Measure::Length, Lives::Whole, VectorOfContact(|c| &c.center)),
+    figure("final.contact.wear_max", Measure::Length, Lives::Point, OfContact(|c| Some(c.wear_max))),
+    figure("final.contact.wear_volume", Measure::Volume, Lives::Whole, OfContact(|c| Some(c.wear_volume))),
+    figure(
+        "final.contact.foundation_temperature",
+        Measure::Temperature,
+        Lives::Whole,
+        OfContact(|c| c.foundation_temperature),
+    ),
+];
+
+/// A text about a figure of the summary, with the words of where it lives.
+pub(super) fn placed(key: &str, text: &str) -> String {
+    let lives = FIGURES.iter().find(|figure| figure.key == key).map_or(Lives::Whole, |figure| figure.lives);
+    lives.after(text)
+}
+
+/// What values are, by their names without components; of the summary by the last part of the key.
+const MEANINGS: [(&str, &str); 83] = [
+    ("step", "number of the step"),
+    ("t", "time"),
+    ("kinetic", "kinetic energy at t"),
+    ("elastic", "elastic energy at t, of relaxing springs, too"),
+    ("viscous_dissipation", "dissipated by viscosity since the start"),
+    ("friction_dissipation", "dissipated by friction since the start"),
+    ("contact_energy", "energy of compliant contact at t"),
+    ("load_work", "work of loads and prescribed displacements since the start"),
+    ("thermal_work", "work of thermal stress since the start"),
+    ("scheme_dissipation", "what the time-stepping scheme itself took since the start"),
+    ("closing_error", "error of the energy balance"),
+    ("heat_content", "heat of the body at t, above that at the start"),
+    ("heat_contact", "heat that has come through contact since the start"),
+    ("contact_force", "resultant of σν on Γ_C, of all contacts or of one"),
+    ("contact_moment", "moment of σν about the axis, where a foundation turns about it"),
+    ("penetration_max", "largest penetration"),
+    ("open", "contact points without traction"),
+    ("stick", "contact points that stick"),
+    ("slip", "contact points that slip"),
+    ("newton_mechanics", "Newton iterations of the mechanical step"),
+    ("newton_heat", "Newton iterations of the heat step"),
+    ("heat_prescribed", "heat from prescribed temperatures since the start"),
+    ("heat_supplied", "heat of sources, inflows and convection since the start"),
+    ("heat_coupling", "heat of strain (𝓡) since the start"),
+    ("heat_closing_error", "error of the heat balance"),
+    ("passes", "passes over both half-steps"),
+    ("contraction", "mean contraction factor of the fixed-point coupling; 0 without one"),
+    ("contact_area", "area in contact"),
+    ("wear_max", "largest depth worn off"),
+    ("wear_volume", "volume worn off"),
+    ("wear_dissipation", "energy of what has worn off"),
+    ("heat_friction", "heat of friction in the body since the start"),
+    ("heat_foundation", "heat of foundations with a heat capacity at t"),
+    ("heat_surroundings", "heat that foundations have given to their surroundings"),
+    ("parts", "parts that the step was made in: 1, or more of a halved one"),
+    ("contact_center", "where the pressure acts, Σ ω p x/Σ ω p"),
+    ("foundation_temperature", "θ_F of a foundation with a heat capacity"),
+    ("modulus_work", "work of moduli and contact stiffnesses that change with time or temperature"),
+    ("heat_pairs", "heat that has crossed pairs since the start"),
+    ("heat_flow", "∫ q·ν over a side"),
+    ("pressure_max", "largest contact pressure"),
+    ("node", "number of the node; of Gauss points the number of the point"),
+    ("x", "position at rest"),
+    ("y", "position at rest"),
+    ("z", "position at rest"),
+    ("penetration", "r: how far the body is beyond the gap; negative where it is open"),
+    ("pressure", "p_ν, the contact pressure"),
+    ("traction", "σ_τ, what friction does to the body"),
+    ("slip_velocity", "w_τ − v_F, of the body against what it faces"),
+    ("status", "open, stick or slip; in files of fields 0, 1 or 2"),
+    ("temperature", "temperature θ"),
+    ("heat_flux", "q = −𝓚∇θ; on a side q·ν, heat that leaves the body"),
+    ("weight", "area ω of a contact point or of a node"),
+    ("wear", "depth worn off; of a pair in contact.csv off both bodies where they face each other now"),
+    ("friction_work", "work of friction on the area since the start"),
+    ("side", "name of the side that bears the points; in files of fields its number"),
+    ("bound", "friction bound s"),
+    ("opposite_temperature", "θ_F of the foundation, or θ of the other body of a pair"),
+    ("displacement", "displacement u"),
+    ("velocity", "velocity w = u̇"),
+    ("nodal_stress", "stress σ of (2.1), continuous within a region"),
+    ("nodal_von_mises", "von Mises stress of nodal_stress"),
+    ("stress", "stress σ of (2.1)"),
+    ("von_mises", "von Mises stress"),
+    ("region", "number of the region"),
+    ("strain", "strain ε(u)"),
+    ("principal", "principal stresses, the largest first"),
+    ("principal_direction_1", "direction of the first principal stress"),
+    ("principal_direction_2", "direction of the second principal stress"),
+    ("principal_direction_3", "direction of the third principal stress"),
+    ("gap", "g − u_ν, negative where the body is beyond the gap"),
+    ("displacement_min", "least displacement, by component"),
+    ("displacement_max", "largest displacement, by component"),
+    ("velocity_max", "largest velocity, by component and with its sign"),
+    ("temperature_min", "least temperature"),
+    ("temperature_max", "largest temperature"),
+    ("von_mises_max", "largest von Mises stress"),
+    ("strain_max", "largest principal strain in magnitude"),
+    ("undershoot", "by how much a temperature was below the least that the data allow"),
+    ("overshoot", "by how much a temperature was above the largest that the data allow"),
+    ("penetration_per_cell", "largest penetration over the height of the lowest cell of its side"),
+    ("center", "where the pressure acts, Σ ω p x/Σ ω p"),
+    ("moment_about_origin", "moment of σν about the origin; about the normal of a plane body"),
+];
+
+/// Of the summary alone, where other names say the same.
+const OF_SUMMARY: [(&str, &str); 7] = [
+    ("displacement_l2", "‖u‖ in L²"),
+    ("displacement_v", "‖u‖_V = ‖ε(u)‖ in L²"),
+    ("velocity_l2", "‖w‖ in L²"),
+    ("temperature_l2", "‖θ‖ in L²"),
+    ("force", "resultant of σν on Γ_C, of all contacts or of one"),
+    ("moment", "moment of σν about the axis of revolution, where a foundation turns about it"),
+    ("area", "area in contact"),
+];
+
+/// What a value is; those of a vector end with an axis.
+fn meaning(name: &str) -> &'static str {
+    let last = name.rsplit('.').next().unwrap_or(name);
+    let of =
+        |name: &str| MEANINGS.iter().chain(&OF_SUMMARY).find(|(known, _)| *known == name).map(|(_, meaning)| *meaning);
+    let axes = ["_x", "_y", "_z"];
+    let vector = || axes.iter().find_map(|axis| of(last.strip_suffix(axis)?));
+    of(last).or_else(vector).unwrap_or_default()
+}
+
+#[cfg(all(test, feature = "plot"))]
+mod tests;
