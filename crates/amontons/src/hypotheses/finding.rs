@@ -131,6 +131,14 @@ findings! {
     SchemeShare = "scheme-share", Warning, Mechanics;
     /// A stiffness and a density that no material has together.
     Magnitude = "magnitude", Warning, Mechanics;
+    /// Data that results do not depend on.
+    NoEffect = "no-effect", Warning, Any;
+    /// Friction that drops when slip starts, where nothing slows the slip.
+    StaticFriction = "static-friction", Warning, Mechanics;
+    /// Stresses recovered at the nodes that are far from those in the cells.
+    NodalStress = "nodal-stress", Warning, Mechanics;
+    /// Steps that take many times the contact systems that were predicted.
+    ManySystems = "many-systems", Warning, Any;
 }
 
 /// The equations that a problem must have for a finding to say something about it.

@@ -27,7 +27,7 @@ const MAKING: f64 = 35.0;
 const JOINING: f64 = 7e4;
 /// Contact patterns of a step for each of which S + J is factorized; unknowns on Γ_C from which on it is not, and
 /// products with S that a step then takes.
-const PATTERNS: f64 = 3.0;
+pub const PATTERNS: f64 = 3.0;
 const DENSE: f64 = 2000.0;
 const DENSE_PRODUCTS: f64 = 800.0;
 /// Bytes of a number.

@@ -37,6 +37,7 @@ pub use condensed::{Condensed, EXACT, TangentKey};
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, largest};
 pub use error::SolveError;
+pub(crate) use estimate::PATTERNS;
 pub use estimate::{Choice, Decided, Demand, Estimate, Workload};
 pub use factor::{Backend, Factor};
 pub use graph::Graph;

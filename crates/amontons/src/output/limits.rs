@@ -1,11 +1,12 @@
 //! How far a run went: strain, temperatures beyond those of the data, penetration beside the cells.
 
-use super::{Snapshot, largest_strain};
+use super::{Snapshot, cell_values, largest_strain, nodal_stress};
 use crate::contact::{Contact, ContactPoint};
 use crate::hypotheses::warnings::{Figures, Penetration};
+use crate::material::{Constants, Material};
 use crate::model::cell_heights;
 use crate::problem::Problem;
-use crate::tensor::Sym;
+use crate::tensor::{Point, Sym};
 
 /// The figures of a run up to a step.
 pub(super) fn figures(last: &Snapshot) -> Figures {
@@ -33,8 +34,30 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         contact_steps: state.counts.contact_steps,
         few: few(last),
         scheme: [state.ledger.scheme_dissipation, state.ledger.kinetic, state.ledger.turned_over],
+        von_mises: cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).fold(0.0, f64::max),
+        recovered: recovered(last),
+        stiff: strain * stiffness(problem),
+        systems: [last.work.contact_factorizations, last.discretization.boundary.nodes.len() * mesh.dim],
         penetration: sides.max_by(|a, b| (a.depth / a.cell).total_cmp(&(b.depth / b.cell))),
     }
+}
+
+/// Stress per strain of the stiffest material, Pa.
+fn stiffness(problem: &Problem) -> f64 {
+    let Some(x) = problem.mesh.points.first() else { return 0.0 };
+    let of = |material: &Material| {
+        Constants::of_linear(&material.elasticity.tangent(x, &Sym::ZERO), problem.mesh.tensor_dim()).lipschitz
+    };
+    problem.materials.iter().map(of).fold(0.0, f64::max)
+}
+
+/// The largest von Mises stress that is recovered at a node, and where.
+fn recovered(last: &Snapshot) -> Option<(f64, Point)> {
+    let Snapshot { problem, state, .. } = *last;
+    let stresses = problem.physics.has_mechanics().then(|| nodal_stress(problem, state))?;
+    let all = stresses.regions.iter().flatten().map(|(node, stress)| (stress.von_mises(), *node));
+    let (most, node) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((most, *problem.mesh.points.get(node as usize)?))
 }
 
 /// The contact of which the fewest points bear a traction while others are open, and how many do.

@@ -9,6 +9,7 @@
 #[macro_use]
 #[path = "../common/body.rs"]
 mod body;
+mod effect;
 mod ended;
 mod gaps;
 mod model;

@@ -23,7 +23,12 @@
 //! | `few-points` | a contact that ends within a side is borne by fewer than four points | the run |
 //! | `scheme-share` | the scheme takes more than 5 % of the energy of a motion | the run |
 //! | `magnitude` | waves in a material are slower or faster than in any | the material |
+//! | `no-effect` | results do not depend on a datum | the data |
+//! | `static-friction` | friction drops when slip starts, and neither inertia nor viscosity slows the slip | the data |
+//! | `nodal-stress` | stresses recovered at the nodes are far from those in the cells | the run |
+//! | `many-systems` | steps take ten times the contact systems that were predicted | the run |
 
+mod effect;
 mod gaps;
 mod jump;
 mod run;
@@ -69,6 +74,8 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
         findings.extend(jump::jump(problem, region));
     }
     findings.extend(thermal::layer(problem));
+    findings.extend(effect::without_effect(problem));
+    findings.extend(effect::jumps(problem));
     findings
 }
 

@@ -3,6 +3,7 @@
 use super::super::laws::at;
 use super::super::{Finding, FindingId};
 use super::warning;
+use crate::linalg::PATTERNS;
 use crate::problem::Problem;
 use crate::tensor::Point;
 use crate::units::Measure;
@@ -20,6 +21,15 @@ const POINTS: usize = 4;
 const SCHEME: f64 = 0.05;
 /// Share of the energy turned over from which on kinetic energy counts.
 const MOVES: f64 = 0.01;
+/// Ratio of the largest von Mises stress recovered at a node to that in a cell beyond which neither is resolved.
+const APART: f64 = 1.5;
+/// Stress relative to that of the strain below which it is round-off, as of a body that expands freely.
+const ROUND_OFF: f64 = 1e-9;
+/// Contact systems of a step, in multiples of those that the time of a run is predicted with, from which on the
+/// prediction is off.
+const OFF: f64 = 10.0;
+/// Operations of contact systems, about half a minute, below which nobody minds.
+const COSTLY: f64 = 1e12;
 
 /// What a run came to, to be judged.
 #[derive(Clone, Debug)]
@@ -44,6 +54,14 @@ pub struct Figures {
     pub few: Option<(usize, usize)>,
     /// What the scheme took of the energy, the kinetic energy at the last step, and all that was turned over.
     pub scheme: [f64; 3],
+    /// Largest von Mises stress at the centre of a cell, Pa.
+    pub von_mises: f64,
+    /// Largest von Mises stress recovered at a node, Pa, and where; none where it is not known.
+    pub recovered: Option<(f64, Point)>,
+    /// Stress of the largest strain in the stiffest material, Pa.
+    pub stiff: f64,
+    /// Contact systems that were factorized, and the unknowns of one.
+    pub systems: [usize; 2],
 }
 
 /// A penetration beside the cells of the side.
@@ -69,6 +87,8 @@ pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
         no_contact(problem, figures),
         few_points(problem, figures),
         scheme_share(problem, figures),
+        nodal_stress(problem, figures),
+        many_systems(figures),
     ];
     parts.into_iter().flatten().collect()
 }
@@ -217,4 +237,38 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
     );
     let repair = "use more steps (time.steps): the share falls with the step, across an impact with its square root";
     Some(warning(FindingId::SchemeShare, "time.steps", [share, SCHEME], message, repair))
+}
+
+/// `nodal-stress`: both are right to the size of a cell, so that they differ where stresses vary from cell to cell.
+fn nodal_stress(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let (recovered, x) = figures.recovered?;
+    let ratio = recovered / figures.von_mises;
+    if figures.von_mises <= ROUND_OFF * figures.stiff || ratio <= APART {
+        return None;
+    }
+    let write = |stress: f64| problem.units().write(stress, Measure::Stress);
+    let message = format!(
+        "the von Mises stress is up to {} recovered at the nodes, at {}, and up to {} at the centre of a cell: cells there do not resolve it",
+        write(recovered),
+        at(&x),
+        write(figures.von_mises)
+    );
+    let repair = "use smaller or quadratic cells there; at a sharp corner or the end of a support the stress has no limit, and neither number means anything";
+    Some(warning(FindingId::NodalStress, "mesh", [ratio, APART], message, repair))
+}
+
+/// `many-systems`.
+fn many_systems(figures: &Figures) -> Option<Finding> {
+    let [systems, unknowns] = figures.systems.map(|count| count as f64);
+    let (made, predicted) = (systems / figures.steps.max(1) as f64, PATTERNS);
+    let operations = 2.0 / 3.0 * unknowns.powi(3) * systems;
+    if made <= OFF * predicted || operations <= COSTLY {
+        return None;
+    }
+    let message = format!(
+        "a step takes {made:.0} contact systems in the mean, {:.0} times the {predicted:.0} that the time of the run is predicted with",
+        made / predicted
+    );
+    let repair = "use more steps: each then changes less of the contact; a contact that is far stiffer than the body, or friction beside few supports, take most";
+    Some(warning(FindingId::ManySystems, "time.steps", [made, OFF * predicted], message, repair))
 }

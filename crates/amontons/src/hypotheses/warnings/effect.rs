@@ -1,0 +1,98 @@
+//! `no-effect` and `static-friction`: data that change nothing, and friction whose slip no data limit.
+//!
+//! Loads on a side that is held in their direction, and heat into one whose temperature is prescribed, are faults.
+
+use super::super::{Finding, FindingId};
+use super::warning;
+use crate::contact::{Contact, ContactPoint};
+use crate::mesh::FacetSet;
+use crate::problem::Problem;
+use crate::tensor::Sym;
+
+/// `no-effect`: data that results do not depend on, one finding per datum.
+pub(super) fn without_effect(problem: &Problem) -> Vec<Finding> {
+    let told = |(place, message, repair): (String, String, &'static str)| {
+        warning(FindingId::NoEffect, &place, [0.0, 1.0], message, repair)
+    };
+    let of_contacts = problem.contacts.iter().enumerate().flat_map(|(side, contact)| {
+        let path = problem.contact_path(side);
+        slides_without_friction(&path, contact).into_iter().chain(heats_without_friction(&path, contact))
+    });
+    velocity_without_inertia(problem).into_iter().chain(of_contacts).map(told).collect()
+}
+
+/// Where it stands, what it means, and what to do.
+type Idle = (String, String, &'static str);
+
+/// A body without inertia is in balance from the first step on, whatever its velocity was.
+fn velocity_without_inertia(problem: &Problem) -> Option<Idle> {
+    let is_given = problem.initial.velocity.iter().any(|velocity| !velocity.is_zero());
+    if !is_given || has_inertia(problem) {
+        return None;
+    }
+    let message = "without a density a body has no inertia: its velocity at the start changes nothing";
+    let repair =
+        "give material.density, or leave inertia on; prescribe a displacement that depends on t to drive the body";
+    Some(("initial.velocity".to_owned(), message.to_owned(), repair))
+}
+
+/// Friction, and wear by what slides, are all that a sliding foundation acts by.
+fn slides_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
+    let slides = contact.foundation_velocity.iter().any(|velocity| !velocity.is_zero());
+    if !slides || !contact.friction.is_frictionless() || contact.wear.is_some() || contact.obstacle.is_some() {
+        return None;
+    }
+    let message = "without friction and wear nothing depends on the velocity of what the side slides on";
+    Some((format!("{path}.foundation_velocity"), message.to_owned(), "give `friction`, or remove the velocity"))
+}
+
+fn heats_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
+    let rubs = ContactPoint { friction_power: 1.0, ..ContactPoint::default() };
+    let heats = (contact.heat.flux(&rubs).value - contact.heat.flux(&ContactPoint::default()).value).abs() > 0.0;
+    if !heats || !contact.friction.is_frictionless() {
+        return None;
+    }
+    let message = "without friction there is no heat of friction";
+    Some((format!("{path}.frictional_heat"), message.to_owned(), "give `friction`, or remove `frictional_heat`"))
+}
+
+/// Whether some material has a density.
+fn has_inertia(problem: &Problem) -> bool {
+    problem.values_of(|material| &material.density).iter().any(|density| density.value > 0.0)
+}
+
+/// `static-friction`: friction that drops when slip starts, at a side of a body that neither inertia nor viscosity
+/// slows down. A point then jumps within a step, however short that is.
+pub(super) fn jumps(problem: &Problem) -> Vec<Finding> {
+    let drops = problem.contacts.iter().enumerate().filter(|(_, contact)| contact.friction.drops_from_rest());
+    let jumping = drops.filter(|(_, contact)| contact.sides().any(|side| !is_slowed(problem, side)));
+    let told = |(side, _): (usize, &Contact)| {
+        let message = "friction drops when slip starts, and neither inertia nor viscosity slows the slip: points jump within a step, \
+                       however short it is, so that slip velocities grow with the number of steps and which points jump first may depend on it"
+            .to_owned();
+        let repair = "give material.density or material.viscosity, or equal coefficients `static` and `kinetic`";
+        warning(
+            FindingId::StaticFriction,
+            &format!("{}.friction", problem.contact_path(side)),
+            [0.0, 1.0],
+            message,
+            repair,
+        )
+    };
+    jumping.map(told).collect()
+}
+
+/// Whether the body of a side has a density or a viscosity.
+fn is_slowed(problem: &Problem, side: &str) -> bool {
+    let mesh = &*problem.mesh;
+    let Some(nodes) = mesh.facets.get(side).map(FacetSet::node_list) else { return true };
+    let is_on = |cell: &[u32]| cell.iter().any(|node| nodes.binary_search(node).is_ok());
+    mesh.blocks.iter().filter(|block| block.cells().any(is_on)).all(|block| {
+        let Some(material) = problem.material_of(block.region) else { return true };
+        let Some(x) = block.cells().next().and_then(|cell| mesh.points.get(*cell.first()? as usize)) else {
+            return true;
+        };
+        let viscous = material.viscosity.tangent(x, &Sym::ZERO).0.iter().flatten().any(|entry| *entry != 0.0);
+        material.density.at(x) > 0.0 || viscous || material.prony.is_some()
+    })
+}
