@@ -35,6 +35,9 @@ pub enum Command {
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
+        /// Keep the results of earlier runs: write into the first of NAME, NAME-2, NAME-3, … that is not there
+        #[arg(long, conflicts_with_all = ["each", "force"])]
+        again: bool,
         /// Make one run per value, each in its own folder, with one table and one picture; repeatable: all combinations
         #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
         each: Vec<String>,

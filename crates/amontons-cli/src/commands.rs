@@ -22,13 +22,13 @@ use crate::{constants, converge, explain, materials, new, reproduce, sweep, veri
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, report, no_certificate, each, jobs, common } if !each.is_empty() => {
+        Command::Run { case, plot, report, no_certificate, each, jobs, common, .. } if !each.is_empty() => {
             let after = After { pictures: plot, report };
             let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate: !no_certificate };
             sweep::execute(&case, &request, &common)
         }
-        Command::Run { case, plot, report, no_certificate, common, .. } => {
-            start(&case, After { pictures: plot, report }, no_certificate, &common)
+        Command::Run { case, plot, report, no_certificate, again, common, .. } => {
+            start(&case, After { pictures: plot, report }, [!no_certificate, again], &common)
         }
         Command::Resume { dir, plot, report, no_certificate, common } => {
             resume(&dir, After { pictures: plot, report }, no_certificate, &common)
@@ -123,13 +123,26 @@ fn show_mesh(file: &Path, scale: f64, format: Format) -> Result<(), Failure> {
     if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
 }
 
-fn start(file: &Path, after: After, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+fn start(file: &Path, after: After, [certificate, again]: [bool; 2], common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
     let case = common.case(file)?;
-    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    let settings = settings(&case, &out, !no_certificate, &progress);
-    let folder = Folder::create(&out, options(&case, !no_certificate, common))?;
+    let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
+    let out = if again { free(named) } else { named };
+    let settings = settings(&case, &out, certificate, &progress);
+    let folder = Folder::create(&out, options(&case, certificate, common))?;
     drive(&case, None, (folder, &out, after), &settings, progress, common)
+}
+
+/// The first of a folder, the same with -2, -3 and so on that is not there.
+fn free(named: PathBuf) -> PathBuf {
+    let numbered = |number: usize| {
+        let mut name = named.clone().into_os_string();
+        name.push(format!("-{number}"));
+        PathBuf::from(name)
+    };
+    // A folder whose name cannot be looked up is told of where it is made.
+    let is_taken = |path: &Path| path.symlink_metadata().is_ok();
+    if is_taken(&named) { (2..=9999).map(numbered).find(|path| !is_taken(path)).unwrap_or(named) } else { named }
 }
 
 fn resume(dir: &Path, after: After, no_certificate: bool, common: &Common) -> Result<(), Failure> {
@@ -170,6 +183,7 @@ fn settings(case: &Case, dir: &Path, certificate: bool, progress: &Progress) -> 
         certificate,
         known: output::known_certificate(dir, &case.fingerprint()),
         watch: Some(progress.watch()),
+        pulse: progress.pulse(),
         ..Settings::default()
     }
 }

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use amontons::contact::Status;
 use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::pulse::Pulse;
 use amontons::run::{Phase, Watch};
 use amontons::units::{Measure, Units};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -23,6 +24,8 @@ use crate::status::INTERRUPTED;
 /// How long a command takes before it gets a bar, and how often the bar is drawn.
 const PATIENCE: Duration = Duration::from_secs(1);
 const REDRAW: Duration = Duration::from_millis(200);
+/// Iterations of a step from which on they are shown.
+const MANY: usize = 20;
 /// Time between lines where standard error is no terminal.
 const MINUTE: Duration = Duration::from_mins(1);
 /// Least time between JSON lines of steps.
@@ -53,6 +56,8 @@ struct Place {
     t: Option<f64>,
     /// Unit of the time.
     units: Units,
+    /// Told by the step that is being made.
+    pulse: Pulse,
     /// Contact points that are open, stick and slip.
     contact: Option<[usize; 3]>,
     told: Option<Instant>,
@@ -64,6 +69,16 @@ impl Place {
     fn left(&self) -> Option<f64> {
         let done = self.step.checked_sub(self.first).filter(|&done| done > 0 && self.phase == "steps")?;
         Some(self.phase_begin.elapsed().as_secs_f64() / done as f64 * self.steps.saturating_sub(self.step) as f64)
+    }
+
+    /// Where the present step is, if it takes more than a few iterations: `, in step 13 iteration 40 of part 3`.
+    fn within(&self) -> String {
+        let (iterations, parts) = (self.pulse.iterations(), self.pulse.parts());
+        if iterations < MANY || self.step >= self.steps {
+            return String::new();
+        }
+        let part = if parts > 1 { format!(" of part {parts}") } else { String::new() };
+        format!(", in step {} iteration {iterations}{part}", self.step + 1)
     }
 
     /// `study 3 of 6: step 12 of 64, t = 0.1875 s; contact: 3 open, 0 stick, 5 slip; 2 min gone, about 9 min left`.
@@ -84,7 +99,7 @@ impl Place {
             format!("; contact: {open} open, {stick} stick, {slip} slip")
         });
         let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
-        format!("{part}step {} of {}{time}{contact}; {gone} gone{left}", self.step, self.steps)
+        format!("{part}step {} of {}{}{time}{contact}; {gone} gone{left}", self.step, self.steps, self.within())
     }
 
     /// What fits beside a bar of 80 columns, the most important first: `step 12 of 64, about 9 min left; 3 open,
@@ -101,7 +116,7 @@ impl Place {
         let contact = self
             .contact
             .map_or_else(String::new, |[open, stick, slip]| format!("; {open} open, {stick} stick, {slip} slip"));
-        format!("{part}step {} of {}{left}{contact}", self.step, self.steps)
+        format!("{part}step {} of {}{}{left}{contact}", self.step, self.steps, self.within())
     }
 
     fn json(&self) -> Value {
@@ -113,6 +128,8 @@ impl Place {
             value["step"] = json!(self.step);
             value["steps"] = json!(self.steps);
             value["seconds_left"] = json!(self.left());
+            value["iteration"] = json!(self.pulse.iterations());
+            value["attempts"] = json!(self.pulse.parts());
             value["t"] = json!(self.t);
             value["contact"] = self
                 .contact
@@ -218,6 +235,7 @@ impl Progress {
             steps: 0,
             t: None,
             units: Units::default(),
+            pulse: Pulse::default(),
             contact: None,
             told: None,
             ended: false,
@@ -263,6 +281,11 @@ impl Progress {
                 Phase::Results => "results",
             });
         }))
+    }
+
+    /// What a run tells of its present step.
+    pub fn pulse(&self) -> Pulse {
+        self.shared.place().pulse.clone()
     }
 
     /// A flag that Ctrl-C and the signals of batch systems set, which says what happens next. The program ends at once

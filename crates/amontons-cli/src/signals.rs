@@ -40,8 +40,11 @@ mod system {
     }
 
     pub fn interrupts(flag: &Arc<AtomicBool>, tell: impl Fn(&str) + Send + 'static) -> io::Result<()> {
+        // Set by the handler itself, so that a second signal is answered while the first one is still being told of.
+        let asked = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            flag::register_conditional_shutdown(signal, KILLED, Arc::clone(flag))?;
+            flag::register_conditional_shutdown(signal, KILLED, Arc::clone(&asked))?;
+            flag::register(signal, Arc::clone(&asked))?;
         }
         let mut signals = Signals::new(ENDING.map(|(signal, _)| signal))?;
         let set = Arc::clone(flag);

@@ -8,10 +8,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::case::{self, Case};
 use amontons::output::{
-    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, RunStart, Sink, Snapshot, Summary,
+    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, RunStart, Shown, Sink, Snapshot,
+    Summary, Table as Kept,
 };
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::run::{self, RunError, Settings};
+use amontons::units::{Measure, Units};
 use serde_json::Value;
 
 use crate::after::After;
@@ -79,7 +81,7 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     let results = sweep.all(&parts, jobs);
     drop(progress);
     let rows: Vec<Row> = parts.iter().zip(&results).map(|(part, result)| Row::new(part, result)).collect();
-    let table = Table::new(&rows);
+    let table = Table::new(&rows, parts.first().map(|part| &part.case));
     table.write(&out)?;
     picture(&name, &rows, &table, &out)?;
     if common.format == Format::Json {
@@ -263,14 +265,34 @@ struct Table<'a> {
     rows: &'a [Row],
     /// Names of the figures that some run has.
     figures: Vec<String>,
+    /// What they measure, as far as they have a unit, and the units of the case.
+    measures: BTreeMap<String, Measure>,
+    units: Units,
 }
 
 impl<'a> Table<'a> {
-    fn new(rows: &'a [Row]) -> Table<'a> {
+    fn new(rows: &'a [Row], case: Option<&Case>) -> Table<'a> {
         let mut figures: Vec<String> = rows.iter().flat_map(|row| row.figures.keys().cloned()).collect();
         figures.sort();
         figures.dedup();
-        Table { rows, figures }
+        let units = case.map_or_else(Units::default, |case| case.problem.units());
+        Table { rows, figures, measures: case.map(measures).unwrap_or_default(), units }
+    }
+
+    /// A figure for reading: with its unit.
+    fn cell(&self, figure: &str, value: f64) -> String {
+        self.units.write(value, self.measures.get(figure).copied().unwrap_or(Measure::Number))
+    }
+
+    /// The figures that are shown and drawn, with their titles: those that most users ask for, and the probes, if they
+    /// differ between runs.
+    fn shown(&self) -> Vec<(String, String)> {
+        let most = SHOWN.iter().map(|(figure, title)| ((*figure).to_owned(), (*title).to_owned()));
+        let probes = self.figures.iter().filter_map(|figure| {
+            let name = figure.strip_prefix("probes.")?;
+            Some((figure.clone(), name.to_owned()))
+        });
+        most.chain(probes).filter(|(figure, _)| self.varies(figure)).collect()
     }
 
     fn keys(&self) -> impl Iterator<Item = &str> {
@@ -314,18 +336,18 @@ impl<'a> Table<'a> {
         serde_json::json!({ "runs": runs.collect::<Vec<Value>>() })
     }
 
-    /// The table for reading, with the figures that most users ask for.
+    /// The table for reading.
     fn text(&self, name: &str, out: &Path) -> String {
-        let shown: Vec<&(&str, &str)> = SHOWN.iter().filter(|(figure, _)| self.varies(figure)).collect();
+        let shown = self.shown();
         let mut cells: Vec<Vec<String>> = vec![
             self.keys()
                 .map(str::to_owned)
                 .chain(["outcome".to_owned()])
-                .chain(shown.iter().map(|(_, title)| (*title).to_owned()))
+                .chain(shown.iter().map(|(_, title)| title.clone()))
                 .collect(),
         ];
         for row in self.rows {
-            let figure = |name: &str| row.figures.get(name).map_or_else(String::new, |value| format!("{value:.6e}"));
+            let figure = |name: &str| row.figures.get(name).map_or_else(String::new, |value| self.cell(name, *value));
             let values = row.values.iter().map(|(_, value)| value.clone()).chain([row.outcome.clone()]);
             cells.push(values.chain(shown.iter().map(|(name, _)| figure(name))).collect());
         }
@@ -351,6 +373,22 @@ impl<'a> Table<'a> {
     }
 }
 
+/// What the figures of a case measure by their names in `sweep.csv`.
+fn measures(case: &Case) -> BTreeMap<String, Measure> {
+    let key = |value: &Shown| match value.table {
+        Kept::Summary => Some(value.name.clone()),
+        Kept::History => Some(format!("energy.{}", value.name)),
+        _ => None,
+    };
+    let known = output::shown().into_iter().filter_map(|value| Some((key(&value)?, value.measure?)));
+    let probes = case.probes.iter().filter_map(|probe| Some((probe, probe.measure()?)));
+    let of_probes = probes.flat_map(|(probe, measure)| {
+        let endings = probe.quantity.columns(case.problem.mesh.dim);
+        endings.into_iter().map(move |ending| (format!("probes.{}{ending}", probe.name), measure))
+    });
+    known.chain(of_probes).collect()
+}
+
 /// Figures that are shown and drawn if they differ between runs, with their titles.
 const SHOWN: [(&str, &str); 8] = [
     ("final.contact.pressure_max", "largest pressure"),
@@ -368,11 +406,8 @@ fn picture(name: &str, rows: &[Row], table: &Table, out: &Path) -> Result<(), Fa
     let number = |row: &Row, key: usize| row.values.get(key).and_then(|(_, value)| value.parse::<f64>().ok());
     let keys = table.keys().count();
     let Some(key) = (0..keys).find(|&key| rows.iter().all(|row| number(row, key).is_some())) else { return Ok(()) };
-    let mut charts: Vec<(String, &str)> = SHOWN.iter().map(|(figure, title)| ((*figure).to_owned(), *title)).collect();
-    charts.extend(table.figures.iter().filter_map(|figure| Some((figure.clone(), figure.strip_prefix("probes.")?))));
-    charts.retain(|(figure, _)| table.varies(figure));
     let mut series: Vec<SweepSeries> = Vec::new();
-    for (figure, title) in &charts {
+    for (figure, title) in &table.shown() {
         let mut lines: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
         for row in rows {
             let others = row.values.iter().enumerate().filter(|(k, _)| *k != key);
@@ -383,7 +418,9 @@ fn picture(name: &str, rows: &[Row], table: &Table, out: &Path) -> Result<(), Fa
             let line = lines.entry(label.join(", ")).or_default();
             line.extend(point.filter(|(_, y)| y.is_finite()).map(|(x, y)| [x, y]));
         }
-        series.push(SweepSeries { quantity: (*title).to_owned(), lines: lines.into_iter().collect() });
+        let unit = table.measures.get(figure).map_or("", |measure| table.units.of(*measure));
+        let quantity = if unit.is_empty() { title.clone() } else { format!("{title} in {unit}") };
+        series.push(SweepSeries { quantity, lines: lines.into_iter().collect() });
     }
     if series.is_empty() {
         return Ok(());

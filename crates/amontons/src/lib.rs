@@ -56,6 +56,7 @@ pub mod output;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod problem;
+pub mod pulse;
 pub mod quadrature;
 pub mod rigid;
 pub mod run;

@@ -18,6 +18,7 @@ use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
 };
 use crate::problem::Problem;
+use crate::pulse::Pulse;
 use crate::scheme::{BackwardEuler, Kept, MakeScheme, Scheme, SetupError, State, StepError, StepReport};
 
 /// How a run is made. Only the scheme changes results.
@@ -34,6 +35,8 @@ pub struct Settings {
     pub known: Option<Vec<Finding>>,
     /// Called when a phase of the run begins.
     pub watch: Option<Watch>,
+    /// Told where each step is.
+    pub pulse: Pulse,
     /// The time-stepping scheme. A run is resumed with the scheme that it began with.
     pub scheme: MakeScheme,
 }
@@ -71,6 +74,7 @@ impl Default for Settings {
             certificate: true,
             known: None,
             watch: None,
+            pulse: Pulse::default(),
             scheme: BackwardEuler::make,
         }
     }
@@ -210,7 +214,7 @@ fn drive(
     begins(Phase::Assembly);
     let backend = Arc::new(Timed::new(&problem.backend, settings.watch.clone()));
     let solver: Arc<dyn Backend> = Arc::<Timed>::clone(&backend);
-    let made = within(pool.as_ref(), || (settings.scheme)(problem, &discrete, &solver));
+    let made = within(pool.as_ref(), || scheme(problem, &discrete, &solver, settings));
     let mut scheme = unless_interrupted(settings, resumed, made)?;
     let unknowns = counted(&*scheme);
     let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
@@ -256,6 +260,18 @@ fn drive(
     let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &*scheme);
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     ended(failed, summary)
+}
+
+/// The scheme, which tells from now on where each step is.
+fn scheme(
+    problem: &Problem,
+    discrete: &Arc<Discretization>,
+    solver: &Arc<dyn Backend>,
+    settings: &Settings,
+) -> Result<Box<dyn Scheme>, SetupError> {
+    let mut scheme = (settings.scheme)(problem, discrete, solver)?;
+    scheme.watched_by(&settings.pulse);
+    Ok(scheme)
 }
 
 /// What sinks see of a run.

@@ -171,3 +171,56 @@ fn an_interrupted_sweep_goes_on() {
     }
     assert_eq!(read(&whole.join("sweep.svg")), read(&broken.join("sweep.svg")));
 }
+
+/// The printed table has the probes and units, and no number without one that has a unit.
+#[test]
+fn the_table_has_probes_and_units() {
+    let folder = tempdir().expect("a folder");
+    let probe = "probe=[{ name = \"top\", quantity = \"displacement_y\", on = \"top\", take = \"mean\" }, { name = \"mid\", quantity = \"stress_yy\", at = [0.5, 0.5] }]";
+    let printed = stdout(&sweep(&folder.path().join("sweep"), &["--set", probe, "--set", "units=\"SI\""]));
+    let lines: Vec<&str> = printed.lines().collect();
+    let header = lines.iter().find(|line| line.contains("outcome")).expect("a header");
+    assert!(header.contains("mid") && header.contains("largest pressure"), "{printed}");
+    let rows: Vec<&&str> = lines.iter().filter(|line| line.contains(" done ")).collect();
+    assert_eq!(rows.len(), 6, "{printed}");
+    assert!(rows.iter().all(|row| row.contains("Pa") && row.contains('K')), "{printed}");
+    let svg = read(&folder.path().join("sweep/sweep.svg"));
+    assert!(svg.contains("in Pa"), "the picture has units");
+}
+
+/// Results of earlier runs stay, and the next free folder is taken.
+#[test]
+fn a_run_is_made_again() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("paper").display().to_string();
+    let run = |more: &[&str]| {
+        let paper = paper();
+        let mut arguments = vec![
+            "run",
+            &paper,
+            "--set",
+            "mesh.n=4",
+            "--set",
+            "time.steps=2",
+            "--no-certificate",
+            "--quiet",
+            "--out",
+            &out,
+        ];
+        arguments.extend(more);
+        output(&mut amontons(&arguments))
+    };
+    assert_code(&run(&["--again"]), 0);
+    let first = fs::metadata(Path::new(&out).join("summary.json")).expect("a file").modified().expect("a time");
+    let refused = run(&[]);
+    assert_code(&refused, 2);
+    assert!(stderr(&refused).contains("--again"), "{}", stderr(&refused));
+    for number in 2..4 {
+        assert_code(&run(&["--again"]), 0);
+        assert!(Path::new(&format!("{out}-{number}")).join("summary.json").is_file());
+    }
+    let now = fs::metadata(Path::new(&out).join("summary.json")).expect("a file").modified().expect("a time");
+    assert_eq!(first, now);
+    assert_code(&run(&["--again", "--force"]), 2);
+    common::assert_same_results(Path::new(&out), Path::new(&format!("{out}-3")));
+}

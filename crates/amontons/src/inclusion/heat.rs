@@ -175,7 +175,7 @@ impl HeatStep<'_> {
         let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
         let lambda = rho.iter().map(|rho| if *rho > 0.0 { rho.recip() } else { 0.0 }).collect();
         let term = Thermal { step: self, interface, lambda };
-        let right = Right { r, guess, proximal: None, is_repeated: false, springs: &[], rigid: None };
+        let right = Right { r, guess, proximal: None, is_repeated: false, springs: &[], rigid: None, pulse: None };
         let start = Iterate { x: List::copied(guess), multipliers: term.start(guess) };
         let outcome = iterate(
             &term,

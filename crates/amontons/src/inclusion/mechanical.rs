@@ -16,6 +16,7 @@ use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 use crate::list::List;
+use crate::pulse::Pulse;
 use crate::space::Space;
 use crate::tensor::{Point, dot, given, length};
 
@@ -86,6 +87,11 @@ pub struct MechanicalStep<'a> {
     pub temperature: &'a [f64],
     /// Whether the step is solved again for what the round-off leaves.
     pub is_repeated: bool,
+    /// Whether the step is made in halves where the iteration does not end: then it ends sooner, because shorter steps
+    /// take less.
+    pub may_be_halved: bool,
+    /// Told of each iteration.
+    pub pulse: &'a Pulse,
     /// The rigid motions of parts that nothing but contact holds.
     pub loose: &'a Arc<Loose>,
     /// What the loads do along each of these motions, and what they would do if none of them cancelled.

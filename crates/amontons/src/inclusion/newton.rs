@@ -9,6 +9,7 @@ use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Spring, Tangent, max_abs};
 use crate::list::List;
+use crate::pulse::Pulse;
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
 /// the residual has to fall by, and the least that is asked for at once.
@@ -67,6 +68,8 @@ pub(super) struct Right<'a> {
     pub springs: &'a [Spring],
     /// The rigid motions that S does not resist to the last bit; none where it is not known.
     pub rigid: Option<&'a Jumps>,
+    /// Told of each iteration, where somebody watches.
+    pub pulse: Option<&'a Pulse>,
 }
 
 impl Right<'_> {
@@ -257,6 +260,7 @@ pub(super) fn iterate<T: Term>(
         if now.converged() || now.residual <= effort.enough * now.scale {
             return Ok(now.end(term, iteration));
         }
+        right.pulse.into_iter().for_each(Pulse::iterate);
         if iteration == 0 {
             term.begin(&mut now.laws, &now.at.multipliers);
         }

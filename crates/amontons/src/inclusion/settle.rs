@@ -113,9 +113,10 @@ impl Mechanical<'_> {
         [r, guess]: [&[f64]; 2],
         start: Mechanics,
     ) -> Result<Settled, Failure> {
+        let pulse = Some(self.step.pulse);
         let Some(holds) = &self.holds else {
             let is_repeated = self.step.is_repeated;
-            let right = Right { r, guess, proximal: None, is_repeated, springs: &[], rigid: None };
+            let right = Right { r, guess, proximal: None, is_repeated, springs: &[], rigid: None, pulse };
             let (end, iterations) = self.solve(condensed, &right, start)?;
             return Ok(Settled { end, iterations, loose: Vec::new(), held: List::new() });
         };
@@ -133,7 +134,7 @@ impl Mechanical<'_> {
             rigid.put_on(self.step.loads, &mut r);
         }
         let is_repeated = self.step.is_repeated;
-        let right = Right { r: &r, guess, proximal: None, is_repeated, springs: &springs, rigid };
+        let right = Right { r: &r, guess, proximal: None, is_repeated, springs: &springs, rigid, pulse };
         let (end, iterations) = self.solve(condensed, &right, start)?;
         let excess = self.excess(&end);
         if !excess.is_empty() {

@@ -25,8 +25,9 @@ const SHARP: f64 = 1e-12;
 const SHARPEST: f64 = 0.1;
 /// Iterations after which proximal steps have failed too.
 const APPROACH: usize = 20 * ITERATIONS;
-/// The same where a body slides under a load that friction does not bear.
-const SLIDES: usize = ITERATIONS;
+/// The same, beyond those before, where a body slides under a load that friction does not bear, and where the step is
+/// made in halves then.
+const FEW: usize = ITERATIONS;
 
 /// An iterate of the mechanical step.
 pub(super) type Mechanics = Iterate<List<Multiplier>>;
@@ -228,8 +229,8 @@ impl Mechanical<'_> {
         mut why: NotConverged,
     ) -> Result<(Mechanics, usize), Failure> {
         let mut beta = 1.0;
-        let most =
-            if self.slipping(condensed, right, &reached)?.is_empty() { APPROACH } else { why.iterations + SLIDES };
+        let is_short = self.step.may_be_halved || !self.slipping(condensed, right, &reached)?.is_empty();
+        let most = if is_short { why.iterations + FEW } else { APPROACH };
         while why.iterations < most && beta * f64::EPSILON < 1.0 {
             let before = why.iterations;
             let near = Right { proximal: Some((beta, reached.x.clone())), ..right.clone() };

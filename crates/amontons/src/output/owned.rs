@@ -98,7 +98,7 @@ pub(super) fn told(root: &Path, manifest: &Manifest) -> OutputError {
     };
     let found = format!("{what} of \"{}\": {steps} steps are made", manifest.case());
     let go_on = if goes_on { format!("go on with: amontons resume {}; or ", root.display()) } else { String::new() };
-    let advice = format!("{go_on}replace it with --force, or give another folder with --out");
+    let advice = format!("{go_on}replace it with --force, keep it with --again, or give another folder with --out");
     OutputError::HoldsResults { path: root.to_owned(), found, advice }
 }
 

@@ -20,6 +20,7 @@ use crate::inclusion::{Loose, Multipliers, PointState, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::list::{Keeping, List};
 use crate::problem::{Problem, with_supports};
+use crate::pulse::Pulse;
 use crate::tensor;
 
 /// How often a step is halved that does not converge, or in which there may be several solutions.
@@ -50,6 +51,8 @@ pub struct BackwardEuler {
     products: Option<Products>,
     /// The bodies whose rigid motions are taken apart, made when it is first needed; none where they cannot be.
     bodies: OnceLock<Option<Bodies>>,
+    /// Told where each step is.
+    pulse: Pulse,
     /// The memory of lists is kept from the first step on.
     keeping: Option<Keeping>,
 }
@@ -189,6 +192,7 @@ impl BackwardEuler {
             given_up: (0, 0),
             products: None,
             bodies: OnceLock::new(),
+            pulse: Pulse::default(),
             keeping: None,
         })
     }
@@ -274,6 +278,8 @@ impl BackwardEuler {
             k: *k,
             rule: *rule,
             apart: None,
+            may_be_halved: false,
+            pulse: &self.pulse,
             loose: &self.loose,
         };
         Mechanics::is_unique(&now, mechanics, end)
@@ -316,7 +322,8 @@ impl BackwardEuler {
             .take()
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
-        let Self { problem, discrete, systems, halved, bodies, loose, .. } = self;
+        let Self { problem, discrete, systems, halved, bodies, loose, pulse, .. } = self;
+        pulse.begin_part();
         let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let contacts = contacts_at(problem, t);
@@ -338,6 +345,8 @@ impl BackwardEuler {
                 .and_then(Option::as_ref)
                 .filter(|_| !old.carried.rigid.is_empty())
                 .map(|bodies| Apart { bodies, carried: &old.carried }),
+            may_be_halved: halvings < HALVINGS,
+            pulse,
             loose,
         };
         let before = krylov_iterations(mechanics.as_ref(), heat.as_ref());
@@ -531,6 +540,7 @@ impl Scheme for BackwardEuler {
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let n = old.step + 1;
+        self.pulse.begin_step();
         self.keeping.get_or_insert_with(Keeping::begin);
         let (mut state, report) =
             self.advance(old, n, self.problem.time(n), 0).map_err(|error| datum::named(&self.problem, old, error))?;
@@ -587,6 +597,10 @@ impl Scheme for BackwardEuler {
             kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
         }
         Ok(())
+    }
+
+    fn watched_by(&mut self, pulse: &Pulse) {
+        self.pulse = pulse.clone();
     }
 
     fn unknowns(&self) -> [usize; 3] {

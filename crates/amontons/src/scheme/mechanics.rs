@@ -144,6 +144,8 @@ impl Given {
             frames: &self.frames,
             temperature: &self.temperature,
             is_repeated: step.apart.is_some(),
+            may_be_halved: step.may_be_halved,
+            pulse: step.pulse,
             loose: step.loose,
             loads: &self.loads,
         })

@@ -28,6 +28,7 @@ use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::{Account, Backend, Decided, SolveError, TangentKey};
 use crate::list::List;
 use crate::problem::{Coupling, Faults, Problem, Uncovered};
+use crate::pulse::Pulse;
 use crate::tensor::Point;
 
 /// The state at a time t_n: what the next step starts from.
@@ -441,6 +442,8 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     fn recall(&mut self, _kept: &Kept) -> Result<(), SetupError> {
         Ok(())
     }
+    /// Tells from now on where each step is.
+    fn watched_by(&mut self, _pulse: &Pulse) {}
     /// Unknowns of displacement, temperature and on Γ_C.
     fn unknowns(&self) -> [usize; 3];
     /// How systems are solved: `iterative` if one of them is, else `direct`.

@@ -14,6 +14,7 @@ use crate::list::List;
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
 use crate::problem::Problem;
+use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
 use crate::tensor::Point;
@@ -49,6 +50,10 @@ pub(super) struct Step<'a> {
     pub rule: Rule,
     /// Where rigid motions of bodies are taken apart from their deformation.
     pub apart: Option<Apart<'a>>,
+    /// Told of each iteration on Γ_C.
+    pub pulse: &'a Pulse,
+    /// Whether the step is made in halves where an iteration on Γ_C does not end.
+    pub may_be_halved: bool,
     /// The rigid motions of the parts that nothing but contact holds.
     pub loose: &'a Arc<Loose>,
 }
