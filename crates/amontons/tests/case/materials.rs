@@ -123,7 +123,7 @@ fn faults_are_told() {
 /// The table of the chapter has the values of the program.
 #[test]
 fn the_chapter_lists_them_all() {
-    let chapter = std::fs::read_to_string(common::file("book/src/meshes.md")).expect("the chapter");
+    let chapter = std::fs::read_to_string(common::file("book/src/materials.md")).expect("the chapter");
     for (name, m) in case::materials() {
         let [young, expansion] = [m.young / 1e9, (m.expansion_coefficient * 1e12).round() / 1e6];
         let numbers = [young, m.poisson, m.density, expansion, m.specific_heat, m.conductivity];

@@ -55,6 +55,8 @@ fn summaries_agree_with_two_independent_programs() {
         assert_eq!(computed.len() + 6, header.len(), "every column is compared");
     }
     assert_eq!(compared, 12 * (header.len() - 6));
+    let readme = std::fs::read_to_string(common::file("README.md")).expect("the README");
+    assert!(readme.contains(&format!("\n- {compared} figures of the paper's example")), "{compared} figures");
 }
 
 /// The columns of a row, by a run.

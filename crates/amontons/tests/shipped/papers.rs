@@ -289,12 +289,80 @@ fn every_key_of_the_schema_is_described() {
     assert!(keys > 300, "{keys} keys");
 }
 
-/// The book counts the benchmarks that there are.
+/// The numbers before a word in a text, in digits; of notebooks in words, too. "Two materials" are those of a case.
+fn counts(text: &str, thing: &str) -> Vec<String> {
+    let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let small = if thing == "notebooks" { "two three four five six seven eight nine ten" } else { "" };
+    let is_number = |word: &str| {
+        word.chars().all(|c| c.is_ascii_digit()) || small.split(' ').any(|number| number == word.to_lowercase())
+    };
+    words.windows(2).filter(|pair| pair[1] == thing && is_number(pair[0])).map(|pair| pair[0].to_lowercase()).collect()
+}
+
+/// README, guide and the other documents count what there is; the change log and the records count what there was.
 #[test]
-fn the_book_counts_the_benchmarks() {
-    let questions = text(&file("book/src/questions.md"));
-    let counted = format!("recomputes {} benchmarks", amontons::verify::BENCHMARKS.len());
-    assert!(questions.contains(&counted), "expected \"{counted}\" in questions.md");
+fn documents_count_what_there_is() {
+    assert_eq!(counts("the **176 benchmarks**, of which ten benchmarks", "benchmarks"), ["176"]);
+    let named = |folder: &str, ending: &str| files(folder, &[ending]).len();
+    let things = [
+        ("benchmarks", amontons::verify::BENCHMARKS.len()),
+        ("materials", case::materials().len()),
+        ("notebooks", named("crates/amontons-py/notebooks", ".ipynb")),
+    ];
+    let words = ["zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+    let (mut wrong, mut seen) = (Vec::new(), std::collections::BTreeSet::new());
+    let is_history = |path: &Path| path.ends_with("CHANGELOG.md") || path.to_string_lossy().contains("docs/adr");
+    for path in documents().into_iter().filter(|path| !is_history(path)) {
+        for (thing, number) in things {
+            for told in counts(&text(&path), thing) {
+                seen.insert(thing);
+                if told != number.to_string() && words.get(number).is_none_or(|word| *word != told) {
+                    wrong.push(format!("{}: {told} {thing}, but there are {number}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(seen.into_iter().collect::<Vec<_>>(), ["benchmarks", "materials", "notebooks"]);
+}
+
+/// The anchor that mdBook and others make of a heading.
+fn anchor(heading: &str) -> String {
+    let plain = heading.trim_start_matches('#').trim().to_lowercase();
+    plain.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>().replace(' ', "-")
+}
+
+#[test]
+fn every_anchor_of_a_link_exists() {
+    assert_eq!(anchor("## Pressure: `normal`"), "pressure-normal");
+    let (mut missing, mut seen) = (Vec::new(), 0);
+    for document in documents() {
+        // What a document links to lies beside it, or beside the file that it is a link to.
+        let document = document.canonicalize().expect("a document");
+        let beside = document.parent().expect("a folder").to_owned();
+        for link in text(&document).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let Some((target, name)) = link.split_once('#').filter(|_| !link.contains("://")) else { continue };
+            let target = if target.is_empty() { document.clone() } else { beside.join(target) };
+            let known = text(&target);
+            seen += 1;
+            if !known.lines().filter(|line| line.starts_with('#')).any(|heading| anchor(heading) == name) {
+                missing.push(format!("{}: {link}", document.display()));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+    assert!(seen > 50, "{seen} anchors seen");
+}
+
+/// The table of contents names every page once.
+#[test]
+fn the_table_of_contents_is_complete() {
+    let contents = text(&file("book/src/SUMMARY.md"));
+    for page in files("book/src", &[".md"]) {
+        let name = page.file_name().expect("a name").to_string_lossy().into_owned();
+        let times = contents.matches(&format!("]({name})")).count();
+        assert_eq!(times, usize::from(name != "SUMMARY.md"), "{name} in the table of contents");
+    }
 }
 
 /// The first case of the README is a case; its commands are run by the tests of the program.
