@@ -33,13 +33,27 @@ pub(crate) fn memory() -> Option<Memory> {
 /// The same without the limit of the address space: beyond it an allocation fails, while memory that the machine or the
 /// control group does not have is promised, and ends the program when it is written to.
 pub(crate) fn physical_memory() -> Option<Memory> {
-    let machine = field("/proc/meminfo", "MemAvailable:").map(|bytes| Memory { bytes, limit: None });
+    let machine = machine_memory().map(|bytes| Memory { bytes, limit: None });
     let group = cgroup().map(|bytes| Memory { bytes, limit: Some("the memory limit of the control group") });
     least(machine.into_iter().chain(group))
 }
 
 fn least(all: impl Iterator<Item = Memory>) -> Option<Memory> {
     all.min_by(|a, b| a.bytes.total_cmp(&b.bytes))
+}
+
+/// Bytes that the machine can give without swapping. On macOS these are the pages that are free, active or inactive.
+#[cfg(any(target_os = "macos", windows))]
+fn machine_memory() -> Option<f64> {
+    let mut system = sysinfo::System::new().ok()?;
+    system.refresh_memory_specifics(sysinfo::MemoryRefreshKind::nothing().with_ram());
+    // Where the system does not answer, all numbers are zero.
+    (system.total_memory() > 0).then(|| system.available_memory() as f64)
+}
+
+#[cfg(not(any(target_os = "macos", windows)))]
+fn machine_memory() -> Option<f64> {
+    field("/proc/meminfo", "MemAvailable:")
 }
 
 /// Bytes of address space below the limit of the process.
@@ -224,8 +238,13 @@ mod tests {
 
     #[test]
     fn the_machine_reports_memory_and_disk() {
+        if cfg!(any(target_os = "linux", target_os = "macos", windows)) {
+            assert!(physical_memory().unwrap().bytes > 0.0 && memory().unwrap().bytes > 0.0);
+        }
+        if cfg!(unix) {
+            assert!(disk_free(&std::env::temp_dir()).is_some());
+        }
         if cfg!(target_os = "linux") {
-            assert!(memory().unwrap().bytes > 0.0 && disk_free(&std::env::temp_dir()).is_some());
             assert!(peak_memory().unwrap() > 0);
         }
     }
