@@ -150,6 +150,9 @@ columns! { History:
     HEAT_CONTACT = number("heat_contact", Measure::Energy, |row| row.ledger.heat_contact);
     CONTACT_FORCE = on_contact("contact_force", Measure::Force, |row| vector(&row.contact.force));
     CONTACT_MOMENT = optional("contact_moment", Measure::Moment, |row| row.contact.moment);
+    CONTACT_MOMENTS = vector("contact_moment", Measure::Moment, |row| {
+        vector(row.contact.moment_about_origin.as_deref().unwrap_or_default())
+    });
     PENETRATION_MAX = number("penetration_max", Measure::Length, |row| row.contact.penetration_max);
     OPEN = number("open", Measure::Number, |row| row.contact.open as f64);
     STICK = number("stick", Measure::Number, |row| row.contact.stick as f64);
@@ -244,9 +247,11 @@ fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<Histor
     OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(turning(problem))
 }
 
-/// That of bodies of revolution whose foundation turns about the axis.
+/// The moment of bodies of revolution whose foundation turns about the axis, and that about the origin of bodies in
+/// space with contact.
 fn turning(problem: &ProblemData) -> Option<&'static Column<History>> {
-    problem.turns().then_some(&CONTACT_MOMENT)
+    let in_space = problem.mesh.dim == 3 && !problem.contacts.is_empty();
+    problem.turns().then_some(&CONTACT_MOMENT).or_else(|| in_space.then_some(&CONTACT_MOMENTS))
 }
 
 /// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
@@ -470,7 +475,7 @@ pub fn all_measures() -> Vec<(String, Option<Measure>)> {
     let history = OF_STEP
         .iter()
         .copied()
-        .chain([&HEAT_PAIRS as &Column<History>, &CONTACT_MOMENT])
+        .chain([&HEAT_PAIRS as &Column<History>, &CONTACT_MOMENT, &CONTACT_MOMENTS])
         .chain(of_sides)
         .flat_map(|column| column.named([3, 3]));
     history.chain(OF_POINT.iter().flat_map(|column| column.named([3, 3]))).collect()

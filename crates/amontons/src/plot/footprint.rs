@@ -82,13 +82,18 @@ struct Plane {
 /// A quantity at the contact points.
 struct Field {
     quantity: Quantity,
+    /// Whether it is the pressure, which may be drawn as the mean of neighbouring points.
+    is_pressure: bool,
     of: fn(&SolidContact) -> f64,
 }
 
 impl Field {
     /// What a picture shows: pressure, and work of friction where there is some, or wear.
     fn of(kind: Kind, panels: &[Panel]) -> Vec<Field> {
-        let field = |name, symbol, measure, map, of| Field { quantity: Quantity { name, symbol, measure, map }, of };
+        let field = |name, symbol, measure, map, of| {
+            let quantity = Quantity { name, symbol, measure, map };
+            Field { quantity, is_pressure: symbol == "p", of }
+        };
         if kind == Kind::Wear {
             return vec![field("depth worn off", "depth", Measure::Length, ColorMap::Viridis, |row| row.wear)];
         }
@@ -199,20 +204,32 @@ impl<'a> Side<'a> {
             mirrored: self.view.mirrored,
         };
         let field = |(field, extent): (&Field, &[f64; 2])| {
-            plan(field.quantity.name, field::extremes(units, *extent, field.quantity.measure))
+            let note = field::extremes(units, *extent, field.quantity.measure, "at points");
+            plan(field.quantity.name, if field.is_pressure { self.pressures(note, units) } else { note })
         };
         let seen = self.seen();
         let count = |status| seen.iter().filter(|row| row.status == status).count();
         let fastest =
             seen.iter().filter(|row| row.status == Status::Slip).map(|row| norm(row.slip_velocity)).fold(0.0, f64::max);
         let slip = if fastest > 0.0 {
-            format!("; slip up to {}", typeset(&units.write(fastest, Measure::Velocity)))
+            format!("; slip up to {} at a point", typeset(&units.write(fastest, Measure::Velocity)))
         } else {
             String::new()
         };
         let states = || format!("{}{slip}", STATUSES.map(|s| format!("{} {}", count(s), s.name())).join(", "));
         let states = has_states.then(|| plan("state and direction of slip", states()));
         fields.iter().zip(extents).map(field).chain(states).collect()
+    }
+
+    /// What is said of pressures: where they are means of neighbouring points, also the largest at a point, which the
+    /// summary names.
+    fn pressures(&self, note: String, units: Units) -> String {
+        if self.rows.iter().all(|row| (row.pressure - row.point_pressure).abs() <= 0.0) {
+            return note;
+        }
+        let most = self.rows.iter().map(|row| row.point_pressure).fold(0.0, f64::max);
+        let most = typeset(&units.write(most, Measure::Stress));
+        format!("{}; up to {most} at a point", note.replace("at points", "as means of neighbouring points"))
     }
 
     /// Radius of a dot: dots of evenly spread points do not touch.
@@ -230,7 +247,13 @@ impl<'a> Side<'a> {
             let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
             let place = Rect { x: a[0].min(b[0]), y: a[1], width: (b[0] - a[0]).abs(), height: b[1] - a[1] };
             let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-            let mut image = shade::image(&plane.body, &values, map, range, [pixels(place.width), pixels(place.height)]);
+            let mut image = shade::image(
+                &plane.body,
+                &values,
+                map,
+                range,
+                (plane.body.window(), [pixels(place.width), pixels(place.height)]),
+            );
             if self.view.mirrored {
                 image.mirror();
             }
@@ -381,5 +404,5 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
         }
         rows.push(row);
     }
-    Ok(Picture::stacked(heading, rows))
+    Ok(Picture::stacked(heading, rows, Some("sides").filter(|_| panels.len() == 1)))
 }

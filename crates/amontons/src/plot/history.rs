@@ -105,6 +105,10 @@ pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
         let force = of("contact force", Measure::Force, &[(&x, "x"), (&y, "y"), (&z, "z")]);
         charts.extend(Some(force).filter(|chart| !chart.series.is_empty()));
+        charts.extend(moment_chart(history, &chart));
+        let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_MOMENTS.component(c));
+        let moment = of("moment of contact about the origin", Measure::Moment, &[(&x, "x"), (&y, "y"), (&z, "z")]);
+        charts.extend(Some(moment).filter(|chart| !chart.series.is_empty()));
         charts.push(status_chart(history, units));
     }
     if run.has_heat() {
@@ -119,6 +123,23 @@ pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         charts.extend(surface_charts(run, &chart));
     }
     charts
+}
+
+/// The moment of contact about the axis of revolution, of all contacts together and of each where there are several;
+/// absent where no foundation turns.
+fn moment_chart(history: &History, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
+    let of = columns::CONTACT_MOMENT;
+    let all = history.keys().filter_map(|name| Some((name, of.side_of(name)?)));
+    let told = all.filter(|(name, _)| history[*name].iter().any(|v| *v != 0.0));
+    let lines: Vec<(&String, &str)> = told.collect();
+    let one = lines.len() == 1;
+    let series = lines.iter().enumerate().map(|(i, (name, side))| Series {
+        label: if side.is_empty() && !one { "all contacts".to_owned() } else { (*side).to_owned() },
+        stroke: Stroke::new(LINES[i % LINES.len()], 1.6),
+        pieces: vec![points(history, name)],
+    });
+    let series: Vec<Series> = series.collect();
+    (!series.is_empty()).then(|| chart("moment of contact about the axis", Measure::Moment, series))
 }
 
 /// Friction power, temperature of the foundation, area and wear over time, if the run has them.
