@@ -99,10 +99,10 @@ impl Bar {
 
     pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], units: Units, below: bool) -> Bar {
         // A field of one value has a bar all the same.
-        let shown = if range[1] > range[0] { range } else { axes::padded(range, 0.0) };
+        let shown = axes::padded(range, 0.0);
         let ticks = ticks::in_units(shown, 7, units, quantity.measure);
         let label = axes::labelled(quantity.symbol, ticks.exponent, units, quantity.measure);
-        Bar { map: quantity.map, range: shown, pointed: extent[1] > range[1], ticks, label, below }
+        Bar { map: quantity.map, range: shown, pointed: extent[1] > shown[1], ticks, label, below }
     }
 
     /// The values that have a mark.

@@ -199,20 +199,22 @@ fn lay_out(
     let bars: Vec<Bar> =
         ranges.iter().zip(extents).map(|(range, extent)| Bar::new(quantity, *range, *extent, *units, false)).collect();
     let note = |(extent, in_cells): (&[f64; 2], &Option<f64>)| {
-        format!("{}; {}", field::extremes_of_body(kind, *units, *extent, *in_cells), times(*factor))
+        let text = format!("{}; {}", field::extremes_of_body(kind, *units, *extent, *in_cells), times(*factor));
+        let (first, second) = text.split_once("; ").unwrap_or((&text, ""));
+        [first.to_owned(), second.to_owned()]
     };
-    let notes: Vec<String> = extents.iter().zip(in_cells).map(note).collect();
+    let notes: Vec<[String; 2]> = extents.iter().zip(in_cells).map(note).collect();
     let is_last = |k: usize| sights.get(k + 1).is_none_or(|next| next.0 != sights[k].0);
     let beside = bars.iter().map(Bar::room).fold(0.0, f64::max) + MARGIN;
-    let texts_width = notes.iter().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
-    let column = each_width.max(if sights.len() > fields.len() { 0.0 } else { texts_width - beside }) + beside;
+    let texts_width = notes.iter().flatten().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
+    let column = each_width.max(texts_width - beside) + beside;
     let columns = columns(sights.len());
     let rows = sights.len().div_ceil(columns.max(1));
     let width = (2.0 * MARGIN + columns as f64 * column).max(font::width(title, TITLE).max(texts_width) + 2.0 * MARGIN);
     let legend = legend(sights);
     let top = (MARGIN + TITLE + 8.0 + if legend.is_empty() { 0.0 } else { LEGEND }).ceil();
     // Above a body its heading; below it room for the directions of the axes, a note and a length.
-    let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 76.0);
+    let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 88.0);
     let mut picture = Picture::new(width, top + rows as f64 * (above + each_height + below) + MARGIN, title);
     picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
     let left = 0.5 * (picture.width - axes::line_width(&legend));
@@ -226,10 +228,13 @@ fn lay_out(
         sight.draw(&mut picture, (rect, scale), kind == Kind::Deformed, &fields[*i], (&bars[*i], quantity.map));
         let is_first = k == 0 || sights[k - 1].0 != *i;
         if is_first {
-            picture.text([x + 70.0, rect.bottom() + 40.0], NUMBER, Anchor::Start, SOFT, &notes[*i]);
+            for (line, text) in notes[*i].iter().enumerate() {
+                let y = rect.bottom() + 36.0 + 15.0 * line as f64;
+                picture.text([x + 70.0, y], NUMBER, Anchor::Start, SOFT, text);
+            }
         }
         if is_first || sight.times > 1.0 {
-            length_bar(&mut picture, [x + 70.0, rect.bottom() + 58.0], scale, *units);
+            length_bar(&mut picture, [x + 70.0, rect.bottom() + 68.0], scale, *units);
         }
         if is_last(k) {
             bars[*i].draw(&mut picture, rect);

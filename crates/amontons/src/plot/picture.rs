@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::PlotError;
-use super::axes::NUMBER;
-use super::color::{Color, SOFT};
+use super::axes::{self, LEGEND, NUMBER, Sign, TITLE};
+use super::color::{Color, INK, SOFT};
+use super::font;
 
 /// Longest side of a picture, in pixels of a PNG file and in units: a unit has at least one pixel, so that texts can be
 /// read.
 const LONGEST: f64 = 4000.0;
 /// Height of a note below a picture.
 const NOTE: f64 = 20.0;
+const MARGIN: f64 = 16.0;
 
 /// A rectangle; y grows downwards, as in all coordinates of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -177,6 +179,18 @@ impl Picture {
             Some(what) => all.noted(&format!("{shown} of {count} {what} shown")),
             None => all,
         }
+    }
+
+    /// The picture under its title and a legend, where there is room for them already.
+    pub(super) fn headed(self, title: &str, legend: &[(Sign, String)]) -> Picture {
+        let width = axes::line_width(legend);
+        let needed = font::width(title, TITLE).max(width) + 2.0 * MARGIN;
+        let height = MARGIN + if legend.is_empty() { 0.0 } else { LEGEND };
+        let mut head = Picture::new(needed.max(self.width), height, title);
+        let middle = 0.5 * head.width;
+        head.text([middle, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
+        axes::legend(&mut head, [middle - 0.5 * width, MARGIN + TITLE + LEGEND], f64::INFINITY, legend);
+        beside(title, vec![head, self], 1)
     }
 
     /// The picture with a line of text below it.

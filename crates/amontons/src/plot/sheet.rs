@@ -143,10 +143,7 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
     let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
     let headings =
         lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
-    let columns = match columns(plans.len(), wide) {
-        odd if room.in_twos && !wide => odd.next_multiple_of(2),
-        columns => columns,
-    };
+    let columns = columns(plans.len(), wide).next_multiple_of(if room.in_twos && !wide { 2 } else { 1 });
     let apart = if plans.len() > columns { 14.0 } else { 0.0 };
     let below = 8.0 + NUMBER + 6.0 + LABEL + room.below + apart;
     let cell = |plan: &Plan| {

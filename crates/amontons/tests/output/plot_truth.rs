@@ -275,7 +275,7 @@ fn a_film_has_the_pictures_of_the_folder() {
 /// and the moment of each pair over time.
 #[test]
 fn a_clutch_has_its_speed_and_its_moment() {
-    let dir = solved("clutch-plates", "cases/clutch-plates.toml", &["time.steps=4", "output.every=2"]);
+    let dir = solved("clutch-plates", "cases/clutch-plates.toml", &["output.every=25"]);
     let run = Run::read(&dir).expect("a run");
     let rubbing: Vec<_> = run.contact.iter().filter(|row| row.bound.is_some_and(|bound| bound > 0.0)).collect();
     assert!(!rubbing.is_empty());

@@ -200,14 +200,18 @@ class View {
     const { middle, radius } = this.ball;
     const reach = (axis) => {
       let most = 1e-9 * radius;
-      for (let i = 0; i < this.points.length; i += 3) {
-        const along = axis.reduce((sum, a, d) => sum + a * (this.points[i + d] - middle[d]), 0);
-        most = Math.max(most, Math.abs(along));
+      // The outline of the foundation is larger than the side on it.
+      const parts = (this.surface.foundation?.[0] ?? []).map((part) => reals(part.points));
+      for (const points of [this.points, ...parts]) {
+        for (let i = 0; i < points.length; i += 3) {
+          const along = axis.reduce((sum, a, d) => sum + a * (points[i + d] - middle[d]), 0);
+          most = Math.max(most, Math.abs(along));
+        }
       }
       return most;
     };
     this.reaches ??= [reach(right), reach(up)];
-    return 0.43 * Math.min(width / this.reaches[0], height / this.reaches[1]);
+    return 0.46 * Math.min(width / this.reaches[0], height / this.reaches[1]);
   }
 
   /** Places as pixels, with their depth. */
