@@ -654,3 +654,19 @@ fn no_sheet_in_the_plane_is_longer_than_4000_units() {
         }
     }
 }
+
+/// A chart of zeros has the number 0 alone, and a field that is the same but for round-off has no scale of its own.
+#[test]
+fn scales_have_no_numbers_beyond_the_data() {
+    let draw = |run: &Run, kind: Kind| {
+        let picture = plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture");
+        texts(&picture.svg())
+    };
+    let found = draw(&in_contact(8, -1.0, |x, _| x), Kind::Contact);
+    assert!(found.iter().any(|label| label == "0"), "{found:?}");
+    assert!(!found.iter().any(|label| label == "−1.0" || label == "−0.5"), "{found:?}");
+    let found = draw(&by_hand(8, |x, _| 25.0 + 1e-12 * x), Kind::Temperature);
+    assert!(found.iter().any(|label| label == "min 25, max 25 K at nodes"), "{found:?}");
+    let marks: Vec<&String> = found.iter().filter(|label| label.starts_with("25.000")).collect();
+    assert!(marks.is_empty(), "{marks:?}");
+}

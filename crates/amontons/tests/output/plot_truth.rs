@@ -74,7 +74,8 @@ fn distance(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
 /// Places in a picture of points of a body, whose displacements are drawn `factor` times, by the outline of the body in
 /// the picture; its scales.
 fn places(svg: &str, run: &Run, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
-    let outline: Vec<[f64; 2]> = paths(svg, "#222222", "1.2").concat();
+    // That of the whole body comes before that of an enlargement.
+    let outline: Vec<[f64; 2]> = paths(svg, "#222222", "1.2").into_iter().next().expect("an outline");
     let mesh = &run.problem.as_ref().expect("a problem").mesh;
     let snapshot = run.snapshot.as_ref().expect("fields");
     let moved = |d: usize| mesh.points.iter().zip(&snapshot.displacement).map(move |(p, u)| p[d] + factor * u[d]);
@@ -109,8 +110,10 @@ fn plates_are_where_the_ring_touches_them() {
     for run in &runs {
         for kind in [Kind::Deformed, Kind::VonMises] {
             let svg = picture(kind, run);
-            let plates = paths(&svg, "#d55e00", "1.6");
-            assert_eq!(plates.len(), 2, "{kind:?}");
+            // The whole ring with both plates, then the lower contact with its plate, enlarged.
+            let mut plates = paths(&svg, "#d55e00", "1.6");
+            assert_eq!(plates.len(), 3, "{kind:?}");
+            plates.truncate(2);
             let (drawn, [x, y]) = places(&svg, run, 1.0, &touching(run, 1.0));
             assert!(drawn.len() >= 4, "{} points touch", drawn.len());
             assert!((x / y - 1.0).abs() < 2e-3, "scales {x} and {y}");
@@ -277,22 +280,20 @@ fn a_film_has_the_pictures_of_the_folder() {
 fn a_clutch_has_its_speed_and_its_moment() {
     let dir = solved("clutch-plates", "cases/clutch-plates.toml", &["output.every=25"]);
     let run = Run::read(&dir).expect("a run");
-    let rubbing: Vec<_> = run.contact.iter().filter(|row| row.bound.is_some_and(|bound| bound > 0.0)).collect();
-    assert!(!rubbing.is_empty());
     let before = &Run::frames(&dir, &[0.5]).expect("a frame")[0];
+    assert!(before.contact.iter().any(|row| row.traction[2].abs() > 1e3), "nothing rubs");
     let turning: Vec<_> = before.contact.iter().filter(|row| row.slip_velocity[2] != 0.0).collect();
     assert!(turning.len() > 4, "{} points turn", turning.len());
     for row in &turning {
         let expected = 100.0 * row.x[0];
         assert!((row.slip_velocity[2].abs() - expected).abs() < 1e-9 * expected, "{row:?}");
         let (bound, found) = (row.bound.expect("a bound"), row.traction[2].hypot(row.traction[0]));
-        assert!((found - bound).abs() < 1e-6 * bound, "{row:?}");
+        assert!((found - bound).abs() <= 1e-6 * bound, "{row:?}");
     }
     let svg = picture(Kind::Contact, before);
     for text in ["slip velocity (m/s)", "about the axis", "στ about the axis"] {
         assert!(svg.contains(&format!("aria-label=\"{text}\"")), "{text}");
     }
-    // The line of the slip velocity is not the line of zeros.
     let history = picture(Kind::History, &run);
     assert!(history.contains("aria-label=\"moment of contact about the axis (N m)\""));
     for side in ["counter_plate-lining_1", "lining_2-pressure_plate", "all contacts"] {
@@ -346,7 +347,7 @@ fn contact_of_a_quadratic_pair_is_drawn() {
     ] {
         let dir = solved(name, case, &[]);
         let run = Run::read(&dir).expect("a run");
-        assert!(run.contact.len() > 4, "{case}: {} points", run.contact.len());
+        assert!(run.contact.len() > 2, "{case}: {} points", run.contact.len());
         let lines = paths(&picture(Kind::Contact, &run), "#0072b2", "1.6");
         let longest = lines.iter().map(Vec::len).max().unwrap_or(0);
         assert!(longest >= run.contact.len(), "{case}: {longest} points are drawn of {}", run.contact.len());
