@@ -117,7 +117,7 @@ impl<'a> Stage<'a> {
             let points: Vec<[f64; 2]> = zone.points.iter().map(part).collect();
             let (window, times) = zoom::window(&points, seen.window)?;
             let heading = format!("contact{side}, enlarged × {}", super::ticks::number(times));
-            Some(Sight { heading, window, times, ..seen.clone() })
+            Some(Sight { heading, times, window, ..seen.clone() })
         });
         sights.extend(enlarged);
         sights

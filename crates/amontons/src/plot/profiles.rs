@@ -70,14 +70,19 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
 /// What there is on Γ_C besides pressure and gap, in any of the panels.
 #[derive(Clone, Copy)]
 struct What {
-    friction: bool,
-    /// Friction or slip out of the plane, or about the axis of revolution.
-    across: bool,
-    /// Pressures that are means of those at neighbouring points.
-    means: bool,
+    friction: Friction,
     heat: bool,
     work: bool,
     round_off: RoundOff,
+}
+
+/// In which directions there is friction or slip.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Friction {
+    Without,
+    Along,
+    /// Also out of the plane, or about the axis of revolution.
+    Across,
 }
 
 /// What is up to this large is round-off of the displacement, and drawn as zero.
@@ -102,10 +107,15 @@ impl What {
     fn of(panels: &[Panel]) -> What {
         let round_off = RoundOff::of(panels);
         let any = |f: &dyn Fn(&ContactRow) -> bool| panels.iter().flat_map(|panel| &panel.run.contact).any(f);
+        let friction = if any(&|row| row.traction[2] != 0.0 || row.slip_velocity[2] != 0.0) {
+            Friction::Across
+        } else if any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)) {
+            Friction::Along
+        } else {
+            Friction::Without
+        };
         What {
-            friction: any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)),
-            across: any(&|row| row.traction[2] != 0.0 || row.slip_velocity[2] != 0.0),
-            means: any(&|row| (row.pressure - row.point_pressure).abs() > 0.0),
+            friction,
             heat: panels.iter().any(|panel| panel.run.has_heat()),
             work: any(&|row| row.friction_work.abs() > round_off.work),
             round_off,
@@ -175,10 +185,11 @@ fn temperatures(parts: &[Part], units: Units) -> Chart {
 
 /// The pressure. Where it is the mean of neighbouring points, the largest one at a point, which the summary names, is
 /// said beside it.
-fn pressure(parts: &[Part], units: Units, has: What) -> Chart {
+fn pressure(parts: &[Part], units: Units) -> Chart {
     let stops = parts.iter().flat_map(|part| &part.stops);
+    let is_mean = stops.clone().any(|stop| (stop.row.pressure - stop.row.point_pressure).abs() > 0.0);
     let most = stops.map(|stop| stop.row.point_pressure).fold(0.0, f64::max);
-    let label = if has.means {
+    let label = if is_mean {
         format!("mean of neighbouring points; up to {} at a point", typeset(&units.write(most, Measure::Stress)))
     } else {
         String::new()
@@ -204,11 +215,12 @@ fn friction(parts: &[Part], units: Units, has: What) -> [Chart; 2] {
             polygons,
         });
     }
-    let [name, label] = if has.across { ["slip velocity", "along s"] } else { ["slip velocity along s", ""] };
+    let is_across = has.friction == Friction::Across;
+    let [name, label] = if is_across { ["slip velocity", "along s"] } else { ["slip velocity along s", ""] };
     let speed = |v: f64| but_zero(v, has.round_off.velocity);
     let slip = line(parts, label, VERMILION, &|s| speed(along(s.row.slip_velocity, s)));
     let mut slip = chart(name, units, Measure::Velocity, true, slip);
-    if has.across {
+    if is_across {
         friction.series.push(line(parts, &format!("σ_{{τ}} {out}"), BLUE, &|s| s.row.traction[2]));
         slip.series.push(line(parts, out, BLUE, &|s| speed(s.row.slip_velocity[2])));
     }
@@ -219,8 +231,8 @@ fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
     let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&Stop) -> f64| {
         chart(quantity, units, measure, zero, line(parts, "", color, value))
     };
-    let mut charts = vec![pressure(parts, units, has)];
-    if has.friction || has.across {
+    let mut charts = vec![pressure(parts, units)];
+    if has.friction != Friction::Without {
         charts.extend(friction(parts, units, has));
     }
     charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| {

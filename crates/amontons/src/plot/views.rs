@@ -4,6 +4,7 @@
 use super::render::View;
 use super::run::Run;
 use super::surface::{across, dot, norm};
+use crate::contact::Contact;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
 
@@ -96,7 +97,7 @@ fn opened(problem: &Problem) -> Vec<Opened> {
         block.cells().flatten().for_each(|&node| region_of[node as usize] = block.region);
     }
     let sides: Vec<Vec<(u32, [f64; 3], f64)>> =
-        problem.contacts.iter().flat_map(|contact| contact.sides()).map(|side| areas(problem, side)).collect();
+        problem.contacts.iter().flat_map(Contact::sides).map(|side| areas(problem, side)).collect();
     let of_body = |nodes: &[bool]| -> Vec<Vec<([f64; 3], f64)>> {
         let own = |side: &Vec<(u32, [f64; 3], f64)>| {
             side.iter().filter(|(node, ..)| nodes[*node as usize]).map(|(_, v, area)| (*v, *area)).collect()

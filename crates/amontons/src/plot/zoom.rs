@@ -131,7 +131,7 @@ mod tests {
         let whole = [[0.0, 8.0], [0.0, 2.0]];
         let found = window(&[[7.0, 0.0], [7.4, 0.1]], whole);
         let (part, times) = found.unwrap_or_default();
-        assert!(times >= 2.0 && times <= 8.0 / (1.6 * 0.4), "× {times}");
+        assert!((2.0..=8.0 / (1.6 * 0.4)).contains(&times), "× {times}");
         assert!(part[0][0] < 7.0 && part[0][1] > 7.4 && part[1][0] <= 0.0 && part[1][1] > 0.1, "{part:?}");
         let sizes = part.map(|r| r[1] - r[0]);
         assert!((sizes[0] / sizes[1] - 4.0).abs() < 1e-12, "{sizes:?}");
