@@ -384,3 +384,21 @@ fn no_sheet_is_longer_than_4000_pixels() {
     let image = Pixmap::decode_png(&fs::read(png).expect("a PNG")).expect("a valid PNG");
     assert_eq!(image.width().max(image.height()), 4000);
 }
+
+/// Slip that is round-off of the displacement is neither named nor drawn.
+#[test]
+fn slip_of_round_off_is_none() {
+    let mut run = Run { t: 1.0, ..cube() };
+    let draw = |run: &Run| {
+        plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
+    };
+    let still = draw(&run).matches("<path").count();
+    for (speed, is_slip) in [(1e-17, false), (1e-6, true)] {
+        let solid = run.solid.as_mut().expect("a solid");
+        solid.displacement.fill([1e-3, 0.0, 0.0]);
+        solid.contact.iter_mut().for_each(|row| (row.status, row.slip_velocity) = (Status::Slip, [speed, 0.0, 0.0]));
+        let svg = draw(&run);
+        assert_eq!(svg.contains("slip up to"), is_slip, "{speed} m/s");
+        assert_eq!(svg.matches("<path").count() > still + 8, is_slip, "{speed} m/s");
+    }
+}
