@@ -155,8 +155,8 @@ impl Heads {
     }
 }
 
-/// The marks of the upright axis of a chart in a column and a row. Of zeros alone the 0: no other number would be one of
-/// the data.
+/// The marks of the upright axis of a chart in a column and a row. Of zeros alone the 0: no other number would be one
+/// of the data.
 fn marks(columns: &[Column], (c, r): (usize, usize), range: [f64; 2], shared: bool) -> Ticks {
     let chart = &columns[c].charts[r];
     let mut marks = ticks::in_units(range, MOST_MARKS, chart.units, chart.measure);

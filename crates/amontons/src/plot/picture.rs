@@ -205,7 +205,8 @@ impl Picture {
         self.width.max(self.height) > LONGEST - NOTE
     }
 
-    /// Pixels to a unit with which no side of the picture has more than 4000 pixels: those that are asked for, or fewer.
+    /// Pixels to a unit with which no side of the picture has more than 4000 pixels: those that are asked for, or
+    /// fewer.
     #[must_use]
     pub fn density(&self, pixels: f64) -> f64 {
         let most = LONGEST / self.width.max(self.height);
