@@ -31,7 +31,7 @@ pub fn picture<'py>(
         let history = run.history().map(|(name, values)| (name.clone(), values)).collect();
         let drawn = py.detach(|| plot::Run::of_state(run.problem(), &at.state, &at.contact, history))?;
         let picture = plot::picture(kind, &[Panel { title: "", run: &drawn }], &Options::default())?;
-        Ok((picture.svg(), picture.png(pixels)?))
+        Ok((picture.svg(), picture.png(picture.density(pixels))?))
     };
     let (svg, png) = draw().map_err(|error| errors::of_plot(py, &error))?;
     Ok((svg, PyBytes::new(py, &png)))

@@ -167,6 +167,9 @@ columns! { History:
     HEAT_CONTACT = number("heat_contact", Measure::Energy, |row| row.ledger.heat_contact);
     CONTACT_FORCE = on_contact("contact_force", Measure::Force, |row| vector(&row.contact.force));
     CONTACT_MOMENT = optional("contact_moment", Measure::Moment, |row| row.contact.moment);
+    CONTACT_MOMENTS = vector("contact_moment", Measure::Moment, |row| {
+        vector(row.contact.moment_about_origin.as_deref().unwrap_or_default())
+    });
     PENETRATION_MAX = largest("penetration_max", Measure::Length, |row| row.contact.penetration_max);
     OPEN = number("open", Measure::Number, |row| row.contact.open as f64);
     STICK = number("stick", Measure::Number, |row| row.contact.stick as f64);
@@ -261,9 +264,11 @@ fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<Histor
     OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(turning(problem))
 }
 
-/// That of bodies of revolution whose foundation turns about the axis.
+/// The moment of bodies of revolution whose foundation turns about the axis, and that about the origin of bodies in
+/// space with contact.
 fn turning(problem: &ProblemData) -> Option<&'static Column<History>> {
-    problem.turns().then_some(&CONTACT_MOMENT)
+    let in_space = problem.mesh.dim == 3 && !problem.contacts.is_empty();
+    problem.turns().then_some(&CONTACT_MOMENT).or_else(|| in_space.then_some(&CONTACT_MOMENTS))
 }
 
 /// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
@@ -482,7 +487,7 @@ fn in_header(name: &str) -> String {
 /// Every column that `history.csv` can have, in space; those of sides without the name of the side.
 pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
     let mut all: Vec<&Column<History>> = OF_STEP.iter().chain(OF_PAIRS).copied().collect();
-    all.extend([&CONTACT_MOMENT as &Column<History>, &FOUNDATION_TEMPERATURE]);
+    all.extend([&CONTACT_MOMENT as &Column<History>, &CONTACT_MOMENTS, &FOUNDATION_TEMPERATURE]);
     all.into_iter().flat_map(|column| column.shown(Table::History))
 }
 

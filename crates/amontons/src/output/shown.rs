@@ -216,7 +216,10 @@ const MEANINGS: [(&str, &str); 83] = [
     ("heat_content", "heat of the body at t, above that at the start"),
     ("heat_contact", "heat that has come through contact since the start"),
     ("contact_force", "resultant of σν on Γ_C, of all contacts or of one"),
-    ("contact_moment", "moment of σν about the axis, where a foundation turns about it"),
+    (
+        "contact_moment",
+        "moment of σν: in space about the origin, of bodies of revolution about the axis where a foundation turns about it",
+    ),
     ("penetration_max", "largest penetration"),
     ("open", "contact points without traction"),
     ("stick", "contact points that stick"),

@@ -38,7 +38,11 @@ pub fn animation(dir: &Path, kind: Kind, options: &Options) -> Result<PathBuf, P
     let into = dir.join("plots");
     std::fs::create_dir_all(&into).map_err(|source| PlotError::Write { path: into.clone(), source })?;
     let path = into.join(kind.file_name()).with_extension("gif");
-    let bytes = encode(&pictures, Quantity::of(kind), options.pixels)?;
+    let bytes = encode(
+        &pictures,
+        Quantity::of(kind),
+        pictures.first().map_or(options.pixels, |picture| picture.density(options.pixels)),
+    )?;
     write_file(&path, &bytes).map_err(|source| PlotError::Write { path: path.clone(), source })?;
     Ok(path)
 }

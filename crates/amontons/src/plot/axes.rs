@@ -43,9 +43,14 @@ pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
-/// A range with room at both ends; a range of one value becomes an interval around it.
+/// Whether the ends of a range differ by more than round-off.
+pub(super) fn differ([lo, hi]: [f64; 2]) -> bool {
+    hi - lo > 1e-9 * lo.abs().max(hi.abs())
+}
+
+/// A range with room at both ends; a range of one value, but for round-off, becomes an interval around it.
 pub(super) fn padded([lo, hi]: [f64; 2], share: f64) -> [f64; 2] {
-    if hi > lo {
+    if differ([lo, hi]) {
         let room = share * (hi - lo);
         [lo - room, hi + room]
     } else {
@@ -245,6 +250,8 @@ mod tests {
         assert_eq!(range([f64::NAN]), None);
         assert_eq!(padded([0.0, 10.0], 0.1), [-1.0, 11.0]);
         assert_eq!(padded([4.0, 4.0], 0.1), [2.0, 6.0]);
+        let off = padded([25.0, 25.0 + 1e-12], 0.0);
+        assert!(off[0] < 13.0 && off[1] > 37.0, "{off:?}");
         assert_eq!(padded([0.0, 0.0], 0.1), [-1.0, 1.0]);
     }
 

@@ -2,8 +2,9 @@
 
 use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
 use super::color::{Color, GREY, INK};
+use super::font;
 use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::{font, ticks};
+use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};
 
 /// A line of a chart.
@@ -42,6 +43,11 @@ impl Chart {
         let lines = self.series.iter().flat_map(|s| &s.pieces);
         let areas = self.areas.iter().flat_map(|a| &a.polygons);
         lines.chain(areas).flatten().map(|p| p[1]).chain(self.zero.then_some(0.0))
+    }
+
+    /// Whether all values are zero.
+    fn is_zero(&self) -> bool {
+        self.values().all(|v| v.abs() <= 0.0)
     }
 
     fn range(&self) -> [f64; 2] {
@@ -149,6 +155,20 @@ impl Heads {
     }
 }
 
+/// The marks of the upright axis of a chart in a column and a row. Of zeros alone the 0: no other number would be one
+/// of the data.
+fn marks(columns: &[Column], (c, r): (usize, usize), range: [f64; 2], shared: bool) -> Ticks {
+    let chart = &columns[c].charts[r];
+    let mut marks = ticks::in_units(range, MOST_MARKS, chart.units, chart.measure);
+    let mut in_row = columns.iter().filter_map(|column| column.charts.get(r));
+    let is_zero = if shared { in_row.all(Chart::is_zero) } else { chart.is_zero() };
+    if is_zero {
+        marks.marks.retain(|(value, _)| value.abs() <= 0.0);
+        marks.marks.iter_mut().for_each(|(_, text)| "0".clone_into(text));
+    }
+    marks
+}
+
 /// Draws columns of charts side by side under a title and a legend.
 pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], shared: bool) -> Picture {
     let width = if columns.len() > 2 { 340.0 } else { 430.0 };
@@ -160,10 +180,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
         }
         axes::range(columns.iter().filter_map(|c| c.charts.get(r)).flat_map(Chart::range)).unwrap_or(own)
     };
-    let marks = |c: usize, r: usize| {
-        let chart = &columns[c].charts[r];
-        ticks::in_units(range(c, r), MOST_MARKS, chart.units, chart.measure)
-    };
+    let marks = |c: usize, r: usize| marks(columns, (c, r), range(c, r), shared);
     let entries = |c: usize, r: usize| columns[c].charts[r].entries(marks(c, r).exponent);
     let cells = |r: usize| (0..columns.len()).filter(move |&c| r < columns[c].charts.len());
     let headings: Vec<usize> =

@@ -97,37 +97,38 @@ pub(super) fn read_in_means<R: Tractions>(problem: &Problem, rows: &mut [R]) {
     if boundary.points.len() != rows.len() {
         return;
     }
-    let before: Vec<[f64; 4]> = rows.iter().map(Tractions::tractions).collect();
+    let before: Vec<[f64; 5]> = rows.iter().map(Tractions::tractions).collect();
     for (side, contact) in problem.contacts.iter().enumerate() {
         let Some(set) = mesh.facets.get(contact.bearing()) else { continue };
         for (point, shares) in boundary.readable(mesh, side, set) {
-            let [pressure, bound] = [0, 3].map(|c| read(&shares, |i| before[i][c]));
-            let [x, y, _] = read_vector(&shares, |i| [before[i][1], before[i][2], 0.0]);
-            rows[point].replace([pressure, x, y, bound]);
+            let [pressure, bound] = [0, 4].map(|c| read(&shares, |i| before[i][c]));
+            let [x, y, z] = read_vector(&shares, |i| [before[i][1], before[i][2], before[i][3]]);
+            rows[point].replace([pressure, x, y, z, bound]);
         }
     }
 }
 
-/// A contact point whose tractions are drawn: pressure, both components of the friction traction in the plane, bound.
+/// A contact point whose tractions are drawn: pressure, the components of the friction traction, bound.
 pub(super) trait Tractions {
-    fn tractions(&self) -> [f64; 4];
-    fn replace(&mut self, values: [f64; 4]);
+    fn tractions(&self) -> [f64; 5];
+    fn replace(&mut self, values: [f64; 5]);
 }
 
 impl Tractions for ContactRow {
-    fn tractions(&self) -> [f64; 4] {
-        [self.pressure, self.traction[0], self.traction[1], self.bound.unwrap_or(0.0)]
+    fn tractions(&self) -> [f64; 5] {
+        let [x, y, z] = self.traction;
+        [self.pressure, x, y, z, self.bound.unwrap_or(0.0)]
     }
-    fn replace(&mut self, [pressure, x, y, bound]: [f64; 4]) {
-        (self.pressure, self.traction, self.bound) = (pressure, [x, y], self.bound.map(|_| bound));
+    fn replace(&mut self, [pressure, x, y, z, bound]: [f64; 5]) {
+        (self.pressure, self.traction, self.bound) = (pressure, [x, y, z], self.bound.map(|_| bound));
     }
 }
 
 impl Tractions for SolidContact {
-    fn tractions(&self) -> [f64; 4] {
-        [self.pressure, 0.0, 0.0, 0.0]
+    fn tractions(&self) -> [f64; 5] {
+        [self.pressure, 0.0, 0.0, 0.0, 0.0]
     }
-    fn replace(&mut self, [pressure, ..]: [f64; 4]) {
+    fn replace(&mut self, [pressure, ..]: [f64; 5]) {
         self.pressure = pressure;
     }
 }
@@ -143,6 +144,7 @@ pub(super) fn in_space(table: &impl Columns, sides: &[String]) -> Result<Vec<Sol
     let row = |i: usize| SolidContact {
         x: [x[i], y[i], z[i]],
         pressure: pressure[i],
+        point_pressure: pressure[i],
         status: status[i],
         slip_velocity: [slip[0][i], slip[1][i], slip[2][i]],
         wear: wear[i],
@@ -184,8 +186,14 @@ pub(super) fn in_plane(table: &impl Columns, sides: &[String]) -> Result<Vec<Con
         let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
     };
+    // Out of the plane there are components only where a foundation slides that way.
+    let triples = |of: &Column<OnContact>| -> Result<Vec<[f64; 3]>, PlotError> {
+        let (plane, out) = (pairs(of)?, of.component(2));
+        let out = if table.has(&out) { table.numbers(&out)? } else { vec![0.0; plane.len()] };
+        Ok(plane.into_iter().zip(out).map(|([x, y], z)| [x, y, z]).collect())
+    };
     let (x, traction, slip_velocity) =
-        (pairs(&columns::POSITION)?, pairs(&columns::TRACTION)?, pairs(&columns::SLIP_VELOCITY)?);
+        (pairs(&columns::POSITION)?, triples(&columns::TRACTION)?, triples(&columns::SLIP_VELOCITY)?);
     let (penetration, pressure) = (table.numbers(columns::PENETRATION.name)?, table.numbers(columns::PRESSURE.name)?);
     let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
     let (temperature, heat_flux) = (of_heat(columns::TEMPERATURE.name)?, of_heat(columns::HEAT_FLUX.name)?);
@@ -197,6 +205,7 @@ pub(super) fn in_plane(table: &impl Columns, sides: &[String]) -> Result<Vec<Con
         x: x[i],
         penetration: penetration[i],
         pressure: pressure[i],
+        point_pressure: pressure[i],
         bound: bound.as_ref().map(|b| b[i]).filter(|&bound| bound < NoSlip::BOUND),
         traction: traction[i],
         slip_velocity: slip_velocity[i],

@@ -36,10 +36,30 @@ impl Quantity {
     }
 }
 
-/// `min 1, max 2 MPa`.
-pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure) -> String {
+/// `min 1, max 2 MPa at nodes`: the extremes of a field with the places at which it is known.
+pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure, places: &str) -> String {
     let (low, high, unit) = units.range(extent, measure);
-    format!("min {}, max {} {unit}", typeset(&low), typeset(&high)).trim_end().to_owned()
+    let range = format!("min {}, max {} {unit}", typeset(&low), typeset(&high));
+    format!("{} {places}", range.trim_end())
+}
+
+/// The extremes of a field of a body. Stresses are drawn as recovered at the nodes, and the largest at the centre of a
+/// cell, which the summary names, stands beside them.
+pub(super) fn extremes_of_body(kind: Kind, units: Units, extent: [f64; 2], cells: Option<f64>) -> String {
+    let measure = Quantity::of(kind).measure;
+    let of_nodes = |cells: f64| {
+        let most = typeset(&units.write(cells, measure));
+        format!("{}; up to {most} at the centre of a cell", extremes(units, extent, measure, "at nodes"))
+    };
+    match kind {
+        Kind::VonMises => cells.map_or_else(|| extremes(units, extent, measure, "at centres of cells"), of_nodes),
+        _ => extremes(units, extent, measure, "at nodes"),
+    }
+}
+
+/// The largest stress at the centre of a cell beside recovered ones; none where those of the cells are drawn.
+pub(super) fn largest_in_cells(cells: &[f64], nodal: &[f64]) -> Option<f64> {
+    (!nodal.is_empty()).then(|| cells.iter().copied().fold(0.0, f64::max))
 }
 
 /// The range that the colours show: all values, but for the few that lie far above the rest.
@@ -79,10 +99,10 @@ impl Bar {
 
     pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], units: Units, below: bool) -> Bar {
         // A field of one value has a bar all the same.
-        let shown = if range[1] > range[0] { range } else { axes::padded(range, 0.0) };
+        let shown = axes::padded(range, 0.0);
         let ticks = ticks::in_units(shown, 7, units, quantity.measure);
         let label = axes::labelled(quantity.symbol, ticks.exponent, units, quantity.measure);
-        Bar { map: quantity.map, range: shown, pointed: extent[1] > range[1], ticks, label, below }
+        Bar { map: quantity.map, range: shown, pointed: extent[1] > shown[1], ticks, label, below }
     }
 
     /// The values that have a mark.

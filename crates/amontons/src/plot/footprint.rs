@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::axes::{self, LEGEND, NUMBER, Sign};
+use super::axes::{self, Sign};
 use super::body::{Body, window};
 use super::color::{Color, ColorMap, GREY, INK};
 use super::field::{self, Bar, Quantity};
@@ -26,6 +26,8 @@ const ARROWS: f64 = 16.0;
 struct Side<'a> {
     title: String,
     rows: Vec<&'a SolidContact>,
+    /// Slip velocities up to this one are round-off of the displacement.
+    slow: f64,
     view: View,
     /// The part of the surface whose nodes are the contact points; none if the points are not nodes.
     plane: Option<Plane>,
@@ -82,13 +84,18 @@ struct Plane {
 /// A quantity at the contact points.
 struct Field {
     quantity: Quantity,
+    /// Whether it is the pressure, which may be drawn as the mean of neighbouring points.
+    is_pressure: bool,
     of: fn(&SolidContact) -> f64,
 }
 
 impl Field {
     /// What a picture shows: pressure, and work of friction where there is some, or wear.
     fn of(kind: Kind, panels: &[Panel]) -> Vec<Field> {
-        let field = |name, symbol, measure, map, of| Field { quantity: Quantity { name, symbol, measure, map }, of };
+        let field = |name, symbol, measure, map, of| {
+            let quantity = Quantity { name, symbol, measure, map };
+            Field { quantity, is_pressure: symbol == "p", of }
+        };
         if kind == Kind::Wear {
             return vec![field("depth worn off", "depth", Measure::Length, ColorMap::Viridis, |row| row.wear)];
         }
@@ -106,6 +113,8 @@ impl Field {
 /// The sides of a run, each from in front; one that bends around, such as a bore, from two opposite directions.
 fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'a>>, PlotError> {
     let count = solid.contact.iter().map(|row| row.side + 1).max().unwrap_or(0);
+    let largest = solid.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
+    let slow = if run.t > 0.0 { 1e-12 * largest / run.t } else { 0.0 };
     let mut all = Vec::new();
     for number in 0..count {
         let rows: Vec<&SolidContact> = solid.contact.iter().filter(|row| row.side == number).collect();
@@ -113,7 +122,7 @@ fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'
             continue;
         }
         let title = format!("{}{}", panel.title, run.side(number)).trim_start().to_owned();
-        all.extend(Side::of(title, &rows, solid)?);
+        all.extend(Side::of(title, &rows, solid)?.into_iter().map(|side| Side { slow, ..side }));
     }
     Ok(all)
 }
@@ -135,7 +144,7 @@ impl<'a> Side<'a> {
             let extent = |d: usize| axes::range(rows.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);
             let axis = (0..3).min_by(|&i, &j| extent(i).total_cmp(&extent(j))).unwrap_or(2);
             let eye = [0, 1, 2].map(|d| if d == axis { 1.0 } else { 0.0 });
-            return Ok(vec![Side { title, rows: rows.to_vec(), view: View::new(eye), plane: None }]);
+            return Ok(vec![Side { title, rows: rows.to_vec(), slow: 0.0, view: View::new(eye), plane: None }]);
         }
         let normals: Vec<[f64; 3]> = facets.iter().map(|&f| surface.normal(f)).collect();
         let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|d| sum[d] + n[d]));
@@ -166,7 +175,8 @@ impl<'a> Side<'a> {
             } else {
                 String::new()
             };
-            all.push(Side { title: format!("{title}{from}"), rows: rows.to_vec(), view, plane: Some(plane) });
+            let title = format!("{title}{from}");
+            all.push(Side { title, rows: rows.to_vec(), slow: 0.0, view, plane: Some(plane) });
         }
         Ok(all)
     }
@@ -199,20 +209,32 @@ impl<'a> Side<'a> {
             mirrored: self.view.mirrored,
         };
         let field = |(field, extent): (&Field, &[f64; 2])| {
-            plan(field.quantity.name, field::extremes(units, *extent, field.quantity.measure))
+            let note = field::extremes(units, *extent, field.quantity.measure, "at points");
+            plan(field.quantity.name, if field.is_pressure { self.pressures(note, units) } else { note })
         };
         let seen = self.seen();
         let count = |status| seen.iter().filter(|row| row.status == status).count();
         let fastest =
             seen.iter().filter(|row| row.status == Status::Slip).map(|row| norm(row.slip_velocity)).fold(0.0, f64::max);
-        let slip = if fastest > 0.0 {
-            format!("; slip up to {}", typeset(&units.write(fastest, Measure::Velocity)))
+        let slip = if fastest > self.slow {
+            format!("; slip up to {} at a point", typeset(&units.write(fastest, Measure::Velocity)))
         } else {
             String::new()
         };
         let states = || format!("{}{slip}", STATUSES.map(|s| format!("{} {}", count(s), s.name())).join(", "));
         let states = has_states.then(|| plan("state and direction of slip", states()));
         fields.iter().zip(extents).map(field).chain(states).collect()
+    }
+
+    /// What is said of pressures: where they are means of neighbouring points, also the largest at a point, which the
+    /// summary names.
+    fn pressures(&self, note: String, units: Units) -> String {
+        if self.rows.iter().all(|row| (row.pressure - row.point_pressure).abs() <= 0.0) {
+            return note;
+        }
+        let most = self.rows.iter().map(|row| row.point_pressure).fold(0.0, f64::max);
+        let most = typeset(&units.write(most, Measure::Stress));
+        format!("{}; up to {most} at a point", note.replace("at points", "as means of neighbouring points"))
     }
 
     /// Radius of a dot: dots of evenly spread points do not touch.
@@ -230,7 +252,13 @@ impl<'a> Side<'a> {
             let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
             let place = Rect { x: a[0].min(b[0]), y: a[1], width: (b[0] - a[0]).abs(), height: b[1] - a[1] };
             let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-            let mut image = shade::image(&plane.body, &values, map, range, [pixels(place.width), pixels(place.height)]);
+            let mut image = shade::image(
+                &plane.body,
+                &values,
+                map,
+                range,
+                (plane.body.window(), [pixels(place.width), pixels(place.height)]),
+            );
             if self.view.mirrored {
                 image.mirror();
             }
@@ -271,7 +299,8 @@ impl<'a> Side<'a> {
             let [right, up] = self.view.at(row.slip_velocity);
             let (dx, dy) = (if self.view.mirrored { -right } else { right }, -up);
             let size = dx.hypot(dy);
-            if size > 1e-9 * norm(row.slip_velocity) && taken.insert(square) {
+            let speed = norm(row.slip_velocity);
+            if speed > self.slow && size > 1e-9 * speed && taken.insert(square) {
                 let half = [0.42 * each * dx / size, 0.42 * each * dy / size];
                 picture.arrow([at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]], INK, 1.2);
             }
@@ -364,14 +393,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
         } else {
             Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
         };
-        let first = s == 0;
-        let room = Room { above: if first && has_states { LEGEND } else { 0.0 }, ..room };
-        let (mut row, frames) = sheet::lay_out(if first { &heading } else { "" }, &plans, room, units);
-        if first && has_states {
-            let width = axes::line_width(&legend);
-            let left = 0.5 * (row.width - width);
-            axes::legend(&mut row, [left, 30.0 + LEGEND + 0.3 * NUMBER], width, &legend);
-        }
+        let (mut row, frames) = sheet::lay_out("", &plans, room, units);
         for ((field, bar), frame) in fields.iter().zip(&bars).zip(&frames) {
             bar.draw(&mut row, frame.rect);
             side.field(&mut row, frame, field, bar.range);
@@ -381,5 +403,6 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
         }
         rows.push(row);
     }
-    Ok(Picture::stacked(heading, rows))
+    let sheet = Picture::stacked(heading.clone(), rows, Some("sides").filter(|_| panels.len() == 1));
+    Ok(sheet.headed(&heading, if has_states { &legend } else { &[] }))
 }

@@ -102,9 +102,8 @@ pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         charts.push(chart(&format!("closing error of the {balance} balance"), Measure::Energy, series));
     }
     if has_contact {
-        let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
-        let force = of("contact force", Measure::Force, &[(&x, "x"), (&y, "y"), (&z, "z")]);
-        charts.extend(Some(force).filter(|chart| !chart.series.is_empty()));
+        charts.extend(force_chart(run, &chart));
+        charts.extend(moment_chart(run, &chart));
         charts.push(status_chart(history, units));
     }
     if run.has_heat() {
@@ -119,6 +118,34 @@ pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         charts.extend(surface_charts(run, &chart));
     }
     charts
+}
+
+/// The contact force by its components; absent where there is none.
+fn force_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
+    let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
+    let series = lines(run, &[(&x, "x"), (&y, "y"), (&z, "z")]);
+    (!series.is_empty()).then(|| chart("contact force", Measure::Force, series))
+}
+
+/// The moment of contact: in space about the origin by its components, of bodies of revolution about the axis, of all
+/// contacts together and of each where there are several. Absent where there is none.
+fn moment_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
+    let history = &run.history;
+    let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_MOMENTS.component(c));
+    let in_space = lines(run, &[(&x, "x"), (&y, "y"), (&z, "z")]);
+    if !in_space.is_empty() {
+        return Some(chart("moment of contact about the origin", Measure::Moment, in_space));
+    }
+    let all = history.keys().filter_map(|name| Some((name, columns::CONTACT_MOMENT.side_of(name)?)));
+    let told: Vec<(&String, &str)> = all.filter(|(name, _)| run.has(name)).collect();
+    let one = told.len() == 1;
+    let series = told.iter().enumerate().map(|(i, (name, side))| Series {
+        label: if side.is_empty() && !one { "all contacts".to_owned() } else { (*side).to_owned() },
+        stroke: Stroke::new(LINES[i % LINES.len()], 1.6),
+        pieces: vec![points(history, name)],
+    });
+    let series: Vec<Series> = series.collect();
+    (!series.is_empty()).then(|| chart("moment of contact about the axis", Measure::Moment, series))
 }
 
 /// Friction power, temperature of the foundation, area and wear over time, if the run has them.

@@ -47,7 +47,9 @@ mod svg;
 mod sweep;
 mod table;
 mod ticks;
+mod views;
 mod vtu;
+mod zoom;
 
 use std::path::{Path, PathBuf};
 
@@ -105,6 +107,9 @@ pub enum PlotError {
     },
 }
 
+/// Most panels of one picture.
+const PANELS: usize = 48;
+
 /// How pictures are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -112,7 +117,7 @@ pub struct Options {
     pub dimensionless: bool,
     /// Times of the frames that [`folder`] draws; without any it chooses them.
     pub times: Vec<f64>,
-    /// Pixels of a PNG to a unit of the picture, which is 1/96 inch.
+    /// Pixels of a PNG to a unit of the picture, which is 1/96 inch; fewer where a side would have more than 4000.
     pub pixels: f64,
     /// Factor of the displacement in pictures of the deformed body. Without it the factor is 1 where an obstacle, a
     /// curved side or a gap that varies would make an enlarged displacement false, and a nice one elsewhere.
@@ -220,7 +225,8 @@ pub struct Panel<'a> {
     pub run: &'a Run,
 }
 
-/// Draws a picture of one run, or of several side by side.
+/// Draws a picture of one run, or of several side by side. No side is longer than 4000 units of 1/96 inch: of more
+/// panels than fit, some evenly spaced ones are drawn, and a note says how many.
 ///
 /// Texts may have subscripts and superscripts: `θ_{F}`, `10^{3}`.
 ///
@@ -256,6 +262,24 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
     if panels.is_empty() {
         return Err(PlotError::Data(format!("there is no run for the picture `{}`", kind.file_name())));
     }
+    let mut shown = panels.len().min(PANELS);
+    loop {
+        let chosen = if shown > 1 { frames::evenly(panels.len(), shown) } else { vec![panels.len() - 1] };
+        let some: Vec<Panel> = chosen.iter().filter_map(|&i| panels.get(i).cloned()).collect();
+        let picture = drawn(kind, &some, options)?;
+        if shown > 1 && picture.is_too_large() {
+            shown -= shown.div_ceil(8);
+            continue;
+        }
+        let all = panels.len();
+        let what = if panels.windows(2).all(|p| p[0].run.name == p[1].run.name) { "times" } else { "runs" };
+        return Ok(if shown < all { picture.noted(&format!("{shown} of {all} {what} shown")) } else { picture });
+    }
+}
+
+/// A picture of some panels, of any size.
+fn drawn(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+    let in_space = panels.iter().filter(|panel| panel.run.solid.is_some()).count();
     match kind {
         Kind::Contact | Kind::Wear if in_space > 0 => footprint::draw(kind, panels, options),
         Kind::Deformed | Kind::Temperature | Kind::VonMises if in_space > 0 => Ok(oblique::draw(kind, panels, options)),

@@ -9,6 +9,8 @@ use super::plane::{factor, times, typeset};
 use super::render::{self, Scene, View};
 use super::run::{Run, Solid, at_corners};
 use super::surface::{dot, norm};
+use super::views::{self, Look};
+use super::zoom::{self, Zone, clipped};
 use super::{Kind, Options, Panel, body, font, title};
 use crate::units::{Measure, Units};
 
@@ -18,21 +20,28 @@ const MARGIN: f64 = 16.0;
 const LONGEST: f64 = 400.0;
 /// Colour of the foundation behind a body.
 const GROUND: [u8; 3] = [0xDD, 0xD6, 0xCE];
-/// Most bodies in a row.
+/// Least number of columns where there are several rows.
 const COLUMNS: usize = 2;
-
-/// From where a body is seen: it lies between both eyes, so that all of its surface is on one of the pictures, but for
-/// hollows.
-const VIEWS: [(&str, [f64; 2]); 2] = [("from above", [-60.0, 32.0]), ("from below", [-60.0, -32.0])];
+/// Most views of one run.
+const VIEWS: usize = 36;
 
 /// A body from one direction.
+#[derive(Clone)]
 struct Sight<'a> {
     solid: &'a Solid,
     heading: String,
     view: View,
+    /// The mean outward normal of the contact that is shown.
+    normal: Option<[f64; 3]>,
     /// Deformed nodes as they are seen, and those of the foundation behind them.
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
+    /// The triangle of the surface of each triangle that is drawn; the foundation has none.
+    which: Vec<usize>,
+    /// The nodes of the body that is shown; none if all are.
+    shown: Option<Vec<bool>>,
+    /// How many times as large as the others it is drawn; 1 but for an enlargement.
+    times: f64,
     /// The foundation in front of the body, as it is seen.
     in_front: Vec<[[f64; 2]; 2]>,
     window: [[f64; 2]; 2],
@@ -54,6 +63,8 @@ struct Stage<'a> {
     solids: Vec<(&'a Panel<'a>, &'a Solid)>,
     fields: Vec<Vec<[f64; 3]>>,
     extents: Vec<[f64; 2]>,
+    /// The largest stress at the centre of a cell, of recovered ones.
+    in_cells: Vec<Option<f64>>,
     ranges: Vec<[f64; 2]>,
     factor: f64,
 }
@@ -81,45 +92,72 @@ impl<'a> Stage<'a> {
             let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
             ranges.fill(common);
         }
-        Stage { solids, fields, extents, ranges, factor }
+        let in_cells = solids.iter().map(|(_, s)| field::largest_in_cells(&s.von_mises, &s.nodal_von_mises)).collect();
+        Stage { solids, fields, extents, in_cells, ranges, factor }
+    }
+
+    /// The contact that is enlarged.
+    fn zone(&self) -> Option<Zone> {
+        let runs: Vec<&Run> = self.solids.iter().map(|(panel, _)| panel.run).collect();
+        let nodes: Vec<_> = self.solids.iter().map(|(_, s)| s.surface.points.clone()).collect();
+        let moved: Vec<_> = self.solids.iter().map(|(_, s)| displaced(s, self.factor)).collect();
+        zoom::zone(&runs, &nodes, &moved)
+    }
+
+    /// A body from its views, and its contact enlarged where it is small.
+    fn sights(&self, body: usize, zone: Option<&Zone>) -> Vec<Sight<'a>> {
+        let (entry, all) = (self.solids[body], self.solids.len() == 1);
+        let looks = views::looks(entry.0.run, all);
+        let mut sights: Vec<Sight> =
+            looks.into_iter().take(VIEWS).map(|look| sight(entry, look, self.factor)).collect();
+        let enlarged = zone.and_then(|zone| {
+            let side = entry.0.run.side(zone.side);
+            let seen = sights.iter().find(|sight| sight.shows(entry.0.run, zone.side))?;
+            let part = |p: &[f64; 3]| [dot(seen.view.right, *p), dot(seen.view.up, *p)];
+            let points: Vec<[f64; 2]> = zone.points.iter().map(part).collect();
+            let (window, times) = zoom::window(&points, seen.window)?;
+            let heading = format!("contact{side}, enlarged × {}", super::ticks::number(times));
+            Some(Sight { heading, times, window, ..seen.clone() })
+        });
+        sights.extend(enlarged);
+        sights
     }
 }
 
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let (units, quantity) = (super::units(panels, options), Quantity::of(kind));
     let stage = Stage::new(kind, panels, options, kind);
-    let sights: Vec<(usize, Sight)> = stage
-        .solids
-        .iter()
-        .enumerate()
-        .flat_map(|(i, entry)| {
-            let views = if stage.solids.len() == 1 { VIEWS.to_vec() } else { vec![best_view(entry.0.run)] };
-            let factor = stage.factor;
-            views.into_iter().map(move |view| (i, sight(*entry, view, factor)))
-        })
+    let zone = stage.zone();
+    let sights: Vec<(usize, Sight)> = (0..stage.solids.len())
+        .flat_map(|i| stage.sights(i, zone.as_ref()).into_iter().map(move |sight| (i, sight)))
         .collect();
     let title = title(panels, quantity.name, options);
     let texts = Texts { title, quantity, units, factor: stage.factor };
-    lay_out(kind, &sights, &stage.fields, (&stage.ranges, &stage.extents), &texts)
+    lay_out(kind, &sights, &stage.fields, (&stage.ranges, &stage.extents, &stage.in_cells), &texts)
 }
 
 /// A picture per run, all from one side, with one scale of colours, of displacements and of lengths.
 pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
     let units = super::units(panels, options);
     let stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
-    let sight = |entry: &(&'_ Panel<'_>, &'_ Solid)| best_view(entry.0.run);
-    let mut sights: Vec<Sight> =
-        stage.solids.iter().map(|entry| self::sight(*entry, sight(entry), stage.factor)).collect();
+    // Of a pair the whole.
+    let look = |run: &Run| {
+        let seen = views::looks(run, false).into_iter().next();
+        seen.filter(|look| look.nodes.is_none()).or_else(|| views::looks(&Run::default(), false).into_iter().next())
+    };
+    let seen = stage.solids.iter().filter_map(|entry| Some((entry, look(entry.0.run)?)));
+    let mut sights: Vec<Sight> = seen.map(|(entry, look)| sight(*entry, look, stage.factor)).collect();
     let window = [0, 1].map(|d| axes::range(sights.iter().flat_map(|s| s.window[d])).unwrap_or([0.0, 1.0]));
     for sight in &mut sights {
         sight.window = window;
     }
     let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+    let in_cells = axes::range(stage.in_cells.iter().flatten().copied()).map(|[_, most]| most);
     let frame = |(i, sight): (usize, Sight)| {
         let quantity = Quantity::of(kind);
         let title = title(&panels[i..=i], quantity.name, options);
         let texts = Texts { title, quantity, units, factor: stage.factor };
-        lay_out(kind, &[(0, sight)], &stage.fields[i..=i], (&stage.ranges[i..=i], &[extent]), &texts)
+        lay_out(kind, &[(0, sight)], &stage.fields[i..=i], (&stage.ranges[i..=i], &[extent], &[in_cells]), &texts)
     };
     sights.into_iter().enumerate().map(frame).collect()
 }
@@ -132,33 +170,51 @@ struct Texts {
     factor: f64,
 }
 
+/// Number of columns for a number of views: one row of up to three, else rows of a sheet that is about as wide as high.
+fn columns(count: usize) -> usize {
+    match count {
+        0..=3 => count.max(1),
+        4..=9 => COLUMNS.max(count.div_ceil(3)),
+        _ => (count as f64).sqrt().ceil() as usize,
+    }
+}
+
+/// The colours' ranges, the extremes of the fields and the largest stresses in cells, by body.
+type Ranges<'r> = (&'r [[f64; 2]], &'r [[f64; 2]], &'r [Option<f64>]);
+
 /// Places the bodies in rows, each with a bar of colours on its right.
 fn lay_out(
     kind: Kind,
     sights: &[(usize, Sight)],
     fields: &[Vec<[f64; 3]>],
-    (ranges, extents): (&[[f64; 2]], &[[f64; 2]]),
+    (ranges, extents, in_cells): Ranges,
     texts: &Texts,
 ) -> Picture {
     let Texts { title, quantity, units, factor } = texts;
     // The same scale everywhere.
-    let span = |d: usize| sights.iter().map(|(_, s)| s.window[d][1] - s.window[d][0]).fold(f64::MIN_POSITIVE, f64::max);
+    let length = |s: &Sight, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
+    let span = |d: usize| sights.iter().map(|(_, s)| length(s, d)).fold(f64::MIN_POSITIVE, f64::max);
     let scale = LONGEST / span(0).max(span(1));
     let [each_width, each_height] = [(span(0) * scale).ceil().max(80.0), (span(1) * scale).ceil()];
     let bars: Vec<Bar> =
         ranges.iter().zip(extents).map(|(range, extent)| Bar::new(quantity, *range, *extent, *units, false)).collect();
-    let notes: Vec<String> = extents.iter().map(|extent| note(*units, *extent, quantity.measure, *factor)).collect();
+    let note = |(extent, in_cells): (&[f64; 2], &Option<f64>)| {
+        let text = format!("{}; {}", field::extremes_of_body(kind, *units, *extent, *in_cells), times(*factor));
+        let (first, second) = text.split_once("; ").unwrap_or((&text, ""));
+        [first.to_owned(), second.to_owned()]
+    };
+    let notes: Vec<[String; 2]> = extents.iter().zip(in_cells).map(note).collect();
     let is_last = |k: usize| sights.get(k + 1).is_none_or(|next| next.0 != sights[k].0);
     let beside = bars.iter().map(Bar::room).fold(0.0, f64::max) + MARGIN;
-    let texts_width = notes.iter().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
-    let column = each_width.max(if sights.len() > fields.len() { 0.0 } else { texts_width - beside }) + beside;
-    let columns = if sights.len() <= 3 { sights.len() } else { COLUMNS.max(sights.len().div_ceil(3)) };
+    let texts_width = notes.iter().flatten().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
+    let column = each_width.max(texts_width - beside) + beside;
+    let columns = columns(sights.len());
     let rows = sights.len().div_ceil(columns.max(1));
     let width = (2.0 * MARGIN + columns as f64 * column).max(font::width(title, TITLE).max(texts_width) + 2.0 * MARGIN);
     let legend = legend(sights);
     let top = (MARGIN + TITLE + 8.0 + if legend.is_empty() { 0.0 } else { LEGEND }).ceil();
     // Above a body its heading; below it room for the directions of the axes, a note and a length.
-    let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 76.0);
+    let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 88.0);
     let mut picture = Picture::new(width, top + rows as f64 * (above + each_height + below) + MARGIN, title);
     picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
     let left = 0.5 * (picture.width - axes::line_width(&legend));
@@ -168,10 +224,17 @@ fn lay_out(
         let y = top + (k / columns) as f64 * (above + each_height + below) + above;
         let rect = Rect { x, y, width: each_width, height: each_height };
         picture.text([x + 0.5 * rect.width, y - LABEL - 8.0], HEADING, Anchor::Middle, INK, &sight.heading);
+        let scale = scale * sight.times;
         sight.draw(&mut picture, (rect, scale), kind == Kind::Deformed, &fields[*i], (&bars[*i], quantity.map));
-        if k == 0 || sights[k - 1].0 != *i {
-            picture.text([x + 70.0, rect.bottom() + 40.0], NUMBER, Anchor::Start, SOFT, &notes[*i]);
-            length_bar(&mut picture, [x + 70.0, rect.bottom() + 58.0], scale, *units);
+        let is_first = k == 0 || sights[k - 1].0 != *i;
+        if is_first {
+            for (line, text) in notes[*i].iter().enumerate() {
+                let y = rect.bottom() + 36.0 + 15.0 * line as f64;
+                picture.text([x + 70.0, y], NUMBER, Anchor::Start, SOFT, text);
+            }
+        }
+        if is_first || sight.times > 1.0 {
+            length_bar(&mut picture, [x + 70.0, rect.bottom() + 68.0], scale, *units);
         }
         if is_last(k) {
             bars[*i].draw(&mut picture, rect);
@@ -181,7 +244,7 @@ fn lay_out(
 }
 
 fn legend(sights: &[(usize, Sight)]) -> Vec<(Sign, String)> {
-    let behind = sights.iter().any(|(_, sight)| sight.triangles.len() > sight.solid.surface.triangles.len());
+    let behind = sights.iter().any(|(_, sight)| sight.triangles.len() > sight.which.len());
     let in_front = sights.iter().any(|(_, sight)| !sight.in_front.is_empty());
     let [red, green, blue] = GROUND;
     let box_ = || (Sign::Box(Color { red, green, blue, opacity: 1.0 }), "foundation".to_owned());
@@ -208,38 +271,26 @@ fn length_bar(picture: &mut Picture, [x, y]: [f64; 2], scale: f64, units: Units)
     );
 }
 
-/// `min 1, max 2 K; displacement × 50`.
-fn note(units: Units, extent: [f64; 2], measure: Measure, factor: f64) -> String {
-    format!("{}; {}", field::extremes(units, extent, measure), times(factor))
+/// The nodes of a body, displaced by `factor` times their displacements.
+fn displaced(solid: &Solid, factor: f64) -> Vec<[f64; 3]> {
+    let moved = solid.surface.points.iter().zip(&solid.displacement);
+    moved.map(|(p, u)| [0, 1, 2].map(|d| p[d] + factor * u[d])).collect()
 }
 
-/// The view on the contact sides of a body, from above where there are none.
-fn best_view(run: &Run) -> (&'static str, [f64; 2]) {
-    let below = run.problem.as_ref().is_some_and(|problem| {
-        problem.contact_boundary().points.iter().map(|p| p.weight * p.normal[2]).sum::<f64>() < 0.0
-    });
-    VIEWS[usize::from(below)]
-}
-
-fn sight<'a>(
-    (panel, solid): (&Panel, &'a Solid),
-    (name, [azimuth, elevation]): (&str, [f64; 2]),
-    factor: f64,
-) -> Sight<'a> {
-    let view = View::new(azimuth, elevation);
-    let moved = solid
-        .surface
-        .points
-        .iter()
-        .zip(&solid.displacement)
-        .map(|(p, u)| view.place([0, 1, 2].map(|d| p[d] + factor * u[d])));
-    let mut points: Vec<[f64; 3]> = moved.collect();
-    let mut triangles = solid.surface.triangles.clone();
+fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Sight<'a> {
+    let Look { name, view, nodes: shown, normal } = look;
+    let mut points: Vec<[f64; 3]> = displaced(solid, factor).into_iter().map(|p| view.place(p)).collect();
+    let is_shown = |node: u32| shown.as_ref().is_none_or(|shown| shown.get(node as usize) == Some(&true));
+    let all = solid.surface.triangles.iter().enumerate();
+    let (which, mut triangles): (Vec<usize>, Vec<[u32; 3]>) =
+        all.filter(|(_, triangle)| is_shown(triangle[0])).map(|(t, triangle)| (t, *triangle)).unzip();
     let mut in_front = Vec::new();
+    // Of one body of several what it stands on is not shown, so that nothing hides it.
     let patches = panel
         .run
         .problem
         .as_ref()
+        .filter(|_| shown.is_none())
         .map_or_else(Vec::new, |problem| ground::patches(problem, &solid.displacement, panel.run.t, factor));
     for Patch { points: own, triangles: parts, normal } in patches {
         let seen: Vec<[f64; 3]> = own.iter().map(|p| view.place(*p)).collect();
@@ -252,20 +303,40 @@ fn sight<'a>(
             in_front.extend(ground::rim(&parts).into_iter().map(|[a, b]| [at(a), at(b)]));
         }
     }
-    let plane: Vec<[f64; 2]> = points.iter().map(|p| [p[0], p[1]]).chain(in_front.iter().flatten().copied()).collect();
-    let heading = if panel.title.is_empty() { name.to_owned() } else { format!("{}, {name}", panel.title) };
+    let seen = triangles.iter().flatten().map(|&n| points[n as usize]).map(|p| [p[0], p[1]]);
+    let plane: Vec<[f64; 2]> = seen.chain(in_front.iter().flatten().copied()).collect();
+    let heading = if panel.title.is_empty() { name } else { format!("{}, {name}", panel.title) };
     Sight {
         solid,
         heading,
         view,
+        normal,
         points,
         triangles,
+        which,
+        shown,
+        times: 1.0,
         in_front,
         window: super::sheet::widened(body::window(&plane), 0.01),
     }
 }
 
 impl Sight<'_> {
+    /// Whether a node is of what is shown.
+    fn has(&self, node: u32) -> bool {
+        self.shown.as_ref().is_none_or(|shown| shown.get(node as usize) == Some(&true))
+    }
+
+    /// Whether a side of contact is in sight.
+    fn shows(&self, run: &Run, side: usize) -> bool {
+        let Some(problem) = &run.problem else { return false };
+        let points = &problem.contact_boundary().points;
+        let mut normals = points.iter().filter(|point| point.contact == side).map(|point| point.normal);
+        let nodes = problem.contacts.get(side).and_then(|contact| problem.mesh.facets.get(contact.bearing()));
+        let node = nodes.and_then(|set| set.node_list().first().copied());
+        self.normal.is_some() && node.is_none_or(|node| self.has(node)) && normals.any(|n| dot(n, self.view.eye) > 0.0)
+    }
+
     /// Draws a field, with the mesh on request, in a rectangle.
     fn draw(
         &self,
@@ -279,9 +350,10 @@ impl Sight<'_> {
         let surface = &self.solid.surface;
         let [lo, hi] = bar.range;
         let color = |v: f64| if v.is_nan() { GROUND } else { map.at(if hi > lo { (v - lo) / (hi - lo) } else { 0.5 }) };
-        let values = |t: usize| field.get(t).copied().unwrap_or([f64::NAN; 3]);
-        let lines: Vec<[u32; 2]> =
+        let values = |t: usize| self.which.get(t).and_then(|&t| field.get(t)).copied().unwrap_or([f64::NAN; 3]);
+        let mut lines: Vec<[u32; 2]> =
             if mesh { surface.edges.iter().map(|e| e.nodes).collect() } else { surface.outline(&self.solid.regions) };
+        lines.retain(|[node, _]| self.has(*node));
         let ink = if mesh { MESH } else { INK };
         let scene = Scene {
             points: &self.points,
@@ -302,7 +374,7 @@ impl Sight<'_> {
         };
         picture.image(place, render::image(&scene, self.window, pixels(size[0]), pixels(size[1])));
         let at = |p: [f64; 2]| [place.x + (p[0] - left) * scale, place.y + (top - p[1]) * scale];
-        let outline: Vec<_> = self.in_front.iter().map(|edge| edge.map(at)).collect();
+        let outline: Vec<_> = self.in_front.iter().flat_map(|edge| clipped(&edge.map(at), place)).collect();
         picture.lines(&outline, Stroke::new(VERMILION, 1.2));
         self.axes(picture, [rect.x + 30.0, rect.bottom() + 38.0]);
     }

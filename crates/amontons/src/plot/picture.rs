@@ -3,7 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::PlotError;
-use super::color::Color;
+use super::axes::{self, LEGEND, NUMBER, Sign, TITLE};
+use super::color::{Color, INK, SOFT};
+use super::font;
+
+/// Longest side of a picture, in pixels of a PNG file and in units: a unit has at least one pixel, so that texts can be
+/// read.
+const LONGEST: f64 = 4000.0;
+/// Height of a note below a picture.
+const NOTE: f64 = 20.0;
+const MARGIN: f64 = 16.0;
 
 /// A rectangle; y grows downwards, as in all coordinates of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -109,6 +118,27 @@ impl Image {
     }
 }
 
+/// Widths of the columns and heights of the rows of pictures in so many columns.
+fn extents(pictures: &[Picture], columns: usize) -> [Vec<f64>; 2] {
+    let widest = |c: usize| pictures.iter().skip(c).step_by(columns).map(|p| p.width).fold(0.0, f64::max);
+    let heights = pictures.chunks(columns).map(|row| row.iter().map(|p| p.height).fold(0.0, f64::max));
+    [(0..columns).map(widest).collect(), heights.collect()]
+}
+
+/// Pictures in rows of so many columns, the lower ends of a row on one line.
+fn beside(title: impl Into<String>, pictures: Vec<Picture>, columns: usize) -> Picture {
+    let [widths, heights] = extents(&pictures, columns);
+    let mut all = Picture::new(widths.iter().sum(), heights.iter().sum(), title);
+    for (k, picture) in pictures.into_iter().enumerate() {
+        let (row, column) = (k / columns, k % columns);
+        let left: f64 = widths[..column].iter().sum();
+        let bottom: f64 = heights[..=row].iter().sum();
+        let by = [left + (0.5 * (widths[column] - picture.width)).floor(), bottom - picture.height];
+        all.items.extend(picture.items.into_iter().map(|item| item.moved(by)));
+    }
+    all
+}
+
 /// A drawn picture, to be written as SVG or PNG; both show the same.
 #[derive(Clone, Debug)]
 pub struct Picture {
@@ -124,17 +154,63 @@ impl Picture {
         Picture { width: width.ceil(), height: height.ceil(), title: title.into(), items: Vec::new() }
     }
 
-    /// Pictures above each other as one.
-    pub(super) fn stacked(title: impl Into<String>, pictures: Vec<Picture>) -> Picture {
-        let width = pictures.iter().map(|p| p.width).fold(0.0, f64::max);
-        let mut all = Picture::new(width, pictures.iter().map(|p| p.height).sum(), title);
-        let mut top = 0.0;
-        for picture in pictures {
-            let by = [(0.5 * (width - picture.width)).floor(), top];
-            top += picture.height;
-            all.items.extend(picture.items.into_iter().map(|item| item.moved(by)));
+    /// Pictures above each other as one, in several columns where one would be too high; `what` names them where there
+    /// are more than fit a sheet and the first ones are enough.
+    pub(super) fn stacked(title: impl Into<String>, mut pictures: Vec<Picture>, what: Option<&str>) -> Picture {
+        let count = pictures.len();
+        let mut columns = 1;
+        loop {
+            let longest = |columns: usize| {
+                let [widths, heights] = extents(&pictures, columns);
+                widths.iter().sum::<f64>().max(heights.iter().sum())
+            };
+            // The number of columns with which the longer side is short enough, or else shortest.
+            let fits = (1..=pictures.len()).find(|&columns| longest(columns) <= 0.5 * LONGEST);
+            let shortest = || (1..=pictures.len()).min_by(|&a, &b| longest(a).total_cmp(&longest(b)));
+            columns = fits.or_else(shortest).unwrap_or(columns);
+            if pictures.len() < 2 || what.is_none() || longest(columns) <= LONGEST - NOTE {
+                break;
+            }
+            pictures.pop();
         }
-        all
+        let shown = pictures.len();
+        let all = beside(title, pictures, columns);
+        match what.filter(|_| shown < count) {
+            Some(what) => all.noted(&format!("{shown} of {count} {what} shown")),
+            None => all,
+        }
+    }
+
+    /// The picture under its title and a legend, where there is room for them already.
+    pub(super) fn headed(self, title: &str, legend: &[(Sign, String)]) -> Picture {
+        let width = axes::line_width(legend);
+        let needed = font::width(title, TITLE).max(width) + 2.0 * MARGIN;
+        let height = MARGIN + if legend.is_empty() { 0.0 } else { LEGEND };
+        let mut head = Picture::new(needed.max(self.width), height, title);
+        let middle = 0.5 * head.width;
+        head.text([middle, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
+        axes::legend(&mut head, [middle - 0.5 * width, MARGIN + TITLE + LEGEND], f64::INFINITY, legend);
+        beside(title, vec![head, self], 1)
+    }
+
+    /// The picture with a line of text below it.
+    pub(super) fn noted(mut self, text: &str) -> Picture {
+        self.text([0.5 * self.width, self.height + 0.4 * NOTE], NUMBER, Anchor::Middle, SOFT, text);
+        self.height += NOTE;
+        self
+    }
+
+    /// Whether a side is longer than a sheet may be, beside a note.
+    pub(super) fn is_too_large(&self) -> bool {
+        self.width.max(self.height) > LONGEST - NOTE
+    }
+
+    /// Pixels to a unit with which no side of the picture has more than 4000 pixels: those that are asked for, or
+    /// fewer.
+    #[must_use]
+    pub fn density(&self, pixels: f64) -> f64 {
+        let most = LONGEST / self.width.max(self.height);
+        if pixels > most { most } else { pixels }
     }
 
     /// Adds an arrow between two points.
@@ -168,7 +244,8 @@ impl Picture {
         super::raster::write(self, pixels)
     }
 
-    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels to a unit, and returns their paths.
+    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels to a unit, or with fewer where a side
+    /// would have more than 4000 pixels, and returns their paths.
     ///
     /// # Errors
     /// When a file cannot be written or the picture not be drawn in this size.
@@ -182,7 +259,7 @@ impl Picture {
             Ok(()) => Ok(path),
             Err(source) => Err(PlotError::Write { path, source }),
         };
-        Ok([write(with(".svg"), self.svg().as_bytes())?, write(with(".png"), &self.png(pixels)?)?])
+        Ok([write(with(".svg"), self.svg().as_bytes())?, write(with(".png"), &self.png(self.density(pixels))?)?])
     }
 
     /// Adds a line through points.

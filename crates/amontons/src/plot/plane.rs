@@ -10,6 +10,7 @@ use super::picture::{Anchor, Line, Picture, Rect, Stroke};
 use super::run::{Run, Snapshot, at_corners};
 use super::shade;
 use super::sheet::{self, Frame, Plan, Room};
+use super::zoom::{self, Zone, clipped};
 use super::{Kind, Options, Panel, title};
 use crate::mesh::Mesh;
 use crate::units::{Extent, Measure, Units};
@@ -147,7 +148,10 @@ impl Shape<'_> {
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let units = super::units(panels, options);
     let stage = Stage::new(kind, panels, options, kind);
-    let all: Vec<usize> = (0..stage.bodies.len()).collect();
+    let zone = stage.zone();
+    let part = |i: usize| zone.as_ref().and_then(|zone| stage.enlarged(i, zone));
+    let whole = |i: usize| Part { body: i, window: stage.windows[i], times: None, title: String::new() };
+    let all: Vec<Part> = (0..stage.bodies.len()).flat_map(|i| std::iter::once(whole(i)).chain(part(i))).collect();
     stage.picture(&all, &title(panels, stage.quantity.name, options), units, 0.0)
 }
 
@@ -158,11 +162,24 @@ pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Pic
     // What differs from frame to frame is in the title alone, so that nothing else moves.
     let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
     stage.extents.fill(extent);
+    let in_cells = axes::range(stage.in_cells.iter().flatten().copied()).map(|[_, most]| most);
+    stage.in_cells.fill(in_cells);
     let titles: Vec<String> =
         panels.iter().map(|panel| title(std::slice::from_ref(panel), stage.quantity.name, options)).collect();
     let widest = titles.iter().map(|title| super::font::width(title, axes::TITLE)).fold(0.0, f64::max) + 32.0;
     let numbered = titles.iter().enumerate();
-    numbered.map(|(i, title)| stage.picture(&[i], title, units, widest)).collect()
+    let whole = |i: usize| Part { body: i, window: stage.windows[i], times: None, title: String::new() };
+    numbered.map(|(i, title)| stage.picture(&[whole(i)], title, units, widest)).collect()
+}
+
+/// A panel: a body, or an enlargement of it.
+struct Part {
+    body: usize,
+    window: [[f64; 2]; 2],
+    /// How many times as large as the whole body it is drawn; none for the body.
+    times: Option<f64>,
+    /// Title of an enlargement.
+    title: String,
 }
 
 /// Bodies as they are drawn, and what all of them have in common.
@@ -172,6 +189,8 @@ struct Stage<'a> {
     bodies: Vec<&'a Panel<'a>>,
     shapes: Vec<Shape<'a>>,
     extents: Vec<[f64; 2]>,
+    /// The largest stress at the centre of a cell, of recovered ones.
+    in_cells: Vec<Option<f64>>,
     ranges: Vec<[f64; 2]>,
     windows: Vec<[[f64; 2]; 2]>,
     factor: f64,
@@ -199,40 +218,96 @@ impl<'a> Stage<'a> {
             }
         }
         let bodies = with.iter().map(|(panel, _)| *panel).collect();
-        Stage { kind, quantity: Quantity::of(kind), bodies, shapes, extents, ranges, windows, factor }
+        let in_cells = with.iter().map(|(_, s)| field::largest_in_cells(&s.von_mises, &s.nodal_von_mises)).collect();
+        Stage { kind, quantity: Quantity::of(kind), bodies, shapes, extents, in_cells, ranges, windows, factor }
     }
 
-    /// Some of the bodies in a picture that is at least so wide.
-    fn picture(&self, which: &[usize], title: &str, units: Units, least: f64) -> Picture {
+    /// The contact that is enlarged.
+    fn zone(&self) -> Option<Zone> {
+        let runs: Vec<&Run> = self.shapes.iter().map(|shape| shape.run).collect();
+        let flat = |body: &Body| body.points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>();
+        let nodes: Vec<_> = self.shapes.iter().map(|shape| flat(&shape.snapshot.body)).collect();
+        let moved: Vec<_> = self.shapes.iter().map(|shape| flat(&shape.moved)).collect();
+        zoom::zone(&runs, &nodes, &moved)
+    }
+
+    /// A body's part around a contact, the same at all times of a run.
+    fn enlarged(&self, body: usize, zone: &Zone) -> Option<Part> {
+        let points: Vec<[f64; 2]> = zone.points.iter().map(|p| [p[0], p[1]]).collect();
+        let (window, times) = zoom::window(&points, self.windows[body])?;
+        let Panel { title, run } = self.bodies[body];
+        let apart = if title.is_empty() { "" } else { ", " };
+        let title = format!("{title}{apart}contact{}, enlarged × {}", run.side(zone.side), super::ticks::number(times));
+        Some(Part { body, window, times: Some(times), title })
+    }
+
+    /// Some of the bodies and their parts in a picture that is at least so wide.
+    fn picture(&self, which: &[Part], title: &str, units: Units, least: f64) -> Picture {
         let quantity = &self.quantity;
         let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
-        let plan = |&i: &usize| Plan {
-            title: self.bodies[i].title.to_owned(),
-            note: field::extremes(units, self.extents[i], quantity.measure),
-            window: self.windows[i],
-            labels,
-            mirrored: false,
+        let plan = |part: &Part| {
+            let i = part.body;
+            let whole = || field::extremes_of_body(self.kind, units, self.extents[i], self.in_cells[i]);
+            Plan {
+                title: if part.times.is_some() { part.title.clone() } else { self.bodies[i].title.to_owned() },
+                note: if part.times.is_some() { "enlargement of the framed part".to_owned() } else { whole() },
+                window: part.window,
+                labels,
+                mirrored: false,
+            }
         };
         let plans: Vec<Plan> = which.iter().map(plan).collect();
         let wide = sheet::is_wide(&plans);
-        let bar = |&i: &usize| Bar::new(quantity, self.ranges[i], self.extents[i], units, wide);
+        let bar = |part: &Part| Bar::new(quantity, self.ranges[part.body], self.extents[part.body], units, wide);
         let bars: Vec<Bar> = which.iter().map(bar).collect();
         let entries = legend(&self.shapes, self.factor, self.kind);
         let legend_width = axes::line_width(&entries);
         let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
         let least = legend_width.max(least);
+        let in_twos = which.iter().filter(|part| part.times.is_some()).count() * 2 == which.len();
         let room = if wide {
-            Room { right: 8.0, below: 50.0, above, least }
+            Room { right: 8.0, below: 50.0, above, least, in_twos }
         } else {
-            Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), above, below: 0.0, least }
+            Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), above, below: 0.0, least, in_twos }
         };
         let (mut picture, frames) = sheet::lay_out(title, &plans, room, units);
         let left = 0.5 * (picture.width - legend_width);
         axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
-        for ((&i, bar), frame) in which.iter().zip(&bars).zip(&frames) {
-            body(&mut picture, frame, &self.shapes[i], (self.kind, quantity.map, bar), units);
+        for (k, ((part, bar), frame)) in which.iter().zip(&bars).zip(&frames).enumerate() {
+            let style = (self.kind, quantity.map, bar);
+            if part.times.is_some() {
+                self.enlargement(&mut picture, frame, part, style, units);
+                continue;
+            }
+            body(&mut picture, frame, &self.shapes[part.body], style, units);
+            if let Some(next) = which.get(k + 1).filter(|next| next.times.is_some()) {
+                let [x, y] = next.window;
+                let line = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]], [x[0], y[0]]];
+                picture.line(&frame.all(&line), Stroke::new(INK, 0.8));
+            }
         }
         picture
+    }
+
+    /// Draws a part of a body with what lies within its frame.
+    fn enlargement(
+        &self,
+        picture: &mut Picture,
+        frame: &Frame,
+        part: &Part,
+        (kind, map, bar): (Kind, super::ColorMap, &Bar),
+        units: Units,
+    ) {
+        let shape = &self.shapes[part.body];
+        bar.draw(picture, frame.rect);
+        shaded(picture, frame, shape, (map, bar.range), part.window);
+        lines(picture, frame, shape, kind, bar);
+        let Some(problem) = &shape.run.problem else { return };
+        let grounds = ground::grounds(problem, &shape.snapshot.body, shape.run.t, self.factor, part.window);
+        for ground in grounds {
+            // Where it moves is told beside the whole body.
+            foundation(picture, frame, &Ground { moves: None, ..ground }, units);
+        }
     }
 }
 
@@ -245,7 +320,7 @@ fn body(
     units: Units,
 ) {
     bar.draw(picture, frame.rect);
-    shaded(picture, frame, shape, map, bar.range);
+    shaded(picture, frame, shape, (map, bar.range), shape.moved.window());
     lines(picture, frame, shape, kind, bar);
     if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
         let at = frame.x.at(0.0);
@@ -293,21 +368,29 @@ fn legend(shapes: &[Shape], factor: f64, kind: Kind) -> Vec<(Sign, String)> {
     entries
 }
 
-fn shaded(picture: &mut Picture, frame: &Frame, shape: &Shape, map: super::ColorMap, range: [f64; 2]) {
-    let [x, y] = shape.moved.window();
+/// The field in the part of a window.
+fn shaded(
+    picture: &mut Picture,
+    frame: &Frame,
+    shape: &Shape,
+    (map, range): (super::ColorMap, [f64; 2]),
+    window: [[f64; 2]; 2],
+) {
+    let [x, y] = window;
     let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
     let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
     let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
     picture.image(
         place,
-        shade::image(&shape.moved, &shape.values, map, range, [pixels(place.width), pixels(place.height)]),
+        shade::image(&shape.moved, &shape.values, map, range, (window, [pixels(place.width), pixels(place.height)])),
     );
 }
 
 /// The mesh or level lines, the outline, and the outline before.
 fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &Bar) {
     let through = |body: &Body, lines: &[Vec<u32>]| -> Vec<Vec<[f64; 2]>> {
-        lines.iter().map(|line| simplified(&frame.all(line.iter().map(|&n| &body.points[n as usize])))).collect()
+        let drawn = lines.iter().map(|line| simplified(&frame.all(line.iter().map(|&n| &body.points[n as usize]))));
+        drawn.flat_map(|line| clipped(&line, frame.rect)).collect()
     };
     if kind == Kind::Deformed {
         let mesh = shape.snapshot.body.lines();
@@ -316,18 +399,32 @@ fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &
     }
     if kind == Kind::Temperature {
         let levels = bar.levels().flat_map(|level| shade::level_line(&shape.moved, &shape.snapshot.temperature, level));
-        let pieces: Vec<_> = levels.map(|[a, b]| [frame.at(&a), frame.at(&b)]).collect();
+        let pieces: Vec<_> = levels.flat_map(|[a, b]| clipped(&[frame.at(&a), frame.at(&b)], frame.rect)).collect();
         picture.lines(&pieces, Stroke::new(WHITE.with_opacity(0.55), 0.7));
     }
     let outline = loops(&shape.snapshot.body.boundary);
     let drawn = |body: &Body| -> Vec<Line> {
         let points = |nodes: &Vec<u32>| simplified(&frame.all(nodes.iter().map(|&n| &body.points[n as usize])));
-        outline.iter().map(|nodes| Line { points: points(nodes), closed: true }).collect()
+        outline.iter().flat_map(|nodes| within(points(nodes), frame.rect)).collect()
     };
     if shape.shows_reference() {
         picture.shape(drawn(&shape.snapshot.body), None, Some(Stroke::new(REFERENCE, 1.0).dashed(&[5.0, 3.0])));
     }
     picture.shape(drawn(&shape.moved), None, Some(Stroke::new(INK, 1.2)));
+}
+
+/// A closed line, or where it leaves a rectangle its pieces inside.
+fn within(mut points: Vec<[f64; 2]>, rect: Rect) -> Vec<Line> {
+    // A line of a body on the border of its frame is inside.
+    const NEAR: f64 = 0.5;
+    let outside = |p: &[f64; 2]| {
+        p[0] < rect.x - NEAR || p[0] > rect.right() + NEAR || p[1] < rect.y - NEAR || p[1] > rect.bottom() + NEAR
+    };
+    if !points.iter().any(outside) {
+        return vec![Line { points, closed: true }];
+    }
+    points.extend(points.first().copied());
+    clipped(&points, rect).into_iter().map(|points| Line { points, closed: false }).collect()
 }
 
 /// The surface as a line, hatched on the side of the foundation, with an arrow where it moves.
@@ -350,7 +447,7 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
             }
             along -= length;
         }
-        picture.line(&simplified(&points), Stroke::new(VERMILION, 1.6));
+        picture.lines(&clipped(&simplified(&points), frame.rect), Stroke::new(VERMILION, 1.6));
     }
     let inside = |p: &[f64; 2]| {
         frame.rect.x <= p[0] && p[0] <= frame.rect.right() && frame.rect.y <= p[1] && p[1] <= frame.rect.bottom()

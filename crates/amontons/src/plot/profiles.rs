@@ -4,10 +4,11 @@ use super::axes::Sign;
 use super::charts::{self, Area, Chart, Column, Series};
 use super::color::{BLUE, Color, GREEN, INK, LINES, ORANGE, PURPLE, VERMILION};
 use super::picture::{Picture, Stroke};
+use super::plane::typeset;
 use super::run::{self, ContactRow, Part, Stop};
 use super::{Kind, Options, Panel, PlotError, title};
 use crate::contact::Status;
-use crate::units::{Measure, Units};
+use crate::units::{Extent, Measure, Units};
 
 /// Colour of a status.
 pub(super) fn color(status: Status) -> Color {
@@ -63,16 +64,25 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
             ));
         }
     }
-    Ok(Picture::stacked(title(panels, what, options), blocks))
+    Ok(Picture::stacked(title(panels, what, options), blocks, Some("sides").filter(|_| panels.len() == 1)))
 }
 
 /// What there is on Γ_C besides pressure and gap, in any of the panels.
 #[derive(Clone, Copy)]
 struct What {
-    friction: bool,
+    friction: Friction,
     heat: bool,
     work: bool,
     round_off: RoundOff,
+}
+
+/// In which directions there is friction or slip.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Friction {
+    Without,
+    Along,
+    /// Also out of the plane, or about the axis of revolution.
+    Across,
 }
 
 /// What is up to this large is round-off of the displacement, and drawn as zero.
@@ -97,8 +107,15 @@ impl What {
     fn of(panels: &[Panel]) -> What {
         let round_off = RoundOff::of(panels);
         let any = |f: &dyn Fn(&ContactRow) -> bool| panels.iter().flat_map(|panel| &panel.run.contact).any(f);
+        let friction = if any(&|row| row.traction[2] != 0.0 || row.slip_velocity[2] != 0.0) {
+            Friction::Across
+        } else if any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)) {
+            Friction::Along
+        } else {
+            Friction::Without
+        };
         What {
-            friction: any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)),
+            friction,
             heat: panels.iter().any(|panel| panel.run.has_heat()),
             work: any(&|row| row.friction_work.abs() > round_off.work),
             round_off,
@@ -166,31 +183,57 @@ fn temperatures(parts: &[Part], units: Units) -> Chart {
     chart
 }
 
+/// The pressure. Where it is the mean of neighbouring points, the largest one at a point, which the summary names, is
+/// said beside it.
+fn pressure(parts: &[Part], units: Units) -> Chart {
+    let stops = parts.iter().flat_map(|part| &part.stops);
+    let is_mean = stops.clone().any(|stop| (stop.row.pressure - stop.row.point_pressure).abs() > 0.0);
+    let most = stops.map(|stop| stop.row.point_pressure).fold(0.0, f64::max);
+    let label = if is_mean {
+        format!("mean of neighbouring points; up to {} at a point", typeset(&units.write(most, Measure::Stress)))
+    } else {
+        String::new()
+    };
+    chart("pressure p", units, Measure::Stress, true, line(parts, &label, BLUE, &|s| s.row.pressure))
+}
+
+/// Friction traction in its cone and slip velocity, along Γ_C and, where there is some, out of the plane.
+fn friction(parts: &[Part], units: Units, has: What) -> [Chart; 2] {
+    let along = |v: [f64; 3], stop: &Stop| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
+    let out = if units.extent == Extent::Revolution { "about the axis" } else { "out of the plane" };
+    let series = line(parts, "σ_{τ} along s", VERMILION, &|s| along(s.row.traction, s));
+    let mut friction = chart("friction traction", units, Measure::Stress, true, series);
+    if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.bound.is_some()) {
+        let edge = |part: &Part, sign: f64| {
+            part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>()
+        };
+        let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
+        let polygons = parts.iter().map(polygon).collect();
+        friction.areas.push(Area {
+            label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(),
+            color: INK.with_opacity(0.13),
+            polygons,
+        });
+    }
+    let is_across = has.friction == Friction::Across;
+    let [name, label] = if is_across { ["slip velocity", "along s"] } else { ["slip velocity along s", ""] };
+    let speed = |v: f64| but_zero(v, has.round_off.velocity);
+    let slip = line(parts, label, VERMILION, &|s| speed(along(s.row.slip_velocity, s)));
+    let mut slip = chart(name, units, Measure::Velocity, true, slip);
+    if is_across {
+        friction.series.push(line(parts, &format!("σ_{{τ}} {out}"), BLUE, &|s| s.row.traction[2]));
+        slip.series.push(line(parts, out, BLUE, &|s| speed(s.row.slip_velocity[2])));
+    }
+    [friction, slip]
+}
+
 fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
-    let along = |v: [f64; 2], stop: &Stop| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
     let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&Stop) -> f64| {
         chart(quantity, units, measure, zero, line(parts, "", color, value))
     };
-    let mut charts = vec![one("pressure p", Measure::Stress, true, BLUE, &|s| s.row.pressure)];
-    if has.friction {
-        let series = line(parts, "σ_{τ} along s", VERMILION, &|s| along(s.row.traction, s));
-        let mut friction = chart("friction traction", units, Measure::Stress, true, series);
-        if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.bound.is_some()) {
-            let edge = |part: &Part, sign: f64| {
-                part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>()
-            };
-            let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
-            let polygons = parts.iter().map(polygon).collect();
-            friction.areas.push(Area {
-                label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(),
-                color: INK.with_opacity(0.13),
-                polygons,
-            });
-        }
-        charts.push(friction);
-        charts.push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| {
-            but_zero(along(s.row.slip_velocity, s), has.round_off.velocity)
-        }));
+    let mut charts = vec![pressure(parts, units)];
+    if has.friction != Friction::Without {
+        charts.extend(friction(parts, units, has));
     }
     charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| {
         but_zero(0.0 - s.row.penetration, has.round_off.length)

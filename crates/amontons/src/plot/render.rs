@@ -23,6 +23,14 @@ impl View {
         View { right: [-sa, ca, 0.0], up: [-se * ca, -se * sa, ce], eye: [ce * ca, ce * sa, se] }
     }
 
+    /// The view of an eye in a direction.
+    pub(super) fn of_eye(eye: [f64; 3]) -> View {
+        let [x, y, z] = eye.map(|c| c / norm(eye));
+        // From straight above or below y points upwards.
+        let azimuth = if x.hypot(y) > 1e-9 { y.atan2(x).to_degrees() } else { -90.0 };
+        View::new(azimuth, z.clamp(-1.0, 1.0).asin().to_degrees())
+    }
+
     /// Places to the right, upwards and towards the eye.
     pub(super) fn place(&self, p: [f64; 3]) -> [f64; 3] {
         [dot(self.right, p), dot(self.up, p), dot(self.eye, p)]

@@ -224,8 +224,10 @@ pub struct Solid {
 pub struct SolidContact {
     /// Position on the undeformed boundary, m.
     pub x: [f64; 3],
-    /// p_ν in Pa.
+    /// p_ν in Pa; between the nodes of quadratic facets the mean that can be read.
     pub pressure: f64,
+    /// p_ν at the point itself, Pa.
+    pub point_pressure: f64,
     /// Open, stick or slip.
     pub status: Status,
     /// Slip velocity of the body against the foundation, m/s.
@@ -257,6 +259,7 @@ impl Solid {
         let places: Vec<f64> = self.contact.iter().flat_map(|row| row.x).collect();
         fits("place of the contact points", &places, 3 * self.contact.len())?;
         fits("contact pressure", &of(|row| row.pressure), self.contact.len())?;
+        fits("contact pressure at a point", &of(|row| row.point_pressure), self.contact.len())?;
         fits("wear", &of(|row| row.wear), self.contact.len())?;
         fits("friction work", &of(|row| row.friction_work), self.contact.len())
     }
@@ -280,14 +283,16 @@ pub struct ContactRow {
     pub x: [f64; 2],
     /// u_ν − g in m.
     pub penetration: f64,
-    /// p_ν in Pa.
+    /// p_ν in Pa; between the nodes of quadratic facets the mean that can be read.
     pub pressure: f64,
+    /// p_ν at the point itself, Pa.
+    pub point_pressure: f64,
     /// Friction bound p_τ in Pa, where it is known.
     pub bound: Option<f64>,
-    /// Friction traction σ_τ in Pa.
-    pub traction: [f64; 2],
-    /// Slip velocity in m/s.
-    pub slip_velocity: [f64; 2],
+    /// Friction traction σ_τ in Pa: in the plane, and out of it or about the axis of revolution.
+    pub traction: [f64; 3],
+    /// Slip velocity in m/s, by the same components.
+    pub slip_velocity: [f64; 3],
     /// Open, stick or slip.
     pub status: Status,
     /// Temperature of the body in K; not a number in a run without heat.
@@ -457,9 +462,10 @@ mod tests {
             x,
             penetration: 0.0,
             pressure: 0.0,
+            point_pressure: 0.0,
             bound: None,
-            traction: [0.0; 2],
-            slip_velocity: [0.0; 2],
+            traction: [0.0; 3],
+            slip_velocity: [0.0; 3],
             status: Status::Open,
             temperature: 0.0,
             opposite_temperature: f64::NAN,

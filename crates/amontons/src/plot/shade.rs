@@ -4,8 +4,8 @@ use super::body::Body;
 use super::color::ColorMap;
 use super::picture::Image;
 
-/// Colours the triangles of a body by the values at their corners, linear in between; the image covers the window of
-/// the body and is transparent outside of it.
+/// Colours the triangles of a body by the values at their corners, linear in between; the image covers a window and is
+/// transparent outside the body.
 ///
 /// A pixel has the colour of the value at its centre.
 pub(super) fn image(
@@ -13,9 +13,8 @@ pub(super) fn image(
     values: &[[f64; 3]],
     map: ColorMap,
     range: [f64; 2],
-    [width, height]: [u32; 2],
+    ([wx, wy], [width, height]): ([[f64; 2]; 2], [u32; 2]),
 ) -> Image {
-    let [wx, wy] = body.window();
     let mut rgba = vec![0; 4 * width as usize * height as usize];
     let scale = [f64::from(width) / (wx[1] - wx[0]), f64::from(height) / (wy[1] - wy[0])];
     // Pixel coordinates: the centre of pixel (i, j) is at (i, j), j downwards.
@@ -93,7 +92,7 @@ mod tests {
             .iter()
             .map(|t| t.map(|n| f(body.points[n as usize][0], body.points[n as usize][1])))
             .collect();
-        let image = image(&body, &values, ColorMap::Viridis, [-1.0, 6.0], [80, 40]);
+        let image = image(&body, &values, ColorMap::Viridis, [-1.0, 6.0], (body.window(), [80, 40]));
         for i in 0..80 {
             for j in 0..40 {
                 let value = f((f64::from(i) + 0.5) / 40.0, 1.0 - (f64::from(j) + 0.5) / 40.0);
@@ -113,7 +112,7 @@ mod tests {
     fn a_field_of_one_value_is_flat_and_outside_is_transparent() -> Outcome {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let body = Body::new(points, [[0u32, 1, 2].as_slice()])?;
-        let image = image(&body, &[[5.0; 3]], ColorMap::Inferno, [0.0, 10.0], [20, 20]);
+        let image = image(&body, &[[5.0; 3]], ColorMap::Inferno, [0.0, 10.0], (body.window(), [20, 20]));
         let [r, g, b] = ColorMap::Inferno.at(0.5);
         assert_eq!(image.pixel(3, 15), [r, g, b, 255]);
         assert_eq!(image.pixel(15, 3), [0, 0, 0, 0]);

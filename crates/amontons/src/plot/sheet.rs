@@ -30,6 +30,8 @@ pub(super) struct Room {
     pub above: f64,
     /// The least width of all panels together.
     pub least: f64,
+    /// Whether each panel has another one that belongs beside it.
+    pub in_twos: bool,
 }
 
 /// A panel in a picture.
@@ -67,12 +69,14 @@ fn size(plan: &Plan) -> [f64; 2] {
     plan.window.map(|r| (r[1] - r[0]).max(f64::MIN_POSITIVE))
 }
 
-/// Number of columns for a number of panels: wide ones stand above each other, others in rows of at most four.
+/// Number of columns for a number of panels: few wide ones stand above each other, others in rows of at most four; more
+/// of them in rows of a sheet that is about as wide as high.
 fn columns(count: usize, wide: bool) -> usize {
     match count {
-        _ if wide => 1,
+        _ if wide => count.div_ceil(6).clamp(1, 5),
         0..=3 => count.max(1),
-        _ => count.div_ceil(2).min(4),
+        4..=16 => count.div_ceil(2).min(4),
+        _ => ((count as f64).sqrt().ceil() as usize).min(8),
     }
 }
 
@@ -139,7 +143,7 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
     let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
     let headings =
         lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
-    let columns = columns(plans.len(), wide);
+    let columns = columns(plans.len(), wide).next_multiple_of(if room.in_twos && !wide { 2 } else { 1 });
     let apart = if plans.len() > columns { 14.0 } else { 0.0 };
     let below = 8.0 + NUMBER + 6.0 + LABEL + room.below + apart;
     let cell = |plan: &Plan| {

@@ -5,10 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Source};
+use amontons::contact::Status;
 use amontons::mesh::{Diagonal, Mesh};
 use amontons::output::{Folder, FolderOptions};
 use amontons::plot::{
-    self, Body, ColorMap, ConvergencePlot, ErrorSeries, History, Kind, Options, Panel, PlotError, Run, Snapshot,
+    self, Body, ColorMap, ContactRow, ConvergencePlot, ErrorSeries, History, Kind, Options, Panel, PlotError, Run,
+    Snapshot,
 };
 use amontons::run;
 use amontons::units::Units;
@@ -220,7 +222,7 @@ fn the_colour_bar_runs_from_the_least_to_the_greatest() {
             .expect("a picture")
             .svg(),
     );
-    for label in ["20", "25", "30", "35", "40", "45", "50", "min 20, max 50 K"] {
+    for label in ["20", "25", "30", "35", "40", "45", "50", "min 20, max 50 K at nodes"] {
         assert!(found.iter().any(|l| l == label), "no {label}: {found:?}");
     }
 }
@@ -568,4 +570,103 @@ fn histories_show_what_there_is() {
     ] {
         assert!(found.iter().any(|label| label == word), "no {word}: {found:?}");
     }
+}
+
+/// A run by hand whose points on the bottom are in contact up to a place.
+fn in_contact(n: usize, up_to: f64, temperature: impl Fn(f64, f64) -> f64) -> Run {
+    let mut run = by_hand(n, temperature);
+    run.snapshot.iter_mut().for_each(|snapshot| snapshot.displacement.fill([0.0; 2]));
+    let row = |i: usize| {
+        let x = i as f64 / n as f64;
+        let closed = x <= up_to;
+        ContactRow {
+            x: [x, 0.0],
+            penetration: 0.0,
+            pressure: f64::from(u8::from(closed)),
+            point_pressure: f64::from(u8::from(closed)),
+            bound: None,
+            traction: [0.0; 3],
+            slip_velocity: [0.0; 3],
+            status: if closed { Status::Stick } else { Status::Open },
+            temperature: 0.0,
+            opposite_temperature: f64::NAN,
+            heat_flux: 0.0,
+            wear: 0.0,
+            friction_work: 0.0,
+            side: 0,
+        }
+    };
+    run.contact = (0..=n).map(row).collect();
+    run
+}
+
+/// Beside a body stands its contact where this is small: on the same colours, each value at its place.
+#[test]
+fn a_small_contact_is_enlarged() {
+    let f = |x: f64, y: f64| 2.0 * x + y;
+    let draw = |run: &Run, kind: Kind| plot::picture(kind, &[Panel { title: "", run }], &Options::default());
+    let run = in_contact(16, 0.125, f);
+    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises] {
+        let found = texts(&draw(&run, kind).expect("a picture").svg());
+        assert!(found.iter().any(|label| label == "contact, enlarged × 5.6"), "{kind:?}: {found:?}");
+        let large = draw(&in_contact(16, 0.5, f), kind).expect("a picture").svg();
+        let open = draw(&in_contact(16, -1.0, f), kind).expect("a picture").svg();
+        assert!(!large.contains("enlarged") && !open.contains("enlarged"), "{kind:?}");
+    }
+    let picture = draw(&run, Kind::Temperature).expect("a picture");
+    let svg = picture.svg();
+    let mut places: Vec<[f64; 4]> = elements(&svg)
+        .into_iter()
+        .filter(|e| e.0 == "image")
+        .map(|e| ["x", "y", "width", "height"].map(|n| attribute(&e, n).expect("a place").parse().expect("a number")))
+        .collect();
+    places.sort_by(|a, b| (b[2] * b[3]).total_cmp(&(a[2] * a[3])));
+    let enlarged = places.iter().take(2).max_by(|a, b| a[0].total_cmp(&b[0])).expect("two bodies");
+    // The window of the body is wider than it by 6 % on each side; that of the contact has its shape, and lies within.
+    let side = 1.12 / 5.6;
+    let (left, bottom) = (0.0625 - 0.5 * side, -0.06);
+    let png = Pixmap::decode_png(&picture.png(2.0).expect("a PNG")).expect("a valid PNG");
+    for (px, py) in [(0.05, 0.02), (0.11, 0.03), (0.02, 0.09)] {
+        let [x, y, width, height] = *enlarged;
+        let place = [2.0 * (x + (px - left) / side * width), 2.0 * (y + (1.0 - (py - bottom) / side) * height)];
+        let found = png.pixel(place[0] as u32, place[1] as u32).expect("a pixel");
+        let expected = ColorMap::Inferno.at(f(px, py) / 3.0);
+        let off = [found.red(), found.green(), found.blue()].iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max();
+        assert!(off <= Some(4), "at ({px}, {py}): {found:?}, expected {expected:?}");
+    }
+}
+
+/// Sheets of many times and of many runs are at most 4000 units wide and high, and say how many of them they show.
+#[test]
+fn no_sheet_in_the_plane_is_longer_than_4000_units() {
+    for up_to in [0.125, 0.5] {
+        let runs: Vec<Run> = (0..70).map(|i| Run { t: f64::from(i), ..in_contact(8, up_to, |x, _| x) }).collect();
+        let titles: Vec<String> = (0..70).map(|i| format!("t = {i} s")).collect();
+        let panels: Vec<Panel> = runs.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
+        for kind in [Kind::Deformed, Kind::Temperature, Kind::Contact] {
+            let picture = plot::picture(kind, &panels, &Options::default()).expect("a picture");
+            let (width, height) = picture.size();
+            assert!(width <= 4000.0 && height <= 4000.0, "{kind:?}: {width} × {height}");
+            let found = texts(&picture.svg());
+            let shown = (1..70).find(|n| found.contains(&format!("{n} of 70 times shown"))).expect("a note");
+            assert_eq!(titles.iter().filter(|title| found.contains(title)).count(), shown, "{kind:?}");
+            assert!(found.contains(&"t = 69 s".to_owned()), "{kind:?}");
+        }
+    }
+}
+
+/// A chart of zeros has the number 0 alone, and a field that is the same but for round-off has no scale of its own.
+#[test]
+fn scales_have_no_numbers_beyond_the_data() {
+    let draw = |run: &Run, kind: Kind| {
+        let picture = plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture");
+        texts(&picture.svg())
+    };
+    let found = draw(&in_contact(8, -1.0, |x, _| x), Kind::Contact);
+    assert!(found.iter().any(|label| label == "0"), "{found:?}");
+    assert!(!found.iter().any(|label| label == "−1.0" || label == "−0.5"), "{found:?}");
+    let found = draw(&by_hand(8, |x, _| 25.0 + 1e-12 * x), Kind::Temperature);
+    assert!(found.iter().any(|label| label == "min 25, max 25 K at nodes"), "{found:?}");
+    let marks: Vec<&String> = found.iter().filter(|label| label.starts_with("25.000")).collect();
+    assert!(marks.is_empty(), "{marks:?}");
 }

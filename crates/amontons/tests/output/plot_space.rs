@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::contact::Status;
@@ -107,6 +108,7 @@ fn cube() -> Run {
         .map(|p| SolidContact {
             x: *p,
             pressure: 1.0 + p[0],
+            point_pressure: 1.0 + p[0],
             status: Status::Stick,
             slip_velocity: [0.0; 3],
             wear: 3.0 * p[1],
@@ -156,7 +158,7 @@ fn contact_points_are_drawn_where_they_are() {
     let picture =
         plot::picture(Kind::Contact, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
     let svg = picture.svg();
-    assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa"));
+    assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa at points"));
 }
 
 /// Wear has a picture of its own where there is some; friction work is a panel of the contact, where there is some.
@@ -168,13 +170,13 @@ fn wear_and_friction_work_are_drawn_where_there_are_some() {
     let mut run = cube();
     assert!(Kind::Wear.is_in(&run));
     let worn = svg(Kind::Wear, &run);
-    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m"), "wear");
+    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m at points"), "wear");
     assert!(!has_text(&svg(Kind::Contact, &run), "friction work"), "no friction work");
     let change =
         |run: &mut Run, f: fn(&mut SolidContact)| run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f);
     change(&mut run, |row| row.friction_work = 5.0 + row.x[0]);
     let both = svg(Kind::Contact, &run);
-    assert!(has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m²"));
+    assert!(has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m² at points"));
     change(&mut run, |row| row.wear = 0.0);
     assert!(!Kind::Wear.is_in(&run));
     let error =
@@ -224,7 +226,9 @@ fn slip_has_a_direction() {
         solid.contact.iter_mut().for_each(|row| (row.status, row.slip_velocity) = (Status::Slip, [2e-3, 0.0, 0.0]));
     }
     let slipping = draw(&run);
-    assert!(has_text(&slipping, "0 open, 0 stick, 9 slip; slip up to 2 mm/s") && !stuck.contains("slip up to"));
+    assert!(
+        has_text(&slipping, "0 open, 0 stick, 9 slip; slip up to 2 mm/s at a point") && !stuck.contains("slip up to")
+    );
     // An arrow is a line and a head.
     let paths = |svg: &str| svg.matches("<path").count();
     assert!(paths(&slipping) >= paths(&stuck) + 2 * 9, "{} paths, {} without slip", paths(&slipping), paths(&stuck));
@@ -254,4 +258,147 @@ fn data_that_do_not_fit_are_refused() {
         .err()
         .expect("an error");
     assert!(error.to_string().contains("d = 1"), "{error}");
+}
+
+/// Pixels of the hot end of the colours in the left and in the right half of a picture, but for those that a bar has.
+fn hot(picture: &plot::Picture) -> [usize; 2] {
+    let image = Pixmap::decode_png(&picture.png(1.0).expect("a PNG")).expect("a valid PNG");
+    let full = ColorMap::Inferno.at(1.0).map(f64::from);
+    let is = |p: &tiny_skia::PremultipliedColorU8| {
+        let found = [p.red(), p.green(), p.blue()].map(f64::from);
+        let share = found[0] / full[0];
+        (0.65..=1.0).contains(&share) && (0..3).all(|c| (found[c] - share * full[c]).abs() < 2.0)
+    };
+    let width = image.width() as usize;
+    let of_half = |half: usize| {
+        let all = image.pixels().iter().enumerate();
+        all.filter(|(i, p)| (i % width) * 2 / width == half && is(p)).count()
+    };
+    [0, 1].map(of_half)
+}
+
+/// The cube as the case says that has contact on one of its faces, which is hot.
+fn on_face(face: &str) -> Run {
+    let text = format!(
+        r#"
+name = "cube"
+[mesh]
+kind = "box"
+size = [1, 1, 1]
+n = [2, 2, 2]
+elements = "Q1"
+[time]
+end = 1.0
+steps = 1
+[material]
+density = 1000.0
+heat_capacity = 1e4
+conductivity = 10.0
+elasticity = {{ law = "isotropic", young = 1e9, poisson = 0.3 }}
+[contact]
+on = "{face}"
+normal = {{ law = "compliance", stiffness = 1e11 }}
+"#
+    );
+    let case = case::parse(&Source::new("cube.toml", text), &[]).expect("a valid case");
+    let problem = Arc::new(case.problem);
+    let nodes = problem.mesh.facets[face].node_list();
+    let mut run = cube();
+    let solid = run.solid.as_mut().expect("a solid");
+    solid.surface = Skin::of_mesh(&problem.mesh).expect("a surface");
+    let is_hot = |n: usize| f64::from(u8::from(nodes.contains(&(n as u32))));
+    solid.temperature = (0..problem.mesh.points.len()).map(is_hot).collect();
+    solid.contact.clear();
+    run.problem = Some(problem);
+    run
+}
+
+/// The first view is onto the contact, whichever face it is on; the other one shows what lies behind.
+#[test]
+fn a_body_is_seen_from_the_side_of_its_contact() {
+    for face in ["left", "right", "bottom", "top", "front", "back"] {
+        let run = on_face(face);
+        let draw = |panels: &[Panel]| plot::picture(Kind::Temperature, panels, &Options::default()).expect("a picture");
+        let panel = Panel { title: "", run: &run };
+        let picture = draw(std::slice::from_ref(&panel));
+        let [seen, behind] = hot(&picture);
+        assert!(seen > 8_000 && behind < 500, "{face}: {seen} pixels of the contact, {behind} on the other view");
+        assert!(picture.svg().contains(", on the contact\""), "{face}: no heading says so");
+        // At several times the view on the contact alone.
+        let later = Run { t: 1.0, ..run.clone() };
+        let both = draw(&[panel, Panel { title: "", run: &later }]);
+        assert!(hot(&both).iter().all(|seen| *seen > 8_000), "{face}: {:?}", hot(&both));
+    }
+}
+
+/// The bodies of a pair are opened: each is alone in a view from the side of its contact.
+#[test]
+fn bodies_of_a_pair_are_opened() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benchmarks/pair-patch-space.toml");
+    let problem = Arc::new(case::read(&path, &[]).expect("a valid case").problem);
+    let sides: Vec<u32> =
+        ["upper_bottom", "lower_top"].iter().flat_map(|side| problem.mesh.facets[*side].node_list()).collect();
+    let mut run = cube();
+    let solid = run.solid.as_mut().expect("a solid");
+    solid.surface = Skin::of_mesh(&problem.mesh).expect("a surface");
+    let nodes = problem.mesh.points.len();
+    solid.temperature = (0..nodes).map(|n| f64::from(u8::from(sides.contains(&(n as u32))))).collect();
+    solid.displacement = vec![[0.0; 3]; nodes];
+    solid.von_mises = vec![1.0; problem.mesh.cell_count()];
+    solid.contact.clear();
+    run.problem = Some(problem);
+    let later = Run { t: 1.0, ..run.clone() };
+    let panels = [Panel { title: "", run: &run }, Panel { title: "later", run: &later }];
+    let picture = plot::picture(Kind::Temperature, &panels, &Options::default()).expect("a picture");
+    let svg = picture.svg();
+    for body in ["lower", "upper"] {
+        assert_eq!(svg.matches(&format!("&quot;{body}&quot; from ")).count(), 2, "{body} at two times");
+        assert_eq!(svg.matches(&format!("&quot;{body}&quot; from above, on its contact")).count(), 2, "{body}");
+    }
+    // Seen together both faces would be hidden.
+    assert!(hot(&picture).iter().all(|seen| *seen > 8_000), "{:?}", hot(&picture));
+}
+
+/// A sheet of many times is at most 4000 units wide and high, and says how many it shows; a file has at most 4000
+/// pixels.
+#[test]
+fn no_sheet_is_longer_than_4000_pixels() {
+    let runs: Vec<Run> = (0..60).map(|i| Run { t: f64::from(i), ..cube() }).collect();
+    let titles: Vec<String> = (0..60).map(|i| format!("t = {i} s")).collect();
+    let panels: Vec<Panel> = runs.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
+    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact] {
+        let picture = plot::picture(kind, &panels, &Options::default()).expect("a picture");
+        let (width, height) = picture.size();
+        assert!(width <= 4000.0 && height <= 4000.0, "{kind:?}: {width} × {height}");
+        let svg = picture.svg();
+        let shown = (1..60).find(|n| has_text(&svg, &format!("{n} of 60 times shown"))).expect("a note");
+        let drawn = titles.iter().filter(|title| svg.contains(&format!("aria-label=\"{title}"))).count();
+        assert_eq!(drawn, shown, "{kind:?}");
+        // The last one is always there.
+        assert!(has_text(&svg, "t = 59 s"), "{kind:?}");
+    }
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("plot-space");
+    fs::create_dir_all(&dir).expect("a folder");
+    let picture = plot::picture(Kind::Contact, &panels[..2], &Options::default()).expect("a picture");
+    let [_, png] = picture.save(&dir.join("sheet"), 9.0).expect("files");
+    let image = Pixmap::decode_png(&fs::read(png).expect("a PNG")).expect("a valid PNG");
+    assert_eq!(image.width().max(image.height()), 4000);
+}
+
+/// Slip that is round-off of the displacement is neither named nor drawn.
+#[test]
+fn slip_of_round_off_is_none() {
+    let mut run = Run { t: 1.0, ..cube() };
+    let draw = |run: &Run| {
+        plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
+    };
+    let still = draw(&run).matches("<path").count();
+    for (speed, is_slip) in [(1e-17, false), (1e-6, true)] {
+        let solid = run.solid.as_mut().expect("a solid");
+        solid.displacement.fill([1e-3, 0.0, 0.0]);
+        solid.contact.iter_mut().for_each(|row| (row.status, row.slip_velocity) = (Status::Slip, [speed, 0.0, 0.0]));
+        let svg = draw(&run);
+        assert_eq!(svg.contains("slip up to"), is_slip, "{speed} m/s");
+        assert_eq!(svg.matches("<path").count() > still + 8, is_slip, "{speed} m/s");
+    }
 }

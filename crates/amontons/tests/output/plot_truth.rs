@@ -74,7 +74,8 @@ fn distance(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
 /// Places in a picture of points of a body, whose displacements are drawn `factor` times, by the outline of the body in
 /// the picture; its scales.
 fn places(svg: &str, run: &Run, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
-    let outline: Vec<[f64; 2]> = paths(svg, "#222222", "1.2").concat();
+    // That of the whole body comes before that of an enlargement.
+    let outline: Vec<[f64; 2]> = paths(svg, "#222222", "1.2").into_iter().next().expect("an outline");
     let mesh = &run.problem.as_ref().expect("a problem").mesh;
     let snapshot = run.snapshot.as_ref().expect("fields");
     let moved = |d: usize| mesh.points.iter().zip(&snapshot.displacement).map(move |(p, u)| p[d] + factor * u[d]);
@@ -109,8 +110,10 @@ fn plates_are_where_the_ring_touches_them() {
     for run in &runs {
         for kind in [Kind::Deformed, Kind::VonMises] {
             let svg = picture(kind, run);
-            let plates = paths(&svg, "#d55e00", "1.6");
-            assert_eq!(plates.len(), 2, "{kind:?}");
+            // The whole ring with both plates, then the lower contact with its plate, enlarged.
+            let mut plates = paths(&svg, "#d55e00", "1.6");
+            assert_eq!(plates.len(), 3, "{kind:?}");
+            plates.truncate(2);
             let (drawn, [x, y]) = places(&svg, run, 1.0, &touching(run, 1.0));
             assert!(drawn.len() >= 4, "{} points touch", drawn.len());
             assert!((x / y - 1.0).abs() < 2e-3, "scales {x} and {y}");
@@ -269,4 +272,86 @@ fn a_film_has_the_pictures_of_the_folder() {
     // Each of the cases is drawn, and each kind but wear is that of one.
     assert!((0..cases.len()).all(|number| drawn.iter().any(|(of, _)| *of == number)), "{drawn:?}");
     assert!(Kind::ALL.iter().filter(|k| **k != Kind::Wear).all(|k| drawn.iter().any(|(_, of)| *of == k.file_name())));
+}
+
+/// A clutch of revolution: the picture has the slip about the axis that the plates turn with, friction up to its bound,
+/// and the moment of each pair over time.
+#[test]
+fn a_clutch_has_its_speed_and_its_moment() {
+    let dir = solved("clutch-plates", "cases/clutch-plates.toml", &["output.every=25"]);
+    let run = Run::read(&dir).expect("a run");
+    let before = &Run::frames(&dir, &[0.5]).expect("a frame")[0];
+    assert!(before.contact.iter().any(|row| row.traction[2].abs() > 1e3), "nothing rubs");
+    let turning: Vec<_> = before.contact.iter().filter(|row| row.slip_velocity[2] != 0.0).collect();
+    assert!(turning.len() > 4, "{} points turn", turning.len());
+    for row in &turning {
+        let expected = 100.0 * row.x[0];
+        assert!((row.slip_velocity[2].abs() - expected).abs() < 1e-9 * expected, "{row:?}");
+        let (bound, found) = (row.bound.expect("a bound"), row.traction[2].hypot(row.traction[0]));
+        assert!((found - bound).abs() <= 1e-6 * bound, "{row:?}");
+    }
+    let svg = picture(Kind::Contact, before);
+    for text in ["slip velocity (m/s)", "about the axis", "στ about the axis"] {
+        assert!(svg.contains(&format!("aria-label=\"{text}\"")), "{text}");
+    }
+    let history = picture(Kind::History, &run);
+    assert!(history.contains("aria-label=\"moment of contact about the axis (N m)\""));
+    for side in ["counter_plate-lining_1", "lining_2-pressure_plate", "all contacts"] {
+        assert!(history.contains(&format!("aria-label=\"{side}\"")), "{side}");
+    }
+    // Without rotation there is no such line.
+    let plain = solved("no-moment", "cases/slab.toml", &["time.steps=4", "mesh.n=[12, 4]"]);
+    let plain = Run::read(&plain).expect("a run");
+    assert!(!picture(Kind::History, &plain).contains("moment of contact"));
+    assert!(!picture(Kind::Contact, &plain).contains("out of the plane"));
+}
+
+/// The largest value that a picture names says of what it is the largest, and is that of the summary where this has the
+/// same name.
+#[test]
+fn a_picture_says_what_its_largest_value_is() {
+    let (dir, film) = filmed("words", "cases/paper.toml", &["mesh.n=8", "time.steps=8"]);
+    let (run, summary) = (Run::read(&dir).expect("a run"), film.summary().expect("a summary"));
+    let largest = summary.rows().into_iter().find(|(name, _)| name == "von Mises stress").expect("a row").1;
+    let svg = picture(Kind::VonMises, &run);
+    assert!(largest.ends_with("at the centre of a cell"), "{largest}");
+    assert!(svg.contains(&format!("at nodes; {largest}\"")), "no {largest}");
+    let field = picture(Kind::Temperature, &run);
+    assert!(field.contains(" at nodes\"") && !field.contains("centre of a cell"));
+}
+
+/// The sector of a clutch in space: the history has the moment of friction about the axis, and that of the summary.
+#[test]
+fn a_sector_of_a_clutch_has_its_moment_over_time() {
+    let (dir, film) = filmed("sector", "cases/clutch.toml", &["time.steps=4"]);
+    let run = Run::read(&dir).expect("a run");
+    let contact = &film.summary().expect("a summary").last.contact;
+    let moment = contact.as_ref().and_then(|contact| contact.moment_about_origin.clone()).expect("a moment");
+    let last = |name: &str| *run.history[name].last().expect("a row");
+    let found = ["x", "y", "z"].map(|axis| last(&format!("contact_moment_{axis}")));
+    assert_eq!(found.as_slice(), moment.as_slice());
+    // Of a uniform pressure: 2/3 μ N (Rₒ³ − Rᵢ³)/(Rₒ² − Rᵢ²).
+    let expected =
+        2.0 / 3.0 * 0.3 * 1798.70 * (0.12f64.powi(3) - 0.09f64.powi(3)) / (0.12f64.powi(2) - 0.09f64.powi(2));
+    assert!((found[2].abs() / expected - 1.0).abs() < 0.01, "{} N m, expected {expected}", found[2]);
+    assert!(picture(Kind::History, &run).contains("aria-label=\"moment of contact about the origin (N m)\""));
+}
+
+/// The picture of the contact of a quadratic pair has a line through all of its points, from end to end.
+#[test]
+fn contact_of_a_quadratic_pair_is_drawn() {
+    for (name, case) in [
+        ("template", "crates/amontons-cli/src/templates/press-fit.toml"),
+        ("fuel-pin", "crates/amontons/benchmarks/pair-fuel-pin.toml"),
+        ("fit", "crates/amontons/benchmarks/pair-press-fit.toml"),
+    ] {
+        let dir = solved(name, case, &[]);
+        let run = Run::read(&dir).expect("a run");
+        assert!(run.contact.len() > 2, "{case}: {} points", run.contact.len());
+        let lines = paths(&picture(Kind::Contact, &run), "#0072b2", "1.6");
+        let longest = lines.iter().map(Vec::len).max().unwrap_or(0);
+        assert!(longest >= run.contact.len(), "{case}: {longest} points are drawn of {}", run.contact.len());
+        let [left, right] = range(lines.iter().flatten().map(|p| p[0]));
+        assert!(right - left > 300.0, "{case}: lines from {left} to {right}");
+    }
 }

@@ -28,6 +28,23 @@ function hatched(pen, points) {
   pen.stroke();
 }
 
+/** Where an eye sees the contact with these normals: the nearer one of two before a body, turned until the contact is 35° below it. */
+function onto(normals) {
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const unit = (a) => a.map((c) => c / (Math.hypot(...a) || 1));
+  const sum = normals.reduce((sum, n) => sum.map((c, d) => c + n[d]), [0, 0, 0]);
+  const all = normals.reduce((all, n) => all + Math.hypot(...n), 0);
+  const [above, below] = [unit([0.5, -0.87, 0.62]), unit([0.5, -0.87, -0.62])];
+  // Sides that face each other have no common direction.
+  if (Math.hypot(...sum) <= 0.35 * all) return above;
+  const n = unit(sum);
+  const eye = dot(below, n) > dot(above, n) + 1e-6 ? below : above;
+  const [height, sine, cosine] = [dot(eye, n), Math.sin(35 * Math.PI / 180), Math.cos(35 * Math.PI / 180)];
+  if (height >= sine) return eye;
+  const flat = unit(eye.map((c, d) => c - height * n[d]));
+  return flat.map((c, d) => sine * n[d] + cosine * c);
+}
+
 class View {
   /** `surface` as the page has it; `name` for those who cannot see it; `changed` is called with a new field. */
   constructor(surface, name) {
@@ -44,11 +61,9 @@ class View {
     this.build();
   }
 
-  /** The first direction of view: on the side from outside, on a body from the front, above or below as contact is. */
+  /** The first direction of view: on a side from outside, on a body from the front, turned onto its contact. */
   reset() {
-    const sides = report.contact?.sides ?? [];
-    const height = sides.reduce((sum, side) => sum + side.normal[2], 0) < 0 ? -0.62 : 0.62;
-    const normal = this.surface.normal ?? [0.5, -0.87, height];
+    const normal = this.surface.normal ?? onto((report.contact?.sides ?? []).map((side) => side.normal));
     const size = Math.hypot(...normal) || 1;
     this.azimuth = Math.hypot(normal[0], normal[1]) > 1e-6 * size ? Math.atan2(normal[1], normal[0]) : -Math.PI / 2;
     this.elevation = Math.asin(Math.max(-1, Math.min(1, normal[2] / size)));
@@ -185,14 +200,18 @@ class View {
     const { middle, radius } = this.ball;
     const reach = (axis) => {
       let most = 1e-9 * radius;
-      for (let i = 0; i < this.points.length; i += 3) {
-        const along = axis.reduce((sum, a, d) => sum + a * (this.points[i + d] - middle[d]), 0);
-        most = Math.max(most, Math.abs(along));
+      // The outline of the foundation is larger than the side on it.
+      const parts = (this.surface.foundation?.[0] ?? []).map((part) => reals(part.points));
+      for (const points of [this.points, ...parts]) {
+        for (let i = 0; i < points.length; i += 3) {
+          const along = axis.reduce((sum, a, d) => sum + a * (points[i + d] - middle[d]), 0);
+          most = Math.max(most, Math.abs(along));
+        }
       }
       return most;
     };
     this.reaches ??= [reach(right), reach(up)];
-    return 0.43 * Math.min(width / this.reaches[0], height / this.reaches[1]);
+    return 0.46 * Math.min(width / this.reaches[0], height / this.reaches[1]);
   }
 
   /** Places as pixels, with their depth. */
@@ -349,8 +368,8 @@ class View {
     });
     const isState = field.name === "status";
     const ends = isState ? shares(all)
-      : `least ${withUnit(number(all[low]), field.unit)} at ${this.place(low)}, ` +
-        `largest ${withUnit(number(all[high]), field.unit)} at ${this.place(high)}`;
+      : `least ${withUnit(number(all[low]), field.unit)} at the node ${this.place(low)}, ` +
+        `largest ${withUnit(number(all[high]), field.unit)} at the node ${this.place(high)}`;
     const when = `${this.name}, ${report.times[this.surface.at?.[this.frame] ?? this.frame]}`;
     const scale = this.surface.scale ? ` Drawn with ${this.surface.scale}.` : "";
     this.caption.replaceChildren(...typeset(`${when}: ${field.name}, ${ends}.${scale}`));
