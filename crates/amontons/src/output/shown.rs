@@ -38,7 +38,7 @@ impl Lives {
             Lives::Cell => "at the centre of a cell",
             Lives::Quadrature => "at a quadrature point",
             Lives::Point => "at a contact point",
-            Lives::Mean => "about a node of the side",
+            Lives::Mean => "as the mean of neighbouring points",
         }
     }
 

@@ -6,6 +6,7 @@ use super::picture::{Anchor, Image, Line, Picture, Rect, Stroke};
 use super::plane::typeset;
 use super::ticks::{self, Ticks};
 use super::{Kind, font};
+use crate::output::Lives;
 use crate::units::{Measure, Units};
 
 const BAR: f64 = 14.0;
@@ -37,10 +38,9 @@ impl Quantity {
 }
 
 /// `min 1, max 2 MPa at nodes`: the extremes of a field with the places at which it is known.
-pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure, places: &str) -> String {
+pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure, lives: Lives) -> String {
     let (low, high, unit) = units.range(extent, measure);
-    let range = format!("min {}, max {} {unit}", typeset(&low), typeset(&high));
-    format!("{} {places}", range.trim_end())
+    lives.after(format!("min {}, max {} {unit}", typeset(&low), typeset(&high)).trim_end())
 }
 
 /// The extremes of a field of a body. Stresses are drawn as recovered at the nodes, and the largest at the centre of a
@@ -49,11 +49,12 @@ pub(super) fn extremes_of_body(kind: Kind, units: Units, extent: [f64; 2], cells
     let measure = Quantity::of(kind).measure;
     let of_nodes = |cells: f64| {
         let most = typeset(&units.write(cells, measure));
-        format!("{}; up to {most} at the centre of a cell", extremes(units, extent, measure, "at nodes"))
+        let of_nodes = extremes(units, extent, measure, Lives::Recovered);
+        format!("{of_nodes}; {}", Lives::Cell.after(&format!("up to {most}")))
     };
     match kind {
-        Kind::VonMises => cells.map_or_else(|| extremes(units, extent, measure, "at centres of cells"), of_nodes),
-        _ => extremes(units, extent, measure, "at nodes"),
+        Kind::VonMises => cells.map_or_else(|| extremes(units, extent, measure, Lives::Cell), of_nodes),
+        _ => extremes(units, extent, measure, Lives::Node),
     }
 }
 

@@ -15,6 +15,7 @@ use super::sheet::{self, Frame, Plan, Room};
 use super::surface::{dot, norm};
 use super::{Kind, Options, Panel, PlotError, shade, title};
 use crate::contact::Status;
+use crate::output::Lives;
 use crate::units::{Measure, Units};
 
 /// Pixels of an image to a unit.
@@ -209,15 +210,15 @@ impl<'a> Side<'a> {
             mirrored: self.view.mirrored,
         };
         let field = |(field, extent): (&Field, &[f64; 2])| {
-            let note = field::extremes(units, *extent, field.quantity.measure, "at points");
-            plan(field.quantity.name, if field.is_pressure { self.pressures(note, units) } else { note })
+            let note = |lives: Lives| field::extremes(units, *extent, field.quantity.measure, lives);
+            plan(field.quantity.name, if field.is_pressure { self.pressures(&note, units) } else { note(Lives::Point) })
         };
         let seen = self.seen();
         let count = |status| seen.iter().filter(|row| row.status == status).count();
         let fastest =
             seen.iter().filter(|row| row.status == Status::Slip).map(|row| norm(row.slip_velocity)).fold(0.0, f64::max);
         let slip = if fastest > self.slow {
-            format!("; slip up to {} at a point", typeset(&units.write(fastest, Measure::Velocity)))
+            format!("; slip {}", up_to_at_point(fastest, units, Measure::Velocity))
         } else {
             String::new()
         };
@@ -228,13 +229,12 @@ impl<'a> Side<'a> {
 
     /// What is said of pressures: where they are means of neighbouring points, also the largest at a point, which the
     /// summary names.
-    fn pressures(&self, note: String, units: Units) -> String {
+    fn pressures(&self, note: &dyn Fn(Lives) -> String, units: Units) -> String {
         if self.rows.iter().all(|row| (row.pressure - row.point_pressure).abs() <= 0.0) {
-            return note;
+            return note(Lives::Point);
         }
         let most = self.rows.iter().map(|row| row.point_pressure).fold(0.0, f64::max);
-        let most = typeset(&units.write(most, Measure::Stress));
-        format!("{}; up to {most} at a point", note.replace("at points", "as means of neighbouring points"))
+        format!("{}; {}", note(Lives::Mean), up_to_at_point(most, units, Measure::Stress))
     }
 
     /// Radius of a dot: dots of evenly spread points do not touch.
@@ -405,4 +405,8 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
     }
     let sheet = Picture::stacked(heading.clone(), rows, Some("sides").filter(|_| panels.len() == 1));
     Ok(sheet.headed(&heading, if has_states { &legend } else { &[] }))
+}
+/// `up to 3 MPa at a contact point`.
+fn up_to_at_point(most: f64, units: Units, measure: Measure) -> String {
+    Lives::Point.after(&format!("up to {}", typeset(&units.write(most, measure))))
 }

@@ -8,6 +8,7 @@ use super::plane::typeset;
 use super::run::{self, ContactRow, Part, Stop};
 use super::{Kind, Options, Panel, PlotError, title};
 use crate::contact::Status;
+use crate::output::Lives;
 use crate::units::{Extent, Measure, Units};
 
 /// Colour of a status.
@@ -190,7 +191,8 @@ fn pressure(parts: &[Part], units: Units) -> Chart {
     let is_mean = stops.clone().any(|stop| (stop.row.pressure - stop.row.point_pressure).abs() > 0.0);
     let most = stops.map(|stop| stop.row.point_pressure).fold(0.0, f64::max);
     let label = if is_mean {
-        format!("mean of neighbouring points; up to {} at a point", typeset(&units.write(most, Measure::Stress)))
+        let most = format!("up to {}", typeset(&units.write(most, Measure::Stress)));
+        format!("{}; {}", Lives::Mean.words(), Lives::Point.after(&most))
     } else {
         String::new()
     };

@@ -222,7 +222,7 @@ fn the_colour_bar_runs_from_the_least_to_the_greatest() {
             .expect("a picture")
             .svg(),
     );
-    for label in ["20", "25", "30", "35", "40", "45", "50", "min 20, max 50 K at nodes"] {
+    for label in ["20", "25", "30", "35", "40", "45", "50", "min 20, max 50 K at the nodes"] {
         assert!(found.iter().any(|l| l == label), "no {label}: {found:?}");
     }
 }
@@ -666,7 +666,7 @@ fn scales_have_no_numbers_beyond_the_data() {
     assert!(found.iter().any(|label| label == "0"), "{found:?}");
     assert!(!found.iter().any(|label| label == "−1.0" || label == "−0.5"), "{found:?}");
     let found = draw(&by_hand(8, |x, _| 25.0 + 1e-12 * x), Kind::Temperature);
-    assert!(found.iter().any(|label| label == "min 25, max 25 K at nodes"), "{found:?}");
+    assert!(found.iter().any(|label| label == "min 25, max 25 K at the nodes"), "{found:?}");
     let marks: Vec<&String> = found.iter().filter(|label| label.starts_with("25.000")).collect();
     assert!(marks.is_empty(), "{marks:?}");
 }

@@ -158,7 +158,7 @@ fn contact_points_are_drawn_where_they_are() {
     let picture =
         plot::picture(Kind::Contact, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
     let svg = picture.svg();
-    assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa at points"));
+    assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa at a contact point"));
 }
 
 /// Wear has a picture of its own where there is some; friction work is a panel of the contact, where there is some.
@@ -170,13 +170,15 @@ fn wear_and_friction_work_are_drawn_where_there_are_some() {
     let mut run = cube();
     assert!(Kind::Wear.is_in(&run));
     let worn = svg(Kind::Wear, &run);
-    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m at points"), "wear");
+    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m at a contact point"), "wear");
     assert!(!has_text(&svg(Kind::Contact, &run), "friction work"), "no friction work");
     let change =
         |run: &mut Run, f: fn(&mut SolidContact)| run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f);
     change(&mut run, |row| row.friction_work = 5.0 + row.x[0]);
     let both = svg(Kind::Contact, &run);
-    assert!(has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m² at points"));
+    assert!(
+        has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m² at a contact point")
+    );
     change(&mut run, |row| row.wear = 0.0);
     assert!(!Kind::Wear.is_in(&run));
     let error =
@@ -227,7 +229,8 @@ fn slip_has_a_direction() {
     }
     let slipping = draw(&run);
     assert!(
-        has_text(&slipping, "0 open, 0 stick, 9 slip; slip up to 2 mm/s at a point") && !stuck.contains("slip up to")
+        has_text(&slipping, "0 open, 0 stick, 9 slip; slip up to 2 mm/s at a contact point")
+            && !stuck.contains("slip up to")
     );
     // An arrow is a line and a head.
     let paths = |svg: &str| svg.matches("<path").count();

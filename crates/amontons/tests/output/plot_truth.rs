@@ -315,9 +315,9 @@ fn a_picture_says_what_its_largest_value_is() {
     let largest = summary.rows().into_iter().find(|(name, _)| name == "von Mises stress").expect("a row").1;
     let svg = picture(Kind::VonMises, &run);
     assert!(largest.ends_with("at the centre of a cell"), "{largest}");
-    assert!(svg.contains(&format!("at nodes; {largest}\"")), "no {largest}");
+    assert!(svg.contains(&format!("recovered at the nodes; {largest}\"")), "no {largest}");
     let field = picture(Kind::Temperature, &run);
-    assert!(field.contains(" at nodes\"") && !field.contains("centre of a cell"));
+    assert!(field.contains(" at the nodes\"") && !field.contains("centre of a cell"));
 }
 
 /// The sector of a clutch in space: the history has the moment of friction about the axis, and that of the summary.

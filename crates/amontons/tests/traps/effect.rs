@@ -18,7 +18,7 @@ fn idle(more: &[&str]) -> Vec<String> {
 
 const HEATED: &str = "contact.heat={ law = \"constant\", conductance = 1.0, foundation_temperature = 1.0 }";
 
-/// Data that change nothing are told of, and change no more than round-off.
+/// Data that change nothing are told of, and change no more than what the iteration leaves.
 #[test]
 fn data_without_effect() {
     let no_friction = "contact.friction={ law = \"none\" }";
@@ -39,7 +39,7 @@ fn data_without_effect() {
         let [with, without] = [&with[..], base].map(|more| solved(BLOCK, more).last);
         let largest = |last: &Final| last.displacement_max.iter().chain(&last.displacement_min).copied().collect();
         let [with, without]: [Vec<f64>; 2] = [&with, &without].map(largest);
-        assert!(with.iter().zip(&without).all(|(a, b)| (a - b).abs() <= 1e-12 * b.abs().max(1e-6)), "{datum}");
+        assert!(with.iter().zip(&without).all(|(a, b)| (a - b).abs() <= 1e-8 * b.abs().max(1e-6)), "{datum}");
     }
 }
 
@@ -80,23 +80,24 @@ fn friction_that_nothing_slows_down() {
     no_word(of("contact.friction={ law = \"coulomb\", coefficient = 0.3 }", &still));
 }
 
-/// A block that is pressed evenly or bent is resolved, as a stress of round-off is; a sharp punch and a force on a point
-/// are not.
+/// A block that is pressed evenly or bent is resolved, and so is what round-off makes of an expansion that is free. The
+/// end of a contact that is peeled, and a beam of few cells, are not.
 #[test]
 fn stresses_that_cells_do_not_resolve() {
     let text = BLOCK.replace("heat_capacity = 1.0\nconductivity = 1.0\n", "").replace("temperature = 0\n", "");
-    let run = |top: &str, more: &[&str]| {
+    let run = |top: &str| {
         let top = format!("boundary=[{{ on = \"top\", displacement = {top} }}]");
-        solved(&text, &[&[&top[..], "load.body_force=[0, 0]", "contact.friction.coefficient=0"], more].concat())
+        solved(&text, &[&top, "load.body_force=[0, 0]", "contact.friction.coefficient=0"])
     };
-    no_word(of(&run("[\"free\", -1e-3]", &[]), "nodal-stress"));
-    no_word(of(&run("[0, \"-1e-3*(1 + 0.3*x)\"]", &[]), "nodal-stress"));
-    no_word(of(&run("[0, \"1e-3 + 1e-4*x\"]", &[]), "nodal-stress"));
-    let punch = "contact.gap=\"if(abs(x - 1) < 0.15, 0, 1)\"";
-    for n in [8, 16] {
-        let mesh = format!("mesh.n=[{n}, {}]", n / 2);
-        let [ratio, limit] = warns(of(&run("[0, -1e-3]", &[punch, &mesh]), "nodal-stress"), "mesh");
-        assert!(ratio > limit && limit == 1.5, "{ratio}");
+    no_word(of(&run("[\"free\", -1e-3]"), "nodal-stress"));
+    no_word(of(&run("[0, \"-1e-3*(1 + 0.3*x)\"]"), "nodal-stress"));
+    no_word(of(&run("[0, \"1e-3 + 1e-4*x\"]"), "nodal-stress"));
+    no_word(of(&solved(include_str!("../../benchmarks/thermal-expansion-rod.toml"), &[]), "nodal-stress"));
+    for text in
+        [include_str!("../../benchmarks/peel-moment.toml"), include_str!("../../benchmarks/beam-tensionless.toml")]
+    {
+        let [ratio, limit] = warns(of(&solved(text, &[]), "nodal-stress"), "mesh");
+        assert!(ratio > 2.0 && limit == 1.5, "{ratio}");
     }
 }
 

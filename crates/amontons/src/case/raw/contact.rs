@@ -225,8 +225,8 @@ pub(in crate::case) enum Normal {
     },
     /// A formula of your own over the penetration.
     Expression {
-        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 at r = 0 and not falling.
-        /// It counts for r > 0.
+        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 at r = 0 and not
+        /// falling. It counts for r > 0.
         pressure: String,
         /// Factor of the formula.
         #[serde(default = "one")]
@@ -395,8 +395,8 @@ pub(in crate::case) enum Friction {
     },
     /// A formula of your own over pressure, slip speed and temperature.
     Expression {
-        /// Friction coefficient as a formula in the pressure `p` (Pa), the slip speed `v` (m/s) and the temperature `theta`
-        /// of the body, such as "0.2 + 0.1*exp(-v/0.3)". Where it is negative, it counts as 0.
+        /// Friction coefficient as a formula in the pressure `p` (Pa), the slip speed `v` (m/s) and the temperature
+        /// `theta` of the body, such as "0.2 + 0.1*exp(-v/0.3)". Where it is negative, it counts as 0.
         coefficient: String,
         /// Factor of the formula.
         #[serde(default = "one")]
@@ -549,8 +549,8 @@ heat_laws! {
     },
     /// A formula of your own over pressure and penetration.
     Expression {
-        /// Conductance (W/(m² K)) as a formula in the pressure `p` (Pa) and the penetration `r` (m), which is negative where
-        /// the gap is open, such as "50 + 2*p^0.95". Where the formula is negative, it counts as 0.
+        /// Conductance (W/(m² K)) as a formula in the pressure `p` (Pa) and the penetration `r` (m), which is negative
+        /// where the gap is open, such as "50 + 2*p^0.95". Where the formula is negative, it counts as 0.
         conductance: String,
         /// Factor of the formula.
         #[serde(default = "one")]
