@@ -51,7 +51,7 @@ impl Chart {
     }
 
     fn range(&self) -> [f64; 2] {
-        axes::padded(axes::range(self.values()).unwrap_or([0.0, 1.0]), 0.07)
+        axes::padded(axes::range(self.values()).unwrap_or([0.0, 1.0]), ROOM)
     }
 
     fn entries(&self, exponent: i32) -> Vec<(Sign, String)> {
@@ -80,6 +80,8 @@ const HEIGHT: f64 = 112.0;
 const MARGIN: f64 = 16.0;
 const STRIP: f64 = 12.0;
 const MOST_MARKS: usize = 5;
+/// Room above and below the values of a chart, as a share of their range.
+const ROOM: f64 = 0.07;
 
 impl Chart {
     /// Draws areas and lines into a frame.
@@ -155,6 +157,12 @@ impl Heads {
     }
 }
 
+/// The range of charts beside each other. Room is made around all their values at once: a chart of zeros has none of
+/// its own.
+fn shared_range<'c>(charts: impl Iterator<Item = &'c Chart>) -> Option<[f64; 2]> {
+    axes::range(charts.flat_map(Chart::values)).map(|range| axes::padded(range, ROOM))
+}
+
 /// The marks of the upright axis of a chart in a column and a row. Of zeros alone the 0: no other number would be one
 /// of the data.
 fn marks(columns: &[Column], (c, r): (usize, usize), range: [f64; 2], shared: bool) -> Ticks {
@@ -178,7 +186,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
         if !shared {
             return own;
         }
-        axes::range(columns.iter().filter_map(|c| c.charts.get(r)).flat_map(Chart::range)).unwrap_or(own)
+        shared_range(columns.iter().filter_map(|column| column.charts.get(r))).unwrap_or(own)
     };
     let marks = |c: usize, r: usize| marks(columns, (c, r), range(c, r), shared);
     let entries = |c: usize, r: usize| columns[c].charts[r].entries(marks(c, r).exponent);
@@ -229,4 +237,26 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
         x += width + MARGIN + 8.0;
     }
     picture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chart of a line of these values.
+    fn chart(values: [f64; 2]) -> Chart {
+        let pieces = vec![vec![[0.0, values[0]], [1.0, values[1]]]];
+        let series = vec![Series { label: String::new(), stroke: Stroke::new(INK, 1.0), pieces }];
+        let (quantity, units) = ("slip velocity".to_owned(), Units::PLANE);
+        Chart { quantity, units, measure: Measure::Velocity, areas: Vec::new(), series, zero: true }
+    }
+
+    /// At a time at which nothing slips the axis is that of the other times, and not one of metres per second.
+    #[test]
+    fn a_shared_axis_is_that_of_the_values() {
+        let (slides, still) = (chart([1e-6, 2e-6]), chart([0.0, 0.0]));
+        let [low, high] = shared_range([&slides, &still].into_iter()).unwrap_or_default();
+        assert!((-0.2e-6..=0.0).contains(&low) && (2e-6..2.2e-6).contains(&high), "{low} {high}");
+        assert_eq!(shared_range([&still, &still].into_iter()), Some([-1.0, 1.0]));
+    }
 }
