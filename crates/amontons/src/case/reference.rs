@@ -86,7 +86,8 @@ pub fn reference() -> Vec<Entry> {
     all
 }
 
-/// The entries of a word: a name, a path such as `contact.friction.coefficient`, or the end of one.
+/// The entries of a word: a name, a path such as `contact.friction.coefficient` or `final.von_mises_max`, or the end of
+/// one.
 #[must_use]
 pub fn explain(word: &str) -> Vec<Entry> {
     let place = |entry: &Entry| {
@@ -95,7 +96,8 @@ pub fn explain(word: &str) -> Vec<Entry> {
     };
     let is_meant = |entry: &Entry| {
         let path = format!(".{}.{}", place(entry), entry.name);
-        entry.name == word || (entry.word == Word::Key && path.ends_with(&format!(".{word}")))
+        let has_end = matches!(entry.word, Word::Key | Word::Value) && path.ends_with(&format!(".{word}"));
+        entry.name == word || has_end
     };
     reference().into_iter().filter(is_meant).collect()
 }

@@ -46,6 +46,10 @@ fn words_are_explained() {
     assert!(steps.is_required && steps.place == "[time]" && steps.expected.contains("integer"), "{steps:?}");
     assert_eq!(one("few-points").word, Word::Finding);
     assert_eq!(one("contact_force_x").expected, "N");
+    // A key of the summary by its path and by its end; what lives elsewhere has another name.
+    assert_eq!(one("von_mises_max"), one("final.von_mises_max"));
+    assert!(one("von_mises_max").meaning.contains("at the centre of a cell"));
+    assert_eq!(explain("von_mises").len(), 2, "the quantity of a probe and the array");
     // A name that several tables have is told for each.
     assert!(explain("poisson").len() > 1 && explain("material.elasticity.poisson").len() > 1);
     assert!(explain("youngs_modulus").is_empty());
