@@ -39,6 +39,7 @@ pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
         doubtful: Vec::new(),
         limits: Vec::new(),
         has_units: units != Some("dimensionless"),
+        has_thickness: document.contains_key("thickness"),
         is_told: false,
         scales: [None, None],
     };
@@ -54,6 +55,8 @@ struct Walk<'s> {
     limits: Vec<(Path, Limits)>,
     /// Whether numbers may have units.
     has_units: bool,
+    /// Whether forces and the like are those of a whole plane body, and never per metre of its thickness.
+    has_thickness: bool,
     /// Whether it is said that temperatures are on two scales.
     is_told: bool,
     /// The first temperatures in K and in °C.
@@ -104,7 +107,7 @@ impl<'s> Walk<'s> {
             }
             (Reading::Quantity(quantity), unit)
                 if unit.map_or(quantity.unit.is_number(), |(unit, _)| {
-                    quantity.unit.is_like(&unit, schema.is_per_thickness())
+                    quantity.unit.is_like(&unit, schema.is_per_thickness() && !self.has_thickness)
                 }) =>
             {
                 if !form.admits(quantity.number) {

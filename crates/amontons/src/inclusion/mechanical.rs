@@ -87,8 +87,7 @@ pub struct MechanicalStep<'a> {
     pub temperature: &'a [f64],
     /// Whether the step is solved again for what the round-off leaves.
     pub is_repeated: bool,
-    /// Whether the step is made in halves where the iteration does not end: then it ends sooner, because shorter steps
-    /// take less.
+    /// Whether the step is made in halves where the iteration does not end, which then ends sooner.
     pub may_be_halved: bool,
     /// Told of each iteration.
     pub pulse: &'a Pulse,

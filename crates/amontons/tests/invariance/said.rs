@@ -104,6 +104,17 @@ fn only_plane_bodies_have_a_thickness() {
     let wrong = told(&format!("thickness = 0.1\n{rectangle}{rest}")).expect("a fault");
     assert!(wrong.contains("the thickness of a body of revolution"), "{wrong}");
     assert!(told(&format!("{rectangle}{rest}")).is_none());
+    // The force of a body with a thickness is in N: one per metre would be taken for that of all of it.
+    let pushed = |above: &str, force: &str| {
+        let pushed = PAIR.replace("traction = [0.3, 0]", &format!("force = [\"{force}\", 0]"));
+        told(&format!("{above}{pushed}")).unwrap_or_default()
+    };
+    assert!(
+        pushed("thickness = 0.1\n", "3 N/m").contains("a quantity in N"),
+        "{}",
+        pushed("thickness = 0.1\n", "3 N/m")
+    );
+    assert_eq!([pushed("thickness = 0.1\n", "3 N"), pushed("", "3 N/m")], ["", ""]);
     let negative = told(&above(PAIR, "thickness = -0.1")).expect("a fault");
     assert!(negative.contains("thickness"), "{negative}");
 }

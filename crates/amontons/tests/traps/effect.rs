@@ -5,6 +5,7 @@ use crate::{BLOCK, no_word, problem, solved, told, warns};
 use amontons::hypotheses::warnings::{Figures, of_run};
 use amontons::hypotheses::{Finding, findings};
 use amontons::output::{Final, Summary};
+use amontons::run::{Settings, run};
 
 fn of(summary: &Summary, id: &str) -> Option<Finding> {
     summary.warnings.iter().find(|finding| finding.id.as_str() == id).cloned()
@@ -130,4 +131,12 @@ fn steps_that_take_many_systems() {
     no_word(told([400, 200], 10));
     no_word(told([300, 2000], 10));
     no_word(told([0, 2000], 0));
+}
+
+/// Whoever watches a run is told of the iterations of its present step and of the attempts at it.
+#[test]
+fn a_step_tells_where_it_is() {
+    let settings = Settings { certificate: false, ..Settings::default() };
+    run(&problem(BLOCK, &[]), &settings, &mut []).expect("a run");
+    assert!(settings.pulse.iterations() > 0 && settings.pulse.parts() == 1, "{:?}", settings.pulse);
 }
