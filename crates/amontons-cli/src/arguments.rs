@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, CaseError, Source};
+use amontons::hypotheses;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
@@ -32,9 +33,8 @@ pub enum Command {
         /// Write `report.html` too
         #[arg(long)]
         report: bool,
-        /// Evaluate only the hypotheses that need no factorization
-        #[arg(long)]
-        no_certificate: bool,
+        #[command(flatten)]
+        certificate: CertificateChoice,
         /// Keep the results of earlier runs: write into the first of NAME, NAME-2, NAME-3, … that is not there
         #[arg(long, conflicts_with_all = ["each", "force"])]
         again: bool,
@@ -57,9 +57,8 @@ pub enum Command {
         /// Write `report.html` too
         #[arg(long)]
         report: bool,
-        /// Evaluate only the hypotheses that need no factorization
-        #[arg(long)]
-        no_certificate: bool,
+        #[command(flatten)]
+        certificate: CertificateChoice,
         #[command(flatten)]
         common: Common,
     },
@@ -265,6 +264,29 @@ pub struct Common {
     /// Replace existing results in the folder once the new run has made its first step
     #[arg(long)]
     pub force: bool,
+}
+
+/// Which hypotheses a run evaluates.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct CertificateChoice {
+    /// Evaluate all hypotheses; by default a run leaves out those that would take more than about a tenth of it
+    #[arg(long, conflicts_with = "no_certificate")]
+    certificate: bool,
+    /// Evaluate only the hypotheses that need no factorization
+    #[arg(long)]
+    no_certificate: bool,
+}
+
+impl CertificateChoice {
+    /// What was asked for, if anything was.
+    pub fn asked(self) -> Option<bool> {
+        (self.certificate || self.no_certificate).then_some(self.certificate)
+    }
+
+    /// Whether the run of a case evaluates all hypotheses.
+    pub fn of(self, case: &Case) -> bool {
+        self.asked().unwrap_or_else(|| hypotheses::are_affordable(&case.problem))
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -13,7 +13,7 @@ use amontons::units::Measure;
 use clap::CommandFactory;
 
 use crate::after::{self, After};
-use crate::arguments::{Arguments, Command, Common, Format};
+use crate::arguments::{Arguments, CertificateChoice, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
@@ -22,16 +22,16 @@ use crate::{constants, converge, explain, materials, new, reproduce, sweep, veri
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, report, no_certificate, each, jobs, common, .. } if !each.is_empty() => {
+        Command::Run { case, plot, report, certificate, each, jobs, common, .. } if !each.is_empty() => {
             let after = After { pictures: plot, report };
-            let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate: !no_certificate };
+            let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate };
             sweep::execute(&case, &request, &common)
         }
-        Command::Run { case, plot, report, no_certificate, again, common, .. } => {
-            start(&case, After { pictures: plot, report }, [!no_certificate, again], &common)
+        Command::Run { case, plot, report, certificate, again, common, .. } => {
+            start(&case, After { pictures: plot, report }, (certificate, again), &common)
         }
-        Command::Resume { dir, plot, report, no_certificate, common } => {
-            resume(&dir, After { pictures: plot, report }, no_certificate, &common)
+        Command::Resume { dir, plot, report, certificate, common } => {
+            resume(&dir, After { pictures: plot, report }, certificate, &common)
         }
         Command::Report { dir } => after::report(&dir, false),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
@@ -123,11 +123,17 @@ fn show_mesh(file: &Path, scale: f64, format: Format) -> Result<(), Failure> {
     if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
 }
 
-fn start(file: &Path, after: After, [certificate, again]: [bool; 2], common: &Common) -> Result<(), Failure> {
+fn start(
+    file: &Path,
+    after: After,
+    (choice, again): (CertificateChoice, bool),
+    common: &Common,
+) -> Result<(), Failure> {
     let progress = Progress::new(common);
     let case = common.case(file)?;
     let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
     let out = if again { free(named) } else { named };
+    let certificate = choice.of(&case);
     let settings = settings(&case, &out, certificate, &progress);
     let folder = Folder::create(&out, options(&case, certificate, common))?;
     drive(&case, None, (folder, &out, after), &settings, progress, common)
@@ -145,13 +151,13 @@ fn free(named: PathBuf) -> PathBuf {
     if is_taken(&named) { (2..=9999).map(numbered).find(|path| !is_taken(path)).unwrap_or(named) } else { named }
 }
 
-fn resume(dir: &Path, after: After, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
     let case = common.case(&dir.join("case.toml"))?;
     let out = common.out.as_deref().unwrap_or(dir);
     let same = out == dir || out.canonicalize().is_ok_and(|out| dir.canonicalize().is_ok_and(|dir| dir == out));
     // A run without a certificate goes on without one.
-    let certificate = !no_certificate && output::has_certificate(dir).unwrap_or(true);
+    let certificate = choice.asked().unwrap_or_else(|| output::has_certificate(dir).unwrap_or(true));
     let options = options(&case, certificate, common);
     let (folder, checkpoint) = if same {
         (Folder::reopen(dir, options)?, Checkpoint::read(dir, &case.identity())?)

@@ -17,7 +17,7 @@ use amontons::units::{Measure, Units};
 use serde_json::Value;
 
 use crate::after::After;
-use crate::arguments::{Common, Format};
+use crate::arguments::{CertificateChoice, Common, Format};
 use crate::print;
 use crate::progress::Progress;
 use crate::status::Failure;
@@ -30,7 +30,7 @@ pub struct Request<'a> {
     /// Runs at a time.
     pub jobs: usize,
     pub after: After,
-    pub certificate: bool,
+    pub certificate: CertificateChoice,
 }
 
 /// A run of the sweep.
@@ -122,7 +122,7 @@ impl Sweep<'_> {
             self.made.fetch_add(case.problem.steps, Ordering::Relaxed);
             return Ok(summary);
         }
-        let certificate = self.request.certificate;
+        let certificate = self.request.certificate.of(case);
         let settings = Settings {
             threads: Some(self.threads),
             interrupt: Some(Arc::clone(&self.flag)),

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::case;
+use amontons::hypotheses;
 use amontons::output::{
     self, Folder, FolderOptions, OutputError, ProbeSet, RunStart, Sink, Snapshot as Now, Summary, history_columns,
     history_values,
@@ -220,7 +221,7 @@ pub struct Request {
     out: Option<PathBuf>,
     force: bool,
     threads: Option<usize>,
-    certificate: bool,
+    certificate: Option<bool>,
     callback: Option<Py<PyAny>>,
     laws: Vec<Law>,
 }
@@ -229,8 +230,13 @@ impl Request {
     /// The writer of the results folder, if there is to be one.
     fn folder(&self, py: Python<'_>, case: &case::Case) -> PyResult<Option<Folder>> {
         let Some(out) = &self.out else { return Ok(None) };
-        let options = FolderOptions { force: self.force, certificate: self.certificate, ..case.folder_options() };
+        let options = FolderOptions { force: self.force, certificate: self.judges_all(case), ..case.folder_options() };
         Folder::create(out, options).map(Some).map_err(|error| errors::of_output(py, &error))
+    }
+
+    /// Whether all hypotheses are evaluated: as asked, else where that is at most about a tenth of the run.
+    fn judges_all(&self, case: &case::Case) -> bool {
+        self.certificate.unwrap_or_else(|| hypotheses::are_affordable(&case.problem))
     }
 
     fn settings(&self, case: &case::Case, alarm: &Alarm) -> Settings {
@@ -239,7 +245,7 @@ impl Request {
             // thread.
             threads: None,
             interrupt: Some(Arc::clone(&alarm.flag)),
-            certificate: self.certificate,
+            certificate: self.judges_all(case),
             known: self.out.as_ref().and_then(|out| output::known_certificate(out, &case.fingerprint())),
             ..Settings::default()
         }

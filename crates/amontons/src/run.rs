@@ -295,7 +295,7 @@ fn judged(problem: &Problem, discrete: &Arc<Discretization>, settings: &Settings
     match &settings.known {
         Some(known) if settings.certificate => known.clone(),
         _ if settings.certificate => hypotheses::certificate_or_findings_on(problem, &|| Arc::clone(discrete)).findings,
-        _ => hypotheses::findings(problem),
+        _ => hypotheses::without_factors(problem),
     }
 }
 

@@ -356,3 +356,28 @@ fn a_body_that_slides_without_resistance_is_refused_in_words() {
         assert!(stderr(&printed).contains("the body moves along (1, 0)"), "{}", stderr(&printed));
     }
 }
+
+/// The ids of the findings of a run.
+fn found(arguments: &[&str]) -> Vec<String> {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let place = out.to_string_lossy().into_owned();
+    assert_code(&output(&mut amontons(&[arguments, &["--out", &place, "--quiet"]].concat())), 0);
+    let findings = summary(&out)["findings"].as_array().expect("findings").clone();
+    findings.iter().map(|finding| finding["id"].as_str().expect("an id").to_owned()).collect()
+}
+
+/// Verdicts that need factors of their own are made where they are a small part of the run, or asked for; where they
+/// are left out the run says so.
+#[test]
+fn a_run_makes_the_verdicts_that_it_can_afford() {
+    let clutch = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/clutch.toml").display().to_string();
+    let (small, short) = (paper(), ["run", &clutch, "--set", "time.steps=1"]);
+    for (run, alone) in [(&["run", &small, "--set", "mesh.n=4"][..], true), (&short, false)] {
+        for (more, made) in [(&[][..], alone), (&["--certificate"], true), (&["--no-certificate"], false)] {
+            let found = found(&[run, more].concat());
+            let has = |id: &str| found.iter().any(|one| one == id);
+            assert_eq!((has("step-unique"), has("certificate")), (made, !made), "{run:?} {more:?}");
+        }
+    }
+}

@@ -40,7 +40,7 @@ def run(
     out: Optional[Union[str, os.PathLike[str]]] = None,
     force: bool = False,
     threads: Optional[int] = None,
-    certificate: bool = True,
+    certificate: Optional[bool] = None,
     callback: Optional[Callback] = None,
     laws: Optional[Laws] = None,
     **keywords: Any,
@@ -50,7 +50,8 @@ def run(
     `case` is a path, the text of a case file, a dict, or a `Case`; `overrides` and keywords change single keys
     (`mesh__n=32` for `mesh.n`). Results stay in memory; `out` names a folder that gets the usual files as well, those
     of an earlier run being replaced only with `force`. Results do not depend on `threads`. `certificate=False` leaves
-    out the hypotheses that take factorizations.
+    out the hypotheses that take factorizations, `True` evaluates them, and without it they are evaluated where that is at
+    most about a tenth of the run.
 
     `callback(snapshot)` is called after each step by the thread that called `run`; if it returns `False` the run stops,
     and an exception in it ends the run. Ctrl-C ends the run by `Interrupted`, which has the result up to then.
