@@ -233,6 +233,26 @@ impl Rotation {
         Rotation([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     }
 
+    /// About a vector by `angle` in radians, by the right-hand rule: Rodrigues' formula.
+    #[must_use]
+    pub fn about(axis: &Point, angle: f64) -> Rotation {
+        let size = length(axis);
+        let [x, y, z] = axis.map(|c| c / size);
+        let (s, c) = angle.sin_cos();
+        let v = 1.0 - c;
+        Rotation([
+            [c + x * x * v, x * y * v - z * s, x * z * v + y * s],
+            [y * x * v + z * s, c + y * y * v, y * z * v - x * s],
+            [z * x * v - y * s, z * y * v + x * s, c + z * z * v],
+        ])
+    }
+
+    /// R v.
+    #[must_use]
+    pub fn vector(&self, v: &Point) -> Point {
+        self.0.map(|row| dot(&row, v))
+    }
+
     /// Bunge's Euler angles (φ₁, Φ, φ₂) in radians: about axis 3, the turned axis 1, the turned axis 3;
     /// R = R₃(φ₁) R₁(Φ) R₃(φ₂). (φ₁, 0, 0) is [`Rotation::in_plane`].
     #[must_use]

@@ -2,23 +2,47 @@
 
 use super::build::Build;
 use super::memory::{Demand, Size};
-use super::mesh::{generate, size};
+use super::mesh::{FileOf, FromFile, SidesOf, generate, measured, size};
 use super::place::At;
 use super::raw;
 use crate::machine::Memory;
-use crate::mesh::{Mesh, MeshError};
+use crate::mesh::{Mesh, MeshError, Plane};
+use crate::tensor::Rotation;
+
+/// Where the mesh of a block comes from.
+enum Origin {
+    File(Mesh),
+    /// It is generated, with these cells.
+    Shape(raw::Mesh, Vec<usize>),
+}
+
+impl Origin {
+    fn mesh(self) -> Result<Mesh, MeshError> {
+        match self {
+            Origin::File(mesh) => Ok(mesh),
+            Origin::Shape(shape, cells) => generate(&shape, &cells),
+        }
+    }
+}
+
+/// A block before it is placed.
+struct Body {
+    mesh: Origin,
+    size: Size,
+    /// What the elements of its file say of the direction that a plane body lacks.
+    plane: Option<Plane>,
+}
 
 impl Build<'_> {
-    /// The mesh of several blocks, of which `contact_on` bear contact; none where it cannot be had.
+    /// The mesh of several blocks; none where it cannot be had.
     pub fn blocks(
         &mut self,
         blocks: &[raw::Block],
         axisymmetric: bool,
-        contact_on: &[&str],
+        sides: &SidesOf,
         available: Option<Memory>,
     ) -> Option<Mesh> {
-        let dim = blocks.first().map_or(0, dimension);
-        let (mut bodies, mut all) = (Vec::new(), Size { dim, ..Size::default() });
+        let (mut bodies, mut all, mut said) = (Vec::new(), Size::default(), Vec::new());
         for (i, block) in blocks.iter().enumerate() {
             let path = format!("mesh.blocks[{i}]");
             if blocks[..i].iter().any(|other| other.name == block.name) {
@@ -26,46 +50,126 @@ impl Build<'_> {
                 self.note(&format!("{path}.name"), At::Value, found, "a name of its own for each block", None);
                 return None;
             }
-            let (shape, cells) = self.block_shape(&path, block, dim)?;
-            let of_block: Vec<&str> =
-                contact_on.iter().filter_map(|on| on.strip_prefix(block.name.as_str())?.strip_prefix('_')).collect();
-            let own = size(&shape, &cells, &of_block);
-            all.nodes += own.nodes;
-            all.contact_nodes += own.contact_nodes;
-            all.neighbours = all.neighbours.max(own.neighbours);
+            let Body { mesh, size, plane } = self.body(&path, block, all.dim, axisymmetric, sides)?;
+            said.push(plane);
+            all.dim = size.dim;
+            all.nodes += size.nodes;
+            all.contact_nodes += size.contact_nodes;
+            all.neighbours = all.neighbours.max(size.neighbours);
             let demand = Demand::of(&all, self.solver);
             if !self.affordable(&path, "the blocks", "take fewer cells", &demand, available) {
                 return None;
             }
-            bodies.push((i, block, generate(&shape, &cells)));
+            let mesh = mesh.mesh().map_err(|error| self.no_block(i, &error)).ok()?;
+            let mut mesh = self.placed(&path, block, mesh)?;
+            mesh.axisymmetric = (axisymmetric || mesh.axisymmetric) && all.dim == 2;
+            bodies.push((block.name.clone(), mesh));
         }
-        let made = bodies.into_iter().map(|(i, block, mesh)| {
-            let at = |c: usize| block.origin.get(c).copied().unwrap_or(0.0);
-            let mut mesh = mesh.map_err(|error| (i, error))?.moved([at(0), at(1), at(2)]);
-            mesh.axisymmetric = axisymmetric && dim == 2;
-            Ok((block.name.clone(), mesh))
-        });
-        let made: Result<Vec<(String, Mesh)>, (usize, MeshError)> = made.collect();
-        match made.and_then(|bodies| Mesh::assembly(&bodies).map_err(|error| (0, error))) {
-            Ok(mesh) => Some(mesh),
-            Err((i, error)) => {
-                let expected = error.expected().unwrap_or_else(|| "a block that can be built".to_owned());
-                self.note(&format!("mesh.blocks[{i}]"), At::Value, error.found(), expected, None);
-                None
+        // Elements of files that do not all say the same say nothing.
+        self.plane = said.first().copied().flatten().filter(|plane| said.iter().all(|other| *other == Some(*plane)));
+        self.one_section(&bodies)?;
+        Mesh::assembly(&bodies).map_err(|error| self.no_block(0, &error)).ok()
+    }
+
+    /// A mesh at its place, turned and moved.
+    fn placed(&mut self, path: &str, block: &raw::Block, mut mesh: Mesh) -> Option<Mesh> {
+        if let Some(turn) = &block.turn {
+            let at = format!("{path}.turn");
+            if mesh.dim == 1 {
+                self.note(&at, At::Value, "a rotation of a line", "none", Some("remove it"));
+                return None;
             }
+            self.dim = mesh.dim;
+            let axis = self.axis(&at, &turn.axis)?;
+            if !self.is_direction(&format!("{at}.axis"), &axis) {
+                return None;
+            }
+            mesh = mesh.turned(&Rotation::about(&axis, turn.angle));
         }
+        let at = |c: usize| block.origin.get(c).copied().unwrap_or(0.0);
+        Some(mesh.moved([at(0), at(1), at(2)]))
+    }
+
+    fn no_block(&mut self, i: usize, error: &MeshError) {
+        let expected = error.expected().unwrap_or_else(|| "a block that can be built".to_owned());
+        self.note(&format!("mesh.blocks[{i}]"), At::Value, error.found(), expected, None);
+    }
+
+    /// All bodies are half sections of bodies of revolution, or none is; none where they differ.
+    fn one_section(&mut self, bodies: &[(String, Mesh)]) -> Option<()> {
+        let first = bodies.first().is_some_and(|(_, mesh)| mesh.axisymmetric);
+        let Some(i) = bodies.iter().position(|(_, mesh)| mesh.axisymmetric != first) else { return Some(()) };
+        let found = "a body of revolution beside a plane one";
+        let hint = "axisymmetric = true in [mesh] makes all of them half sections";
+        self.note(&format!("mesh.blocks[{i}]"), At::Value, found, "bodies of one kind", Some(hint));
+        None
+    }
+
+    /// A block before it is placed, in `dim` dimensions where others are there; none where its entries do not fit.
+    fn body(
+        &mut self,
+        path: &str,
+        block: &raw::Block,
+        dim: usize,
+        axisymmetric: bool,
+        sides: &SidesOf,
+    ) -> Option<Body> {
+        let prefixed = |side: &str| format!("{}_{side}", block.name);
+        let Some(file) = &block.file else {
+            if block.scale.is_some() {
+                let hint = Some("remove it, or give a `file`");
+                self.note(&format!("{path}.scale"), At::Key, "`scale`", "it only besides a `file`", hint);
+                return None;
+            }
+            let dim = if dim == 0 { dimension(block) } else { dim };
+            let (shape, cells) = self.block_shape(path, block, dim)?;
+            let of_block: Vec<&str> = sides.contact.iter().filter_map(|on| on.strip_prefix(&*prefixed(""))).collect();
+            let size = size(&shape, &cells, &of_block);
+            return Some(Body { mesh: Origin::Shape(shape, cells), size: Size { dim, ..size }, plane: None });
+        };
+        if let Some(key) = of_generated(block) {
+            let hint = Some("remove it: the file has the body");
+            self.note(&format!("{path}.{key}"), At::Key, format!("`{key}`"), "it only without a `file`", hint);
+            return None;
+        }
+        let of = FileOf { name: file, scale: block.scale.unwrap_or(1.0), axisymmetric };
+        let FromFile { mesh, plane } =
+            self.file(&format!("{path}.file"), &of, &|side| sides.used.contains(&prefixed(side).as_str()))?;
+        let expected = if dim == 0 { mesh.dim } else { dim };
+        if mesh.dim != expected {
+            let found = format!("\"{file}\", a body in {} dimensions", mesh.dim);
+            let expected = format!("one in {expected}, as the first block is");
+            self.note(&format!("{path}.file"), At::Value, found, expected, None);
+            return None;
+        }
+        if !(block.origin.is_empty() || block.origin.len() == mesh.dim) {
+            let found = format!("{} numbers", block.origin.len());
+            self.note(&format!("{path}.origin"), At::Value, found, format!("{} of them", mesh.dim), None);
+            return None;
+        }
+        let on_contact: Vec<&str> = sides.contact.iter().filter_map(|on| on.strip_prefix(&*prefixed(""))).collect();
+        Some(Body { size: measured(&mesh, &on_contact, 0), mesh: Origin::File(mesh), plane })
     }
 
     /// The block as a mesh of its own, and its cells; none where its entries do not fit.
     fn block_shape(&mut self, path: &str, block: &raw::Block, dim: usize) -> Option<(raw::Mesh, Vec<usize>)> {
         let (n, elements) = (block.n.clone(), block.elements);
+        if n.is_empty() {
+            let expected = "an array of integers ≥ 1 (cells per side)";
+            self.note(&format!("{path}.n"), At::Missing, "no such key", expected, None);
+            return None;
+        }
         if let Some((key, expected)) = misplaced(block) {
             self.note(&format!("{path}.{key}"), At::Key, format!("`{key}`"), expected, Some("remove it"));
             return None;
         }
         if block.size.is_empty() == block.radii.is_none() {
-            let found = if block.radii.is_some() { "both `size` and `radii`" } else { "neither `size` nor `radii`" };
-            let expected = "one of them: `size` of an interval, rectangle or box, `radii` of a round body";
+            let found = match block.radii {
+                Some(_) => "both `size` and `radii`",
+                None => "neither `size` nor `radii` nor `file`",
+            };
+            let expected =
+                "one of them: `size` of an interval, rectangle or box, `radii` of a round body, a mesh `file`";
             self.note(path, At::Value, found, expected, None);
             return None;
         }
@@ -137,6 +241,19 @@ fn misplaced(block: &raw::Block) -> Option<(&'static str, &'static str)> {
     } else {
         None
     }
+}
+
+/// A key of a generated block.
+fn of_generated(block: &raw::Block) -> Option<&'static str> {
+    let given = [
+        ("size", !block.size.is_empty()),
+        ("radii", block.radii.is_some()),
+        ("height", block.height.is_some()),
+        ("angle", block.angle.is_some()),
+        ("n", !block.n.is_empty()),
+        ("diagonal", block.diagonal.is_some()),
+    ];
+    given.into_iter().find_map(|(key, is)| is.then_some(key))
 }
 
 /// In how many dimensions a block is.

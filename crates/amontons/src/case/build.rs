@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::files::{Files, Loader};
+use super::mesh::SidesOf;
 use super::nearest::nearest;
 use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
@@ -55,9 +56,7 @@ pub(super) fn problem(
     };
     build.name(&raw.name);
     build.step(&raw.time);
-    let contact_on: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
-    let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.iter().copied()).collect();
-    let mut mesh = build.mesh(&raw.mesh, &contact_on, &sides, available);
+    let mut mesh = build.mesh(&raw.mesh, &SidesOf::new(&raw), available);
     build.dim = mesh.dim;
     build.thickness(raw.thickness, &mut mesh);
     let physics = physics(&raw, &mut build.findings);

@@ -9,11 +9,46 @@ use super::place::At;
 use super::raw;
 use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
-use crate::mesh::{self, Diagonal, Elements, Mesh, MeshError};
+use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, Plane};
 use crate::quadrature::Shape;
 
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
+
+/// How a case refers to a mesh file.
+pub(super) struct FileOf<'c> {
+    pub name: &'c str,
+    pub scale: f64,
+    /// Whether the case says that it is the half section of a body of revolution.
+    pub axisymmetric: bool,
+}
+
+/// A mesh from a file, with what its elements say of the direction that a plane body lacks.
+pub(super) struct FromFile {
+    pub mesh: Mesh,
+    pub plane: Option<Plane>,
+}
+
+/// The sides of a case.
+pub(super) struct SidesOf<'c> {
+    /// Those of the contacts.
+    pub contact: Vec<&'c str>,
+    /// Those that conditions, contacts and other sides name.
+    pub used: Vec<&'c str>,
+    /// Those that the case names by their place.
+    pub named: &'c [raw::Side],
+}
+
+impl SidesOf<'_> {
+    /// The sides of a case.
+    pub fn new(raw: &raw::Case) -> SidesOf<'_> {
+        let contact: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
+        let of_boundary = raw.boundary.iter().map(|b| b.on.as_str());
+        let of_sides = raw.side.iter().flat_map(|side| side.of.iter().map(String::as_str));
+        let used = of_boundary.chain(of_sides).chain(contact.iter().copied()).collect();
+        SidesOf { contact, used, named: &raw.side }
+    }
+}
 
 /// Cells per direction of a generated mesh, none of several blocks; of a mesh from a file the parts of each edge.
 pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
@@ -93,38 +128,46 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
 
 impl Build<'_> {
     /// The mesh, or a stand-in of few cells if it cannot be had.
-    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<Memory>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SidesOf, available: Option<Memory>) -> Mesh {
+        let made = match raw {
+            raw::Mesh::File { file, scale, axisymmetric, refine } => {
+                let of = FileOf { name: file, scale: *scale, axisymmetric: *axisymmetric };
+                let read = self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|FromFile { mesh, plane }| {
+                    self.plane = plane;
+                    self.with_named_sides(mesh, sides.named)
+                });
+                let read = read.filter(|mesh| {
+                    let size = measured(mesh, &sides.contact, *refine);
+                    // Each refinement doubles the cells along every direction.
+                    let cells = mesh.cell_count() as f64 * f64::from(1 << refine).powi(mesh.dim as i32);
+                    let demand = Demand::of(&size, self.solver);
+                    self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
+                });
+                read.and_then(|mesh| self.refined(mesh, *refine))
+            }
+            raw::Mesh::Blocks { blocks, axisymmetric } => {
+                let made = self.blocks(blocks, *axisymmetric, sides, available);
+                made.map(|mesh| self.with_named_sides(mesh, sides.named))
+            }
+            _ => {
+                let made = self.generated(raw, &sides.contact, available);
+                made.map(|mesh| self.with_named_sides(mesh, sides.named))
+            }
+        };
+        self.no_mesh = made.is_none();
+        made.unwrap_or_else(empty)
+    }
+
+    /// The mesh with the sides that the case names.
+    fn with_named_sides(&mut self, mut mesh: Mesh, named: &[raw::Side]) -> Mesh {
+        self.dim = mesh.dim;
+        self.name_sides(named, &mut mesh);
+        mesh
+    }
+
+    /// The mesh that is generated; none if there is none of this size.
+    fn generated(&mut self, raw: &raw::Mesh, contact_on: &[&str], available: Option<Memory>) -> Option<Mesh> {
         let cells = cells(raw);
-        if let raw::Mesh::File { file, scale, axisymmetric, refine } = raw {
-            let mesh = self.file(file, *scale, *axisymmetric, sides);
-            let mesh = mesh.filter(|mesh| {
-                let contact_nodes: usize =
-                    contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
-                // Each refinement doubles the nodes along every direction.
-                let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
-                let size = Size {
-                    dim: mesh.dim,
-                    nodes: mesh.points.len() as f64 * times(mesh.dim),
-                    contact_nodes: contact_nodes as f64 * times(mesh.dim - 1),
-                    neighbours: mesh
-                        .blocks
-                        .iter()
-                        .map(|block| neighbours(block.element.shape, block.element.degree))
-                        .fold(0.0, f64::max),
-                };
-                let cells = mesh.cell_count() as f64 * times(mesh.dim);
-                let demand = Demand::of(&size, self.solver);
-                self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
-            });
-            let mesh = mesh.and_then(|mesh| self.refined(mesh, *refine));
-            self.no_mesh = mesh.is_none();
-            return mesh.unwrap_or_else(empty);
-        }
-        if let raw::Mesh::Blocks { blocks, axisymmetric } = raw {
-            let mesh = self.blocks(blocks, *axisymmetric, contact_on, available);
-            self.no_mesh = mesh.is_none();
-            return mesh.unwrap_or_else(empty);
-        }
         if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
             self.note(
                 "mesh.diagonal",
@@ -139,20 +182,20 @@ impl Build<'_> {
         let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
         // A case with faults is not run: a few cells tell which sides there are.
         let built = if fits && self.is_sound { generate(raw, &cells) } else { generate(raw, &few(raw, &cells)) };
-        built.unwrap_or_else(|error| {
+        let built = built.map_err(|error| {
             let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
             self.note("mesh", At::Value, error.found(), expected, None);
-            self.no_mesh = true;
-            empty()
-        })
+        });
+        built.ok()
     }
 
-    /// The mesh of a file of which these sides are used, if it is sound.
-    fn file(&mut self, name: &str, scale: f64, axisymmetric: bool, sides: &[&str]) -> Option<Mesh> {
-        let bytes = match self.loader.get(&Path::parse(FILE).unwrap_or_default(), name) {
+    /// The mesh of a file of which these sides are used, if it is sound; `key` names the file.
+    pub(super) fn file(&mut self, key: &str, of: &FileOf, is_used: &dyn Fn(&str) -> bool) -> Option<FromFile> {
+        let name = of.name;
+        let bytes = match self.loader.get(&Path::parse(key).unwrap_or_default(), name) {
             Ok(bytes) => bytes,
             Err(missing) => {
-                self.note(FILE, At::Value, missing.found, missing.expected, missing.hint.as_deref());
+                self.note(key, At::Value, missing.found, missing.expected, missing.hint.as_deref());
                 return None;
             }
         };
@@ -160,40 +203,35 @@ impl Build<'_> {
         if !mesh::EXTENSIONS.contains(&ending.as_str()) {
             let expected = "the name of a .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK) file";
             let hint = "meshio converts other formats: meshio convert FILE MESH.vtu";
-            self.note(FILE, At::Value, format!("\"{name}\""), expected, Some(hint));
+            self.note(key, At::Value, format!("\"{name}\""), expected, Some(hint));
             return None;
         }
-        let mut mesh = match mesh::parse(&ending, &bytes) {
-            Ok(read) => {
-                self.plane = read.plane;
-                read.mesh.scaled(scale)
-            }
+        let mut read = match mesh::parse(&ending, &bytes) {
+            Ok(read) => FromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane },
             Err(error) => {
                 let at = error.at().map_or_else(String::new, |at| format!("{at}: "));
                 let expected = error.expected().unwrap_or_else(|| "a mesh of one body".to_owned());
-                self.note(FILE, At::Value, format!("{name}: {at}{}", error.found()), expected, None);
+                self.note(key, At::Value, format!("{name}: {at}{}", error.found()), expected, None);
                 return None;
             }
         };
+        self.of_revolution(&mut read.mesh, of.axisymmetric);
+        let harmful = |defects: &&Defects| defects.first.iter().all(|defect| defect.side().is_none_or(is_used));
+        let defects: Vec<String> =
+            defects(&read.mesh).iter().filter(harmful).map(|defects| format!("{name}: {defects}")).collect();
+        for defect in &defects {
+            self.note(key, At::Value, defect.replace('\n', "; "), "a sound mesh", None);
+        }
+        defects.is_empty().then_some(read)
+    }
+
+    /// Makes the mesh of a file the half section of a body of revolution, if it is one.
+    fn of_revolution(&mut self, mesh: &mut Mesh, axisymmetric: bool) {
         if axisymmetric && mesh.dim != 2 {
-            self.note(
-                "mesh.axisymmetric",
-                At::Value,
-                format!("a mesh of {} dimensions", mesh.dim),
-                "a plane mesh, the half section",
-                None,
-            );
+            let found = format!("a mesh of {} dimensions", mesh.dim);
+            self.note("mesh.axisymmetric", At::Value, found, "a plane mesh, the half section", None);
         }
         mesh.axisymmetric = (axisymmetric || mesh.axisymmetric) && mesh.dim == 2;
-        let harmful = |defects: &&Defects| {
-            defects.first.iter().all(|defect| defect.side().is_none_or(|side| sides.contains(&side)))
-        };
-        let defects: Vec<String> =
-            defects(&mesh).iter().filter(harmful).map(|defects| format!("{name}: {defects}")).collect();
-        for defect in &defects {
-            self.note(FILE, At::Value, defect.replace('\n', "; "), "a sound mesh", None);
-        }
-        defects.is_empty().then_some(mesh)
     }
 
     /// The mesh with its edges cut in two so many times; not for a case with faults, which is not run.
@@ -233,6 +271,21 @@ impl Build<'_> {
             return false;
         }
         true
+    }
+}
+
+/// The size of a mesh of a file whose edges are cut in two so many times.
+pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> Size {
+    let contact_nodes: usize =
+        contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
+    // Each refinement doubles the nodes along every direction.
+    let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
+    let of_block = |block: &Block| neighbours(block.element.shape, block.element.degree);
+    Size {
+        dim: mesh.dim,
+        nodes: mesh.points.len() as f64 * times(mesh.dim),
+        contact_nodes: contact_nodes as f64 * times(mesh.dim.saturating_sub(1)),
+        neighbours: mesh.blocks.iter().map(of_block).fold(0.0, f64::max),
     }
 }
 

@@ -30,6 +30,7 @@ mod files;
 mod identity;
 mod laws;
 mod library;
+mod loci;
 mod material;
 mod memory;
 mod mesh;

@@ -104,6 +104,10 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
             };
         }
         match case.cells.as_slice() {
+            [] if case.blocks.iter().any(Vec::is_empty) => refuse(
+                format!("level {level} of blocks of which one is a file"),
+                "blocks that are generated".to_owned(),
+            ),
             [] => {
                 let of_block = |(i, all): (usize, &Vec<usize>)| Ok(format!("mesh.blocks[{i}].n={}", cells(all)?));
                 case.blocks.iter().enumerate().map(of_block).collect()

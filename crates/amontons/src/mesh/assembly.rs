@@ -1,10 +1,12 @@
 //! Several bodies in one mesh.
 
 use super::{Mesh, MeshError};
+use crate::tensor::Rotation;
 
 impl Mesh {
-    /// Bodies side by side, whether they touch or not: the nodes of each remain its own. The regions are the bodies by
-    /// their names, the facet sets those of each body after its name, `pad_top`.
+    /// Bodies side by side, whether they touch or not: the nodes of each remain its own. A body of one region is a region
+    /// with the name of the body; the regions of others and the facet sets are those of each body after its name,
+    /// `pad_top`.
     ///
     /// # Errors
     /// When there are more nodes than can be numbered.
@@ -19,15 +21,19 @@ impl Mesh {
             thickness: bodies.iter().find_map(|(_, mesh)| mesh.thickness),
             points: Vec::with_capacity(count),
             blocks: Vec::new(),
-            regions: bodies.iter().map(|(name, _)| name.clone()).collect(),
+            regions: Vec::new(),
             facets: std::collections::BTreeMap::new(),
             edges: std::collections::BTreeMap::new(),
         };
-        for (region, (name, mesh)) in bodies.iter().enumerate() {
-            let first = all.points.len() as u32;
+        for (name, mesh) in bodies {
+            let (first, first_region) = (all.points.len() as u32, all.regions.len());
+            match mesh.regions.len() {
+                0 | 1 => all.regions.push(name.clone()),
+                _ => all.regions.extend(mesh.regions.iter().map(|region| format!("{name}_{region}"))),
+            }
             all.points.extend_from_slice(&mesh.points);
             for mut block in mesh.blocks.iter().cloned() {
-                block.region = region;
+                block.region += first_region;
                 block.nodes.iter_mut().for_each(|node| *node += first);
                 all.blocks.push(block);
             }
@@ -41,6 +47,15 @@ impl Mesh {
             }
         }
         Ok(all)
+    }
+
+    /// The same mesh, turned about the origin.
+    #[must_use]
+    pub fn turned(mut self, by: &Rotation) -> Mesh {
+        for x in &mut self.points {
+            *x = by.vector(x);
+        }
+        self
     }
 
     /// The same mesh elsewhere.

@@ -12,6 +12,7 @@ mod geometry;
 pub mod gmsh;
 pub mod inp;
 mod locator;
+mod locus;
 pub mod med;
 mod quality;
 mod read;
@@ -32,6 +33,7 @@ pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
+pub use locus::Locus;
 pub use read::{EXTENSIONS, FilePosition, MeshFileError, Plane, Read, Skipped, parse, read, read_all};
 
 use crate::element::{Element, ShapeTable};

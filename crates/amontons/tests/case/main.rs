@@ -12,5 +12,6 @@ mod graded_faults;
 mod materials;
 mod quantities;
 mod reference;
+mod sides;
 mod thermal_faults;
 mod valid;

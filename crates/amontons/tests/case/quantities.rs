@@ -286,12 +286,12 @@ const UNITS: &[(&str, &str)] = &[
         "m",
         "Automatic.distance, Block.height, Block.origin, Block.radii, Block.size, Boundary.at, Boundary.displacement, Boundary.normal_displacement, \
           Check probe.at, Contact.gap, Cyclic.center, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
-          HeatTerm ramp.width, HeatTerm gap.roughness, Initial.displacement, Mesh rectangle.origin, \
+          HeatTerm ramp.width, HeatTerm gap.roughness, InBox.from, InBox.to, InPlane.point, Initial.displacement, Mesh rectangle.origin, \
           Mesh rectangle.size, Mesh interval.size, Mesh box.size, Mesh disc.radius, Mesh ring.radii, \
-          Mesh cylinder.height, Mesh cylinder.radii, Normal table.penetration, Normal stop.depth, \
+          Mesh cylinder.height, Mesh cylinder.radii, Near.distance, Near.point, Normal table.penetration, Normal stop.depth, \
           Normal adhesion.release, Obstacle plane.point, Obstacle sphere.center, \
           Obstacle sphere.radius, Obstacle cylinder.center, Obstacle cylinder.radius, \
-          Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, Probe.at",
+          Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, OnCylinder.point, OnCylinder.radius, OnSphere.center, OnSphere.radius, Probe.at",
     ),
     (
         "m/s",
@@ -300,8 +300,8 @@ const UNITS: &[(&str, &str)] = &[
     ),
     (
         "rad",
-        "Block.angle, Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Mesh ring.angle, \
-          Mesh cylinder.angle, Viscosity anisotropic.orientation",
+        "Block.angle, Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Facing.angle, Mesh ring.angle, \
+          Mesh cylinder.angle, Turn.angle, Viscosity anisotropic.orientation",
     ),
     (
         "s",

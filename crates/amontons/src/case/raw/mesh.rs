@@ -136,8 +136,8 @@ impl Mesh {
     }
 }
 
-/// A body of a mesh of several: an interval, a rectangle or a box by the number of its sizes, or a round body with
-/// `radii` in the place of `size`: a ring or disc in the plane, a cylinder where it has a `height`.
+/// A body of a mesh of several: an interval, a rectangle or a box by the number of its sizes, a round body with `radii`
+/// in the place of `size`: a ring or disc in the plane, a cylinder where it has a `height`, or the mesh of a `file`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Block {
@@ -158,11 +158,24 @@ pub(in crate::case) struct Block {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub angle: Option<f64>,
+    /// Path of a mesh file, relative to the case file, in place of `size` and `n`.
+    ///
+    /// Its sides have the name of the body in front of theirs, and so have its regions where it has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Factor of the coordinates of the file: 0.001 if it is in mm; default: 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale: Option<f64>,
     /// Cells per side; of a round body layers, cells around, and cells over the height.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(inner(range(min = 1)))]
     pub n: Vec<usize>,
-    /// Corner with the least coordinates in m, or the centre of a round body, of a cylinder that of its bottom;
-    /// default: the origin.
+    /// Rotation of the body about its own origin, before it is moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn: Option<Turn>,
+    /// Corner with the least coordinates in m, or the centre of a round body, of a cylinder that of its bottom; where
+    /// the origin of a file comes to lie; default: the origin.
     #[serde(default)]
     pub origin: Vec<f64>,
     /// Element type of the cells.
@@ -171,6 +184,17 @@ pub(in crate::case) struct Block {
     /// How the squares of a rectangle are cut into triangles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagonal: Option<Diagonal>,
+}
+
+/// A rotation.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Turn {
+    /// Direction of the axis, three entries, by the right-hand rule; not given in two dimensions, where it is z.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axis: Vec<f64>,
+    /// Angle in rad.
+    pub angle: f64,
 }
 
 /// Numbers of cells in two directions.

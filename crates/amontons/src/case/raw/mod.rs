@@ -12,6 +12,7 @@ mod material;
 mod mesh;
 mod obstacle;
 mod probe;
+mod side;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -32,6 +33,7 @@ pub(in crate::case) use material::{
 pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
+pub(in crate::case) use side::{Locus, Side};
 pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
 
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
@@ -55,6 +57,9 @@ pub(in crate::case) struct Case {
     pub thickness: Option<f64>,
     /// The mesh of the body.
     pub mesh: Mesh,
+    /// Sides that the case names by their place, one entry per side.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub side: Vec<Side>,
     /// The time interval (0, end) and its steps.
     pub time: Time,
     /// Material of the body, except in regions with their own.
