@@ -69,6 +69,9 @@ pub enum Command {
         /// Tabulate the constants of the domain on these meshes too: cells per side, coarsest first
         #[arg(long, value_delimiter = ',', value_name = "N,N,…")]
         levels: Vec<usize>,
+        /// Draw the sides, each in its colour, into NAME.svg and NAME.png
+        #[arg(long, value_name = "NAME")]
+        plot: Option<PathBuf>,
         #[command(flatten)]
         common: Common,
     },
@@ -137,10 +140,14 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
-    /// Show what a mesh file has: regions, sides, sizes, the quality of its cells
+    /// Show what a mesh has: regions, sides, sizes, the quality of its cells
     Mesh {
-        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK)
+        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK), or a
+        /// case, whose mesh is shown with the sides that it names
         file: PathBuf,
+        /// Draw the sides, each in its colour, into NAME.svg and NAME.png
+        #[arg(long, value_name = "NAME")]
+        plot: Option<PathBuf>,
         /// Factor of the coordinates: 0.001 if the file is in mm
         #[arg(long, value_name = "F", default_value_t = 1.0)]
         scale: f64,

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
-use amontons::mesh;
+use amontons::mesh::{self, Mesh};
 use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
-use amontons::units::Measure;
+use amontons::units::{Measure, System, Units};
 use clap::CommandFactory;
 
 use crate::after::{self, After};
@@ -34,7 +34,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             resume(&dir, After { pictures: plot, report }, certificate, &common)
         }
         Command::Report { dir } => after::report(&dir, false),
-        Command::Check { case, levels, common } => check(&case, &levels, &common),
+        Command::Check { case, levels, plot, common } => check(&case, &levels, plot.as_deref(), &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
         Command::Plot { dir, time, dimensionless, scale, pixels, animate } => {
             let pixels = pixels.unwrap_or(if animate.is_some() { 1.0 } else { 2.0 });
@@ -48,11 +48,11 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::Verify { names, common } => verify::execute(&names, &common),
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
         Command::Explain { word, format } => explain::execute(word.as_deref(), format),
-        Command::Mesh { file, scale, confine, format } => {
+        Command::Mesh { file, plot, scale, confine, format } => {
             if confine {
                 check_confined(&file)?;
             }
-            show_mesh(&file, scale, format)
+            show_mesh(&file, plot.as_deref(), scale, format)
         }
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::Materials { name } => show_materials(name.as_deref()),
@@ -106,21 +106,42 @@ fn check_confined(file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Prints what a mesh file has; a defect of its cells or sides is a check that does not hold.
-fn show_mesh(file: &Path, scale: f64, format: Format) -> Result<(), Failure> {
+/// Prints what a mesh has; a defect of its cells or sides is a check that does not hold.
+fn show_mesh(file: &Path, plot: Option<&Path>, scale: f64, format: Format) -> Result<(), Failure> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Failure::Usage(format!("--scale: found {scale}, expected a positive number")));
     }
-    let read = mesh::read_all(file)?;
-    let model = MeshModel::new(&read.mesh.scaled(scale));
-    let table = serde_json::json!({ "mesh": model, "skipped": read.skipped });
+    let (mesh, units, skipped) = if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        let case = case::read(file, &[])?;
+        ((*case.problem.mesh).clone(), case.problem.units(), Vec::new())
+    } else {
+        // Nothing says in which unit the coordinates of a file are.
+        let read = mesh::read_all(file)?;
+        (read.mesh, Units { system: System::Dimensionless, ..Units::SPACE }, read.skipped)
+    };
+    let mesh = mesh.scaled(scale);
+    let model = MeshModel::new(&mesh);
+    let table = serde_json::json!({ "mesh": model, "skipped": skipped });
     if format == Format::Text {
-        print::text(&crate::model::mesh(&file.display().to_string(), &model, &read.skipped))?;
+        print::text(&crate::model::mesh(&file.display().to_string(), &model, &skipped))?;
+    }
+    if let Some(stem) = plot {
+        draw_sides(&mesh, stem, units, format == Format::Json)?;
     }
     if !model.defects.is_empty() {
         return Err(Failure::Verification { message: model.defects.join("\n"), table });
     }
     if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
+}
+
+/// Draws the sides of a mesh into two files and says which.
+fn draw_sides(mesh: &Mesh, stem: &Path, units: Units, quiet: bool) -> Result<(), Failure> {
+    let name = stem.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let written = plot::sides(mesh, &name, units)?.save(stem, 2.0)?;
+    if quiet {
+        return Ok(());
+    }
+    Ok(print::text(&format!("{} {}\n", written[0].display(), written[1].display()))?)
 }
 
 fn start(
@@ -267,9 +288,12 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     })
 }
 
-fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> {
+fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) -> Result<(), Failure> {
     let case = common.case(file)?;
     let problem = &case.problem;
+    if let Some(stem) = plot {
+        draw_sides(&problem.mesh, stem, problem.units(), common.quiet || common.format == Format::Json)?;
+    }
     let (certificate, model) = (hypotheses::full(problem), Model::new(problem));
     let table = constants::table(file, levels, common)?;
     match common.format {

@@ -28,6 +28,7 @@ use std::collections::BTreeMap;
 pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
+pub(crate) use facets::{FacetKey, facet_key};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
 pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};

@@ -42,6 +42,7 @@ mod report;
 mod run;
 mod shade;
 mod sheet;
+mod sides;
 mod surface;
 mod svg;
 mod sweep;
@@ -64,6 +65,7 @@ pub use picture::Picture;
 pub use plane::scale_factor;
 pub use report::report;
 pub use run::{ContactRow, History, Rod, Run, Snapshot, Solid, SolidContact};
+pub use sides::sides;
 pub use surface::Skin;
 pub use sweep::{SweepPlot, SweepSeries, sweep};
 
