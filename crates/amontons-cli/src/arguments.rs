@@ -7,6 +7,8 @@ use amontons::case::{self, Case, CaseError, Source};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+use crate::import::DeckUnits;
+
 /// Contact of deformable bodies with friction and heat
 #[derive(Debug, Parser)]
 #[command(
@@ -151,6 +153,20 @@ pub enum Command {
         /// Form of what is printed on standard output
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
+    },
+    /// Write a case from an input deck of Abaqus or CalculiX
+    Import {
+        /// The deck
+        deck: PathBuf,
+        /// The case file to write [default: that of the deck, ending in .toml]
+        #[arg(long, value_name = "CASE")]
+        out: Option<PathBuf>,
+        /// Units of the deck; with any but `none` the case is in SI
+        #[arg(long, value_enum, default_value_t = DeckUnits::None)]
+        units: DeckUnits,
+        /// Replace the files that are there
+        #[arg(long)]
+        force: bool,
     },
     /// Print the JSON Schema of the case file
     Schema,
@@ -324,6 +340,7 @@ impl Command {
             Command::Plot { .. }
             | Command::Report { .. }
             | Command::Mesh { .. }
+            | Command::Import { .. }
             | Command::Explain { .. }
             | Command::Schema
             | Command::Materials { .. }
