@@ -6,6 +6,7 @@ mod common;
 
 mod book;
 mod hostile;
+mod import;
 mod new;
 mod program;
 mod readme;
