@@ -67,7 +67,7 @@ fn density(model: &Model, notes: &mut Notes) -> Result<f64, Fault> {
         densities.push((material.density().ok_or_else(missing)?, &material.place));
     }
     let first = densities.first().map_or(0.0, |first| first.0);
-    if let Some((_, place)) = densities.iter().find(|(other, _)| *other != first) {
+    if let Some((_, place)) = densities.iter().find(|(other, _)| other.total_cmp(&first).is_ne()) {
         let why = "a case has one body force: that of the first material is taken for all";
         notes.add(place, "*DENSITY", why, Matter::Answer);
     }
@@ -102,7 +102,11 @@ fn component(terms: &[Term], d: usize, time: f64) -> Result<String, Fault> {
     for (history, size, space) in &own {
         let peak = largest(history).filter(|peak| *peak != 0.0).unwrap_or(1.0);
         let alike = history.0.len() == shape.0.len()
-            && history.0.iter().zip(&shape.0).all(|(a, b)| a.0 == b.0 && (a.1 / peak - b.1).abs() < 1e-12);
+            && history
+                .0
+                .iter()
+                .zip(&shape.0)
+                .all(|(a, b)| a.0.total_cmp(&b.0).is_eq() && (a.1 / peak - b.1).abs() < 1e-12);
         if !alike {
             let found = "loads of the whole body that vary in time in different ways";
             return Err(Fault::new(&Place::start(), found, "loads of the body with one amplitude"));

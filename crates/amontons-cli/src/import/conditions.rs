@@ -35,7 +35,7 @@ pub struct Entry {
 }
 
 /// A force of the whole body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Volume {
     /// An acceleration.
     Gravity([f64; 3]),
@@ -175,6 +175,11 @@ impl Conditions {
                 Some(local) if dofs.iter().any(|dof| *dof <= 3) => turned(&local, &dofs, (line, value), scene.dim)?,
                 _ => dofs.iter().filter_map(|&dof| quantity(dof, scene.dim)).map(|q| (q, value)).collect(),
             };
+            let along = quantities.iter().any(|(quantity, _)| *quantity == Quantity::Normal);
+            if along && scene.mesh.on_facets(&nodes) != nodes {
+                let found = "nodes that are held along one axis of a *TRANSFORM and are no side";
+                return Err(Fault::new(&line.place, found, "a node set of whole facets, or axes along x, y or z"));
+            }
             for target in targets {
                 for &(quantity, value) in &quantities {
                     let event = scene.event(card, value);
@@ -292,7 +297,7 @@ impl Conditions {
             scene.notes.add(&card.place, "FILM AMPLITUDE", why, Matter::Answer);
         }
         let entry = self.entry(on, card);
-        if entry.film.is_some_and(|before| before != film) {
+        if entry.film.is_some_and(|before| before.total_cmp(&film).is_ne()) {
             let why = "the film coefficient of a case is constant in time: that of the last step holds";
             scene.notes.add(&line.place, format!("*{}", card.name), why, Matter::Answer);
         }
@@ -324,14 +329,7 @@ impl Conditions {
             scene.notes.add(&line.place, format!("*{}", card.name), why, Matter::Answer);
         }
         let event = scene.event(card, value);
-        let alike = |other: &Volume| match (other, &volume) {
-            (Volume::Gravity(a), Volume::Gravity(b)) => a == b,
-            (Volume::Force(a), Volume::Force(b)) => a == b,
-            (Volume::Centrifugal(a, c), Volume::Centrifugal(b, d)) => a == b && c == d,
-            (Volume::Heat, Volume::Heat) => true,
-            _ => false,
-        };
-        match self.volume.iter_mut().find(|(other, _, _)| alike(other)) {
+        match self.volume.iter_mut().find(|(other, _, _)| *other == volume) {
             Some((_, track, _)) => track.set(event, false),
             None => self.volume.push((volume, Track(vec![event]), source(card))),
         }
@@ -341,13 +339,11 @@ impl Conditions {
     /// `*TEMPERATURE`: one temperature of all nodes.
     fn temperature(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
         let found = whole_field(card, scene.mesh, 1)?;
-        match found {
-            Some(value) => self.field.set(scene.event(card, value), false),
-            None => {
-                let expected = "one temperature of all nodes; for a field, let the case compute it from its heat";
-                return Err(Fault::new(&card.place, "*TEMPERATURE with different values", expected));
-            }
-        }
+        let value = found.ok_or_else(|| {
+            let expected = "one temperature of all nodes; for a field, let the case compute it from its heat";
+            Fault::new(&card.place, "temperatures that differ, or not of all nodes", expected)
+        })?;
+        self.field.set(scene.event(card, value), false);
         Ok(())
     }
 
@@ -374,7 +370,7 @@ fn whole_field(card: &Card, mesh: &Mesh, at: usize) -> Result<Option<f64>, Fault
     for line in &card.data {
         covered.extend(mesh.nodes(&line.place, line.need(0, "a node or a node set")?)?);
         let own = line.value(at, "a temperature")?;
-        if value.is_some_and(|before: f64| before != own) {
+        if value.is_some_and(|before: f64| before.total_cmp(&own).is_ne()) {
             return Ok(None);
         }
         value = Some(own);

@@ -215,7 +215,8 @@ impl Contacts {
         if scene.rests {
             text += "# bodies at rest: the sides keep their distance, and heat alone passes\n";
         }
-        let (law, shift) = if tied { ("{ law = \"bilateral\" }".to_owned(), 0.0) } else { pressure(normal, scene) };
+        let (law, shift) =
+            if tied { ("{ law = \"bilateral\" }".to_owned(), 0.0) } else { pressure(normal.as_ref(), scene) };
         if shift != 0.0 {
             let why = "the pressure begins at a clearance: the case takes the sides to touch at rest";
             notes.add(&pair.place, "*SURFACE BEHAVIOR", why, Matter::Perhaps);
@@ -301,7 +302,7 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
 }
 
 /// A law of the case, and the clearance at which its pressure begins.
-fn pressure(normal: &Option<Normal>, scene: &Scene) -> (String, f64) {
+fn pressure(normal: Option<&Normal>, scene: &Scene) -> (String, f64) {
     let units = scene.units;
     match normal {
         None | Some(Normal::Hard | Normal::Tied) => ("{ law = \"signorini\" }".to_owned(), 0.0),

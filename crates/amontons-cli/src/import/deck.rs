@@ -29,6 +29,11 @@ impl Place {
     pub fn start() -> Place {
         Place { file: None, line: 1 }
     }
+
+    /// Whether it is in a file that the deck includes.
+    pub fn is_included(&self) -> bool {
+        self.file.is_some()
+    }
 }
 
 impl fmt::Display for Place {
@@ -186,7 +191,7 @@ pub fn read(path: &Path) -> Result<Vec<Card>, Failure> {
 /// Appends the keywords of a file; `open` are the files that include it.
 fn append(
     path: &Path,
-    name: Option<Rc<str>>,
+    name: Option<&Rc<str>>,
     (open, room): (&mut Vec<PathBuf>, &mut u64),
     cards: &mut Vec<Card>,
 ) -> Result<(), Failure> {
@@ -201,7 +206,7 @@ fn append(
     let keywords = inp::keywords(&text)
         .map_err(|fault| amontons::mesh::MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) })?;
     for keyword in keywords {
-        let place = |line: usize| Place { file: name.clone(), line };
+        let place = |line: usize| Place { file: name.cloned(), line };
         if keyword.name == "INCLUDE" {
             let file = keyword.required("INPUT")?;
             let inside = folder.join(file);
@@ -211,7 +216,7 @@ fn append(
                 let fault = Fault::new(&place(keyword.line), found, "files that end");
                 return Err(fault.of(open.first().map_or(path, PathBuf::as_path)));
             }
-            append(&inside, Some(file.into()), (open, room), cards)?;
+            append(&inside, Some(&file.into()), (open, room), cards)?;
             continue;
         }
         let line = |&(line, text): &(usize, &str)| Line {

@@ -2,6 +2,7 @@
 
 use super::deck::{Card, Fault, Place};
 use super::notes::{Matter, Notes};
+use super::time::Physics;
 use super::units::{Units, number, numbers};
 
 /// How far tables of the case reach beyond those of the deck, which are constant there, in kelvin.
@@ -35,10 +36,7 @@ pub struct Material {
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
     pub units: Units,
-    pub mechanics: bool,
-    pub heat: bool,
-    /// Whether heat is stored.
-    pub stores: bool,
+    pub physics: Physics,
     /// Whether temperatures are prescribed by `*TEMPERATURE` alone, so that conduction only spreads them.
     pub spread: bool,
     pub inertia: bool,
@@ -133,10 +131,10 @@ impl Material {
             let found = format!("the material {} without *{what}", self.name.escape_debug());
             Fault::new(&self.place, found, format!("*{what} below *MATERIAL, which the steps of the deck need"))
         };
-        if context.mechanics {
+        if context.physics.mechanics {
             if context.inertia {
                 let density = self.density.as_ref().ok_or_else(|| missing("DENSITY"))?;
-                entries.push(self.one("density", density, context, context.units.density()));
+                entries.push(one("density", density, context, context.units.density()));
             }
             let elastic = self.elastic.as_ref().ok_or_else(|| missing("ELASTIC"))?;
             entries.push(("elasticity".into(), elasticity(elastic, context, angle), Some(elastic.place.clone())));
@@ -148,8 +146,8 @@ impl Material {
                 entries.push(("prony".into(), format!("[{}]", branches.join(", ")), None));
             }
         }
-        if context.mechanics
-            && context.heat
+        if context.physics.mechanics
+            && context.physics.heat
             && let Some(expansion) = &self.expansion
         {
             entries.push((
@@ -158,18 +156,18 @@ impl Material {
                 Some(expansion.place.clone()),
             ));
         }
-        if context.heat {
+        if context.physics.heat {
             self.heat(context, &mut entries, missing)?;
         }
         Ok(entries)
     }
 
     fn heat(&self, context: &Context, entries: &mut Entries, missing: impl Fn(&str) -> Fault) -> Result<(), Fault> {
-        if context.stores {
+        if context.physics.stores {
             let heat = self.specific_heat.as_ref().ok_or_else(|| missing("SPECIFIC HEAT"))?;
             let density = self.density().ok_or_else(|| missing("DENSITY"))?;
             let factor = density * context.units.density() * context.units.specific_heat();
-            entries.push(self.one("heat_capacity", heat, context, factor));
+            entries.push(one("heat_capacity", heat, context, factor));
         } else {
             entries.push(("heat_capacity".into(), "0.0".into(), None));
         }
@@ -185,20 +183,16 @@ impl Material {
                 let rows: Vec<String> = (0..context.dim).map(row).collect();
                 entries.push(("conductivity".into(), format!("[{}]", rows.join(", ")), Some(table.place.clone())));
             }
-            Some(table) => entries.push(self.one("conductivity", table, context, factor)),
+            Some(table) => entries.push(one("conductivity", table, context, factor)),
             None if context.spread => entries.push(("conductivity".into(), "1.0".into(), None)),
             None => return Err(missing("CONDUCTIVITY")),
         }
         Ok(())
     }
 
-    fn one(&self, key: &str, table: &Table, context: &Context, factor: f64) -> (String, String, Option<Place>) {
-        (key.to_owned(), coefficient(table, 0, context, factor), Some(table.place.clone()))
-    }
-
     /// Coefficients of expansion from the initial temperature, where the deck has the body free of stress.
     fn expanding(&self, table: &Table, context: &Context) -> String {
-        let one = |d: usize| {
+        let along = |d: usize| {
             let points = points(table, d);
             if points.len() < 2 || (self.zero - context.initial).abs() < 1e-9 {
                 return coefficient(table, d, context, 1.0);
@@ -223,8 +217,13 @@ impl Material {
             finer.extend(points.last().map(|last| (last.0, secant(last.0))));
             over_temperature(&finer, context.shift)
         };
-        if table.kind == "ORTHO" { format!("[{}, {}, {}]", one(0), one(1), one(2)) } else { one(0) }
+        if table.kind == "ORTHO" { format!("[{}, {}, {}]", along(0), along(1), along(2)) } else { along(0) }
     }
+}
+
+/// An entry with one coefficient.
+fn one(key: &str, table: &Table, context: &Context, factor: f64) -> (String, String, Option<Place>) {
+    (key.to_owned(), coefficient(table, 0, context, factor), Some(table.place.clone()))
 }
 
 /// Rows with so many values and a temperature.
@@ -305,10 +304,10 @@ fn at(points: &[(f64, f64)], t: f64) -> f64 {
 fn coefficient(table: &Table, column: usize, context: &Context, factor: f64) -> String {
     let points: Vec<(f64, f64)> = points(table, column).into_iter().map(|(t, value)| (t, value * factor)).collect();
     let first = points.first().map_or(0.0, |point| point.1);
-    if points.iter().all(|point| point.1 == first) {
+    if points.iter().all(|point| point.1.total_cmp(&first).is_eq()) {
         return number(first);
     }
-    if !context.heat {
+    if !context.physics.heat {
         return number(at(&points, context.initial));
     }
     over_temperature(&points, context.shift)

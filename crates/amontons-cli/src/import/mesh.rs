@@ -51,6 +51,8 @@ pub struct Cell {
 #[derive(Clone, Debug, Default)]
 pub struct Body {
     name: Option<String>,
+    /// The part that it is an instance of, in capitals.
+    part: Option<String>,
     pub points: BTreeMap<i64, [f64; 3]>,
     pub cells: BTreeMap<i64, Cell>,
     sets: Vec<(Has, String, Entry)>,
@@ -90,9 +92,13 @@ impl Mesh {
             let own = std::mem::take(&mut body.sets);
             mesh.bodies.push(body);
             let place = mesh.bodies.len() - 1;
-            own.into_iter().for_each(|set| mesh.add(Some(place), set));
+            for set in own {
+                mesh.add(Some(place), set);
+            }
         }
-        of_assembly.into_iter().for_each(|set| mesh.add(None, set));
+        for set in of_assembly {
+            mesh.add(None, set);
+        }
         Ok(mesh)
     }
 
@@ -137,6 +143,16 @@ impl Mesh {
         let several = self.bodies.iter().filter(|body| body.name.is_some()).count() > 1;
         let instance = key.0.filter(|_| several).and_then(|body| self.bodies[body].name.clone());
         Some(instance.map_or(own.clone(), |instance| format!("{instance}.{own}")))
+    }
+
+    /// The names in the case of an element set of a part, one per instance; without a part those of the only set.
+    pub fn regions(&self, part: Option<&str>, set: &str) -> Vec<String> {
+        let Some(part) = part.map(str::to_uppercase) else {
+            return self.spelling(Has::Elements, set).into_iter().collect();
+        };
+        let instances = self.bodies.iter().filter(|body| body.part.as_ref() == Some(&part));
+        let names = instances.filter_map(|body| body.name.as_ref());
+        names.filter_map(|name| self.spelling(Has::Elements, &format!("{name}.{set}"))).collect()
     }
 
     /// The name of the instance of a body, which a deck without parts does not have.
@@ -289,7 +305,7 @@ impl Mesh {
         for &node in nodes {
             let around = beside.get(&node).map(Vec::as_slice).unwrap_or_default();
             let taken: HashSet<usize> = around.iter().filter_map(|other| colours.get(other).copied()).collect();
-            let colour = (0..).find(|colour| !taken.contains(colour)).unwrap_or_default();
+            let colour = (0..=taken.len()).find(|colour| !taken.contains(colour)).unwrap_or_default();
             colours.insert(node, colour);
             if parts.len() <= colour {
                 parts.resize(colour + 1, BTreeSet::new());
@@ -324,6 +340,7 @@ impl Reading {
             "INSTANCE" => {
                 let mut body = self.parts.get(&card.required("PART")?.to_uppercase()).cloned().unwrap_or_default();
                 body.name = Some(card.required("NAME")?.to_owned());
+                body.part = Some(card.required("PART")?.to_uppercase());
                 self.instance = Some(body);
             }
             "END INSTANCE" => self.instances.extend(self.instance.take()),

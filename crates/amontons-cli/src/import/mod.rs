@@ -24,6 +24,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use amontons::case;
+use amontons::mesh::MeshFileError;
 use amontons::output::OutputError;
 
 use crate::new::beside;
@@ -50,8 +51,15 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
     }
     let cards = deck::read(deck)?;
     let (model, mut notes) = model::Model::of(&cards).map_err(|fault| fault.of(deck))?;
-    let read = amontons::mesh::read_all(deck)?;
-    let needs_sides = !model.sides.text().is_empty();
+    // The mesh of a deck that includes files is written out, too.
+    let includes = cards.iter().any(|card| card.place.is_included());
+    let needs_sides = includes || !model.sides.text().is_empty();
+    let read = if includes {
+        let inside = |fault| MeshFileError::In { path: sides_file.clone(), fault: Box::new(fault) };
+        amontons::mesh::inp::parse(model::mesh_of(&cards).as_bytes()).map_err(inside)?
+    } else {
+        amontons::mesh::read_all(deck)?
+    };
     let file = if needs_sides { &sides_file } else { deck };
     let names = write::Names {
         case: out.file_stem().map_or_else(|| "case".to_owned(), |stem| stem.to_string_lossy().into_owned()),
@@ -84,7 +92,9 @@ fn report(out: &Path, sides: Option<&Path>, (deck, units): (&Path, DeckUnits), n
     let lines = notes.lines();
     if !lines.is_empty() {
         text += "not in the case, or said otherwise:\n";
-        lines.iter().for_each(|line| text += &format!("  {line}\n"));
+        for line in lines {
+            text += &format!("  {line}\n");
+        }
     }
     print::text(&text)
 }

@@ -7,11 +7,11 @@ use super::contact::Contacts;
 use super::deck::{Card, Fault, Place};
 use super::forces::{Force, grouped};
 use super::material::Material;
-use super::mesh::{Has, Mesh};
+use super::mesh::Mesh;
 use super::notes::{Matter, Notes, REFUSED};
 use super::orientation::Orientation;
 use super::sides::Sides;
-use super::time::{Amplitude, Procedure, Step, TimeLine};
+use super::time::{Amplitude, Physics, Procedure, Step, TimeLine};
 use super::transform::Transforms;
 
 /// Keywords of the mesh, which the library reads.
@@ -46,7 +46,8 @@ pub fn mesh_of(cards: &[Card]) -> String {
 #[derive(Clone, Debug)]
 pub struct Section {
     pub place: Place,
-    pub set: String,
+    /// The regions, one per instance.
+    pub regions: Vec<String>,
     pub material: String,
     pub orientation: Option<String>,
     pub thickness: f64,
@@ -64,9 +65,7 @@ pub struct Model {
     pub contacts: Contacts,
     pub time: TimeLine,
     pub inertia: bool,
-    pub mechanics: bool,
-    pub heat: bool,
-    pub stores: bool,
+    pub physics: Physics,
     pub large: bool,
     pub forces: Vec<Force>,
     /// The side of the whole boundary, for a temperature of all nodes.
@@ -89,6 +88,8 @@ struct Reading {
     notes: Notes,
     /// Whether keywords are those of the last material.
     in_material: bool,
+    /// The part that is open.
+    part: Option<String>,
     inertia: bool,
 }
 
@@ -114,6 +115,7 @@ impl Model {
             steps: Vec::new(),
             notes: Notes::default(),
             in_material: false,
+            part: None,
             inertia: false,
         };
         for card in cards {
@@ -163,6 +165,11 @@ impl Reading {
             return Ok(());
         }
         self.in_material &= !OF_MESH.contains(&card.name.as_str()) && card.name != "STEP";
+        match card.name.as_str() {
+            "PART" => self.part = Some(card.required("NAME")?.to_owned()),
+            "END PART" => self.part = None,
+            _ => {}
+        }
         match card.name.as_str() {
             name if OF_MESH.contains(&name) => Ok(()),
             "MATERIAL" => {
@@ -215,16 +222,18 @@ impl Reading {
 
     fn section(&mut self, card: &Card) -> Result<(), Fault> {
         let set = card.required("ELSET")?;
-        let spelling = self.mesh.spelling(Has::Elements, set).ok_or_else(|| {
-            Fault::new(&card.place, format!("ELSET={}", set.escape_debug()), "an element set that the deck defines")
-        })?;
+        let regions = self.mesh.regions(self.part.as_deref(), set);
+        if regions.is_empty() && self.part.is_none() {
+            let found = format!("ELSET={}", set.escape_debug());
+            return Err(Fault::new(&card.place, found, "an element set that the deck defines"));
+        }
         let thickness = match card.data.first() {
             Some(line) => line.number(0)?.unwrap_or(1.0),
             None => 1.0,
         };
         self.sections.push(Section {
             place: card.place.clone(),
-            set: spelling,
+            regions,
             material: card.required("MATERIAL")?.to_owned(),
             orientation: card.word("ORIENTATION"),
             thickness,
@@ -315,12 +324,15 @@ impl Reading {
         let everywhere = (!self.conditions.field.0.is_empty())
             .then(|| self.sides.nodes(&self.mesh, "all-nodes", &self.mesh.all_nodes()));
         let time = TimeLine::of(self.steps, &mut self.notes);
-        let model = Model {
-            large: time.steps.iter().any(|step| step.large),
+        let physics = Physics {
             mechanics: procedures.iter().any(|procedure| procedure.mechanics),
             heat: procedures.iter().any(|procedure| procedure.heat),
-            inertia: self.inertia,
             stores,
+        };
+        let model = Model {
+            large: time.steps.iter().any(|step| step.large),
+            physics,
+            inertia: self.inertia,
             forces,
             everywhere,
             sides: self.sides,

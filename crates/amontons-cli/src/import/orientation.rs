@@ -1,5 +1,7 @@
 //! `*ORIENTATION`: axes of a material, as angles of the case.
 
+use std::cmp::Ordering;
+
 use super::deck::{Card, Fault};
 use super::notes::{Matter, Notes};
 use super::transform::axes;
@@ -40,7 +42,9 @@ impl Orientation {
         let system = card.word("SYSTEM").unwrap_or_else(|| "RECTANGULAR".to_owned());
         let axes = match system.as_str() {
             "RECTANGULAR" => axes(a, b).map(Axes::Rectangular),
-            "CYLINDRICAL" if a[0] == b[0] && a[1] == b[1] && b[2] > a[2] => Some(Axes::AboutZ(a)),
+            "CYLINDRICAL" if (a[0], a[1]).partial_cmp(&(b[0], b[1])).is_some_and(Ordering::is_eq) && b[2] > a[2] => {
+                Some(Axes::AboutZ(a))
+            }
             _ => None,
         };
         let axes = axes.ok_or_else(|| {

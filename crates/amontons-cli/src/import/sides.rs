@@ -57,7 +57,9 @@ impl Sides {
     pub fn surface(&mut self, mesh: &Mesh, wanted: &str, faces: &[(String, usize)]) -> String {
         let name = self.free(mesh, wanted);
         self.text += &format!("*SURFACE, NAME={name}, TYPE=ELEMENT\n");
-        faces.iter().for_each(|(of, face)| self.text += &format!("{of}, S{face}\n"));
+        for (of, face) in faces {
+            self.text += &format!("{of}, S{face}\n");
+        }
         name
     }
 

@@ -13,6 +13,15 @@ const MOST_DIRECT: usize = 100_000;
 /// Points of a smooth rise of an amplitude.
 const SMOOTH: usize = 20;
 
+/// What a case computes.
+#[derive(Clone, Copy, Debug)]
+pub struct Physics {
+    pub mechanics: bool,
+    pub heat: bool,
+    /// Whether heat is stored.
+    pub stores: bool,
+}
+
 /// What a step of a deck computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Procedure {

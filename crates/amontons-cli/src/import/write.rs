@@ -10,7 +10,7 @@ use super::deck::{Fault, Place};
 use super::material::Context;
 use super::model::{Model, Section};
 use super::notes::{Matter, Notes};
-use super::time::Track;
+use super::time::{Physics, Track};
 use super::units::{DeckUnits, number, quoted};
 
 /// Most probes of reactions that are written.
@@ -57,7 +57,7 @@ pub fn case(
     let mut text = writing.frame(names)?;
     text += &writing.materials()?;
     text += &body::load(model, writing.context.units, read.mesh.dim, notes)?;
-    if writing.context.mechanics && writing.context.heat {
+    if writing.context.physics.mechanics && writing.context.physics.heat {
         text +=
             "\n[scheme]\ncoupling = \"monolithic\"              # mechanics sees the temperatures of its own step\n";
     }
@@ -67,13 +67,13 @@ pub fn case(
     let conductivity = if conductivity > 0.0 { conductivity * writing.context.units.conductivity() } else { 1.0 };
     let scene = contact::Scene {
         units: writing.context.units,
-        heat: writing.context.heat,
+        heat: writing.context.physics.heat,
         rests: writing.rests,
         large: model.large,
         tie: TIE * conductivity / size,
     };
     text += &model.contacts.text(&scene, notes);
-    if writing.context.heat {
+    if writing.context.physics.heat {
         let initial = number(writing.context.initial - writing.context.shift);
         text += &format!("\n[initial]\ntemperature = {initial}\n");
     }
@@ -99,7 +99,9 @@ fn head(names: &Names, units: DeckUnits, writing: &Writing, notes: &Notes) -> St
     let lines = notes.lines();
     if !lines.is_empty() {
         text += "# Not in the case, or said otherwise:\n";
-        lines.iter().for_each(|line| text += &format!("#   {}\n", one_line(line)));
+        for line in lines {
+            text += &format!("#   {}\n", one_line(&line));
+        }
     }
     text + "\n"
 }
@@ -112,9 +114,9 @@ fn one_line(text: &str) -> String {
 impl<'a> Writing<'a> {
     fn new(model: &'a Model, read: &'a Read, units: DeckUnits) -> Writing<'a> {
         let expands = model.materials.iter().any(super::material::Material::expands);
-        let spread = model.mechanics && !model.heat && !model.conditions.field.0.is_empty() && expands;
-        let heat = model.heat || spread;
-        let rests = !model.mechanics && !model.contacts.is_empty();
+        let spread = model.physics.mechanics && !model.physics.heat && !model.conditions.field.0.is_empty() && expands;
+        let heat = model.physics.heat || spread;
+        let rests = !model.physics.mechanics && !model.contacts.is_empty();
         let initial = model.conditions.initial.unwrap_or(0.0);
         let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
         let stress_state = match read.plane {
@@ -124,14 +126,12 @@ impl<'a> Writing<'a> {
         };
         let context = Context {
             units: units.into(),
-            mechanics: model.mechanics,
-            heat,
-            stores: model.stores,
+            physics: Physics { heat, ..model.physics },
             spread,
             inertia: model.inertia,
             stress_state,
             dim: read.mesh.dim,
-            shift: if model.mechanics && heat && expands { initial } else { 0.0 },
+            shift: if model.physics.mechanics && heat && expands { initial } else { 0.0 },
             initial,
         };
         Writing { model, read, context, rests }
@@ -159,14 +159,14 @@ impl<'a> Writing<'a> {
         if dim == 2 && !self.read.mesh.axisymmetric {
             let mut sections = self.model.sections.iter();
             let first = sections.next().map_or(1.0, |section| section.thickness);
-            if let Some(other) = sections.find(|section| section.thickness != first) {
+            if let Some(other) = sections.find(|section| section.thickness.total_cmp(&first).is_ne()) {
                 let found = format!("a thickness of {} beside one of {}", number(other.thickness), number(first));
                 return Err(Fault::new(&other.place, found, "one thickness, which a plane case has"));
             }
             text += &format!("thickness = {}\n", number(first * units.length));
         }
         text += &format!("\n[mesh]\nfile = {}\n", quoted(&names.mesh));
-        if units.length != 1.0 {
+        if units.length < 1.0 {
             text += &format!("scale = {}\n", number(units.length));
         }
         if self.read.mesh.axisymmetric {
@@ -180,7 +180,7 @@ impl<'a> Writing<'a> {
             .collect();
         text += &format!("\n[time]                               # {}\n", places.join(", "));
         text += &format!("end = {}\nsteps = {}\n", number(time.end * units.time), time.count);
-        if (self.context.mechanics || self.rests) && !self.context.inertia {
+        if (self.context.physics.mechanics || self.rests) && !self.context.inertia {
             text += "inertia = false\n";
         }
         Ok(text)
@@ -192,10 +192,11 @@ impl<'a> Writing<'a> {
             let table = self.material(section)?;
             if number == 0 {
                 text += &format!("\n[material]                           # {}\n{table}", of_section(section));
-            } else {
-                let on = quoted(&section.set);
-                text += &format!("\n[[region]]                           # {}\non = {on}\n", of_section(section));
-                text += &format!("[region.material]\n{table}");
+                continue;
+            }
+            for on in &section.regions {
+                text += &format!("\n[[region]]                           # {}\n", of_section(section));
+                text += &format!("on = {}\n[region.material]\n{table}", quoted(on));
             }
         }
         Ok(text)
@@ -235,10 +236,13 @@ impl<'a> Writing<'a> {
 
     fn boundaries(&self, notes: &mut Notes) -> String {
         let mut text = String::new();
-        for entry in &self.model.conditions.entries {
-            text += &self.boundary(entry, notes);
-        }
         let Context { units, dim, shift, .. } = self.context;
+        for (number, entry) in self.model.conditions.entries.iter().enumerate() {
+            text += &self.boundary(entry, notes);
+            if self.rests && number == 0 {
+                text += &format!("displacement = [{}]   # the bodies rest\n", vec!["0.0"; dim].join(", "));
+            }
+        }
         for force in &self.model.forces {
             let component = |d: usize| {
                 let factor = force.count as f64 * units.force();
@@ -321,7 +325,8 @@ impl<'a> Writing<'a> {
     /// Reactions of what is held.
     fn probes(&self) -> String {
         let mut text = String::new();
-        let held = |entry: &&Entry| entry.tracks.keys().any(|q| matches!(q, Quantity::Displacement(_)));
+        let held =
+            |entry: &&Entry| entry.tracks.keys().any(|q| matches!(q, Quantity::Displacement(_) | Quantity::Normal));
         let hot = |entry: &&Entry| entry.tracks.contains_key(&Quantity::Temperature);
         let all = self.model.conditions.entries.iter();
         let forces = all.clone().filter(held).map(|entry| (entry, "reaction"));

@@ -66,8 +66,8 @@ fn a_plate_with_a_hole_is_pulled() {
     let found =
         run(folder.path(), &[("middle", "displacement_x", "[0.05, 0]"), ("corner", "displacement_x", "[0.05, 0.05]")]);
     assert_near(at(&found, "reaction-SYMX_x", 1.0), -100.0 * 50.0 * 2.0, "reaction");
-    assert_near(at(&found, "middle", 1.0), 2.503711e-5, "middle");
-    assert_near(at(&found, "corner", 1.0), 2.355113e-5, "corner");
+    assert_near(at(&found, "middle", 1.0), 2.503_711e-5, "middle");
+    assert_near(at(&found, "corner", 1.0), 2.355_113e-5, "corner");
 }
 
 /// A block is pressed on another one and dragged until it slides: forces of CalculiX at the ends of both steps.
