@@ -7,8 +7,6 @@ use amontons::case::{self, Case, CaseError, Source};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::import::DeckUnits;
-
 /// Contact of deformable bodies with friction and heat
 #[derive(Debug, Parser)]
 #[command(
@@ -224,6 +222,22 @@ pub enum Template {
     PressFit,
     /// The sides and regions of a mesh file, given by `--mesh`
     FromMesh,
+}
+
+/// The units that the numbers of a deck are in, which no deck says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DeckUnits {
+    /// Not known: the case has the numbers of the deck and no units
+    None,
+    /// mm, t, s: forces in N, stresses in MPa
+    #[value(name = "mm-N-s")]
+    MmNS,
+    /// m, kg, s: SI
+    #[value(name = "m-kg-s")]
+    MKgS,
+    /// mm, kg, ms: forces in kN, stresses in GPa
+    #[value(name = "mm-kg-ms")]
+    MmKgMs,
 }
 
 #[derive(Debug, Args)]

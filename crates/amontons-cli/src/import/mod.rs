@@ -1,7 +1,7 @@
 //! `amontons import`: a case from an input deck of Abaqus or CalculiX.
 //!
-//! The deck is read twice: its mesh by the library, as any mesh file, and its materials, steps, loads and contacts here.
-//! What the deck names by numbers gets names in a file that includes the deck, and the case takes its mesh from there.
+//! The deck is read twice: its mesh by the library, as any mesh file, and its materials, steps, loads and contacts
+//! here. What the deck names by numbers gets names in a second file, from which the case then takes its mesh.
 
 mod body;
 mod conditions;
@@ -27,10 +27,10 @@ use amontons::case;
 use amontons::mesh::MeshFileError;
 use amontons::output::OutputError;
 
+use crate::arguments::DeckUnits;
 use crate::new::beside;
 use crate::print;
 use crate::status::Failure;
-pub use units::DeckUnits;
 
 /// Writes the case of a deck, and a mesh file with the names that the deck lacks.
 pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -> Result<(), Failure> {

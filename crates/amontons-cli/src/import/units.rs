@@ -1,22 +1,6 @@
 //! The units of a deck, and how numbers are written.
 
-use clap::ValueEnum;
-
-/// The units that the numbers of a deck are in, which no deck says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DeckUnits {
-    /// Not known: the case has the numbers of the deck and no units
-    None,
-    /// mm, t, s: forces in N, stresses in MPa
-    #[value(name = "mm-N-s")]
-    MmNS,
-    /// m, kg, s: SI
-    #[value(name = "m-kg-s")]
-    MKgS,
-    /// mm, kg, ms: forces in kN, stresses in GPa
-    #[value(name = "mm-kg-ms")]
-    MmKgMs,
-}
+use crate::arguments::DeckUnits;
 
 /// Factors from the units of a deck to those of the case.
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,8 @@
 use amontons::mesh::Plane;
 use amontons::mesh::Read;
 
+use crate::arguments::DeckUnits;
+
 use super::body;
 use super::conditions::{Entry, Quantity};
 use super::contact;
@@ -11,7 +13,7 @@ use super::material::Context;
 use super::model::{Model, Section};
 use super::notes::{Matter, Notes};
 use super::time::{Physics, Track};
-use super::units::{DeckUnits, number, quoted};
+use super::units::{number, quoted};
 
 /// Most probes of reactions that are written.
 const MOST_PROBES: usize = 12;
