@@ -69,6 +69,8 @@ pub struct Scene<'a> {
     pub notes: &'a mut Notes,
     pub transforms: &'a Transforms,
     pub dim: usize,
+    /// Thickness of a plane body, else 1.
+    pub thickness: f64,
     /// Number of the present step, from 0.
     pub step: usize,
 }
@@ -129,7 +131,7 @@ impl Conditions {
     /// Takes a keyword that prescribes something; false where it is none.
     pub fn take(&mut self, card: &Card, scene: &mut Scene) -> Result<bool, Fault> {
         match card.name.as_str() {
-            "BOUNDARY" | "CLOAD" | "DLOAD" | "DSLOAD" | "FILM" | "SFILM" | "DFLUX" | "DSFLUX" => {
+            "BOUNDARY" | "CLOAD" | "DLOAD" | "DSLOAD" | "FILM" | "SFILM" | "DFLUX" | "DSFLUX" | "CFLUX" => {
                 self.renew(card, scene.step);
             }
             _ => {}
@@ -143,10 +145,7 @@ impl Conditions {
             "DSLOAD" | "SFILM" | "DSFLUX" => self.on_surfaces(card, scene)?,
             "TEMPERATURE" => self.temperature(card, scene)?,
             "INITIAL CONDITIONS" => self.initial(card, scene)?,
-            "CFLUX" => {
-                let why = "a heat flow into nodes is not taken: write it as `heat_inflow` of a side";
-                scene.notes.add(&card.place, "*CFLUX", why, Matter::Answer);
-            }
+            "CFLUX" => self.heat_at_nodes(card, scene)?,
             _ => return Ok(false),
         }
         Ok(true)
@@ -253,6 +252,34 @@ impl Conditions {
             let known = (card.name.clone() + &faces.iter().map(|f| f.0.as_str()).collect::<Vec<_>>().join(","), face);
             let name = scene.sides.face_set(scene.mesh, known, &wanted, &faces);
             self.on_side(&name, (card, line), 2, scene)?;
+        }
+        Ok(())
+    }
+
+    /// Heat flows into nodes, spread evenly over the side that these hold.
+    fn heat_at_nodes(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+        for lines in alike(&card.data, |line| line.entries.get(1..).map(<[String]>::to_vec)) {
+            let Some(line) = lines.first() else { continue };
+            let value = line.value(2, "a node, the degree of freedom 11 and a heat flow")?;
+            let nodes = nodes_of(&lines, scene.mesh)?;
+            let area = scene.mesh.area(&nodes) * scene.thickness;
+            if area <= 0.0 || scene.mesh.on_facets(&nodes) != nodes {
+                let why = "a heat flow into nodes that are no side is not taken: give `heat_inflow` on a side";
+                scene.notes.add(&line.place, "*CFLUX", why, Matter::Answer);
+                continue;
+            }
+            let name = line.need(0, "a node or a node set")?;
+            let targets = if is_number(name) {
+                scene.sides.split(scene.mesh, (None, &format!("nodes-{}", line.place.line)), &nodes)
+            } else {
+                scene.sides.of_set(scene.mesh, &line.place, name)?
+            };
+            let why = "the heat flow into the nodes is spread evenly over their side";
+            scene.notes.add(&line.place, "*CFLUX", why, Matter::Perhaps);
+            for target in targets {
+                let event = scene.event(card, value * nodes.len() as f64 / area);
+                self.set(&target, card, Quantity::HeatInflow, event);
+            }
         }
         Ok(())
     }

@@ -63,6 +63,8 @@ pub struct Body {
 pub struct Mesh {
     pub bodies: Vec<Body>,
     sets: HashMap<Key, Set>,
+    /// The elements of each node.
+    around: HashMap<Node, Vec<Element>>,
     /// Types of elements that are no parts of bodies, with the first line and their number.
     pub others: Vec<(String, Place, usize)>,
 }
@@ -86,7 +88,7 @@ impl Mesh {
             reading.take(card)?;
         }
         let Reading { mut flat, instances, others, .. } = reading;
-        let mut mesh = Mesh { bodies: Vec::new(), sets: HashMap::new(), others };
+        let mut mesh = Mesh { others, ..Mesh::default() };
         let of_assembly = if instances.is_empty() { Vec::new() } else { std::mem::take(&mut flat.sets) };
         for mut body in std::iter::once(flat).chain(instances) {
             let own = std::mem::take(&mut body.sets);
@@ -98,6 +100,13 @@ impl Mesh {
         }
         for set in of_assembly {
             mesh.add(None, set);
+        }
+        for (number, body) in mesh.bodies.iter().enumerate() {
+            for (&element, cell) in &body.cells {
+                for &node in &cell.nodes {
+                    mesh.around.entry((number, node)).or_default().push((number, element));
+                }
+            }
         }
         Ok(mesh)
     }
@@ -263,48 +272,76 @@ impl Mesh {
         self.bodies.get(body).and_then(|body| body.points.get(&number)).copied().unwrap_or_default()
     }
 
+    /// Whether a node belongs to an element.
+    pub fn is_used(&self, node: &Node) -> bool {
+        self.around.contains_key(node)
+    }
+
     /// All nodes of elements.
     pub fn all_nodes(&self) -> BTreeSet<Node> {
-        let bodies = self.bodies.iter().enumerate();
-        bodies
-            .flat_map(|(b, body)| body.cells.values().flat_map(move |c| c.nodes.iter().map(move |&n| (b, n))))
-            .collect()
+        self.around.keys().copied().collect()
+    }
+
+    /// The elements that have any of some nodes.
+    fn about(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Element> {
+        nodes.iter().filter_map(|node| self.around.get(node)).flatten().copied().collect()
+    }
+
+    /// The facets of the boundary whose nodes are all in a set, by their nodes in order.
+    fn facets(&self, nodes: &BTreeSet<Node>) -> Vec<Vec<Node>> {
+        let mut found: HashMap<Vec<Node>, (usize, Vec<Node>)> = HashMap::new();
+        for element in self.about(nodes) {
+            let Some(cell) = self.cell(element) else { continue };
+            for facet in cell.solid.element.facets {
+                let own = facet.nodes.iter().filter_map(|&node| cell.nodes.get(node).map(|&node| (element.0, node)));
+                let own: Vec<Node> = own.collect();
+                if own.iter().all(|node| nodes.contains(node)) {
+                    let mut key = own.clone();
+                    key.sort_unstable();
+                    found.entry(key).or_insert((0, own)).0 += 1;
+                }
+            }
+        }
+        found.into_values().filter(|(times, _)| *times == 1).map(|(_, facet)| facet).collect()
     }
 
     /// The nodes of the facets of the boundary that a set of nodes holds as a whole.
     pub fn on_facets(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Node> {
-        let mut count: HashMap<Vec<Node>, usize> = HashMap::new();
-        for (b, body) in self.bodies.iter().enumerate() {
-            for cell in body.cells.values().filter(|cell| cell.nodes.iter().any(|&node| nodes.contains(&(b, node)))) {
-                for facet in cell.solid.element.facets {
-                    let own = facet.nodes.iter().filter_map(|&node| cell.nodes.get(node).map(|&node| (b, node)));
-                    let mut own: Vec<Node> = own.collect();
-                    if own.iter().all(|node| nodes.contains(node)) {
-                        own.sort_unstable();
-                        *count.entry(own).or_default() += 1;
-                    }
+        self.facets(nodes).into_iter().flatten().collect()
+    }
+
+    /// Area of the facets of the boundary that a set of nodes holds, with straight edges: in the plane their length, of
+    /// a body of revolution that of the whole ring.
+    pub fn area(&self, nodes: &BTreeSet<Node>) -> f64 {
+        let ring = self.bodies.iter().flat_map(|body| body.cells.values()).any(|cell| cell.solid.axisymmetric);
+        let plane = self.bodies.iter().flat_map(|body| body.cells.values()).all(|cell| cell.solid.element.dim() == 2);
+        let of = |facet: Vec<Node>| {
+            let points: Vec<[f64; 3]> = facet.iter().map(|&node| self.point(node)).collect();
+            match points[..] {
+                [a, b, ..] if plane => {
+                    let around = if ring { std::f64::consts::PI * (a[0] + b[0]) } else { 1.0 };
+                    around * (b[0] - a[0]).hypot(b[1] - a[1])
                 }
+                // Vertices come first: three of a triangle, with three or six nodes, else four.
+                [a, b, c] | [a, b, c, _, _, _] => triangle(a, b, c),
+                [a, b, c, d, ..] => triangle(a, b, c) + triangle(a, c, d),
+                _ => 0.0,
             }
-        }
-        count.into_iter().filter(|(_, times)| *times == 1).flat_map(|(facet, _)| facet).collect()
+        };
+        // In the order of the nodes, so that sums have the same bits in every run.
+        let mut facets = self.facets(nodes);
+        facets.sort_unstable();
+        facets.into_iter().map(of).sum()
     }
 
     /// A set of nodes in parts, none of which has two nodes of one element: each is a set of points.
     pub fn apart(&self, nodes: &BTreeSet<Node>) -> Vec<BTreeSet<Node>> {
-        let mut beside: HashMap<Node, Vec<Node>> = HashMap::new();
-        for (b, body) in self.bodies.iter().enumerate() {
-            for cell in body.cells.values() {
-                let own: Vec<Node> = cell.nodes.iter().map(|&n| (b, n)).filter(|node| nodes.contains(node)).collect();
-                for &node in &own {
-                    beside.entry(node).or_default().extend(own.iter().filter(|other| **other != node));
-                }
-            }
-        }
         let mut colours: HashMap<Node, usize> = HashMap::new();
         let mut parts: Vec<BTreeSet<Node>> = Vec::new();
         for &node in nodes {
-            let around = beside.get(&node).map(Vec::as_slice).unwrap_or_default();
-            let taken: HashSet<usize> = around.iter().filter_map(|other| colours.get(other).copied()).collect();
+            let cells = self.around.get(&node).map(Vec::as_slice).unwrap_or_default();
+            let beside = cells.iter().flat_map(|&element| self.nodes_of(element));
+            let taken: HashSet<usize> = beside.filter_map(|other| colours.get(&other).copied()).collect();
             let colour = (0..=taken.len()).find(|colour| !taken.contains(colour)).unwrap_or_default();
             colours.insert(node, colour);
             if parts.len() <= colour {
@@ -399,6 +436,13 @@ impl Reading {
         }
         Ok(())
     }
+}
+
+/// Area of a triangle.
+fn triangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    let [u, v]: [[f64; 3]; 2] = [b, c].map(|p| std::array::from_fn(|d| p[d] - a[d]));
+    let cross = |i: usize, j: usize| u[i] * v[j] - u[j] * v[i];
+    0.5 * (cross(0, 1).powi(2) + cross(1, 2).powi(2) + cross(2, 0).powi(2)).sqrt()
 }
 
 /// A whole number of a data line.

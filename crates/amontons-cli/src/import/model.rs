@@ -206,12 +206,16 @@ impl Reading {
             let found = format!("AMPLITUDE={}", name.escape_debug());
             return Err(Fault::new(&card.place, found, "an *AMPLITUDE that the deck defines before"));
         }
+        let flat = |cell: &super::mesh::Cell| cell.solid.element.dim() == 2 && !cell.solid.axisymmetric;
+        let is_flat = self.mesh.bodies.iter().flat_map(|body| body.cells.values()).next().is_some_and(flat);
+        let thickness = self.sections.first().filter(|_| is_flat).map_or(1.0, |section| section.thickness);
         let mut scene = Scene {
             mesh: &self.mesh,
             sides: &mut self.sides,
             notes: &mut self.notes,
             transforms: &self.transforms,
             dim: self.dim,
+            thickness,
             step: self.steps.len().saturating_sub(1),
         };
         if !self.conditions.take(card, &mut scene)? {

@@ -78,9 +78,8 @@ impl Sides {
         if let Some(known) = self.known.get(&name.to_uppercase()) {
             return Ok(known.clone());
         }
-        let of_cells = mesh.all_nodes();
         let all = mesh.nodes(place, name)?;
-        let nodes: BTreeSet<Node> = all.intersection(&of_cells).copied().collect();
+        let nodes: BTreeSet<Node> = all.iter().filter(|node| mesh.is_used(node)).copied().collect();
         let spelling = mesh.spelling(Has::Nodes, name);
         let hidden = mesh.spelling(Has::Surface, name).is_some() || nodes.len() < all.len();
         let wanted = spelling.clone().map_or_else(|| format!("node-{name}"), |spelling| spelling.replace('.', "-"));

@@ -89,6 +89,67 @@ fn a_joint_passes_heat_in_a_step_of_heat_alone() {
     assert_near(*found.last().expect("a step"), 30.0, 1e-9);
 }
 
+/// A pull that is there at once sets two cubes in motion, as it does two bars in a row with a consistent mass.
+#[test]
+fn a_load_of_a_dynamic_step_does_not_ramp() {
+    let (folder, said) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n*DENSITY\n7.85e-9\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n\
+         *TIE, NAME=BOND\nUNDER, OVER\n*BOUNDARY\nFIX, 1, 3\n*STEP\n*DYNAMIC, DIRECT\n1e-8, 1e-6\n*DSLOAD\n\
+         LID, P, -100.\n*END STEP\n",
+    ));
+    assert!(said.contains("*DYNAMIC: both programs damp by rules of their own"), "{said}");
+    let case = read(&folder.path().join("deck.toml"));
+    assert!(case.contains("\nend = 1e-6\nsteps = 100\n") && case.contains("\npressure = -1e8\n"), "{case}");
+    assert!(case.contains("\ndensity = 7850.0 ") && !case.contains("inertia"), "{case}");
+    let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
+    let (mass, stiffness, t): (f64, f64, f64) = (7850.0 * 1e-6, 210e9 * 0.01, 1e-6);
+    // A consistent mass of a bar of two elements: 1/6 (4, 1; 1, 2) m, and stiffness (2, −1; −1, 1) k.
+    let force = 100e6 * 1e-4;
+    assert_near(found[99], at_end_of_two_bars(mass, stiffness, force, t), 0.02);
+}
+
+/// Displacement of the end of two bars in a row at a time, by many steps of the explicit rule.
+fn at_end_of_two_bars(mass: f64, stiffness: f64, force: f64, t: f64) -> f64 {
+    let (mut u, mut w) = ([0.0_f64; 2], [0.0_f64; 2]);
+    let steps = 200_000;
+    let k = t / f64::from(steps);
+    for _ in 0..steps {
+        let load = [-stiffness * (2.0 * u[0] - u[1]), force - stiffness * (u[1] - u[0])];
+        // The inverse of (4, 1; 1, 2)/6 is (2, −1; −1, 4) 6/7.
+        let rate = [2.0 * load[0] - load[1], 4.0 * load[1] - load[0]].map(|r| r * 6.0 / (7.0 * mass));
+        for i in 0..2 {
+            w[i] += k * rate[i];
+            u[i] += k * w[i];
+        }
+    }
+    u[1]
+}
+
+/// Heat flows into the nodes of a side, of a cube by set and of a ring by number: 10 K per 10 mm is q = 50 mW/mm².
+#[test]
+fn heat_flows_into_nodes_are_those_of_their_side() {
+    let (folder, said) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*CONDUCTIVITY\n50.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\n\
+         UNDER, OVER\n*STEP\n*HEAT TRANSFER, STEADY STATE\n*BOUNDARY\nFIX, 11, 11, 20.\n*CFLUX\nTOP, 11, 1250.\n\
+         *END STEP\n",
+    ));
+    assert!(
+        said.contains("*CFLUX: the heat flow into the nodes is spread evenly over their side [may matter]"),
+        "{said}"
+    );
+    let found = probed(folder.path(), "temperature", "[0, 0, 0.02]");
+    // 4 · 1250 mW over 100 mm²; the tie conducts well, but not without end.
+    assert_near(*found.last().expect("a step"), 20.0 + 20.0, 1e-3);
+    let deck = "*NODE, NSET=NALL\n1, 10, 0\n2, 20, 0\n3, 20, 10\n4, 10, 10\n*ELEMENT, TYPE=CAX4, ELSET=ALL\n1, 1, 2, 3, 4\n\
+                *NSET, NSET=FIX\n1, 2\n*MATERIAL, NAME=STEEL\n*CONDUCTIVITY\n50.\n\
+                *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*STEP\n*HEAT TRANSFER, STEADY STATE\n*BOUNDARY\n\
+                FIX, 11, 11, 0.\n*CFLUX\n3, 11, 23561.9449\n4, 11, 23561.9449\n*END STEP\n";
+    let (folder, _) = imported(deck);
+    // Both together are 50 mW/mm² on π (20² − 10²) mm².
+    let found = probed(folder.path(), "temperature", "[0.015, 0.01]");
+    assert_near(*found.last().expect("a step"), 10.0, 1e-6);
+}
+
 /// A cube that a hot core would have: α from 20 K on by a table whose zero is elsewhere, θ from 20 to 120.
 #[test]
 fn expansion_counts_from_the_initial_temperature() {

@@ -164,6 +164,28 @@ fn a_cantilever_is_loaded_by_numbers() {
     assert_near(at(&found, &column, 1.0), 0.5 * 50.0 * 10.0 + 5.0 * 20.0 + weight, "force");
 }
 
+/// Fibres along askew axes, and a centrifugal force about an axis beside the plate: two corners of CalculiX.
+#[test]
+fn an_orthotropic_plate_turns_about_an_axis() {
+    let (folder, _) = imported("ply");
+    let found =
+        run(folder.path(), &[("low", "displacement", "[0.04, 0, 0]"), ("high", "displacement", "[0.04, 0.015, 0.01]")]);
+    let corners =
+        [("low", [2.816_376e-4, -2.248_250e-4, -2.593_665e-4]), ("high", [2.963_512e-4, -2.084_540e-4, -3.000_588e-4])];
+    for (corner, ccx) in corners {
+        // The cells have 27 nodes here and 20 there.
+        let largest = ccx.into_iter().fold(0.0, |largest: f64, value: f64| largest.max(value.abs()));
+        for (axis, expected) in ["x", "y", "z"].into_iter().zip(ccx) {
+            let found = at(&found, &format!("{corner}_{axis}"), 1.0);
+            assert!((found - expected).abs() < TOLERANCE * largest, "{corner}_{axis}: {found:e}, {expected:e}");
+        }
+    }
+    // 20 MPa on 15 mm × 10 mm, and ρ ω² V times the distance of the centre from the axis.
+    let [traction, turning]: [f64; 2] = [20.0 * 150.0, 1.6e-9 * 1e8 * 6000.0];
+    assert_near(at(&found, "reaction-LEFT_x", 1.0), -(traction + turning * 25.0), "reaction");
+    assert_near(at(&found, "reaction-LEFT_y", 1.0), -turning * (4.5 * 0.64 - 5.0 * 0.48), "reaction");
+}
+
 /// What a deck without units becomes: numbers of the deck, and a case that says so.
 #[test]
 fn a_deck_keeps_its_numbers_without_units() {
