@@ -14,11 +14,19 @@ const HUNDRED: f64 = 100.0;
 #[derive(Clone, Debug, Default)]
 struct Interaction {
     normal: Option<Normal>,
-    friction: Option<(f64, Option<f64>)>,
+    friction: Option<Friction>,
     heat: Option<Conductance>,
     /// Fraction of the friction power that enters the slave side.
     share: Option<f64>,
     from: Vec<String>,
+}
+
+/// Friction of two sides.
+#[derive(Clone, Copy, Debug)]
+enum Friction {
+    /// A coefficient, and a shear strength if it has one.
+    Coulomb(f64, Option<f64>),
+    Rough,
 }
 
 /// A law of pressure over overclosure.
@@ -76,6 +84,13 @@ pub struct Scene {
     pub tie: f64,
 }
 
+impl Friction {
+    /// Whether there is any.
+    fn acts(&self) -> bool {
+        matches!(self, Friction::Coulomb(coefficient, _) if *coefficient > 0.0)
+    }
+}
+
 impl Contacts {
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
@@ -113,6 +128,11 @@ impl Contacts {
         interaction.from.push(format!("*{} {}", card.name, card.place));
         match card.name.as_str() {
             "SURFACE BEHAVIOR" => interaction.normal = Some(behaviour(card)?),
+            "FRICTION" if card.has("ROUGH") => {
+                let why = "sides of a case that stick do not slip where they are open, either";
+                notes.add(&card.place, "ROUGH of *FRICTION", why, Matter::Perhaps);
+                interaction.friction = Some(Friction::Rough);
+            }
             "FRICTION" => {
                 if card.data.len() > 1 {
                     let why = "the first line of the table is taken; see the friction laws `slip-rate`, `pressure`";
@@ -125,7 +145,7 @@ impl Contacts {
                     })?),
                     None => None,
                 };
-                interaction.friction = Some((coefficient, cap));
+                interaction.friction = Some(Friction::Coulomb(coefficient, cap));
             }
             "GAP CONDUCTANCE" => interaction.heat = Some(conductance(card)?),
             _ => {
@@ -223,9 +243,9 @@ impl Contacts {
             gap = Some(gap.unwrap_or(0.0) - shift);
         }
         text += &format!("normal = {law}\n");
-        if tied {
+        if tied || matches!(friction, Some(Friction::Rough)) {
             text += "friction = { law = \"stick\" }\n";
-        } else if let Some((coefficient, cap)) = friction.filter(|(coefficient, _)| *coefficient != 0.0) {
+        } else if let Some(Friction::Coulomb(coefficient, cap)) = friction.filter(Friction::acts) {
             let cap = cap.map_or_else(String::new, |cap| format!(", cap = {}", number(cap * scene.units.stress())));
             text += &format!("friction = {{ law = \"coulomb\", coefficient = {}{cap} }}\n", number(coefficient));
         }

@@ -106,6 +106,11 @@ impl Card {
         self.parameters.contains_key(name)
     }
 
+    /// The names of the parameters that are given, in capitals and without spaces.
+    pub fn parameters(&self) -> impl Iterator<Item = &str> {
+        self.parameters.keys().map(String::as_str)
+    }
+
     /// The first data line.
     pub fn first(&self, expected: &str) -> Result<&Line, Fault> {
         self.data

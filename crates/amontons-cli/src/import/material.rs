@@ -70,7 +70,14 @@ impl Material {
     pub fn take(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         match card.name.as_str() {
             "ELASTIC" => self.elastic = Some(elastic(card)?),
-            "DENSITY" => self.density = Some(table(card, "ISO", 1)?),
+            "DENSITY" => {
+                let density = table(card, "ISO", 1)?;
+                if density.rows.len() > 1 {
+                    let why = "the density of a case does not depend on the temperature: the first one is taken";
+                    notes.add(&card.place, "*DENSITY", why, Matter::Answer);
+                }
+                self.density = Some(density);
+            }
             "EXPANSION" => {
                 let kind = card.word("TYPE").unwrap_or_else(|| "ISO".to_owned());
                 self.zero = match card.parameter("ZERO") {

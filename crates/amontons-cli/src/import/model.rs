@@ -158,6 +158,7 @@ fn check_bodies(mesh: &Mesh, cards: &[Card]) -> Result<(), Fault> {
 
 impl Reading {
     fn take(&mut self, card: &Card) -> Result<(), Fault> {
+        self.notes.parameters(card);
         if self.in_material
             && let Some(material) = self.materials.last_mut()
             && material.take(card, &mut self.notes)?

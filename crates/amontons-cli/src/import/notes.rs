@@ -1,6 +1,6 @@
 //! What of a deck is not in the case, and what that means for the answer.
 
-use super::deck::Place;
+use super::deck::{Card, Place};
 
 /// What it means for the answer that something is left out or said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -96,6 +96,53 @@ const KNOWN: [(&str, &str); 33] = [
     ("BASE MOTION", "the base does not move"),
 ];
 
+/// Parameters that are taken, or that say nothing of the answer, by their keywords.
+const PARAMETERS: [(&str, &[&str]); 31] = [
+    ("AMPLITUDE", &["NAME", "TIME", "DEFINITION"]),
+    ("BOUNDARY", &["OP", "AMPLITUDE", "TYPE"]),
+    ("CFLUX", &["OP", "AMPLITUDE"]),
+    ("CLEARANCE", &["SLAVE", "MASTER", "VALUE"]),
+    ("CLOAD", &["OP", "AMPLITUDE"]),
+    ("CONDUCTIVITY", &["TYPE"]),
+    (
+        "CONTACT PAIR",
+        &[
+            "INTERACTION",
+            "TYPE",
+            "ADJUST",
+            "SMALLSLIDING",
+            "MECHANICALCONSTRAINT",
+            "CPSET",
+            "TRACKING",
+            "EXTENSIONZONE",
+        ],
+    ),
+    ("COUPLED TEMPERATURE-DISPLACEMENT", &["STEADYSTATE", "DIRECT", "SOLVER", "DELTMX", "CETOL", "CREEP"]),
+    ("DENSITY", &[]),
+    ("DFLUX", &["OP", "AMPLITUDE"]),
+    ("DLOAD", &["OP", "AMPLITUDE"]),
+    ("DSFLUX", &["OP", "AMPLITUDE"]),
+    ("DSLOAD", &["OP", "AMPLITUDE"]),
+    ("DYNAMIC", &["DIRECT", "SOLVER", "ALPHA", "APPLICATION", "NOHAF", "HAFTOL", "INITIAL", "RELATIVETOABSOLUTE"]),
+    ("ELASTIC", &["TYPE", "MODULI"]),
+    ("EXPANSION", &["TYPE", "ZERO"]),
+    ("FILM", &["OP", "AMPLITUDE", "FILMAMPLITUDE"]),
+    ("FRICTION", &["SLIPTOLERANCE", "ELASTICSLIP", "TAUMAX", "ROUGH"]),
+    ("GAP CONDUCTANCE", &["PRESSURE"]),
+    ("HEAT TRANSFER", &["STEADYSTATE", "DIRECT", "SOLVER", "DELTMX", "END", "MXDEM"]),
+    ("MATERIAL", &["NAME"]),
+    ("ORIENTATION", &["NAME", "SYSTEM"]),
+    ("SFILM", &["OP", "AMPLITUDE", "FILMAMPLITUDE"]),
+    ("SOLID SECTION", &["ELSET", "MATERIAL", "ORIENTATION", "CONTROLS"]),
+    ("SPECIFIC HEAT", &[]),
+    ("STATIC", &["DIRECT", "SOLVER", "TIMERESET"]),
+    ("STEP", &["NAME", "INC", "NLGEOM", "AMPLITUDE", "UNSYMM", "EXTRAPOLATION", "CONVERTSDI"]),
+    ("SURFACE BEHAVIOR", &["PRESSURE-OVERCLOSURE", "PENALTY", "AUGMENTEDLAGRANGE", "DIRECT"]),
+    ("SURFACE INTERACTION", &["NAME"]),
+    ("TEMPERATURE", &["OP", "AMPLITUDE"]),
+    ("TIE", &["NAME", "ADJUST", "POSITIONTOLERANCE", "TYPE", "NOROTATION"]),
+];
+
 /// Analyses that are none of a case.
 pub const REFUSED: [(&str, &str); 12] = [
     ("BUCKLE", "a buckling analysis"),
@@ -119,6 +166,18 @@ impl Notes {
         match self.0.iter_mut().find(|note| note.what == what && note.why == why) {
             Some(note) => note.count += 1,
             None => self.0.push(Note { place: place.clone(), what, why, matter, count: 1 }),
+        }
+    }
+
+    /// Notes the parameters of a keyword that are not taken.
+    pub fn parameters(&mut self, card: &Card) {
+        let Some((_, known)) = PARAMETERS.iter().find(|(name, _)| *name == card.name) else { return };
+        for parameter in card.parameters().filter(|parameter| !known.contains(parameter)) {
+            if parameter == "VALUE" && card.word("VALUE").as_deref() == Some("RELATIVE") {
+                continue;
+            }
+            let what = format!("{} of *{}", parameter.escape_debug(), card.name);
+            self.add(&card.place, what, "the parameter is not taken", Matter::Perhaps);
         }
     }
 

@@ -310,7 +310,7 @@ fn what_is_left_out_is_told() {
     let folder = tempdir().expect("a folder");
     let deck = SMALL
         .replace("*SOLID", "*PLASTIC\n10, 0\n*SOLID")
-        .replace("*STEP\n", "*STEP, NLGEOM\n")
+        .replace("*STEP\n", "*STEP, NLGEOM, PERTURBATION\n")
         .replace("*END STEP", "*EQUATION\n2\n1, 1, 1, 2, 1, -1\n*CONTROLS\n*NODE FILE\nU\n*WAVE\n*END STEP");
     fs::write(folder.path().join("deck.inp"), deck).expect("a deck");
     let done = output(amontons(&["import", "deck.inp"]).current_dir(folder.path()));
@@ -320,6 +320,7 @@ fn what_is_left_out_is_told() {
         "line 15  *PLASTIC: the case is elastic: the answer differs where the yield stress is reached [the answer differs]",
         "line 25  *EQUATION: the nodes are not coupled [the answer differs]",
         "line 21  NLGEOM: a case is a theory of small displacements and strains [may matter]",
+        "line 21  PERTURBATION of *STEP: the parameter is not taken [may matter]",
         "line 31  *WAVE: not known: see whether the answer depends on it [may matter]",
         "line 28  *CONTROLS: control of the solution, which is not needed here [does not matter]",
         "line 29  *NODE FILE: output only [does not matter]",
