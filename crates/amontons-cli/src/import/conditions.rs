@@ -237,6 +237,10 @@ impl Conditions {
                 scene.notes.add(&line.place, format!("*{}", card.name), why, Matter::Answer);
                 continue;
             };
+            if elements.is_empty() {
+                let found = format!("\"{}\" without a solid element", faces[0].0.escape_debug());
+                return Err(Fault::new(&line.place, found, "a set of elements of the body"));
+            }
             if !scene.mesh.has_face(&elements, face) {
                 let found = format!("the face {label} of an element without it");
                 return Err(Fault::new(

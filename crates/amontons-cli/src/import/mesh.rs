@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use amontons::mesh::inp::{SolidType, face, solid_type};
 
 use super::deck::{Card, Fault, Line, Place};
+use super::vector::{cross, dot, unit};
 
 /// A node: its body and its number.
 pub type Node = (usize, i64);
@@ -100,6 +101,12 @@ impl Mesh {
         }
         for set in of_assembly {
             mesh.add(None, set);
+        }
+        // Elements of less dimensions are facets and edges, as Gmsh writes them.
+        let cells = mesh.bodies.iter().flat_map(|body| body.cells.values());
+        let dim = cells.map(|cell| cell.solid.element.dim()).max().unwrap_or(0);
+        for body in &mut mesh.bodies {
+            body.cells.retain(|_, cell| cell.solid.element.dim() == dim);
         }
         for (number, body) in mesh.bodies.iter().enumerate() {
             for (&element, cell) in &body.cells {
@@ -378,6 +385,7 @@ impl Reading {
                 let mut body = self.parts.get(&card.required("PART")?.to_uppercase()).cloned().unwrap_or_default();
                 body.name = Some(card.required("NAME")?.to_owned());
                 body.part = Some(card.required("PART")?.to_uppercase());
+                place(&mut body, card)?;
                 self.instance = Some(body);
             }
             "END INSTANCE" => self.instances.extend(self.instance.take()),
@@ -438,11 +446,32 @@ impl Reading {
     }
 }
 
+/// Puts an instance at its place: a translation, and a rotation about an axis by degrees.
+fn place(body: &mut Body, card: &Card) -> Result<(), Fault> {
+    if let Some(line) = card.data.first() {
+        let shift = [0, 1, 2].map(|d| line.number(d));
+        for (d, shift) in shift.into_iter().enumerate() {
+            let shift = shift?.unwrap_or(0.0);
+            body.points.values_mut().for_each(|point| point[d] += shift);
+        }
+    }
+    let Some(line) = card.data.get(1) else { return Ok(()) };
+    let [ax, ay, az, bx, by, bz, angle] = line.numbers()?[..] else { return Ok(()) };
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let Some(axis) = unit([bx - ax, by - ay, bz - az]) else { return Ok(()) };
+    for point in body.points.values_mut() {
+        let from = [point[0] - ax, point[1] - ay, point[2] - az];
+        let (around, along) = (cross(&axis, &from), dot(&axis, &from) * (1.0 - cos));
+        *point = std::array::from_fn(|d| [ax, ay, az][d] + cos * from[d] + sin * around[d] + along * axis[d]);
+    }
+    Ok(())
+}
+
 /// Area of a triangle.
 fn triangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     let [u, v]: [[f64; 3]; 2] = [b, c].map(|p| std::array::from_fn(|d| p[d] - a[d]));
-    let cross = |i: usize, j: usize| u[i] * v[j] - u[j] * v[i];
-    0.5 * (cross(0, 1).powi(2) + cross(1, 2).powi(2) + cross(2, 0).powi(2)).sqrt()
+    let normal = cross(&u, &v);
+    0.5 * dot(&normal, &normal).sqrt()
 }
 
 /// A whole number of a data line.
@@ -473,4 +502,24 @@ fn members(card: &Card) -> Result<Vec<Item>, Fault> {
         }
     }
     Ok(items)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Body, place};
+    use crate::import::deck;
+
+    #[test]
+    fn an_instance_is_moved_and_then_turned() {
+        let file = std::env::temp_dir().join(format!("amontons-instance-{}.inp", std::process::id()));
+        std::fs::write(&file, "*INSTANCE, NAME=A, PART=B\n1, 0, 0\n0, 0, 0, 0, 0, 2, 90\n").expect("a deck");
+        let cards = deck::read(&file).expect("a card");
+        std::fs::remove_file(&file).expect("a file");
+        let mut body = Body { points: [(1, [1.0, 0.0, 3.0])].into(), ..Body::default() };
+        place(&mut body, &cards[0]).expect("an instance");
+        // (1, 0, 3) goes to (2, 0, 3), and about z by 90° to (0, 2, 3).
+        for (found, expected) in body.points[&1].into_iter().zip([0.0, 2.0, 3.0]) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+    }
 }

@@ -17,6 +17,7 @@ mod sides;
 mod time;
 mod transform;
 mod units;
+mod vector;
 mod write;
 
 use std::fs::OpenOptions;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::deck::{Card, Fault, Place};
 use super::mesh::{Mesh, Node};
+use super::vector::{across, cross, unit};
 
 /// Axes of nodes.
 #[derive(Clone, Debug)]
@@ -23,25 +24,6 @@ enum Kind {
 /// All of a deck.
 #[derive(Debug, Default)]
 pub struct Transforms(Vec<Local>);
-
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-/// a without its part along a unit vector.
-fn across(a: &[f64; 3], unit: &[f64; 3]) -> [f64; 3] {
-    let along = dot(a, unit);
-    std::array::from_fn(|d| a[d] - along * unit[d])
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
 
 /// Axes from a point on the first one and one in the plane of the first two.
 pub fn axes(a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 3]; 3]> {

@@ -219,6 +219,26 @@ fn local_axes_hold_and_load() {
     assert_eq!(stderr(&done), format!("Error: deck.inp, {expected}\n"));
 }
 
+/// Facets as elements, as Gmsh writes them, are no parts of the body: a plane element on a cube bears no load.
+#[test]
+fn facets_as_elements_are_no_parts_of_the_body() {
+    let deck = cubes(
+        "*ELEMENT, TYPE=CPS4, ELSET=LAST\n3, 15, 16, 17, 18\n*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\nUNDER, OVER\n*BOUNDARY\nFIX, 1, 3\n*STEP\n\
+         *STATIC\n*BOUNDARY\nTOP, 3, 3, 0.002\n*END STEP\n",
+    );
+    let folder = tempdir().expect("a folder");
+    fs::write(folder.path().join("deck.inp"), &deck).expect("a deck");
+    import(folder.path());
+    assert_near(probed(folder.path(), "stress_zz", "[0.005, 0.005, 0.005]")[0], 21e6, 1e-9);
+    let spoiled = deck.replace("*BOUNDARY\nTOP, 3, 3, 0.002", "*DLOAD\nLAST, P1, 1.");
+    fs::write(folder.path().join("deck.inp"), spoiled).expect("a deck");
+    let done = output(amontons(&["import", "deck.inp", "--force"]).current_dir(folder.path()));
+    assert_code(&done, 2);
+    let expected = "line 44: found \"LAST\" without a solid element, expected a set of elements of the body";
+    assert_eq!(stderr(&done), format!("Error: deck.inp, {expected}\n"));
+}
+
 /// What holds in a part of the steps is told, and files that include each other end.
 #[test]
 fn what_a_case_cannot_do_in_time_is_told() {
