@@ -157,6 +157,8 @@ fn a_cantilever_is_loaded_by_numbers() {
     assert!(said.contains("deck-sides.inp: its mesh"), "{said}");
     let found = run(folder.path(), &[("tip", "displacement_z", "[0.1, 0.005, 0.005]")]);
     assert_near(at(&found, "tip", 1.0), -4.920_921e-4, "tip");
+    // Five nodes in a row, three of each of two cells: three sets without neighbours, so that none is an edge.
+    assert_eq!(read(&folder.path().join("deck.toml")).matches("\nforce = [").count(), 3);
     let weight = 7.85e-9 * 1e4 * 9810.0;
     let held = read(&folder.path().join("deck.toml"));
     let name = held.lines().find_map(|line| line.strip_prefix("name = \"reaction-")).expect("a probe");
