@@ -313,3 +313,72 @@ fn simple(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     }
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::{Amplitude, Event, Notes, Procedure, Step, TimeLine, Track, smoothed};
+    use crate::import::deck::Place;
+
+    /// Steps one after the other: their periods, and whether each is transient.
+    fn steps(all: &[(f64, bool)], increment: f64) -> TimeLine {
+        let mut steps: Vec<Step> = Vec::new();
+        for &(period, transient) in all {
+            let start = steps.last().map_or(0.0, Step::end);
+            let procedure = Some(Procedure { mechanics: true, heat: false, transient });
+            let place = Place::start();
+            steps.push(Step { place, procedure, start, period, increment, direct: false, ramp: None, large: false });
+        }
+        TimeLine::of(steps, &mut Notes::default())
+    }
+
+    fn set(step: usize, value: f64, amplitude: Option<&str>) -> Event {
+        Event { step, value: Some(value), amplitude: amplitude.map(str::to_owned) }
+    }
+
+    #[test]
+    fn steps_of_the_case_meet_those_of_the_deck() {
+        // Ends at 1 and 1.5 of 1.5: multiples of 0.5, in parts of at most 0.2 that is 0.5/3.
+        assert_eq!(steps(&[(1.0, false), (0.5, false)], 0.2).count, 9);
+        // A deck that begins with tiny increments is not followed.
+        assert_eq!(steps(&[(1.0, true)], 1e-9).count, 1000);
+    }
+
+    #[test]
+    fn loads_ramp_in_static_steps_and_are_there_at_once_in_others() {
+        let none = HashMap::new();
+        let track = Track(vec![set(0, 2.0, None), set(1, 5.0, None)]);
+        let history = |line: &TimeLine| line.history(&track, &none, (0.0, true)).0;
+        assert_eq!(history(&steps(&[(1.0, false), (1.0, false)], 0.5)), [(0.0, 0.0), (1.0, 2.0), (2.0, 5.0)]);
+        let mixed = steps(&[(1.0, false), (1.0, true)], 0.5);
+        assert_eq!(history(&mixed), [(0.0, 0.0), (1.0, 2.0), (1.5, 5.0), (2.0, 5.0)]);
+        let mut removed = track.clone();
+        removed.remove(2);
+        let line = steps(&[(1.0, false), (1.0, false), (2.0, false)], 0.5);
+        let found = line.history(&removed, &none, (0.0, true)).0;
+        assert_eq!(found, [(0.0, 0.0), (1.0, 2.0), (2.0, 5.0), (4.0, 0.0)]);
+    }
+
+    #[test]
+    fn amplitudes_count_from_the_step_or_from_the_start() {
+        let points = vec![(0.0, 0.0), (0.5, 1.0), (3.0, 0.5)];
+        let own = |total: bool| HashMap::from([("A".to_owned(), Amplitude { points: points.clone(), total })]);
+        let line = steps(&[(1.0, false), (1.0, false)], 0.25);
+        let track = Track(vec![set(0, 2.0, Some("A"))]);
+        // A factor of 0.9 at 1 s and of 0.7 at 2 s; that of the step stays as it was at its end.
+        let of_step = line.history(&track, &own(false), (0.0, true)).0;
+        assert_eq!(of_step.len(), 4);
+        assert!((of_step[2].1 - 1.8).abs() < 1e-14 && (of_step[3].1 - 1.8).abs() < 1e-14, "{of_step:?}");
+        let of_total = line.history(&track, &own(true), (0.0, true)).0;
+        assert!((of_total[2].0 - 2.0).abs() < 1e-14 && (of_total[2].1 - 1.4).abs() < 1e-14, "{of_total:?}");
+    }
+
+    #[test]
+    fn a_smooth_step_is_flat_at_its_ends_and_half_way_up_in_the_middle() {
+        let points = smoothed(&[(0.0, 0.0), (2.0, 4.0)]);
+        let middle = points.iter().find(|point| (point.0 - 1.0).abs() < 1e-12).expect("the middle");
+        assert!((middle.1 - 2.0).abs() < 1e-12, "{middle:?}");
+        assert!(points[1].1 < 0.01 && (points[20].1 - 4.0).abs() < 1e-12, "{points:?}");
+    }
+}
