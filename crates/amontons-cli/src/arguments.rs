@@ -158,6 +158,20 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t = Format::Text)]
         format: Format,
     },
+    /// Write a case from an input deck of Abaqus or CalculiX
+    Import {
+        /// The deck
+        deck: PathBuf,
+        /// The case file to write [default: that of the deck, ending in .toml]
+        #[arg(long, value_name = "CASE")]
+        out: Option<PathBuf>,
+        /// Units of the deck; with any but `none` the case is in SI
+        #[arg(long, value_enum, default_value_t = DeckUnits::None)]
+        units: DeckUnits,
+        /// Replace the files that are there
+        #[arg(long)]
+        force: bool,
+    },
     /// Print the JSON Schema of the case file
     Schema,
     /// List the materials that a case may name, or the values and the source of one
@@ -214,6 +228,22 @@ pub enum Template {
     PressFit,
     /// The sides and regions of a mesh file, given by `--mesh`
     FromMesh,
+}
+
+/// The units that the numbers of a deck are in, which no deck says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DeckUnits {
+    /// Not known: the case has the numbers of the deck and no units
+    None,
+    /// mm, t, s: forces in N, stresses in MPa
+    #[value(name = "mm-N-s")]
+    MmNS,
+    /// m, kg, s: SI
+    #[value(name = "m-kg-s")]
+    MKgS,
+    /// mm, kg, ms: forces in kN, stresses in GPa
+    #[value(name = "mm-kg-ms")]
+    MmKgMs,
 }
 
 #[derive(Debug, Args)]
@@ -353,6 +383,7 @@ impl Command {
             Command::Plot { .. }
             | Command::Report { .. }
             | Command::Mesh { .. }
+            | Command::Import { .. }
             | Command::Explain { .. }
             | Command::Schema
             | Command::Materials { .. }

@@ -17,7 +17,7 @@ use crate::arguments::{Arguments, CertificateChoice, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, explain, materials, new, reproduce, sweep, verify};
+use crate::{constants, converge, explain, import, materials, new, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
@@ -54,6 +54,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             }
             show_mesh(&file, plot.as_deref(), scale, format)
         }
+        Command::Import { deck, out, units, force } => import::execute(&deck, out.as_deref(), units, force),
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::Materials { name } => show_materials(name.as_deref()),
         Command::New { file, template, mesh } => new::execute(&file, template, mesh.as_deref()),

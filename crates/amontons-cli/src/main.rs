@@ -7,6 +7,7 @@ mod constants;
 mod converge;
 mod explain;
 mod faults;
+mod import;
 mod materials;
 mod model;
 mod new;

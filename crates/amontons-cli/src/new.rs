@@ -89,7 +89,7 @@ fn from_mesh(file: &Path, mesh: &Path) -> Result<String, Failure> {
 }
 
 /// The mesh file as the case file has to name it: a file beside it by its name.
-fn beside(case: &Path, mesh: &Path) -> PathBuf {
+pub fn beside(case: &Path, mesh: &Path) -> PathBuf {
     let folder = |file: &Path| {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         parent.canonicalize().ok()

@@ -12,8 +12,8 @@ use crate::common::{assert_code, output, read, stdout};
 
 /// Pages whose commands are for an empty folder; those of the others are for the source folder.
 const ALONE: [&str; 2] = ["install.md", "commands.md"];
-/// The tutorial has a test of its own, which compares what is printed, too.
-const ELSEWHERE: &str = "tutorial.md";
+/// These have a test of their own, which compares what is printed, too.
+const ELSEWHERE: [&str; 2] = ["tutorial.md", "decks.md"];
 /// The tests of the library solve every shipped case against its expected values, as this does.
 const SOLVED_ELSEWHERE: &str = "amontons verify cases/";
 /// What a page takes to be there.
@@ -82,12 +82,14 @@ fn every_command_of_the_guide_runs() {
         std::os::unix::fs::symlink(root.join(name), source.path().join(name)).expect("a link");
     }
     let (mut before, mut count) = (BTreeSet::new(), 0);
-    for page in pages().iter().filter(|page| *page != ELSEWHERE) {
+    for page in pages().iter().filter(|page| !ELSEWHERE.contains(&page.as_str())) {
         let lines = commands(&read(&root.join("book/src").join(page))).unwrap_or_else(|why| panic!("{page}: {why}"));
         count += lines.len();
         if ALONE.contains(&page.as_str()) {
             let folder = tempfile::tempdir().expect("a folder");
-            fs::copy(root.join("cases/o-ring.inp"), folder.path().join("o-ring.inp")).expect("a mesh");
+            for name in ["o-ring.inp", "punch.inp"] {
+                fs::copy(root.join("cases").join(name), folder.path().join(name)).expect("a mesh");
+            }
             typed(&lines, page, folder.path());
             continue;
         }

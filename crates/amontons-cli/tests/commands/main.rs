@@ -5,7 +5,9 @@
 mod common;
 
 mod book;
+mod decks;
 mod hostile;
+mod import;
 mod new;
 mod program;
 mod readme;

@@ -1,4 +1,4 @@
-//! The tutorial of the guide, step by step as its reader types it; what it shows is what the program prints.
+//! The tutorials of the guide, step by step as their readers type them; what they show is what the program prints.
 
 use std::fs;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn words(line: &str) -> Vec<String> {
 /// that are round-off.
 fn lasting(text: &str) -> Vec<String> {
     let line = |line: &str| {
-        let own = ["  time  ", "  linear systems  ", "  per step  ", "  energy closes to "];
+        let own = ["  time  ", "  linear systems  ", "  per step  ", "  energy closes to ", "  defect of moments "];
         match own.iter().find(|start| line.starts_with(**start)) {
             Some(start) => (*start).to_owned(),
             None if line.contains(" pN/m") => line.split(" pN/m").nth(1).unwrap_or_default().to_owned(),
@@ -93,4 +93,51 @@ fn every_command_of_the_tutorial_prints_what_it_shows() {
     let (whole, half) = (force("seal"), force("half"));
     assert!((1109.0 / whole - 1.03).abs() < 0.005, "{whole}");
     assert!(half < 0.5 * whole, "{half}");
+}
+
+/// A deck becomes a case that has what the page shows of it, and runs as the page shows.
+#[test]
+fn every_command_of_the_page_on_decks_prints_what_it_shows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let chapter = read(&root.join("book/src/decks.md"));
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::copy(root.join("cases/punch.inp"), folder.path().join("punch.inp")).expect("a deck");
+    let (mut printed, mut counts) = (String::new(), [0; 3]);
+    for (language, body) in blocks(&chapter) {
+        match language.as_str() {
+            "sh" => {
+                printed = typed(&body, folder.path());
+                counts[0] += 1;
+            }
+            "text" => {
+                assert_eq!(lasting(&printed), lasting(&body), "the program printed:\n{printed}");
+                counts[1] += 1;
+            }
+            "toml,ignore" => {
+                let case = read(&folder.path().join("punch.toml"));
+                assert!(case.contains(&body), "{body}\nis not in\n{case}");
+                counts[2] += 1;
+            }
+            other => panic!("a block of {other}"),
+        }
+    }
+    assert_eq!(counts, [2, 2, 2]);
+    // The table of the page has the reactions of the run beside those of CalculiX, 1 % apart at most.
+    let probes = read(&folder.path().join("results/punch/probes.csv"));
+    let rows: Vec<Vec<f64>> = probes
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect())
+        .collect();
+    let cells = |line: &str| -> Vec<f64> {
+        line.split('|').filter_map(|cell| cell.split_whitespace().next()?.parse().ok()).collect()
+    };
+    let shown: Vec<Vec<f64>> =
+        chapter.lines().filter(|line| line.starts_with("| ") && line.contains(" N |")).map(cells).collect();
+    assert_eq!(shown.len(), 4);
+    for row in shown {
+        let run = rows.iter().find(|own| (own[1] - row[0]).abs() < 1e-9).expect("the time");
+        assert!((run[3] - row[1]).abs() < 0.006 && (run[2] - row[3]).abs() < 0.006, "{run:?} {row:?}");
+        assert!((row[1] / row[2] - 1.0).abs() < 0.01 && (row[3] - row[4]).abs() < 0.1, "{row:?}");
+    }
 }

@@ -64,8 +64,17 @@ const RESULTS: [&str; 17] = [
     "fields.vtkhdf",
 ];
 /// Names in examples: files of the reader.
-const EXAMPLES: [&str; 8] =
-    ["my-case.toml", "block.toml", "seal.toml", "pad.toml", "pad.msh", "pad.geo", "brake.csv", "load.csv"];
+const EXAMPLES: [&str; 9] = [
+    "my-case.toml",
+    "block.toml",
+    "punch.toml",
+    "seal.toml",
+    "pad.toml",
+    "pad.msh",
+    "pad.geo",
+    "brake.csv",
+    "load.csv",
+];
 
 /// Whether a piece of code in a document is a path of a file or folder.
 fn is_path(code: &str) -> bool {

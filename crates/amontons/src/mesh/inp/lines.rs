@@ -6,7 +6,7 @@ use super::super::read::{FilePosition, MeshFileError};
 
 /// A keyword with its data lines.
 #[derive(Clone, Debug)]
-pub(super) struct Keyword<'a> {
+pub struct Keyword<'a> {
     /// Line of the keyword, from 1.
     pub line: usize,
     /// In capitals without the star, words separated by one space: `SOLID SECTION`.
@@ -24,6 +24,9 @@ impl Keyword<'_> {
     }
 
     /// The value of a parameter without which the keyword says nothing.
+    ///
+    /// # Errors
+    /// Names the line of the keyword if the parameter is missing or empty.
     pub fn required(&self, name: &str) -> Result<&str, MeshFileError> {
         self.parameter(name).ok_or_else(|| MeshFileError::Syntax {
             at: FilePosition::Line(self.line),
@@ -44,7 +47,7 @@ impl Keyword<'_> {
 }
 
 /// The entries of a data line without the empty ones.
-pub(super) fn entries(text: &str) -> impl Iterator<Item = &str> {
+pub fn entries(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(|entry| entry.trim().trim_matches('"')).filter(|entry| !entry.is_empty())
 }
 
@@ -59,7 +62,10 @@ pub(super) fn number<T: std::str::FromStr>(line: usize, text: &str, expected: &s
 
 /// The keywords of a file in turn. Lines with two stars are comments; a keyword goes on in the next line where it ends
 /// with a comma.
-pub(super) fn keywords(text: &str) -> Result<Vec<Keyword<'_>>, MeshFileError> {
+///
+/// # Errors
+/// Names the first line if it is neither a keyword nor a comment.
+pub fn keywords(text: &str) -> Result<Vec<Keyword<'_>>, MeshFileError> {
     let mut keywords: Vec<Keyword> = Vec::new();
     let mut continues = false;
     for (line, text) in text.lines().enumerate().map(|(index, text)| (index + 1, text.trim())) {

@@ -15,6 +15,9 @@ mod model;
 mod sets;
 mod solid;
 
+pub use lines::{Keyword, entries, keywords};
+pub use solid::{SolidType, face, solid_type};
+
 use super::read::{FilePosition, MeshFileError, Read};
 
 /// Reads a mesh from the bytes of an input file.
@@ -23,7 +26,7 @@ use super::read::{FilePosition, MeshFileError, Read};
 /// When the bytes are no mesh of one body; the error names the line.
 pub fn parse(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let text = String::from_utf8_lossy(bytes);
-    let model = model::Model::of(&lines::keywords(&text)?)?;
+    let model = model::Model::of(&keywords(&text)?)?;
     let skipped = model.skipped.clone();
     let (loose, axisymmetric, plane) = sets::loose(model)?;
     let mut mesh = loose.into_mesh(FilePosition::Line)?;

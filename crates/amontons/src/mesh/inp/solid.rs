@@ -73,6 +73,25 @@ pub(super) fn of(name: &str) -> Type {
     Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family) })
 }
 
+/// A type of element that fills a body, as its name says.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidType {
+    /// The element of the library, which may have more nodes than the file gives.
+    pub element: &'static Element,
+    /// Number of nodes that the file gives.
+    pub nodes: usize,
+    /// Whether it is part of the half section of a body of revolution.
+    pub axisymmetric: bool,
+    /// What it says of the direction that a plane body lacks.
+    pub plane: Option<Plane>,
+}
+
+/// The type with a name such as `C3D8R`, if its elements fill a body and the library has them.
+pub fn solid_type(name: &str) -> Option<SolidType> {
+    let Type::Solid(Solid { kind, axisymmetric, plane }) = of(&name.to_uppercase()) else { return None };
+    kind.element.map(|element| SolidType { element, nodes: kind.nodes, axisymmetric, plane })
+}
+
 /// What a family of elements says of the direction that a plane body lacks.
 fn plane(family: &str) -> Option<Plane> {
     match family {
@@ -83,7 +102,7 @@ fn plane(family: &str) -> Option<Plane> {
 }
 
 /// The vertices of the face S1, S2, … of an element, numbered from 0.
-pub(super) fn face(element: &Element, number: usize) -> Option<&'static [usize]> {
+pub fn face(element: &Element, number: usize) -> Option<&'static [usize]> {
     use crate::quadrature::Shape;
     let faces: &[&[usize]] = match element.shape {
         Shape::Segment => &[&[0], &[1]],

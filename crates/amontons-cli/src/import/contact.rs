@@ -1,0 +1,387 @@
+//! Contact pairs and ties of a deck.
+
+use std::collections::HashMap;
+
+use super::deck::{Card, Fault, Place};
+use super::mesh::Mesh;
+use super::notes::{Matter, Notes};
+use super::units::{Units, number, numbers, quoted};
+
+/// Clearance at which the exponential pressure of CalculiX is one per cent of that at contact.
+const HUNDRED: f64 = 100.0;
+
+/// What a `*SURFACE INTERACTION` says.
+#[derive(Clone, Debug, Default)]
+struct Interaction {
+    normal: Option<Normal>,
+    friction: Option<Friction>,
+    heat: Option<Conductance>,
+    /// Fraction of the friction power that enters the slave side.
+    share: Option<f64>,
+    from: Vec<String>,
+}
+
+/// Friction of two sides.
+#[derive(Clone, Copy, Debug)]
+enum Friction {
+    /// A coefficient, and a shear strength if it has one.
+    Coulomb(f64, Option<f64>),
+    Rough,
+}
+
+/// A law of pressure over overclosure.
+#[derive(Clone, Debug)]
+enum Normal {
+    Hard,
+    Linear(f64),
+    /// Clearance at which pressure begins, and pressure at contact.
+    Exponential(f64, f64),
+    /// Overclosures and pressures.
+    Table(Vec<(f64, f64)>),
+    Tied,
+}
+
+/// Conductance over pressure or clearance.
+#[derive(Clone, Debug)]
+struct Conductance {
+    /// Pressures or clearances, and conductances.
+    rows: Vec<(f64, f64)>,
+    over_pressure: bool,
+}
+
+/// A pair or a tie.
+#[derive(Clone, Debug)]
+struct Pair {
+    place: Place,
+    from: String,
+    slave: String,
+    master: String,
+    /// None: a tie.
+    interaction: Option<String>,
+    close: bool,
+    gap: Option<f64>,
+    small: bool,
+}
+
+/// All contacts of a deck.
+#[derive(Debug, Default)]
+pub struct Contacts {
+    interactions: HashMap<String, Interaction>,
+    present: Option<String>,
+    pairs: Vec<Pair>,
+}
+
+/// What the case needs to know to write contacts.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    pub units: Units,
+    pub heat: bool,
+    /// Whether the bodies do not move: contacts then pass heat alone.
+    pub rests: bool,
+    /// Whether a step has large displacements.
+    pub large: bool,
+    /// Conductance of a tie.
+    pub tie: f64,
+}
+
+impl Friction {
+    /// Whether there is any.
+    fn acts(&self) -> bool {
+        matches!(self, Friction::Coulomb(coefficient, _) if *coefficient > 0.0)
+    }
+}
+
+impl Contacts {
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Takes a keyword; false where it says nothing of contact.
+    pub fn take(&mut self, card: &Card, mesh: &Mesh, notes: &mut Notes) -> Result<bool, Fault> {
+        match card.name.as_str() {
+            "SURFACE INTERACTION" => {
+                let name = card.required("NAME")?.to_uppercase();
+                self.interactions.insert(name.clone(), Interaction::default());
+                self.present = Some(name);
+            }
+            "SURFACE BEHAVIOR" | "FRICTION" | "GAP CONDUCTANCE" | "GAP HEAT GENERATION" => self.law(card, notes)?,
+            "CONTACT PAIR" => self.pair(card, mesh)?,
+            "TIE" => {
+                let line = card.first("a slave and a master surface")?;
+                self.push(card, line, None, mesh)?;
+            }
+            "CLEARANCE" => self.clearance(card, notes)?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    fn law(&mut self, card: &Card, notes: &mut Notes) -> Result<(), Fault> {
+        let present = self.present.as_ref().and_then(|name| self.interactions.get_mut(name));
+        let interaction = present.ok_or_else(|| {
+            Fault::new(
+                &card.place,
+                format!("*{} outside of an interaction", card.name),
+                "*SURFACE INTERACTION before it",
+            )
+        })?;
+        interaction.from.push(format!("*{} {}", card.name, card.place));
+        match card.name.as_str() {
+            "SURFACE BEHAVIOR" => interaction.normal = Some(behaviour(card)?),
+            "FRICTION" if card.has("ROUGH") => {
+                let why = "sides of a case that stick do not slip where they are open, either";
+                notes.add(&card.place, "ROUGH of *FRICTION", why, Matter::Perhaps);
+                interaction.friction = Some(Friction::Rough);
+            }
+            "FRICTION" => {
+                if card.data.len() > 1 {
+                    let why = "the first line of the table is taken; see the friction laws `slip-rate`, `pressure`";
+                    notes.add(&card.place, "*FRICTION", why, Matter::Answer);
+                }
+                let coefficient = card.first("a coefficient of friction")?.value(0, "a coefficient of friction")?;
+                let cap = match card.parameter("TAUMAX") {
+                    Some(text) => Some(text.parse().map_err(|_| {
+                        Fault::new(&card.place, format!("TAUMAX={}", text.escape_debug()), "a shear strength")
+                    })?),
+                    None => None,
+                };
+                interaction.friction = Some(Friction::Coulomb(coefficient, cap));
+            }
+            "GAP CONDUCTANCE" => interaction.heat = Some(conductance(card)?),
+            _ => {
+                let line = card.first("a fraction that becomes heat, and the part of the slave side")?;
+                let whole = line.value(0, "a fraction that becomes heat")?;
+                if (whole - 1.0).abs() > 1e-9 {
+                    let why = "in a case all friction power becomes heat";
+                    notes.add(&card.place, "*GAP HEAT GENERATION", why, Matter::Answer);
+                }
+                interaction.share = Some(line.number(1)?.unwrap_or(0.5));
+            }
+        }
+        Ok(())
+    }
+
+    fn pair(&mut self, card: &Card, mesh: &Mesh) -> Result<(), Fault> {
+        let name = card.required("INTERACTION")?.to_uppercase();
+        if !self.interactions.contains_key(&name) {
+            let found = format!("INTERACTION={}", name.escape_debug());
+            return Err(Fault::new(&card.place, found, "a *SURFACE INTERACTION that the deck defines before"));
+        }
+        card.first("a slave and a master surface")?;
+        for line in &card.data {
+            self.push(card, line, Some(name.clone()), mesh)?;
+        }
+        Ok(())
+    }
+
+    fn push(
+        &mut self,
+        card: &Card,
+        line: &super::deck::Line,
+        interaction: Option<String>,
+        mesh: &Mesh,
+    ) -> Result<(), Fault> {
+        let expected = "a slave and a master surface";
+        let slave = mesh.surface(&line.place, line.need(0, expected)?)?;
+        let master = mesh.surface(&line.place, line.need(1, expected)?)?;
+        self.pairs.push(Pair {
+            place: card.place.clone(),
+            from: format!("*{} {}", card.name, card.place),
+            slave,
+            master,
+            interaction,
+            close: card.has("ADJUST") && card.word("ADJUST").as_deref() != Some("NO"),
+            gap: None,
+            small: card.has("SMALLSLIDING"),
+        });
+        Ok(())
+    }
+
+    fn clearance(&mut self, card: &Card, notes: &mut Notes) -> Result<(), Fault> {
+        let value = card.required("VALUE")?;
+        let value: f64 = value
+            .parse()
+            .map_err(|_| Fault::new(&card.place, format!("VALUE={}", value.escape_debug()), "a clearance"))?;
+        let slave = card.word("SLAVE");
+        let own = |pair: &&mut Pair| slave.as_ref().is_none_or(|slave| pair.slave.to_uppercase() == *slave);
+        match self.pairs.iter_mut().find(own) {
+            Some(pair) => pair.gap = Some(value),
+            None => notes.add(&card.place, "*CLEARANCE", "it names no contact pair before it", Matter::Answer),
+        }
+        Ok(())
+    }
+
+    /// The contacts of the case.
+    pub fn text(&self, scene: &Scene, notes: &mut Notes) -> String {
+        self.pairs.iter().map(|pair| self.one(pair, scene, notes)).collect()
+    }
+
+    fn one(&self, pair: &Pair, scene: &Scene, notes: &mut Notes) -> String {
+        let Units { length, .. } = scene.units;
+        let mut text = format!(
+            "\n[[contact]]                          # {}\non = {}\nwith = {}\n",
+            pair.from,
+            quoted(&pair.slave),
+            quoted(&pair.master)
+        );
+        let tie = Interaction { normal: Some(Normal::Tied), ..Interaction::default() };
+        let own = pair.interaction.as_ref().and_then(|name| self.interactions.get(name));
+        let Interaction { normal, friction, heat, share, from } = own.unwrap_or(&tie);
+        if !from.is_empty() {
+            text += &format!("# {}\n", from.join(", "));
+        }
+        let tied = matches!(normal, Some(Normal::Tied)) || scene.rests;
+        let mut gap = pair.gap.map(|gap| gap * length);
+        if scene.rests {
+            text += "# bodies at rest: the sides keep their distance, and heat alone passes\n";
+        }
+        let (law, shift) =
+            if tied { ("{ law = \"bilateral\" }".to_owned(), 0.0) } else { pressure(normal.as_ref(), scene) };
+        if shift != 0.0 {
+            let why = "the pressure begins at a clearance: the case takes the sides to touch at rest";
+            notes.add(&pair.place, "*SURFACE BEHAVIOR", why, Matter::Perhaps);
+            gap = Some(gap.unwrap_or(0.0) - shift);
+        }
+        text += &format!("normal = {law}\n");
+        if tied || matches!(friction, Some(Friction::Rough)) {
+            text += "friction = { law = \"stick\" }\n";
+        } else if let Some(Friction::Coulomb(coefficient, cap)) = friction.filter(Friction::acts) {
+            let cap = cap.map_or_else(String::new, |cap| format!(", cap = {}", number(cap * scene.units.stress())));
+            text += &format!("friction = {{ law = \"coulomb\", coefficient = {}{cap} }}\n", number(coefficient));
+        }
+        if let Some(gap) = gap {
+            text += &format!("gap = {}\n", number(gap));
+        } else if pair.close && !tied {
+            text += "close = true                         # ADJUST: overlaps at rest are none\n";
+        }
+        if !tied && scene.large && !pair.small {
+            text += "geometry = \"updated\"                 # NLGEOM: the sides slide past each other\n";
+        }
+        if scene.heat {
+            let shown = heat.as_ref().map(|heat| conducting(heat, scene.units));
+            let shown = shown.or_else(|| {
+                pair.interaction
+                    .is_none()
+                    .then(|| format!("{{ law = \"constant\", conductance = {} }}", number(scene.tie)))
+            });
+            text += &shown.map_or_else(String::new, |law| format!("heat = {law}\n"));
+            text += &share.filter(|_| !tied).map_or_else(String::new, |f| format!("frictional_heat = {}\n", number(f)));
+        }
+        text
+    }
+}
+
+/// `*SURFACE BEHAVIOR`.
+fn behaviour(card: &Card) -> Result<Normal, Fault> {
+    let kind = card.word("PRESSURE-OVERCLOSURE").unwrap_or_else(|| "HARD".to_owned());
+    match kind.as_str() {
+        "HARD" => Ok(Normal::Hard),
+        "TIED" => Ok(Normal::Tied),
+        "LINEAR" => {
+            let line = card.first("a slope")?;
+            let slope = line.value(0, "a slope")?;
+            if slope > 0.0 {
+                return Ok(Normal::Linear(slope));
+            }
+            Err(Fault::new(&line.place, format!("a slope of {}", number(slope)), "a positive slope"))
+        }
+        "EXPONENTIAL" => {
+            let line = card.first("a clearance and a pressure")?;
+            let (clearance, pressure) = (line.value(0, "a clearance")?, line.value(1, "a clearance and a pressure")?);
+            if clearance > 0.0 && pressure > 0.0 {
+                return Ok(Normal::Exponential(clearance, pressure));
+            }
+            Err(Fault::new(
+                &line.place,
+                format!("\"{}\"", line.whole()),
+                "a positive clearance and a positive pressure",
+            ))
+        }
+        "TABULAR" => {
+            let mut rows: Vec<(f64, f64)> = Vec::new();
+            for line in &card.data {
+                let row = (line.value(1, "a pressure and an overclosure")?, line.value(0, "a pressure")?);
+                if rows.last().is_some_and(|last| last.0 >= row.0 || last.1 > row.1) {
+                    let expected = "overclosures that increase, with pressures that do not fall";
+                    return Err(Fault::new(&line.place, format!("\"{}\"", line.whole()), expected));
+                }
+                rows.push(row);
+            }
+            if rows.len() < 2 {
+                return Err(Fault::new(&card.place, "a table of less than two lines", "pressures and overclosures"));
+            }
+            // Up to the last row without pressure the sides are apart.
+            let first = rows.iter().take_while(|row| row.1 <= 0.0).count().saturating_sub(1);
+            Ok(Normal::Table(rows.split_off(first)))
+        }
+        other => {
+            let found = format!("PRESSURE-OVERCLOSURE={}", other.escape_debug());
+            Err(Fault::new(&card.place, found, "HARD, LINEAR, EXPONENTIAL, TABULAR or TIED"))
+        }
+    }
+}
+
+/// A law of the case, and the clearance at which its pressure begins.
+fn pressure(normal: Option<&Normal>, scene: &Scene) -> (String, f64) {
+    let units = scene.units;
+    match normal {
+        None | Some(Normal::Hard | Normal::Tied) => ("{ law = \"signorini\" }".to_owned(), 0.0),
+        Some(Normal::Linear(slope)) => {
+            (format!("{{ law = \"compliance\", stiffness = {} }}", number(slope * units.slope())), 0.0)
+        }
+        Some(Normal::Exponential(clearance, pressure)) => {
+            let (c, p) = (clearance * units.length, pressure * units.stress());
+            // One per cent of the pressure at contact, where CalculiX has the contact begin, is taken away.
+            let rate = HUNDRED.ln() / c;
+            let formula = format!("{}*(exp({}*r) - 1)", number(p / HUNDRED), number(rate));
+            (format!("{{ law = \"expression\", pressure = \"{formula}\" }}"), c)
+        }
+        Some(Normal::Table(rows)) => {
+            let begin = rows.first().map_or(0.0, |row| row.0);
+            let penetration = numbers(rows.iter().map(|row| (row.0 - begin) * units.length));
+            let base = rows.first().map_or(0.0, |row| row.1);
+            let pressure = numbers(rows.iter().map(|row| (row.1 - base) * units.stress()));
+            let law = format!("{{ law = \"table\", penetration = {penetration}, pressure = {pressure} }}");
+            (law, -begin * units.length)
+        }
+    }
+}
+
+/// `*GAP CONDUCTANCE`: over the pressure, or over the clearance as Abaqus has it without PRESSURE.
+fn conductance(card: &Card) -> Result<Conductance, Fault> {
+    card.first("a conductance")?;
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    for line in &card.data {
+        let row = (line.number(1)?.unwrap_or(0.0), line.value(0, "a conductance")?);
+        if rows.last().is_some_and(|last| last.0 >= row.0) {
+            let expected = "pressures or clearances that increase from line to line";
+            return Err(Fault::new(&line.place, format!("\"{}\"", line.whole()), expected));
+        }
+        rows.push(row);
+    }
+    let falls = rows.first().zip(rows.last()).is_some_and(|(first, last)| last.1 < first.1);
+    Ok(Conductance { rows, over_pressure: card.has("PRESSURE") || !falls })
+}
+
+/// A law of the case for a conductance.
+fn conducting(heat: &Conductance, units: Units) -> String {
+    let factor = units.flux();
+    let first = heat.rows.first().map_or(0.0, |row| row.1 * factor);
+    if heat.rows.len() < 2 {
+        return format!("{{ law = \"constant\", conductance = {} }}", number(first));
+    }
+    let (variable, scale) = if heat.over_pressure { ("p", units.stress()) } else { ("-r", units.length) };
+    let mut formula = number(first);
+    for pair in heat.rows.windows(2) {
+        let [(a, from), (b, to)] = pair else { continue };
+        let (a, b, rise) = (a * scale, b * scale, (to - from) * factor);
+        formula += &format!(
+            " + {}*(min(max({variable}, {}), {}) - {})",
+            number(rise / (b - a)),
+            number(a),
+            number(b),
+            number(a)
+        );
+    }
+    format!("{{ law = \"expression\", conductance = \"{formula}\" }}")
+}

@@ -1,0 +1,240 @@
+//! The keywords of an input deck, those of included files in their place.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use amontons::mesh::inp;
+
+use crate::status::Failure;
+
+/// How deep files may include files.
+const DEEPEST: usize = 16;
+/// Longest deck in bytes, included files and all.
+const LONGEST: u64 = 1 << 30;
+
+/// A line of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Name of an included file; none in the deck itself.
+    file: Option<Rc<str>>,
+    pub line: usize,
+}
+
+impl Place {
+    /// The first line of the deck.
+    pub fn start() -> Place {
+        Place { file: None, line: 1 }
+    }
+
+    /// Whether it is in a file that the deck includes.
+    pub fn is_included(&self) -> bool {
+        self.file.is_some()
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.file {
+            Some(file) => write!(f, "{file} line {}", self.line),
+            None => write!(f, "line {}", self.line),
+        }
+    }
+}
+
+/// Why a deck is no case: where, what was found, what was expected.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    pub place: Place,
+    pub found: String,
+    pub expected: String,
+}
+
+impl Fault {
+    pub fn new(place: &Place, found: impl Into<String>, expected: impl Into<String>) -> Fault {
+        Fault { place: place.clone(), found: found.into(), expected: expected.into() }
+    }
+
+    /// The fault of a deck as the program reports it.
+    pub fn of(self, deck: &Path) -> Failure {
+        let Fault { place, found, expected } = self;
+        Failure::Usage(format!("{}, {place}: found {found}, expected {expected}", deck.display()))
+    }
+}
+
+/// A keyword with its data lines.
+#[derive(Clone, Debug)]
+pub struct Card {
+    pub place: Place,
+    /// In capitals without the star.
+    pub name: String,
+    parameters: BTreeMap<String, String>,
+    pub data: Vec<Line>,
+}
+
+/// A data line.
+#[derive(Clone, Debug)]
+pub struct Line {
+    pub place: Place,
+    /// The entries with empty ones in their place.
+    pub entries: Vec<String>,
+}
+
+impl Card {
+    /// The value of a parameter, none where it is missing or empty.
+    pub fn parameter(&self, name: &str) -> Option<&str> {
+        self.parameters.get(name).map(String::as_str).filter(|value| !value.is_empty())
+    }
+
+    /// The value of a parameter in capitals.
+    pub fn word(&self, name: &str) -> Option<String> {
+        self.parameter(name).map(str::to_uppercase)
+    }
+
+    /// The value of a parameter without which the keyword says nothing.
+    pub fn required(&self, name: &str) -> Result<&str, Fault> {
+        self.parameter(name).ok_or_else(|| {
+            Fault::new(&self.place, format!("*{} without {name}", self.name), format!("*{}, {name}=…", self.name))
+        })
+    }
+
+    /// Whether a parameter is given, with a value or without.
+    pub fn has(&self, name: &str) -> bool {
+        self.parameters.contains_key(name)
+    }
+
+    /// The names of the parameters that are given, in capitals and without spaces.
+    pub fn parameters(&self) -> impl Iterator<Item = &str> {
+        self.parameters.keys().map(String::as_str)
+    }
+
+    /// The first data line.
+    pub fn first(&self, expected: &str) -> Result<&Line, Fault> {
+        self.data
+            .first()
+            .ok_or_else(|| Fault::new(&self.place, format!("*{} without a data line", self.name), expected))
+    }
+}
+
+impl fmt::Display for Card {
+    /// The keyword as a deck has it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "*{}", self.name)?;
+        for (name, value) in &self.parameters {
+            let sign = if value.is_empty() { "" } else { "=" };
+            write!(f, ", {name}{sign}{value}")?;
+        }
+        writeln!(f)?;
+        // A line that ends with a comma has an empty last entry.
+        self.data.iter().try_for_each(|line| writeln!(f, "{}", line.entries.join(", ").trim_end()))
+    }
+}
+
+impl Line {
+    /// An entry, none where it is missing or empty.
+    pub fn text(&self, index: usize) -> Option<&str> {
+        self.entries.get(index).map(String::as_str).filter(|entry| !entry.is_empty())
+    }
+
+    /// An entry that has to be there.
+    pub fn need(&self, index: usize, expected: &str) -> Result<&str, Fault> {
+        self.text(index).ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", self.whole()), expected))
+    }
+
+    /// A finite number, none where the entry is missing or empty.
+    pub fn number(&self, index: usize) -> Result<Option<f64>, Fault> {
+        let Some(text) = self.text(index) else { return Ok(None) };
+        // Fortran writes exponents with a D.
+        let value = text.to_ascii_lowercase().replace('d', "e").parse::<f64>().ok().filter(|value| value.is_finite());
+        value
+            .map(Some)
+            .ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", text.escape_debug()), "a finite number"))
+    }
+
+    /// A number that has to be there; `expected` says what it is.
+    pub fn value(&self, index: usize, expected: &str) -> Result<f64, Fault> {
+        self.number(index)?
+            .ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", self.whole().escape_debug()), expected))
+    }
+
+    /// All numbers of the line, 0 in the place of empty entries.
+    pub fn numbers(&self) -> Result<Vec<f64>, Fault> {
+        (0..self.entries.len()).map(|index| Ok(self.number(index)?.unwrap_or(0.0))).collect()
+    }
+
+    /// The line as it stands, cut off where it is long.
+    pub fn whole(&self) -> String {
+        self.entries.join(", ").chars().take(60).collect()
+    }
+}
+
+/// What a regular file of at most `longest` bytes holds.
+fn bytes(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
+    let refused = |message: &str| io::Error::new(io::ErrorKind::InvalidInput, message);
+    // A pipe is not opened: it may wait for ever.
+    if !fs::metadata(path)?.is_file() {
+        return Err(refused("found no regular file"));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(longest + 1).read_to_end(&mut bytes)?;
+    let fits = bytes.len() as u64 <= longest;
+    if fits { Ok(bytes) } else { Err(refused("found more than 1 GiB in the deck, expected less")) }
+}
+
+/// Reads a deck with all files that it includes.
+pub fn read(path: &Path) -> Result<Vec<Card>, Failure> {
+    let mut cards = Vec::new();
+    let mut open = Vec::new();
+    let mut room = LONGEST;
+    append(path, None, (&mut open, &mut room), &mut cards)?;
+    Ok(cards)
+}
+
+/// Appends the keywords of a file; `open` are the files that include it.
+fn append(
+    path: &Path,
+    name: Option<&Rc<str>>,
+    (open, room): (&mut Vec<PathBuf>, &mut u64),
+    cards: &mut Vec<Card>,
+) -> Result<(), Failure> {
+    let bytes = bytes(path, *room).map_err(|source| {
+        let (doing, path) = ("read", path.to_owned());
+        Failure::Output(amontons::output::OutputError::Io { doing, path, source })
+    })?;
+    *room -= bytes.len() as u64;
+    let text = String::from_utf8_lossy(&bytes);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    open.push(path.to_owned());
+    let keywords = inp::keywords(&text)
+        .map_err(|fault| amontons::mesh::MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) })?;
+    for keyword in keywords {
+        let place = |line: usize| Place { file: name.cloned(), line };
+        if keyword.name == "INCLUDE" {
+            let file = keyword.required("INPUT")?;
+            let inside = folder.join(file);
+            if open.contains(&inside) || open.len() > DEEPEST {
+                let found = format!("*INCLUDE of \"{}\", which includes this file", file.escape_debug());
+                let found = if open.len() > DEEPEST { format!("files included {DEEPEST} deep") } else { found };
+                let fault = Fault::new(&place(keyword.line), found, "files that end");
+                return Err(fault.of(open.first().map_or(path, PathBuf::as_path)));
+            }
+            append(&inside, Some(&file.into()), (open, room), cards)?;
+            continue;
+        }
+        let line = |&(line, text): &(usize, &str)| Line {
+            place: place(line),
+            entries: text.split(',').map(|entry| entry.trim().trim_matches('"').to_owned()).collect(),
+        };
+        cards.push(Card {
+            place: place(keyword.line),
+            data: keyword.data.iter().map(line).collect(),
+            name: keyword.name,
+            parameters: keyword.parameters,
+        });
+    }
+    open.pop();
+    Ok(())
+}

@@ -1,0 +1,525 @@
+//! Nodes, elements and sets of a deck by their numbers and names, as loads and conditions refer to them.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+use amontons::mesh::inp::{SolidType, face, solid_type};
+
+use super::deck::{Card, Fault, Line, Place};
+use super::vector::{cross, dot, unit};
+
+/// A node: its body and its number.
+pub type Node = (usize, i64);
+/// An element: its body and its number.
+pub type Element = (usize, i64);
+
+/// What a set has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Has {
+    Nodes,
+    Elements,
+    Surface,
+}
+
+/// An entry of a set.
+#[derive(Clone, Debug)]
+enum Item {
+    Range(i64, i64, i64),
+    Named(Place, String),
+    /// The nodes of a set of elements.
+    NodesOf(Place, String),
+}
+
+/// An entry of a set with the instance whose numbers it has.
+type Entry = (Option<String>, Item);
+/// A set: the body that it is defined in, what it has, and its name in capitals.
+type Key = (Option<usize>, Has, String);
+
+/// A set with the spelling of its first definition.
+#[derive(Clone, Debug)]
+struct Set {
+    spelling: String,
+    entries: Vec<Entry>,
+}
+
+/// An element of a body.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    pub solid: SolidType,
+    pub nodes: Vec<i64>,
+}
+
+/// Nodes and elements that are numbered together.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    name: Option<String>,
+    /// The part that it is an instance of, in capitals.
+    part: Option<String>,
+    pub points: BTreeMap<i64, [f64; 3]>,
+    pub cells: BTreeMap<i64, Cell>,
+    sets: Vec<(Has, String, Entry)>,
+}
+
+/// All that a deck says of its mesh.
+#[derive(Debug, Default)]
+pub struct Mesh {
+    pub bodies: Vec<Body>,
+    sets: HashMap<Key, Set>,
+    /// The elements of each node.
+    around: HashMap<Node, Vec<Element>>,
+    /// Types of elements that are no parts of bodies, with the first line and their number.
+    pub others: Vec<(String, Place, usize)>,
+}
+
+/// A mesh that is being read.
+#[derive(Debug, Default)]
+struct Reading {
+    flat: Body,
+    parts: BTreeMap<String, Body>,
+    instances: Vec<Body>,
+    part: Option<String>,
+    instance: Option<Body>,
+    others: Vec<(String, Place, usize)>,
+}
+
+impl Mesh {
+    /// Takes nodes, elements and sets of a deck; other keywords are left.
+    pub fn of(cards: &[Card]) -> Result<Mesh, Fault> {
+        let mut reading = Reading::default();
+        for card in cards {
+            reading.take(card)?;
+        }
+        let Reading { mut flat, instances, others, .. } = reading;
+        let mut mesh = Mesh { others, ..Mesh::default() };
+        let of_assembly = if instances.is_empty() { Vec::new() } else { std::mem::take(&mut flat.sets) };
+        for mut body in std::iter::once(flat).chain(instances) {
+            let own = std::mem::take(&mut body.sets);
+            mesh.bodies.push(body);
+            let place = mesh.bodies.len() - 1;
+            for set in own {
+                mesh.add(Some(place), set);
+            }
+        }
+        for set in of_assembly {
+            mesh.add(None, set);
+        }
+        // Elements of less dimensions are facets and edges, as Gmsh writes them.
+        let cells = mesh.bodies.iter().flat_map(|body| body.cells.values());
+        let dim = cells.map(|cell| cell.solid.element.dim()).max().unwrap_or(0);
+        for body in &mut mesh.bodies {
+            body.cells.retain(|_, cell| cell.solid.element.dim() == dim);
+        }
+        for (number, body) in mesh.bodies.iter().enumerate() {
+            for (&element, cell) in &body.cells {
+                for &node in &cell.nodes {
+                    mesh.around.entry((number, node)).or_default().push((number, element));
+                }
+            }
+        }
+        Ok(mesh)
+    }
+
+    fn add(&mut self, body: Option<usize>, (has, name, entry): (Has, String, Entry)) {
+        let key = (body, has, name.to_uppercase());
+        let set = self.sets.entry(key).or_insert_with(|| Set { spelling: name, entries: Vec::new() });
+        set.entries.push(entry);
+    }
+
+    /// The body of numbers without an instance: the only one that has elements.
+    fn default_body(&self) -> Option<usize> {
+        let mut with = (0..self.bodies.len()).filter(|&body| !self.bodies[body].points.is_empty());
+        with.next().filter(|_| with.next().is_none())
+    }
+
+    /// Body and name of something that is called `instance.name`.
+    fn split<'n>(&self, name: &'n str) -> (Option<usize>, &'n str) {
+        let of = |instance: &str| {
+            self.bodies.iter().position(|body| body.name.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(instance)))
+        };
+        match name.split_once('.').map(|(instance, rest)| (of(instance), rest)) {
+            Some((Some(body), rest)) => (Some(body), rest),
+            _ => (None, name),
+        }
+    }
+
+    /// The key of a set that is named outside of parts.
+    fn find(&self, has: Has, name: &str) -> Option<Key> {
+        let (body, name) = self.split(name);
+        let name = name.to_uppercase();
+        let places: Vec<Option<usize>> = match body {
+            Some(body) => vec![Some(body)],
+            None => std::iter::once(None).chain((0..self.bodies.len()).map(Some)).collect(),
+        };
+        places.into_iter().map(|body| (body, has, name.clone())).find(|key| self.sets.contains_key(key))
+    }
+
+    /// The name that the case gives to a set: with that of its instance where there are several.
+    pub fn spelling(&self, has: Has, name: &str) -> Option<String> {
+        let key = self.find(has, name)?;
+        let own = self.sets.get(&key)?.spelling.clone();
+        let several = self.bodies.iter().filter(|body| body.name.is_some()).count() > 1;
+        let instance = key.0.filter(|_| several).and_then(|body| self.bodies[body].name.clone());
+        Some(instance.map_or(own.clone(), |instance| format!("{instance}.{own}")))
+    }
+
+    /// The names in the case of an element set of a part, one per instance; without a part those of the only set.
+    pub fn regions(&self, part: Option<&str>, set: &str) -> Vec<String> {
+        let Some(part) = part.map(str::to_uppercase) else {
+            return self.spelling(Has::Elements, set).into_iter().collect();
+        };
+        let instances = self.bodies.iter().filter(|body| body.part.as_ref() == Some(&part));
+        let names = instances.filter_map(|body| body.name.as_ref());
+        names.filter_map(|name| self.spelling(Has::Elements, &format!("{name}.{set}"))).collect()
+    }
+
+    /// The name of the instance of a body, which a deck without parts does not have.
+    pub fn instance(&self, body: usize) -> Option<&str> {
+        self.bodies.get(body).and_then(|body| body.name.as_deref())
+    }
+
+    /// The nodes that an entry names, by number or as a set.
+    pub fn nodes(&self, place: &Place, name: &str) -> Result<BTreeSet<Node>, Fault> {
+        self.members(place, Has::Nodes, name, "a node or a node set that the deck has")
+    }
+
+    /// The elements that an entry names, by number or as a set.
+    pub fn elements(&self, place: &Place, name: &str) -> Result<BTreeSet<Element>, Fault> {
+        self.members(place, Has::Elements, name, "an element or an element set that the deck has")
+    }
+
+    fn members(&self, place: &Place, has: Has, name: &str, expected: &str) -> Result<BTreeSet<(usize, i64)>, Fault> {
+        let unknown = || Fault::new(place, format!("\"{}\"", name.escape_debug()), expected);
+        let (body, rest) = self.split(name);
+        if let Ok(number) = rest.parse::<i64>() {
+            let body = body.or_else(|| self.default_body()).ok_or_else(unknown)?;
+            let known = match has {
+                Has::Nodes => self.bodies[body].points.contains_key(&number),
+                _ => self.bodies[body].cells.contains_key(&number),
+            };
+            return if known { Ok(BTreeSet::from([(body, number)])) } else { Err(unknown()) };
+        }
+        let key = self.find(has, name).ok_or_else(unknown)?;
+        let mut found = BTreeSet::new();
+        self.resolve(key, &mut HashSet::new(), &mut found)?;
+        Ok(found)
+    }
+
+    /// Adds the members of a set; each set is looked at once, however often it is named.
+    fn resolve(&self, key: Key, seen: &mut HashSet<Key>, found: &mut BTreeSet<(usize, i64)>) -> Result<(), Fault> {
+        let mut waiting = vec![key];
+        while let Some(key) = waiting.pop() {
+            let (body, has, _) = key;
+            let Some(set) = self.sets.get(&key) else { continue };
+            if !seen.insert(key) {
+                continue;
+            }
+            for (instance, item) in &set.entries {
+                let scope = instance.as_ref().and_then(|name| self.split(&format!("{name}.")).0);
+                let scope = scope.or(body).or_else(|| self.default_body());
+                match item {
+                    Item::Range(first, last, step) => {
+                        let Some(body) = scope else { continue };
+                        self.range((body, has), (*first, *last, *step), found);
+                    }
+                    Item::Named(place, name) => waiting.push(self.home(place, (scope, has), name)?),
+                    Item::NodesOf(place, name) => {
+                        let (key, mut cells) = (self.home(place, (scope, Has::Elements), name)?, BTreeSet::new());
+                        self.resolve(key, seen, &mut cells)?;
+                        found.extend(cells.into_iter().flat_map(|cell| self.nodes_of(cell)));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn range(
+        &self,
+        (body, has): (usize, Has),
+        (first, last, step): (i64, i64, i64),
+        found: &mut BTreeSet<(usize, i64)>,
+    ) {
+        if first > last {
+            return;
+        }
+        let inside = |number: &i64| (i128::from(*number) - i128::from(first)) % i128::from(step) == 0;
+        let body_of = &self.bodies[body];
+        match has {
+            Has::Nodes => {
+                found.extend(body_of.points.range(first..=last).map(|(n, _)| *n).filter(inside).map(|n| (body, n)));
+            }
+            _ => found.extend(body_of.cells.range(first..=last).map(|(n, _)| *n).filter(inside).map(|n| (body, n))),
+        }
+    }
+
+    /// The key of a set that another one names.
+    fn home(&self, place: &Place, (scope, has): (Option<usize>, Has), name: &str) -> Result<Key, Fault> {
+        let own = (scope, has, name.to_uppercase());
+        let key = if self.sets.contains_key(&own) { Some(own) } else { self.find(has, name) };
+        key.ok_or_else(|| Fault::new(place, format!("\"{}\"", name.escape_debug()), "a set that the deck has"))
+    }
+
+    /// Whether a surface with this name is there.
+    pub fn surface(&self, place: &Place, name: &str) -> Result<String, Fault> {
+        self.spelling(Has::Surface, name).ok_or_else(|| {
+            Fault::new(place, format!("\"{}\"", name.escape_debug()), "a *SURFACE that the deck defines")
+        })
+    }
+
+    pub fn cell(&self, (body, number): Element) -> Option<&Cell> {
+        self.bodies.get(body)?.cells.get(&number)
+    }
+
+    /// The nodes of an element.
+    pub fn nodes_of(&self, element: Element) -> Vec<Node> {
+        let nodes = self.cell(element).map(|cell| cell.nodes.as_slice()).unwrap_or_default();
+        nodes.iter().map(|&node| (element.0, node)).collect()
+    }
+
+    pub fn point(&self, (body, number): Node) -> [f64; 3] {
+        self.bodies.get(body).and_then(|body| body.points.get(&number)).copied().unwrap_or_default()
+    }
+
+    /// Whether a node belongs to an element.
+    pub fn is_used(&self, node: &Node) -> bool {
+        self.around.contains_key(node)
+    }
+
+    /// All nodes of elements.
+    pub fn all_nodes(&self) -> BTreeSet<Node> {
+        self.around.keys().copied().collect()
+    }
+
+    /// The elements that have any of some nodes.
+    fn about(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Element> {
+        nodes.iter().filter_map(|node| self.around.get(node)).flatten().copied().collect()
+    }
+
+    /// The facets of the boundary whose nodes are all in a set, by their nodes in order.
+    fn facets(&self, nodes: &BTreeSet<Node>) -> Vec<Vec<Node>> {
+        let mut found: HashMap<Vec<Node>, (usize, Vec<Node>)> = HashMap::new();
+        for element in self.about(nodes) {
+            let Some(cell) = self.cell(element) else { continue };
+            for facet in cell.solid.element.facets {
+                let own = facet.nodes.iter().filter_map(|&node| cell.nodes.get(node).map(|&node| (element.0, node)));
+                let own: Vec<Node> = own.collect();
+                if own.iter().all(|node| nodes.contains(node)) {
+                    let mut key = own.clone();
+                    key.sort_unstable();
+                    found.entry(key).or_insert((0, own)).0 += 1;
+                }
+            }
+        }
+        found.into_values().filter(|(times, _)| *times == 1).map(|(_, facet)| facet).collect()
+    }
+
+    /// The nodes of the facets of the boundary that a set of nodes holds as a whole.
+    pub fn on_facets(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Node> {
+        self.facets(nodes).into_iter().flatten().collect()
+    }
+
+    /// Area of the facets of the boundary that a set of nodes holds, with straight edges: in the plane their length, of
+    /// a body of revolution that of the whole ring.
+    pub fn area(&self, nodes: &BTreeSet<Node>) -> f64 {
+        let ring = self.bodies.iter().flat_map(|body| body.cells.values()).any(|cell| cell.solid.axisymmetric);
+        let plane = self.bodies.iter().flat_map(|body| body.cells.values()).all(|cell| cell.solid.element.dim() == 2);
+        let of = |facet: Vec<Node>| {
+            let points: Vec<[f64; 3]> = facet.iter().map(|&node| self.point(node)).collect();
+            match points[..] {
+                [a, b, ..] if plane => {
+                    let around = if ring { std::f64::consts::PI * (a[0] + b[0]) } else { 1.0 };
+                    around * (b[0] - a[0]).hypot(b[1] - a[1])
+                }
+                // Vertices come first: three of a triangle, with three or six nodes, else four.
+                [a, b, c] | [a, b, c, _, _, _] => triangle(a, b, c),
+                [a, b, c, d, ..] => triangle(a, b, c) + triangle(a, c, d),
+                _ => 0.0,
+            }
+        };
+        // In the order of the nodes, so that sums have the same bits in every run.
+        let mut facets = self.facets(nodes);
+        facets.sort_unstable();
+        facets.into_iter().map(of).sum()
+    }
+
+    /// A set of nodes in parts, none of which has two nodes of one element: each is a set of points.
+    pub fn apart(&self, nodes: &BTreeSet<Node>) -> Vec<BTreeSet<Node>> {
+        let mut colours: HashMap<Node, usize> = HashMap::new();
+        let mut parts: Vec<BTreeSet<Node>> = Vec::new();
+        for &node in nodes {
+            let cells = self.around.get(&node).map(Vec::as_slice).unwrap_or_default();
+            let beside = cells.iter().flat_map(|&element| self.nodes_of(element));
+            let taken: HashSet<usize> = beside.filter_map(|other| colours.get(&other).copied()).collect();
+            let colour = (0..=taken.len()).find(|colour| !taken.contains(colour)).unwrap_or_default();
+            colours.insert(node, colour);
+            if parts.len() <= colour {
+                parts.resize(colour + 1, BTreeSet::new());
+            }
+            parts[colour].insert(node);
+        }
+        parts
+    }
+
+    /// Whether elements have the face with this number, from 1.
+    pub fn has_face(&self, elements: &BTreeSet<Element>, number: usize) -> bool {
+        let mut cells = elements.iter().filter_map(|&element| self.cell(element));
+        cells.all(|cell| face(cell.solid.element, number).is_some())
+    }
+}
+
+impl Reading {
+    fn current(&mut self) -> &mut Body {
+        if let Some(instance) = &mut self.instance {
+            return instance;
+        }
+        match &self.part {
+            Some(name) => self.parts.entry(name.clone()).or_default(),
+            None => &mut self.flat,
+        }
+    }
+
+    fn take(&mut self, card: &Card) -> Result<(), Fault> {
+        match card.name.as_str() {
+            "PART" => self.part = Some(card.required("NAME")?.to_uppercase()),
+            "END PART" => self.part = None,
+            "INSTANCE" => {
+                let mut body = self.parts.get(&card.required("PART")?.to_uppercase()).cloned().unwrap_or_default();
+                body.name = Some(card.required("NAME")?.to_owned());
+                body.part = Some(card.required("PART")?.to_uppercase());
+                place(&mut body, card)?;
+                self.instance = Some(body);
+            }
+            "END INSTANCE" => self.instances.extend(self.instance.take()),
+            "NODE" => {
+                for line in &card.data {
+                    let number = integer(line, 0)?;
+                    let coordinate = |index| Ok(line.number(index)?.unwrap_or(0.0));
+                    let point = [coordinate(1)?, coordinate(2)?, coordinate(3)?];
+                    self.current().points.insert(number, point);
+                }
+                if let Some(name) = card.parameter("NSET") {
+                    let items = card.data.iter().map(|line| integer(line, 0).map(|n| Item::Range(n, n, 1)));
+                    self.set(Has::Nodes, name, None, items.collect::<Result<_, _>>()?);
+                }
+            }
+            "ELEMENT" => self.elements(card)?,
+            "NSET" => {
+                let items = match card.parameter("ELSET") {
+                    Some(name) => vec![Item::NodesOf(card.place.clone(), name.to_owned())],
+                    None => members(card)?,
+                };
+                self.set(Has::Nodes, card.required("NSET")?, card.parameter("INSTANCE"), items);
+            }
+            "ELSET" => self.set(Has::Elements, card.required("ELSET")?, card.parameter("INSTANCE"), members(card)?),
+            "SURFACE" => self.set(Has::Surface, card.required("NAME")?, None, Vec::new()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, has: Has, name: &str, instance: Option<&str>, items: Vec<Item>) {
+        let instance = instance.map(str::to_owned);
+        let empty = items.is_empty().then_some(Item::Range(0, -1, 1));
+        let entries = items.into_iter().chain(empty).map(|item| (has, name.to_owned(), (instance.clone(), item)));
+        self.current().sets.extend(entries);
+    }
+
+    fn elements(&mut self, card: &Card) -> Result<(), Fault> {
+        let name = card.required("TYPE")?;
+        let Some(solid) = solid_type(name) else {
+            self.others.push((name.to_uppercase(), card.place.clone(), card.data.len()));
+            return Ok(());
+        };
+        let mut items = Vec::new();
+        let entries = card.data.iter().flat_map(|line| (0..line.entries.len()).map(move |index| (line, index)));
+        let mut entries = entries.filter(|(line, index)| line.text(*index).is_some());
+        while let Some((line, index)) = entries.next() {
+            let number = integer(line, index)?;
+            let nodes: Vec<i64> =
+                entries.by_ref().take(solid.nodes).map(|(line, i)| integer(line, i)).collect::<Result<_, _>>()?;
+            self.current().cells.insert(number, Cell { solid, nodes });
+            items.push(Item::Range(number, number, 1));
+        }
+        if let Some(name) = card.parameter("ELSET") {
+            self.set(Has::Elements, name, None, items);
+        }
+        Ok(())
+    }
+}
+
+/// Puts an instance at its place: a translation, and a rotation about an axis by degrees.
+fn place(body: &mut Body, card: &Card) -> Result<(), Fault> {
+    if let Some(line) = card.data.first() {
+        let shift = [0, 1, 2].map(|d| line.number(d));
+        for (d, shift) in shift.into_iter().enumerate() {
+            let shift = shift?.unwrap_or(0.0);
+            body.points.values_mut().for_each(|point| point[d] += shift);
+        }
+    }
+    let Some(line) = card.data.get(1) else { return Ok(()) };
+    let [ax, ay, az, bx, by, bz, angle] = line.numbers()?[..] else { return Ok(()) };
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let Some(axis) = unit([bx - ax, by - ay, bz - az]) else { return Ok(()) };
+    for point in body.points.values_mut() {
+        let from = [point[0] - ax, point[1] - ay, point[2] - az];
+        let (around, along) = (cross(&axis, &from), dot(&axis, &from) * (1.0 - cos));
+        *point = std::array::from_fn(|d| [ax, ay, az][d] + cos * from[d] + sin * around[d] + along * axis[d]);
+    }
+    Ok(())
+}
+
+/// Area of a triangle.
+fn triangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    let [u, v]: [[f64; 3]; 2] = [b, c].map(|p| std::array::from_fn(|d| p[d] - a[d]));
+    let normal = cross(&u, &v);
+    0.5 * dot(&normal, &normal).sqrt()
+}
+
+/// A whole number of a data line.
+pub fn integer(line: &Line, index: usize) -> Result<i64, Fault> {
+    let text = line.need(index, "a whole number")?;
+    text.parse().map_err(|_| Fault::new(&line.place, format!("\"{}\"", text.escape_debug()), "a whole number"))
+}
+
+/// The members of a set: numbers, names of sets, or ranges.
+fn members(card: &Card) -> Result<Vec<Item>, Fault> {
+    let mut items = Vec::new();
+    for line in &card.data {
+        if card.has("GENERATE") {
+            let (first, last) = (integer(line, 0)?, integer(line, 1)?);
+            let step = if line.text(2).is_some() { integer(line, 2)? } else { 1 };
+            if first > last || step < 1 {
+                let expected = "a first number, a last one that is not smaller, and a positive step";
+                return Err(Fault::new(&line.place, format!("\"{}\"", line.whole()), expected));
+            }
+            items.push(Item::Range(first, last, step));
+            continue;
+        }
+        for name in line.entries.iter().filter(|entry| !entry.is_empty()) {
+            items.push(match name.parse::<i64>() {
+                Ok(number) => Item::Range(number, number, 1),
+                Err(_) => Item::Named(line.place.clone(), name.clone()),
+            });
+        }
+    }
+    Ok(items)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Body, place};
+    use crate::import::deck;
+
+    #[test]
+    fn an_instance_is_moved_and_then_turned() {
+        let file = std::env::temp_dir().join(format!("amontons-instance-{}.inp", std::process::id()));
+        std::fs::write(&file, "*INSTANCE, NAME=A, PART=B\n1, 0, 0\n0, 0, 0, 0, 0, 2, 90\n").expect("a deck");
+        let cards = deck::read(&file).expect("a card");
+        std::fs::remove_file(&file).expect("a file");
+        let mut body = Body { points: [(1, [1.0, 0.0, 3.0])].into(), ..Body::default() };
+        place(&mut body, &cards[0]).expect("an instance");
+        // (1, 0, 3) goes to (2, 0, 3), and about z by 90° to (0, 2, 3).
+        for (found, expected) in body.points[&1].into_iter().zip([0.0, 2.0, 3.0]) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! The case of a deck as text.
+
+use amontons::mesh::Plane;
+use amontons::mesh::Read;
+
+use crate::arguments::DeckUnits;
+
+use super::body;
+use super::conditions::{Entry, Quantity};
+use super::contact;
+use super::deck::{Fault, Place};
+use super::material::Context;
+use super::model::{Model, Section};
+use super::notes::{Matter, Notes};
+use super::time::{Physics, Track};
+use super::units::{number, quoted};
+
+/// Most probes of reactions that are written.
+const MOST_PROBES: usize = 12;
+/// Conductance of a tie over that of the bodies.
+const TIE: f64 = 1e4;
+
+/// Names of the files of a case.
+pub struct Names {
+    pub case: String,
+    pub deck: String,
+    pub mesh: String,
+}
+
+/// What is taken for the units of a deck.
+pub fn assumed(units: DeckUnits) -> &'static str {
+    match units {
+        DeckUnits::None => {
+            "not known: the case has the numbers of the deck without units; --units mm-N-s makes it one in SI"
+        }
+        DeckUnits::MmNS => "the deck is taken to be in mm, t, s, N and MPa; the case is in SI",
+        DeckUnits::MKgS => "the deck is taken to be in m, kg, s, N and Pa, as the case is",
+        DeckUnits::MmKgMs => "the deck is taken to be in mm, kg, ms, kN and GPa; the case is in SI",
+    }
+}
+
+/// What all parts of a case need.
+struct Writing<'a> {
+    model: &'a Model,
+    read: &'a Read,
+    context: Context,
+    /// Whether bodies at rest pass heat through contacts.
+    rests: bool,
+}
+
+/// The case.
+pub fn case(
+    model: &Model,
+    read: &Read,
+    units: DeckUnits,
+    (names, notes): (&Names, &mut Notes),
+) -> Result<String, Fault> {
+    let writing = Writing::new(model, read, units);
+    let mut text = writing.frame(names)?;
+    text += &writing.materials()?;
+    text += &body::load(model, writing.context.units, read.mesh.dim, notes)?;
+    if writing.context.physics.mechanics && writing.context.physics.heat {
+        text +=
+            "\n[scheme]\ncoupling = \"monolithic\"              # mechanics sees the temperatures of its own step\n";
+    }
+    text += &writing.boundaries(notes);
+    let size = writing.size();
+    let conductivity = model.materials.iter().filter_map(super::material::Material::conducts).fold(0.0, f64::max);
+    let conductivity = if conductivity > 0.0 { conductivity * writing.context.units.conductivity() } else { 1.0 };
+    let scene = contact::Scene {
+        units: writing.context.units,
+        heat: writing.context.physics.heat,
+        rests: writing.rests,
+        large: model.large,
+        tie: TIE * conductivity / size,
+    };
+    text += &model.contacts.text(&scene, notes);
+    if writing.context.physics.heat {
+        let initial = number(writing.context.initial - writing.context.shift);
+        text += &format!("\n[initial]\ntemperature = {initial}\n");
+    }
+    let every = model.time.count.div_ceil(100);
+    text += &format!("\n[output]\nevery = {every}                            # steps between files for ParaView\n");
+    text += &writing.probes();
+    Ok(head(names, units, &writing, notes) + &text)
+}
+
+/// The comment at the head of a case.
+fn head(names: &Names, units: DeckUnits, writing: &Writing, notes: &Notes) -> String {
+    let mut text = format!(
+        "# The case of the deck {}, written by `amontons import`. Lines are those of the deck.\n# Units: {}.\n",
+        one_line(&names.deck),
+        assumed(units)
+    );
+    if writing.context.shift != 0.0 {
+        text += &format!(
+            "# Temperatures count from {}, the initial temperature of the deck, at which the body is free of stress.\n",
+            number(writing.context.shift)
+        );
+    }
+    let lines = notes.lines();
+    if !lines.is_empty() {
+        text += "# Not in the case, or said otherwise:\n";
+        for line in lines {
+            text += &format!("#   {}\n", one_line(&line));
+        }
+    }
+    text + "\n"
+}
+
+/// A text as a comment, without what would end it.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+impl<'a> Writing<'a> {
+    fn new(model: &'a Model, read: &'a Read, units: DeckUnits) -> Writing<'a> {
+        let expands = model.materials.iter().any(super::material::Material::expands);
+        let spread = model.physics.mechanics && !model.physics.heat && !model.conditions.field.0.is_empty() && expands;
+        let heat = model.physics.heat || spread;
+        let rests = !model.physics.mechanics && !model.contacts.is_empty();
+        let initial = model.conditions.initial.unwrap_or(0.0);
+        let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
+        let stress_state = match read.plane {
+            _ if !plane => None,
+            Some(Plane::Strain) => Some("plane-strain"),
+            _ => Some("plane-stress"),
+        };
+        let context = Context {
+            units: units.into(),
+            physics: Physics { heat, ..model.physics },
+            spread,
+            inertia: model.inertia,
+            stress_state,
+            dim: read.mesh.dim,
+            shift: if model.physics.mechanics && heat && expands { initial } else { 0.0 },
+            initial,
+        };
+        Writing { model, read, context, rests }
+    }
+
+    /// Largest extent of the mesh in the units of the case.
+    fn size(&self) -> f64 {
+        let points = &self.read.mesh.points;
+        let extent = |d: usize| {
+            let (low, high) = points
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| (low.min(point[d]), high.max(point[d])));
+            high - low
+        };
+        (0..3).map(extent).fold(0.0, f64::max).max(f64::MIN_POSITIVE) * self.context.units.length
+    }
+
+    /// Name, units, mesh and time.
+    fn frame(&self, names: &Names) -> Result<String, Fault> {
+        let Context { units, dim, .. } = self.context;
+        let mut text = format!("name = {}\n", quoted(&names.case));
+        if units.dimensionless {
+            text += "units = \"dimensionless\"\n";
+        }
+        if dim == 2 && !self.read.mesh.axisymmetric {
+            let mut sections = self.model.sections.iter();
+            let first = sections.next().map_or(1.0, |section| section.thickness);
+            if let Some(other) = sections.find(|section| section.thickness.total_cmp(&first).is_ne()) {
+                let found = format!("a thickness of {} beside one of {}", number(other.thickness), number(first));
+                return Err(Fault::new(&other.place, found, "one thickness, which a plane case has"));
+            }
+            text += &format!("thickness = {}\n", number(first * units.length));
+        }
+        text += &format!("\n[mesh]\nfile = {}\n", quoted(&names.mesh));
+        if units.length < 1.0 {
+            text += &format!("scale = {}\n", number(units.length));
+        }
+        if self.read.mesh.axisymmetric {
+            text += "axisymmetric = true\n";
+        }
+        let time = &self.model.time;
+        let places: Vec<String> = time
+            .steps
+            .iter()
+            .map(|step| format!("*STEP {} to {}", step.place, number(step.end() * units.time)))
+            .collect();
+        text += &format!("\n[time]                               # {}\n", places.join(", "));
+        text += &format!("end = {}\nsteps = {}\n", number(time.end * units.time), time.count);
+        if (self.context.physics.mechanics || self.rests) && !self.context.inertia {
+            text += "inertia = false\n";
+        }
+        Ok(text)
+    }
+
+    fn materials(&self) -> Result<String, Fault> {
+        let mut text = String::new();
+        for (number, section) in self.model.sections.iter().enumerate() {
+            let table = self.material(section)?;
+            if number == 0 {
+                text += &format!("\n[material]                           # {}\n{table}", of_section(section));
+                continue;
+            }
+            for on in &section.regions {
+                text += &format!("\n[[region]]                           # {}\n", of_section(section));
+                text += &format!("on = {}\n[region.material]\n{table}", quoted(on));
+            }
+        }
+        Ok(text)
+    }
+
+    fn material(&self, section: &Section) -> Result<String, Fault> {
+        let name = &section.material;
+        let mut all = self.model.materials.iter();
+        let material = all.find(|material| material.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+            let found = format!("MATERIAL={}", name.escape_debug());
+            Fault::new(&section.place, found, "a *MATERIAL that the deck defines")
+        })?;
+        let angle = match &section.orientation {
+            Some(name) => {
+                let mut all = self.model.orientations.iter();
+                let found = all.find(|orientation| orientation.name == *name).ok_or_else(|| {
+                    let found = format!("ORIENTATION={}", name.escape_debug());
+                    Fault::new(&section.place, found, "an *ORIENTATION that the deck defines")
+                })?;
+                Some(found.text(self.context.dim, self.context.units.length))
+            }
+            None => None,
+        };
+        let mut text = String::new();
+        for (key, value, place) in material.entries(&self.context, angle.as_deref())? {
+            let from = place.map_or_else(String::new, |place| format!("   # {place}"));
+            text += &format!("{key} = {value}{from}\n");
+        }
+        if self.rests {
+            let state = self.context.stress_state.map_or_else(String::new, |s| format!(", stress_state = \"{s}\""));
+            text += &format!(
+                "elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.0{state} }}   # the bodies rest\n"
+            );
+        }
+        Ok(text)
+    }
+
+    fn boundaries(&self, notes: &mut Notes) -> String {
+        let mut text = String::new();
+        let Context { units, dim, shift, .. } = self.context;
+        for (number, entry) in self.model.conditions.entries.iter().enumerate() {
+            text += &self.boundary(entry, notes);
+            if self.rests && number == 0 {
+                text += &format!("displacement = [{}]   # the bodies rest\n", vec!["0.0"; dim].join(", "));
+            }
+        }
+        for force in &self.model.forces {
+            let component = |d: usize| {
+                let factor = force.count as f64 * units.force();
+                self.history(&force.tracks[d], (0.0, true)).mapped(factor, 0.0).text(units.time, None)
+            };
+            let components: Vec<String> = (0..dim).map(component).collect();
+            let each = if force.count > 1 { format!(" at {} nodes", force.count) } else { String::new() };
+            text += &format!("\n[[boundary]]                         # {}{each}\n", force.from);
+            text += &format!("on = {}\nforce = [{}]\n", quoted(&force.on), components.join(", "));
+        }
+        if self.context.spread
+            && let Some(on) = &self.model.everywhere
+        {
+            let field = self.history(&self.model.conditions.field, (self.context.initial, true)).mapped(1.0, -shift);
+            text += "\n[[boundary]]                         # *TEMPERATURE of all nodes\n";
+            text += &format!("on = {}\ntemperature = {}\n", quoted(on), field.text(units.time, None));
+        }
+        text
+    }
+
+    fn history(&self, track: &Track, begin: (f64, bool)) -> super::time::History {
+        self.model.time.history(track, &self.model.amplitudes, begin)
+    }
+
+    /// An entry of a side or of points.
+    fn boundary(&self, entry: &Entry, notes: &mut Notes) -> String {
+        let Context { units, dim, shift, initial, .. } = self.context;
+        let mut text = format!("\n[[boundary]]                         # {}\n", entry.from.join(", "));
+        text += &format!("on = {}\n", quoted(&entry.on));
+        let mut displacement: Vec<String> = vec!["\"free\"".to_owned(); dim];
+        let mut traction: Vec<String> = vec!["0.0".to_owned(); dim];
+        let mut lines = String::new();
+        let is_any = |wanted: fn(&Quantity) -> bool| entry.tracks.keys().any(wanted);
+        for (quantity, (track, _)) in &entry.tracks {
+            self.note_late(quantity, track, entry, notes);
+            let of = |begin: (f64, bool), factor: f64, summand: f64| {
+                self.history(track, begin).mapped(factor, summand).text(units.time, None)
+            };
+            match quantity {
+                Quantity::Displacement(d) => displacement[*d] = of((0.0, true), units.length, 0.0),
+                Quantity::Traction(d) => traction[*d] = of((0.0, true), units.stress(), 0.0),
+                Quantity::Normal => lines += "normal_displacement = 0.0\n",
+                Quantity::Temperature => lines += &format!("temperature = {}\n", of((initial, true), 1.0, -shift)),
+                Quantity::Pressure => lines += &format!("pressure = {}\n", of((0.0, true), units.stress(), 0.0)),
+                Quantity::HeatInflow => lines += &format!("heat_inflow = {}\n", of((0.0, true), units.flux(), 0.0)),
+                Quantity::Ambient => {
+                    let ambient = of((initial, false), 1.0, -shift);
+                    let film = number(entry.film.unwrap_or(0.0) * units.flux());
+                    lines += &format!("convection = {{ coefficient = {film}, ambient = {ambient} }}\n");
+                }
+            }
+        }
+        if is_any(|quantity| matches!(quantity, Quantity::Displacement(_))) {
+            text += &format!("displacement = [{}]\n", displacement.join(", "));
+        }
+        if is_any(|quantity| matches!(quantity, Quantity::Traction(_))) {
+            text += &format!("traction = [{}]\n", traction.join(", "));
+        }
+        text + &lines
+    }
+
+    /// Notes conditions that the deck does not have in all steps: those of a case hold all the time.
+    fn note_late(&self, quantity: &Quantity, track: &Track, entry: &Entry, notes: &mut Notes) {
+        let holds = matches!(quantity, Quantity::Displacement(_) | Quantity::Normal | Quantity::Temperature);
+        let place = |step: usize| self.model.time.steps.get(step).map_or_else(Place::start, |step| step.place.clone());
+        let what = || format!("condition on {}", entry.on.escape_debug());
+        if let Some(first) = track.0.first().filter(|first| holds && first.step > 0) {
+            let why = "the case has it from the start, the deck from this step on";
+            notes.add(&place(first.step), what(), why, Matter::Answer);
+        }
+        if let Some(gone) = track.0.iter().find(|event| holds && event.value.is_none()) {
+            let why = "the case has it to the end with the value 0, the deck removes it in this step";
+            notes.add(&place(gone.step), what(), why, Matter::Answer);
+        }
+        if *quantity == Quantity::Ambient && track.0.iter().any(|event| event.value.is_none()) {
+            notes.add(&place(0), what(), "the case keeps its film to the end", Matter::Answer);
+        }
+    }
+
+    /// Reactions of what is held.
+    fn probes(&self) -> String {
+        let mut text = String::new();
+        let held =
+            |entry: &&Entry| entry.tracks.keys().any(|q| matches!(q, Quantity::Displacement(_) | Quantity::Normal));
+        let hot = |entry: &&Entry| entry.tracks.contains_key(&Quantity::Temperature);
+        let all = self.model.conditions.entries.iter();
+        let forces = all.clone().filter(held).map(|entry| (entry, "reaction"));
+        let heats = all.filter(hot).map(|entry| (entry, "reaction_heat"));
+        let mut known: Vec<String> = Vec::new();
+        for (entry, quantity) in forces.chain(heats).take(MOST_PROBES) {
+            let admitted = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '_' };
+            let name: String = format!("{quantity}-{}", entry.on).chars().map(admitted).collect();
+            if known.contains(&name) {
+                continue;
+            }
+            text += &format!("\n[[probe]]\nname = \"{name}\"\nquantity = \"{quantity}\"\n");
+            text += &format!("on = {}\ntake = \"integral\"\n", quoted(&entry.on));
+            known.push(name);
+        }
+        text
+    }
+}
+
+/// Where the material of a section is from.
+fn of_section(section: &Section) -> String {
+    one_line(&format!("{}: *SOLID SECTION {}", section.material, section.place))
+}

@@ -1,0 +1,262 @@
+//! `amontons import`: laws, parts, local axes and steps of small decks, against closed forms.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{amontons, assert_code, output, read, stderr, stdout};
+use tempfile::{TempDir, tempdir};
+
+/// Two cubes of 10 mm on each other, the upper one between `UNDER` and `LID`; what follows the elements.
+fn cubes(rest: &str) -> String {
+    let corners = [(0, 0, 0), (10, 0, 0), (10, 10, 0), (0, 10, 0), (0, 0, 10), (10, 0, 10), (10, 10, 10), (0, 10, 10)];
+    let mut deck = "*NODE, NSET=NALL\n".to_owned();
+    for cube in 0..2 {
+        for (number, (x, y, z)) in corners.iter().enumerate() {
+            deck += &format!("{}, {x}, {y}, {}\n", 10 * cube + number + 1, z + 10 * cube);
+        }
+    }
+    deck + "*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n2, 11, 12, 13, 14, 15, 16, 17, 18\n\
+            *SURFACE, NAME=OVER\n1, S2\n*SURFACE, NAME=UNDER\n2, S1\n*SURFACE, NAME=LID\n2, S2\n\
+            *NSET, NSET=FIX\n1, 2, 3, 4\n*NSET, NSET=TOP\n15, 16, 17, 18\n"
+        + rest
+}
+
+/// The case of a deck in mm, N, s, and what was said; the folder holds both.
+fn imported(deck: &str) -> (TempDir, String) {
+    let folder = tempdir().expect("a folder");
+    fs::write(folder.path().join("deck.inp"), deck).expect("a deck");
+    let said = import(folder.path());
+    (folder, said)
+}
+
+fn import(folder: &Path) -> String {
+    let done = output(amontons(&["import", "deck.inp", "--units", "mm-N-s"]).current_dir(folder));
+    assert_code(&done, 0);
+    stdout(&done)
+}
+
+/// Rows of a quantity at a point in m, one per step.
+fn probed(folder: &Path, quantity: &str, at: &str) -> Vec<f64> {
+    let mut case = read(&folder.join("deck.toml"));
+    case += &format!("\n[[probe]]\nname = \"own\"\nquantity = \"{quantity}\"\nat = {at}\n");
+    fs::write(folder.join("deck.toml"), case).expect("a case");
+    let done = output(amontons(&["run", "deck.toml", "--out", "results", "--no-certificate"]).current_dir(folder));
+    assert_code(&done, 0);
+    let table = read(&folder.join("results/probes.csv"));
+    let column = table.lines().next().expect("a head").split(',').position(|name| name == "own").expect("the probe");
+    table.lines().skip(1).map(|line| line.split(',').nth(column).expect("a cell").parse().expect("a number")).collect()
+}
+
+fn assert_near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance * expected.abs(), "{found:e}, expected {expected:e}");
+}
+
+/// The lid sinks by the elastic strain of 21 MPa and by the overclosure that the law has at 21 MPa.
+#[test]
+fn laws_of_pressure_have_their_overclosure() {
+    let elastic = 20.0 * 21.0 / 210_000.0;
+    // Between 10 and 30 MPa; p = 10 exp(ln(100) d / 0.01) less one per cent; a slope; none.
+    let laws = [
+        ("TABULAR\n0, 0\n10, 0.001\n30, 0.002", 0.00155, 1e-9),
+        ("EXPONENTIAL\n0.01, 10", 0.01 * 2.1_f64.ln() / 100.0_f64.ln(), 0.003),
+        ("LINEAR\n1e4, 1", 0.0021, 1e-9),
+        ("HARD", 0.0, 1e-9),
+        ("TIED", 0.0, 1e-9),
+    ];
+    for (law, overclosure, tolerance) in laws {
+        let (folder, _) = imported(&cubes(&format!(
+            "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n\
+             *SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={law}\n\
+             *CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nUNDER, OVER\n*BOUNDARY\nFIX, ENCASTRE\n\
+             *STEP\n*STATIC\n*DLOAD\n2, P2, 21.\n*END STEP\n"
+        )));
+        let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
+        assert_near(found[0], -1e-3 * (elastic + overclosure), tolerance);
+    }
+}
+
+/// Bodies that rest and pass heat: three resistances in a row, 10/50, 1/5 and 10/50 K mm²/mW over 60 K.
+#[test]
+fn a_joint_passes_heat_in_a_step_of_heat_alone() {
+    let (folder, said) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*CONDUCTIVITY\n50.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n\
+         *SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n*GAP CONDUCTANCE\n5.\n\
+         *CONTACT PAIR, INTERACTION=I\nUNDER, OVER\n*STEP\n*HEAT TRANSFER, STEADY STATE\n*BOUNDARY\n\
+         FIX, 11, 11, 20.\nTOP, 11, 11, 80.\n*END STEP\n",
+    ));
+    assert!(!said.contains("differs"), "{said}");
+    let found = probed(folder.path(), "temperature", "[0.005, 0.005, 0.005]");
+    assert_near(*found.last().expect("a step"), 30.0, 1e-9);
+}
+
+/// A pull that is there at once sets two cubes in motion, as it does two bars in a row with a consistent mass.
+#[test]
+fn a_load_of_a_dynamic_step_does_not_ramp() {
+    let (folder, said) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n*DENSITY\n7.85e-9\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n\
+         *TIE, NAME=BOND\nUNDER, OVER\n*BOUNDARY\nFIX, 1, 3\n*STEP\n*DYNAMIC, DIRECT\n1e-8, 1e-6\n*DSLOAD\n\
+         LID, P, -100.\n*END STEP\n",
+    ));
+    assert!(said.contains("*DYNAMIC: both programs damp by rules of their own"), "{said}");
+    let case = read(&folder.path().join("deck.toml"));
+    assert!(case.contains("\nend = 1e-6\nsteps = 100\n") && case.contains("\npressure = -1e8\n"), "{case}");
+    assert!(case.contains("\ndensity = 7850.0 ") && !case.contains("inertia"), "{case}");
+    let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
+    let (mass, stiffness, t): (f64, f64, f64) = (7850.0 * 1e-6, 210e9 * 0.01, 1e-6);
+    // A consistent mass of a bar of two elements: 1/6 (4, 1; 1, 2) m, and stiffness (2, −1; −1, 1) k.
+    let force = 100e6 * 1e-4;
+    assert_near(found[99], at_end_of_two_bars(mass, stiffness, force, t), 0.02);
+}
+
+/// Displacement of the end of two bars in a row at a time, by many steps of the explicit rule.
+fn at_end_of_two_bars(mass: f64, stiffness: f64, force: f64, t: f64) -> f64 {
+    let (mut u, mut w) = ([0.0_f64; 2], [0.0_f64; 2]);
+    let steps = 200_000;
+    let k = t / f64::from(steps);
+    for _ in 0..steps {
+        let load = [-stiffness * (2.0 * u[0] - u[1]), force - stiffness * (u[1] - u[0])];
+        // The inverse of (4, 1; 1, 2)/6 is (2, −1; −1, 4) 6/7.
+        let rate = [2.0 * load[0] - load[1], 4.0 * load[1] - load[0]].map(|r| r * 6.0 / (7.0 * mass));
+        for i in 0..2 {
+            w[i] += k * rate[i];
+            u[i] += k * w[i];
+        }
+    }
+    u[1]
+}
+
+/// Heat flows into the nodes of a side, of a cube by set and of a ring by number: 10 K per 10 mm is q = 50 mW/mm².
+#[test]
+fn heat_flows_into_nodes_are_those_of_their_side() {
+    let (folder, said) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*CONDUCTIVITY\n50.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\n\
+         UNDER, OVER\n*STEP\n*HEAT TRANSFER, STEADY STATE\n*BOUNDARY\nFIX, 11, 11, 20.\n*CFLUX\nTOP, 11, 1250.\n\
+         *END STEP\n",
+    ));
+    assert!(
+        said.contains("*CFLUX: the heat flow into the nodes is spread evenly over their side [may matter]"),
+        "{said}"
+    );
+    let found = probed(folder.path(), "temperature", "[0, 0, 0.02]");
+    // 4 · 1250 mW over 100 mm²; the tie conducts well, but not without end.
+    assert_near(*found.last().expect("a step"), 20.0 + 20.0, 1e-3);
+    let deck = "*NODE, NSET=NALL\n1, 10, 0\n2, 20, 0\n3, 20, 10\n4, 10, 10\n*ELEMENT, TYPE=CAX4, ELSET=ALL\n1, 1, 2, 3, 4\n\
+                *NSET, NSET=FIX\n1, 2\n*MATERIAL, NAME=STEEL\n*CONDUCTIVITY\n50.\n\
+                *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*STEP\n*HEAT TRANSFER, STEADY STATE\n*BOUNDARY\n\
+                FIX, 11, 11, 0.\n*CFLUX\n3, 11, 23561.9449\n4, 11, 23561.9449\n*END STEP\n";
+    let (folder, _) = imported(deck);
+    // Both together are 50 mW/mm² on π (20² − 10²) mm².
+    let found = probed(folder.path(), "temperature", "[0.015, 0.01]");
+    assert_near(*found.last().expect("a step"), 10.0, 1e-6);
+}
+
+/// A cube that a hot core would have: α from 20 K on by a table whose zero is elsewhere, θ from 20 to 120.
+#[test]
+fn expansion_counts_from_the_initial_temperature() {
+    let (folder, _) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n*EXPANSION, ZERO=-80.\n1e-5, 0.\n2e-5, 200.\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\nUNDER, OVER\n\
+         *INITIAL CONDITIONS, TYPE=TEMPERATURE\nNALL, 20.\n*BOUNDARY\nFIX, 3\n1, 1, 2\n2, 2\n\
+         *STEP\n*STATIC\n*TEMPERATURE\nNALL, 120.\n*END STEP\n",
+    ));
+    // α(120) (120 + 80) − α(20) (20 + 80), with α = 1e-5 + 5e-8 θ.
+    let strain = 1.6e-5 * 200.0 - 1.1e-5 * 100.0;
+    let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
+    assert_near(found[0], 0.02 * strain, 2e-3);
+}
+
+/// Parts of which each has a set of the same name, materials in a file that the deck includes, a tie, and two steps.
+#[test]
+fn parts_keep_their_materials() {
+    let part = |name: &str, material: &str| {
+        format!(
+            "*PART, NAME={name}\n*NODE\n1, 0, 0\n2, 10, 0\n3, 10, 10\n4, 0, 10\n*ELEMENT, TYPE=CPS4\n1, 1, 2, 3, 4\n\
+             *ELSET, ELSET=Set-1\n1\n*SOLID SECTION, ELSET=Set-1, MATERIAL={material}\n3.\n*END PART\n"
+        )
+    };
+    let folder = tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("data")).expect("a folder");
+    let materials = "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000, 0.\n*MATERIAL, NAME=ALU\n*ELASTIC\n70000, 0.\n";
+    fs::write(folder.path().join("data/materials.txt"), materials).expect("a file");
+    let deck = part("A", "STEEL")
+        + &part("B", "ALU")
+        + "*ASSEMBLY, NAME=ALL\n*INSTANCE, NAME=LOW, PART=A\n*END INSTANCE\n*INSTANCE, NAME=HIGH, PART=B\n0, 10, 0\n\
+           *END INSTANCE\n*NSET, NSET=FIX, INSTANCE=LOW\n1, 2\n*NSET, NSET=SYM, INSTANCE=LOW\n1, 4\n\
+           *NSET, NSET=SYM, INSTANCE=HIGH\n1, 4\n*ELSET, ELSET=UPPER, INSTANCE=HIGH\n1\n*ELSET, ELSET=LOWER, INSTANCE=LOW\n1\n\
+           *SURFACE, NAME=UNDER\nUPPER, S1\n*SURFACE, NAME=OVER\nLOWER, S3\n*TIE, NAME=T\nUNDER, OVER\n*END ASSEMBLY\n\
+           *INCLUDE, INPUT=data/materials.txt\n*BOUNDARY\nFIX, YSYMM\nSYM, XSYMM\n\
+           *STEP\n*STATIC\n*DLOAD\nUPPER, P3, -21.\n*END STEP\n\
+           *STEP\n*STATIC\n*DLOAD, OP=NEW\n*CLOAD\nHIGH.3, 2, 315.\nHIGH.4, 2, 315.\n*END STEP\n";
+    fs::write(folder.path().join("deck.inp"), deck).expect("a deck");
+    import(folder.path());
+    assert!(read(&folder.path().join("deck.toml")).contains("# data/materials.txt line 5"));
+    let found = probed(folder.path(), "displacement_y", "[0.01, 0.02]");
+    // 630 N on 10 mm × 3 mm in both steps.
+    let expected = 0.01 * 21.0 * (1.0 / 210_000.0 + 1.0 / 70_000.0);
+    assert_eq!(found.len(), 2);
+    assert_near(found[0], expected, 1e-9);
+    assert_near(found[1], expected, 1e-9);
+}
+
+/// A plate of 10 × 5 × 1 mm that is turned by atan(3/4), held and loaded in its own axes: 20 MPa along (−0.6, 0.8).
+#[test]
+fn local_axes_hold_and_load() {
+    let deck = "*NODE\n1, 0, 0\n2, 8, 6\n3, 5, 10\n4, -3, 4\n*ELEMENT, TYPE=CPS4, ELSET=ALL\n1, 1, 2, 3, 4\n\
+                *NSET, NSET=LOW\n1, 2\n*NSET, NSET=TOP\n3, 4\n*MATERIAL, NAME=STEEL\n*ELASTIC\n210000, 0.\n\
+                *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n1.\n*TRANSFORM, NSET=LOW\n0.8, 0.6, 0, -0.6, 0.8, 0\n\
+                *TRANSFORM, NSET=TOP\n0.8, 0.6, 0, -0.6, 0.8, 0\n*BOUNDARY\nLOW, 2\n1, 1, 2\n\
+                *STEP\n*STATIC\n*CLOAD\nTOP, 2, 100.\n*END STEP\n";
+    let (folder, _) = imported(deck);
+    let stretch = 0.005 * 20.0 / 210_000.0;
+    assert_near(probed(folder.path(), "displacement_x", "[0.005, 0.01]")[0], -0.6 * stretch, 1e-9);
+    // Another component of the displacement than the normal one is none that a case can hold.
+    let spoiled = deck.replace("LOW, 2\n", "LOW, 1\n2, 2, 2\n");
+    fs::write(folder.path().join("deck.inp"), spoiled).expect("a deck");
+    let done = output(amontons(&["import", "deck.inp", "--force"]).current_dir(folder.path()));
+    assert_code(&done, 2);
+    let expected = "line 23: found nodes that are held along one axis of a *TRANSFORM and are no side, \
+                    expected a node set of whole facets, or axes along x, y or z";
+    assert_eq!(stderr(&done), format!("Error: deck.inp, {expected}\n"));
+}
+
+/// Facets as elements, as Gmsh writes them, are no parts of the body: a plane element on a cube bears no load.
+#[test]
+fn facets_as_elements_are_no_parts_of_the_body() {
+    let deck = cubes(
+        "*ELEMENT, TYPE=CPS4, ELSET=LAST\n3, 15, 16, 17, 18\n*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\nUNDER, OVER\n*BOUNDARY\nFIX, 1, 3\n*STEP\n\
+         *STATIC\n*BOUNDARY\nTOP, 3, 3, 0.002\n*END STEP\n",
+    );
+    let folder = tempdir().expect("a folder");
+    fs::write(folder.path().join("deck.inp"), &deck).expect("a deck");
+    import(folder.path());
+    assert_near(probed(folder.path(), "stress_zz", "[0.005, 0.005, 0.005]")[0], 21e6, 1e-9);
+    let spoiled = deck.replace("*BOUNDARY\nTOP, 3, 3, 0.002", "*DLOAD\nLAST, P1, 1.");
+    fs::write(folder.path().join("deck.inp"), spoiled).expect("a deck");
+    let done = output(amontons(&["import", "deck.inp", "--force"]).current_dir(folder.path()));
+    assert_code(&done, 2);
+    let expected = "line 44: found \"LAST\" without a solid element, expected a set of elements of the body";
+    assert_eq!(stderr(&done), format!("Error: deck.inp, {expected}\n"));
+}
+
+/// What holds in a part of the steps is told, and files that include each other end.
+#[test]
+fn what_a_case_cannot_do_in_time_is_told() {
+    let (folder, said) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\n\
+         UNDER, OVER\n*BOUNDARY\nFIX, 1, 3\n*STEP\n*STATIC\n*END STEP\n*STEP\n*STATIC\n*BOUNDARY\nTOP, 3, 3, -0.01\n\
+         *END STEP\n*STEP\n*STATIC\n*BOUNDARY, OP=NEW\nFIX, 1, 3\n*END STEP\n",
+    ));
+    for line in [
+        "  line 42  condition on TOP: the case has it from the start, the deck from this step on [the answer differs]\n",
+        "  line 47  condition on TOP: the case has it to the end with the value 0, the deck removes it in this step \
+         [the answer differs]\n",
+    ] {
+        assert!(said.contains(line), "{said}");
+    }
+    fs::write(folder.path().join("round.inp"), "*INCLUDE, INPUT=round.inp\n").expect("a deck");
+    let done = output(amontons(&["import", "round.inp"]).current_dir(folder.path()));
+    assert_code(&done, 2);
+    let expected = "line 1: found *INCLUDE of \"round.inp\", which includes this file, expected files that end";
+    assert_eq!(stderr(&done), format!("Error: round.inp, {expected}\n"));
+}
