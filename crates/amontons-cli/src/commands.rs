@@ -127,7 +127,8 @@ fn show_mesh(file: &Path, plot: Option<&Path>, scale: f64, format: Format) -> Re
         print::text(&crate::model::mesh(&file.display().to_string(), &model, &skipped))?;
     }
     if let Some(stem) = plot {
-        draw_sides(&mesh, stem, units, format == Format::Json)?;
+        let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        draw_sides((&mesh, &name, units), stem, format == Format::Json)?;
     }
     if !model.defects.is_empty() {
         return Err(Failure::Verification { message: model.defects.join("\n"), table });
@@ -136,9 +137,8 @@ fn show_mesh(file: &Path, plot: Option<&Path>, scale: f64, format: Format) -> Re
 }
 
 /// Draws the sides of a mesh into two files and says which.
-fn draw_sides(mesh: &Mesh, stem: &Path, units: Units, quiet: bool) -> Result<(), Failure> {
-    let name = stem.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let written = plot::sides(mesh, &name, units)?.save(stem, 2.0)?;
+fn draw_sides((mesh, name, units): (&Mesh, &str, Units), stem: &Path, quiet: bool) -> Result<(), Failure> {
+    let written = plot::sides(mesh, name, units)?.save(stem, 2.0)?;
     if quiet {
         return Ok(());
     }
@@ -293,7 +293,8 @@ fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) ->
     let case = common.case(file)?;
     let problem = &case.problem;
     if let Some(stem) = plot {
-        draw_sides(&problem.mesh, stem, problem.units(), common.quiet || common.format == Format::Json)?;
+        let drawn = (&*problem.mesh, problem.name.as_str(), problem.units());
+        draw_sides(drawn, stem, common.quiet || common.format == Format::Json)?;
     }
     let (certificate, model) = (hypotheses::full(problem), Model::new(problem));
     let table = constants::table(file, levels, common)?;

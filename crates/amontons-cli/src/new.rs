@@ -5,7 +5,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use amontons::case;
-use amontons::mesh;
+use amontons::contact::mortar::facing;
+use amontons::mesh::defects::components;
+use amontons::mesh::{self, FacetSet, Mesh};
 use amontons::model::MeshModel;
 use amontons::output::OutputError;
 
@@ -35,7 +37,8 @@ pub fn execute(file: &Path, template: Template, mesh: Option<&Path>) -> Result<(
 
 /// A case with the sides and regions of a mesh file: the first side is held, the second is loaded.
 fn from_mesh(file: &Path, mesh: &Path) -> Result<String, Failure> {
-    let model = MeshModel::new(&mesh::read(mesh)?);
+    let read = mesh::read(mesh)?;
+    let model = MeshModel::new(&read);
     let sides: Vec<String> = model.sides.iter().map(|side| quoted(&side.name)).collect();
     let Some((held, others)) = sides.split_first() else {
         let found = format!("{}: found no sides", mesh.display());
@@ -74,18 +77,81 @@ fn from_mesh(file: &Path, mesh: &Path) -> Result<String, Failure> {
             if model.dimension == 2 && !model.axisymmetric { ", stress_state = \"plane-strain\"" } else { "" },
         );
     }
-    text += &format!("\n[[boundary]]\non = {held}\ndisplacement = {}\n", vector("0"));
+    text += &if model.parts > 1 { several(&read) } else { one(held, others, &vector) };
+    text += "\n[output]\nevery = 1                            # steps between files for ParaView\n";
+    Ok(text)
+}
+
+/// Conditions of one body: its first side is held, its second one is loaded.
+fn one(held: &str, others: &[String], vector: &dyn Fn(&str) -> String) -> String {
+    let mut text = format!("\n[[boundary]]\non = {held}\ndisplacement = {}\n", vector("0"));
     if let Some(loaded) = others.first() {
         text += &format!("\n[[boundary]]\non = {loaded}\ntraction = {}\n", vector("\"-1 MPa\""));
     }
-    let touching = others.get(1).or(others.first()).unwrap_or(held);
-    text += &format!(
+    let touching = others.get(1).or(others.first()).map_or(held, String::as_str);
+    text + &format!(
         "\n# Contact with a rigid foundation at a distance `gap`; see the guide for other laws, obstacles and pairs of bodies.\n\
          # [contact]\n# on = {touching}\n# gap = \"10 µm\"\n# normal = {{ law = \"signorini\" }}\n\
-         # friction = {{ law = \"coulomb\", coefficient = 0.2 }}\n\n[output]\nevery = 1                            # steps \
-         between files for ParaView\n"
-    );
-    Ok(text)
+         # friction = {{ law = \"coulomb\", coefficient = 0.2 }}\n"
+    )
+}
+
+/// Conditions of several bodies: those that face each other are pairs, the first body is held, and the others are pressed
+/// down by a thousandth of their size.
+fn several(mesh: &Mesh) -> String {
+    let bodies = components(mesh);
+    let extent = (0..mesh.dim).map(|d| {
+        let along = || mesh.points.iter().map(|x| x[d]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    let size = extent.fold(0.0, f64::max);
+    let pairs: Vec<[&String; 2]> = facing(mesh, NEAR * size, &|_, _| true)
+        .iter()
+        .filter_map(|found| Some([named(mesh, &found.sides[0])?, named(mesh, &found.sides[1])?]))
+        .collect();
+    let mut text = String::new();
+    for (number, body) in bodies.iter().enumerate() {
+        let is_of = |set: &FacetSet| set.node_list().iter().all(|node| body.nodes.binary_search(node).is_ok());
+        let own = || mesh.facets.iter().filter(|(_, set)| is_of(set)).map(|(name, _)| name);
+        // A side of a pair is free to move where another one can be held.
+        let Some(side) =
+            own().find(|name| !pairs.iter().flatten().any(|paired| paired == name)).or_else(|| own().next())
+        else {
+            text +=
+                &format!("\n# Body {} has no side with a name: give it one by [[side]], and hold it.\n", number + 1);
+            continue;
+        };
+        let last = if number == 0 { "0".to_owned() } else { figure(-1e-3 * size) };
+        let components: Vec<&str> =
+            (0..mesh.dim).map(|d| if d + 1 == mesh.dim { last.as_str() } else { "0" }).collect();
+        text += &format!("\n[[boundary]]\non = {}\ndisplacement = [{}]\n", quoted(side), components.join(", "));
+    }
+    for [on, with] in &pairs {
+        text += &format!(
+            "\n[[contact]]\non = {}\nwith = {}\nnormal = {{ law = \"signorini\" }}\nfriction = {{ law = \"coulomb\", coefficient = 0.2 }}\n",
+            quoted(on),
+            quoted(with)
+        );
+    }
+    if pairs.is_empty() {
+        text += "\n# Contact of bodies that are near each other: name two sides, or let them be found.\n\
+                 # [contact]\n# automatic = { distance = \"1 mm\" }\n# normal = { law = \"signorini\" }\n";
+    }
+    text
+}
+
+/// Share of the size of a mesh up to which bodies that face each other are taken to meet.
+const NEAR: f64 = 0.02;
+
+/// The side of a mesh that has most of these facets, and hardly any others: of two the smaller one.
+fn named<'m>(mesh: &'m Mesh, facets: &FacetSet) -> Option<&'m String> {
+    let nodes = facets.node_list();
+    let inside = |set: &FacetSet| {
+        set.facets().filter(|(_, facet)| facet.iter().all(|node| nodes.binary_search(node).is_ok())).count()
+    };
+    let shared =
+        mesh.facets.iter().map(|(name, set)| (name, inside(set), set.len())).filter(|(_, inside, _)| *inside > 0);
+    shared.max_by_key(|(_, inside, all)| (*inside, std::cmp::Reverse(*all))).map(|(name, ..)| name)
 }
 
 /// The mesh file as the case file has to name it: a file beside it by its name.
