@@ -307,7 +307,7 @@ spoiled! {
     set_table_array: "" => "" set "boundary[0]=4"
         "--set boundary[0]=4: boundary[0]: found a value that is no table for a [[table]], expected a table";
     table_that_does_not_start_at_zero: "" => "" set "contact.normal={ law = 'table', penetration = [0.1, 1], pressure = [0, 1] }"
-        "--set contact.normal={ law = 'table', penetration = [0.1, 1], pressure = [0, 1] }: contact.normal.penetration: found a pressure of 0.0 at the penetration 0.1 at the beginning, expected 0 at 0";
+        "--set contact.normal={ law = 'table', penetration = [0.1, 1], pressure = [0, 1] }: contact.normal.penetration: found a pressure of 0.0 at the penetration 0.1 at the beginning, expected the pressure 0 at a penetration of at most 0";
     table_that_falls: "" => "" set "contact.normal={ law = 'table', penetration = [0, 1, 2], pressure = [0, 1, 0.5] }"
         "--set contact.normal={ law = 'table', penetration = [0, 1, 2], pressure = [0, 1, 0.5] }: contact.normal.pressure: found the pressure 0.5 after 1.0, expected pressures that do not fall";
     table_of_one_point: "" => "" set "contact.normal={ law = 'table', penetration = [0], pressure = [0] }"

@@ -12,6 +12,7 @@ mod common;
 mod energy;
 mod features;
 mod foundations;
+mod gap_pressure;
 mod hot_friction;
 mod impact;
 mod laws;

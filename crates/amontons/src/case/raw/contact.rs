@@ -214,7 +214,7 @@ pub(in crate::case) enum Normal {
     },
     /// Table of pressures over penetrations, linear between its points and extrapolated beyond the last one.
     Table {
-        /// Penetrations in m in increasing order, the first 0.
+        /// Penetrations in m in increasing order, the first 0, or negative where the pressure begins in the gap.
         penetration: Vec<f64>,
         /// Pressures in Pa, not decreasing, the first 0.
         pressure: Vec<f64>,

@@ -4,8 +4,9 @@ use super::{NormalLaw, Pressure};
 use crate::contact::{PiecewiseLinear, TableFault};
 use crate::tensor::Point;
 
-/// p linear between the points of a table that starts at (0, 0) and does not fall; beyond the last point its last piece
-/// goes on.
+/// p linear between the points of a table that starts at (r₀, 0), r₀ ≤ 0, and does not fall; beyond the last point its
+/// last piece goes on. With r₀ < 0 the pressure begins in the gap, as that of rough surfaces and gaskets does; (H8) does
+/// not cover it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureTable {
     /// p in Pa at r in m.
@@ -17,7 +18,7 @@ pub struct PressureTable {
 pub enum PressureTableFault {
     /// It is no function.
     Table(TableFault),
-    /// It does not start at (0, 0).
+    /// It does not start without pressure, where the gap closes or before.
     Start {
         /// First penetration.
         penetration: f64,
@@ -51,7 +52,7 @@ impl PressureTableFault {
     pub fn expected(&self) -> &'static str {
         match self {
             PressureTableFault::Table(fault) => fault.expected(),
-            PressureTableFault::Start { .. } => "0 at 0",
+            PressureTableFault::Start { .. } => "the pressure 0 at a penetration of at most 0",
             PressureTableFault::Falls { .. } => "pressures that do not fall",
         }
     }
@@ -75,11 +76,11 @@ impl PressureTable {
     /// The law through the points of penetration in m and pressure in Pa.
     ///
     /// # Errors
-    /// When the points are no function, do not start at (0, 0), or the pressure falls.
+    /// When the points are no function, do not start at (r₀, 0) with r₀ ≤ 0, or the pressure falls.
     pub fn new(penetration: &[f64], pressure: &[f64]) -> Result<PressureTable, PressureTableFault> {
         let table = PiecewiseLinear::new(penetration, pressure)?;
         let (penetration, pressure) = table.points()[0];
-        if penetration != 0.0 || pressure != 0.0 {
+        if !(penetration <= 0.0 && pressure == 0.0) {
             return Err(PressureTableFault::Start { penetration, pressure });
         }
         if let Some(pair) = table.points().windows(2).find(|pair| pair[1].1 < pair[0].1) {
@@ -87,22 +88,28 @@ impl PressureTable {
         }
         Ok(PressureTable { table })
     }
+
+    /// r₀, the penetration at which the pressure begins, in m.
+    fn start(&self) -> f64 {
+        self.table.points().first().map_or(0.0, |first| first.0)
+    }
 }
 
 impl NormalLaw for PressureTable {
     fn pressure(&self, _x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
-        if z <= 0.0 {
+        if z <= self.start() {
             return Pressure::default();
         }
         let (value, slope) = self.table.extended(z);
         Pressure { value, slope, by_rate: 0.0 }
     }
+    /// From where the pressure begins, ∫ p dr.
     fn potential(&self, x: &Point, r: f64) -> f64 {
         let points = self.table.points().iter().copied().filter(|p| p.0 < r);
         let end = (r, self.pressure(x, r, 0.0, 0.0).value);
-        let mut last = (0.0, 0.0);
+        let mut last = (self.start(), 0.0);
         let mut sum = 0.0;
-        for point in points.chain((r > 0.0).then_some(end)) {
+        for point in points.chain((r > self.start()).then_some(end)) {
             sum += 0.5 * (point.0 - last.0) * (point.1 + last.1);
             last = point;
         }
@@ -115,8 +122,13 @@ impl NormalLaw for PressureTable {
 
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
-    let table = PressureTable::new(&[0.0, 1e-4, 2e-4, 4e-4], &[0.0, 2.0, 3.0, 30.0]);
-    table.into_iter().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn NormalLaw>, 3e-4)).collect()
+    let touching = PressureTable::new(&[0.0, 1e-4, 2e-4, 4e-4], &[0.0, 2.0, 3.0, 30.0]);
+    let before = PressureTable::new(&[-2e-4, -1e-4, 0.0, 2e-4], &[0.0, 2.0, 3.0, 30.0]);
+    touching
+        .into_iter()
+        .chain(before)
+        .map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn NormalLaw>, 3e-4))
+        .collect()
 }
 
 #[cfg(test)]
@@ -127,6 +139,11 @@ mod tests {
     fn tables_that_are_no_laws() {
         let fault = |r: &[f64], p: &[f64]| PressureTable::new(r, p).err();
         assert_eq!(fault(&[0.0, 1.0], &[0.0, 1.0]), None);
+        assert_eq!(fault(&[-0.1, 1.0], &[0.0, 1.0]), None);
+        assert_eq!(
+            fault(&[-0.1, 1.0], &[0.2, 1.0]),
+            Some(PressureTableFault::Start { penetration: -0.1, pressure: 0.2 })
+        );
         assert_eq!(
             fault(&[0.1, 1.0], &[0.0, 1.0]),
             Some(PressureTableFault::Start { penetration: 0.1, pressure: 0.0 })
