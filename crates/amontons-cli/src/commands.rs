@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
-use amontons::mesh;
+use amontons::mesh::{self, Skipped};
 use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
@@ -52,7 +52,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             if confine {
                 check_confined(&file)?;
             }
-            show_mesh(&file, scale, format)
+            show_mesh(&file, scale, confine, format)
         }
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::Materials { name } => show_materials(name.as_deref()),
@@ -107,11 +107,11 @@ fn check_confined(file: &Path) -> Result<(), Failure> {
 }
 
 /// Prints what a mesh file has; a defect of its cells or sides is a check that does not hold.
-fn show_mesh(file: &Path, scale: f64, format: Format) -> Result<(), Failure> {
+fn show_mesh(file: &Path, scale: f64, confine: bool, format: Format) -> Result<(), Failure> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Failure::Usage(format!("--scale: found {scale}, expected a positive number")));
     }
-    let read = mesh::read_all(file)?;
+    let read = if confine { mesh::read_confined(file)? } else { mesh::read_all(file)? };
     let model = MeshModel::new(&read.mesh.scaled(scale));
     let table = serde_json::json!({ "mesh": model, "skipped": read.skipped });
     if format == Format::Text {
@@ -213,7 +213,7 @@ fn drive(
     let quiet = common.quiet || common.format == Format::Json;
     match result {
         Ok(summary) => {
-            done(&summary, out, common)?;
+            done(&summary, &case.skipped, out, common)?;
             after.make(out, quiet)
         }
         Err(error) => {
@@ -227,11 +227,11 @@ fn drive(
     }
 }
 
-fn done(summary: &Summary, out: &Path, common: &Common) -> Result<(), Failure> {
+fn done(summary: &Summary, skipped: &[Skipped], out: &Path, common: &Common) -> Result<(), Failure> {
     match common.format {
         Format::Json => print::json(&serde_json::json!(summary))?,
         Format::Text if common.quiet => {}
-        Format::Text => print::text(&print::summary(summary, out))?,
+        Format::Text => print::text(&print::summary(summary, skipped, out))?,
     }
     Ok(())
 }
@@ -268,7 +268,7 @@ fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> 
     let table = constants::table(file, levels, common)?;
     match common.format {
         Format::Json => {
-            let mut value = print::valid_json(problem, &model, &certificate);
+            let mut value = print::valid_json(&case, &model, &certificate);
             if let Some(table) = &table {
                 constants::add_json(table, &mut value);
             }
@@ -277,7 +277,7 @@ fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> 
         Format::Text if common.quiet => {}
         Format::Text => {
             let constants = table.as_ref().map(constants::text).unwrap_or_default();
-            print::text(&(print::valid(&file.display().to_string(), problem, &model, &certificate) + &constants))?;
+            print::text(&(print::valid(&file.display().to_string(), &case, &model, &certificate) + &constants))?;
         }
     }
     Ok(())

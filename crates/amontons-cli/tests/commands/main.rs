@@ -5,6 +5,7 @@
 mod common;
 
 mod book;
+mod decks;
 mod hostile;
 mod new;
 mod program;

@@ -156,22 +156,20 @@ impl Build<'_> {
                 return None;
             }
         };
-        let ending = name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
-        if !mesh::EXTENSIONS.contains(&ending.as_str()) {
-            let expected = "the name of a .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK) file";
-            let hint = "meshio converts other formats: meshio convert FILE MESH.vtu";
-            self.note(FILE, At::Value, format!("\"{name}\""), expected, Some(hint));
-            return None;
-        }
-        let mut mesh = match mesh::parse(&ending, &bytes) {
+        let read = mesh::parse_file(name, &bytes, Some(&mut |other: &str| self.loader.include(other)));
+        let mut mesh = match read {
             Ok(read) => {
                 self.plane = read.plane;
+                self.skipped = read.skipped;
+                if let Some(whole) = read.whole {
+                    self.loader.complete(name, whole);
+                }
                 read.mesh.scaled(scale)
             }
             Err(error) => {
-                let at = error.at().map_or_else(String::new, |at| format!("{at}: "));
+                let place = error.place();
                 let expected = error.expected().unwrap_or_else(|| "a mesh of one body".to_owned());
-                self.note(FILE, At::Value, format!("{name}: {at}{}", error.found()), expected, None);
+                self.note(FILE, At::Value, format!("{name}: {place}{}", error.found()), expected, None);
                 return None;
             }
         };

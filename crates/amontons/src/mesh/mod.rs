@@ -27,12 +27,16 @@ use std::collections::BTreeMap;
 pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
+pub(crate) use facets::{FacetKey, facet_key};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
 pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
-pub use read::{EXTENSIONS, FilePosition, MeshFileError, Plane, Read, Skipped, parse, read, read_all};
+pub use read::{
+    EXTENSIONS, FilePosition, Include, MeshFileError, Plane, Read, Skipped, parse, parse_file, read, read_all,
+    read_confined,
+};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};
