@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
-use amontons::mesh::{self, Mesh};
+use amontons::mesh::{self, Mesh, Skipped};
 use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
@@ -52,7 +52,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             if confine {
                 check_confined(&file)?;
             }
-            show_mesh(&file, plot.as_deref(), scale, format)
+            show_mesh(&file, plot.as_deref(), (scale, confine), format)
         }
         Command::Import { deck, out, units, force } => import::execute(&deck, out.as_deref(), units, force),
         Command::Schema => Ok(print::json(&case::schema())?),
@@ -108,7 +108,7 @@ fn check_confined(file: &Path) -> Result<(), Failure> {
 }
 
 /// Prints what a mesh has; a defect of its cells or sides is a check that does not hold.
-fn show_mesh(file: &Path, plot: Option<&Path>, scale: f64, format: Format) -> Result<(), Failure> {
+fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), format: Format) -> Result<(), Failure> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Failure::Usage(format!("--scale: found {scale}, expected a positive number")));
     }
@@ -117,7 +117,7 @@ fn show_mesh(file: &Path, plot: Option<&Path>, scale: f64, format: Format) -> Re
         ((*case.problem.mesh).clone(), case.problem.units(), Vec::new())
     } else {
         // Nothing says in which unit the coordinates of a file are.
-        let read = mesh::read_all(file)?;
+        let read = if confine { mesh::read_confined(file)? } else { mesh::read_all(file)? };
         (read.mesh, Units { system: System::Dimensionless, ..Units::SPACE }, read.skipped)
     };
     let mesh = mesh.scaled(scale);
@@ -241,7 +241,7 @@ fn drive(
     let quiet = common.quiet || common.format == Format::Json;
     match result {
         Ok(summary) => {
-            done(&summary, out, common)?;
+            done(&summary, &case.skipped, out, common)?;
             after.make(out, quiet)
         }
         Err(error) => {
@@ -255,11 +255,11 @@ fn drive(
     }
 }
 
-fn done(summary: &Summary, out: &Path, common: &Common) -> Result<(), Failure> {
+fn done(summary: &Summary, skipped: &[Skipped], out: &Path, common: &Common) -> Result<(), Failure> {
     match common.format {
         Format::Json => print::json(&serde_json::json!(summary))?,
         Format::Text if common.quiet => {}
-        Format::Text => print::text(&print::summary(summary, out))?,
+        Format::Text => print::text(&print::summary(summary, skipped, out))?,
     }
     Ok(())
 }
@@ -300,7 +300,7 @@ fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) ->
     let table = constants::table(file, levels, common)?;
     match common.format {
         Format::Json => {
-            let mut value = print::valid_json(problem, &model, &certificate);
+            let mut value = print::valid_json(&case, &model, &certificate);
             if let Some(table) = &table {
                 constants::add_json(table, &mut value);
             }
@@ -309,7 +309,7 @@ fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) ->
         Format::Text if common.quiet => {}
         Format::Text => {
             let constants = table.as_ref().map(constants::text).unwrap_or_default();
-            print::text(&(print::valid(&file.display().to_string(), problem, &model, &certificate) + &constants))?;
+            print::text(&(print::valid(&file.display().to_string(), &case, &model, &certificate) + &constants))?;
         }
     }
     Ok(())

@@ -79,10 +79,11 @@ pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
         low.iter().zip(high).map(|(low, high)| format!("{} … {}", figure(*low), figure(*high))).collect();
     rows.push(row("bounding box", &extents.join(" × ")));
     let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let whole = |of: &Size| if of.is_whole_boundary { ", the whole boundary" } else { "" };
     let sizes = |what: &str, part: &str, measure: &str, of: &Size| {
         row(
             &format!("{what} \"{}\"", of.name),
-            &format!("{}, {measure} {}", counted(of.count, part), figure(of.measure)),
+            &format!("{}, {measure} {}{}", counted(of.count, part), figure(of.measure), whole(of)),
         )
     };
     let [of_region, of_side] = match (model.dimension, model.axisymmetric) {
@@ -105,11 +106,16 @@ pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
         "quality",
         &format!("the worst cell, about ({}), has {quality:.4} (1: regular, 0: flat)", at.join(", ")),
     ));
-    rows.extend(skipped.iter().map(|skipped| {
-        let times = if skipped.count == 1 { String::new() } else { format!(", {} of them", skipped.count) };
-        row("skipped", &format!("{} (line {}{times})", skipped.what, skipped.line))
-    }));
+    rows.extend(skipped.iter().map(|skipped| row("skipped", &format!("{}{}", skipped.what, place(skipped)))));
     rows.join("\n") + "\n"
+}
+
+/// Where something was skipped and how many times, in brackets.
+fn place(skipped: &Skipped) -> String {
+    let mut words: Vec<String> = skipped.file.iter().cloned().collect();
+    words.extend(skipped.line.map(|line| format!("line {line}")));
+    words.extend((skipped.count != 1).then(|| format!("{} of them", skipped.count)));
+    if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) }
 }
 
 /// Time scales beside the step.

@@ -3,10 +3,11 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use amontons::case::Case;
 use amontons::hypotheses::{Certificate, Finding, Kind};
+use amontons::mesh::Skipped;
 use amontons::model::Model;
 use amontons::output::Summary;
-use amontons::problem::Problem;
 use amontons::units::Measure;
 use serde_json::{Value, json};
 
@@ -44,18 +45,25 @@ pub fn note(text: &str) {
     let _ = writeln!(io::stderr().lock(), "Note: {}", plain::message(text));
 }
 
+/// What a mesh file has besides the mesh, in one line.
+fn not_of_the_mesh(skipped: &[Skipped]) -> Option<String> {
+    Skipped::in_one_line(skipped).map(|skipped| row("not of the mesh", &skipped))
+}
+
 /// The summary of a run for reading.
-pub fn summary(summary: &Summary, folder: &Path) -> String {
+pub fn summary(summary: &Summary, skipped: &[Skipped], folder: &Path) -> String {
     let rows = summary.rows();
     let results = ("results".to_owned(), folder.display().to_string());
     let mut lines = vec![summary.headline()];
     lines.extend(rows.iter().chain([&results]).map(|(name, text)| row(name, text)));
+    lines.extend(not_of_the_mesh(skipped));
     lines.extend(voices::of_run(&summary.findings));
     lines.join("\n") + "\n"
 }
 
 /// Sizes of a valid case and the verdicts on it, for reading.
-pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certificate) -> String {
+pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) -> String {
+    let problem = &case.problem;
     let mesh = &problem.mesh;
     let sides: Vec<String> = problem.contacts.iter().map(|c| format!("\"{}\"", c.on)).collect();
     let contact = if sides.is_empty() { "none".to_owned() } else { format!("on {}", sides.join(", ")) };
@@ -86,6 +94,7 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
     if problem.physics.has_mechanics() {
         lines.push(row("contact", &contact));
     }
+    lines.extend(not_of_the_mesh(&case.skipped));
     let width = certificate.findings.iter().map(|f| f.id.as_str().len()).max().unwrap_or(0) + 2;
     lines.extend(model::rows(problem, model));
     for (title, kind) in [("What you can act on:", Kind::Warning), ("What the theory covers:", Kind::Theory)] {
@@ -113,7 +122,8 @@ fn verdict(finding: &Finding, width: usize) -> Vec<String> {
 }
 
 /// Sizes of a valid case and the verdicts on it, for programs.
-pub fn valid_json(problem: &Problem, model: &Model, certificate: &Certificate) -> Value {
+pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Value {
+    let problem = &case.problem;
     let mesh = &problem.mesh;
     let sides: Vec<&str> = problem.contacts.iter().map(|c| c.on.as_str()).collect();
     json!({
@@ -130,6 +140,7 @@ pub fn valid_json(problem: &Problem, model: &Model, certificate: &Certificate) -
         // A name, or an array of the names of several sides.
         "contact": match sides.as_slice() { [] => Value::Null, [one] => json!(one), several => json!(several) },
         "model": model,
+        "skipped": case.skipped,
         "findings": certificate.findings,
         "constants": certificate.constants,
     })

@@ -80,6 +80,7 @@ fn text(value: &serde_json::Value) -> PyResult<String> {
 pub fn check(py: Python<'_>, case: &Bound<'_, Case>, laws: Vec<Law>) -> PyResult<String> {
     let alarm = Alarm::default();
     let problem = with_laws(py, &case.get().read.problem, &laws, &alarm)?;
+    let skipped = &case.get().read.skipped;
     let (made, raised) = attend(py, &alarm.flag, |_| {
         let (certificate, model) = (hypotheses::full(&problem), Model::new(&problem));
         json!({
@@ -92,6 +93,7 @@ pub fn check(py: Python<'_>, case: &Bound<'_, Case>, laws: Vec<Law>) -> PyResult
             "k": problem.k(),
             "time": problem.end,
             "model": model,
+            "skipped": skipped,
             "findings": certificate.findings,
             "constants": certificate.constants,
         })

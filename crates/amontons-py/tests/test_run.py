@@ -203,6 +203,7 @@ def test_check_has_what_the_program_prints(paper, program):
     sets = [f"--set={key}={value}" for key, value in SMALL.items()]
     expected = json.loads(program("check", paper, *sets, "--format", "json").stdout)
     assert found.findings == expected["findings"] and found.constants == expected["constants"]
+    assert found.skipped == expected["skipped"] == []
     assert not found.holds and "H3" in set(found.table["id"])
     assert "<table>" in found._repr_html_()
 

@@ -194,6 +194,14 @@ pub(crate) fn read_text(path: &Path, longest: u64) -> io::Result<String> {
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "found bytes that are no UTF-8 text"))
 }
 
+/// Whether a path, links followed, is one below a folder. Of a file that is not there the folder counts that it would
+/// be in.
+pub(crate) fn is_inside(folder: &Path, path: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let real = path.canonicalize().or_else(|_| path.parent().unwrap_or(folder).canonicalize());
+    folder.canonicalize().is_ok_and(|folder| real.is_ok_and(|real| real.starts_with(folder)))
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]

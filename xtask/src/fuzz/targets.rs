@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
 use amontons::expression::Expression;
-use amontons::mesh::{exodus, gmsh, inp, med, vtu};
+use amontons::mesh::{self, MeshFileError, Read, exodus, gmsh, med, vtu};
 use amontons::output::{Checkpoint, Folder, FolderOptions};
 use amontons::plot;
 use amontons::run::{self, Settings};
@@ -102,6 +102,7 @@ pub fn names() -> Vec<&'static str> {
         "table",
         "gmsh",
         "inp",
+        "contents",
         "vtu",
         "med",
         "exodus",
@@ -124,6 +125,8 @@ enum Kind {
     Table,
     Gmsh,
     Inp,
+    /// Mesh files under another ending.
+    Contents,
     Vtu,
     Med,
     Exodus,
@@ -161,6 +164,7 @@ impl Target {
             "table" => (Kind::Table, texts(&["t,f\n0,1\n1,2\n", "0;1\n1;2", "# c\n\"t\"\tf\n0\t1\n", "0 1\n1 2\n"])),
             "gmsh" => (Kind::Gmsh, meshes("msh")),
             "inp" => (Kind::Inp, [meshes("inp"), texts(&[MODEL])].concat()),
+            "contents" => (Kind::Contents, ["inp", "msh", "vtu"].into_iter().flat_map(meshes).collect()),
             "vtu" => (Kind::Vtu, meshes("vtu")),
             "med" => (Kind::Med, meshes("med")),
             "exodus" => (Kind::Exodus, meshes("e")),
@@ -198,12 +202,24 @@ impl Target {
     /// Words to put in: those of the schema, of the mesh formats, and of expressions.
     pub fn words(&self) -> Vec<String> {
         let mut words: Vec<String> = match self.kind {
-            Kind::Gmsh => ["$Nodes\n", "$EndNodes\n", "$Elements\n", "$Entities\n", "$PhysicalNames\n", "4.1 1 8\n"]
-                .map(str::to_owned)
-                .to_vec(),
-            Kind::Inp => [
+            Kind::Gmsh => [
+                "$Nodes\n",
+                "$EndNodes\n",
+                "$Elements\n",
+                "$Entities\n",
+                "$PartitionedEntities\n",
+                "$PhysicalNames\n",
+                "4.1 1 8\n",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
+            Kind::Inp | Kind::Contents => [
                 "*NODE\n",
                 "*ELEMENT, TYPE=C3D20\n",
+                "*ELEMENT, TYPE=S8R, ELSET=",
+                "*INCLUDE, INPUT=a\n",
+                "*SOLID SECTION, ELSET=",
+                "*SURFACE, NAME=",
                 "*NSET, NSET=",
                 "*ELSET, ELSET=",
                 ", GENERATE\n",
@@ -257,7 +273,8 @@ impl Target {
                 told(case::parse(&Source { files: Files::Memory(files), ..Source::new("case", case) }, &[]))
             }
             Kind::Gmsh => told(gmsh::parse(bytes).map(|mesh| mesh.cell_count())),
-            Kind::Inp => told(inp::parse(bytes).map(|read| read.mesh.cell_count())),
+            Kind::Inp => told(including("mesh.inp", bytes).map(|read| read.mesh.cell_count())),
+            Kind::Contents => told(including("mesh.dat", bytes).map(|read| read.mesh.cell_count())),
             Kind::Vtu => told(vtu::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Med => told(med::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Exodus => told(exodus::parse(bytes).map(|mesh| mesh.cell_count())),
@@ -342,6 +359,12 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found.retain(|path| path.file_name().is_some_and(|name| name != ".amontons.lock"));
     found.sort();
     found
+}
+
+/// A mesh file whose every name of another file is its own without its first line.
+fn including(name: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
+    let rest: Arc<[u8]> = bytes.iter().position(|byte| *byte == b'\n').map_or(&[][..], |at| &bytes[at + 1..]).into();
+    mesh::parse_file(name, bytes, Some(&mut |_: &str| Ok(Arc::clone(&rest))))
 }
 
 /// The mesh files of the tests with an ending.

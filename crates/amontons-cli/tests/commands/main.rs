@@ -8,6 +8,7 @@ mod book;
 mod decks;
 mod hostile;
 mod import;
+mod included;
 mod new;
 mod program;
 mod readme;

@@ -115,6 +115,11 @@ class Check:
         return self.report["constants"]
 
     @property
+    def skipped(self) -> list[dict[str, Any]]:
+        """What the mesh file has besides the mesh: what, count, line, and file if it is an included one."""
+        return self.report["skipped"]
+
+    @property
     def model(self) -> dict[str, Any]:
         """Sizes, time scales and cost of the model."""
         return self.report["model"]

@@ -19,7 +19,7 @@ use crate::field::Field;
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::Material;
-use crate::mesh::{Mesh, Plane};
+use crate::mesh::{Mesh, Plane, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
@@ -43,6 +43,7 @@ pub(super) fn problem(
         limits: notes.limits,
         loader: Loader::new(files),
         plane: None,
+        skipped: Vec::new(),
         chosen: Vec::new(),
         no_mesh: false,
         is_sound: notes.doubtful.is_empty(),
@@ -93,7 +94,8 @@ pub(super) fn problem(
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    let built = |problem| Built { problem, probes, exact, verify, inputs, references };
+    let skipped = build.skipped;
+    let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
@@ -146,6 +148,8 @@ pub(super) struct Built {
     pub inputs: Vec<Input>,
     /// Keys of the case that refer to files, and what they say where the copies are.
     pub references: Vec<(Path, String)>,
+    /// What the mesh file has besides the mesh.
+    pub skipped: Vec<Skipped>,
 }
 
 /// Fields of the snapshots, each once.
@@ -216,6 +220,8 @@ pub(super) struct Build<'d> {
     pub mesh_file: Option<(String, f64)>,
     /// What the elements of the mesh file say of the direction that a plane body lacks.
     pub plane: Option<Plane>,
+    /// What the mesh file has besides the mesh.
+    pub skipped: Vec<Skipped>,
     /// What the program chose where the case leaves it open.
     pub chosen: Vec<Choice>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.

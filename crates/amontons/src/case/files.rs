@@ -73,6 +73,22 @@ impl<'s> Loader<'s> {
         }
     }
 
+    /// The bytes of a file that one of the case includes; no key refers to it, and no copy is kept.
+    ///
+    /// # Errors
+    /// Why it cannot be had, to follow its name.
+    pub fn include(&self, name: &str) -> Result<Arc<[u8]>, String> {
+        read(self.files, name).map_err(|missing| {
+            let found = missing.found.strip_prefix(&format!("\"{name}\", ")).unwrap_or(&missing.found).to_owned();
+            missing.hint.map_or(found.clone(), |hint| format!("{found} ({hint})"))
+        })
+    }
+
+    /// Puts a file with those that it includes in its place: the copy that is kept needs no other file.
+    pub fn complete(&mut self, name: &str, whole: Arc<[u8]>) {
+        self.read.insert(name.to_owned(), whole);
+    }
+
     /// The copies to keep, and where the case has to refer to them.
     ///
     /// A name that is one of a copy already stays, so that a case read from a results folder is the case that was run.
@@ -130,7 +146,7 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
         }
         Files::Folder(folder) | Files::Confined(folder) => {
             let path = folder.join(name);
-            if matches!(files, Files::Confined(_)) && !is_inside(folder, &path) {
+            if matches!(files, Files::Confined(_)) && !machine::is_inside(folder, &path) {
                 return Err(Missing {
                     found: format!("\"{name}\", which is not in the folder of the case"),
                     expected: "a file in that folder: --confine allows no other".to_owned(),
@@ -150,14 +166,6 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
             })
         }
     }
-}
-
-/// Whether a path, links followed, is one below a folder. Of a file that is not there the folder counts that it would
-/// be in.
-fn is_inside(folder: &Path, path: &Path) -> bool {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let real = path.canonicalize().or_else(|_| path.parent().unwrap_or(folder).canonicalize());
-    folder.canonicalize().is_ok_and(|folder| real.is_ok_and(|real| real.starts_with(folder)))
 }
 
 /// A file of the same folder that goes by a similar name, as it would be given.

@@ -199,19 +199,19 @@ impl Build<'_> {
                 return None;
             }
         };
-        let ending = name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
-        if !mesh::EXTENSIONS.contains(&ending.as_str()) {
-            let expected = "the name of a .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK) file";
-            let hint = "meshio converts other formats: meshio convert FILE MESH.vtu";
-            self.note(key, At::Value, format!("\"{name}\""), expected, Some(hint));
-            return None;
-        }
-        let mut read = match mesh::parse(&ending, &bytes) {
-            Ok(read) => FromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane },
+        let read = mesh::parse_file(name, &bytes, Some(&mut |other: &str| self.loader.include(other)));
+        let mut read = match read {
+            Ok(read) => {
+                self.skipped.extend(read.skipped);
+                if let Some(whole) = read.whole {
+                    self.loader.complete(name, whole);
+                }
+                FromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane }
+            }
             Err(error) => {
-                let at = error.at().map_or_else(String::new, |at| format!("{at}: "));
+                let place = error.place();
                 let expected = error.expected().unwrap_or_else(|| "a mesh of one body".to_owned());
-                self.note(key, At::Value, format!("{name}: {at}{}", error.found()), expected, None);
+                self.note(key, At::Value, format!("{name}: {place}{}", error.found()), expected, None);
                 return None;
             }
         };

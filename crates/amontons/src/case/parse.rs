@@ -14,6 +14,7 @@ use super::verify::{Expected, Verify};
 use super::{build, check, library, mesh, overrides, path, raw, syntax};
 use crate::convergence::Exact;
 use crate::machine;
+use crate::mesh::Skipped;
 use crate::output::{
     CheckpointInterval, FieldsFormat, FolderOptions, Identity, Input, OutputField, Probe, fingerprint,
 };
@@ -46,6 +47,8 @@ pub struct Case {
     pub blocks: Vec<Vec<usize>>,
     /// Whether the mesh is that of a file.
     pub has_mesh_file: bool,
+    /// What the mesh file has besides the mesh.
+    pub skipped: Vec<Skipped>,
     /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
     pub text: String,
     /// The files that it refers to.
@@ -180,7 +183,7 @@ fn build_case(
     let notes = build::Notes { doubtful: &doubtful, limits: &limits, scale };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
-    let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
+    let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references, skipped }| {
         (
             Case {
                 problem,
@@ -195,6 +198,7 @@ fn build_case(
                 cells,
                 blocks,
                 has_mesh_file,
+                skipped,
                 text: String::new(),
                 inputs,
                 overrides: Vec::new(),

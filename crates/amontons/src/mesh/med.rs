@@ -10,7 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::Mesh;
-use super::read::{CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFileError, NUMBER, NodeSet, Room, of_vtk};
+use super::read::{
+    CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFileError, NUMBER, NodeSet, Read, Room, of_vtk,
+};
 use crate::tensor::Point;
 
 /// Length of the name of a group.
@@ -54,6 +56,11 @@ fn told(what: &str) -> impl Fn(hdf5_pure::Error) -> MeshFileError + '_ {
 /// # Errors
 /// When the bytes are no mesh of one body; the error names the part of the file.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    read(bytes).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let file = File::from_bytes(bytes.to_vec())
         .map_err(|error| refuse(format!("no HDF5, which a MED file is: {error}; it may be truncated")))?;
     let root = file.root();
@@ -77,7 +84,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     }
     let node_sets = read.nodes(&step, &families_of(families.as_ref(), "NOEUD", room)?)?;
     let names = read.groups.names();
-    Loose { points, blocks: read.blocks, names, node_sets }.into_mesh(FilePosition::Cell)
+    Loose { points, blocks: read.blocks, names, node_sets, ..Loose::default() }.into_read(FilePosition::Cell)
 }
 
 fn child(group: &Group, name: &str) -> Option<Group> {

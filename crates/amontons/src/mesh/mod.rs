@@ -35,7 +35,10 @@ pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
 pub use locus::Locus;
-pub use read::{EXTENSIONS, FilePosition, MeshFileError, Plane, Read, Skipped, parse, read, read_all};
+pub use read::{
+    EXTENSIONS, FilePosition, Include, MeshFileError, Plane, Read, Skipped, parse, parse_file, read, read_all,
+    read_confined,
+};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::data::Values;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, complete_data, of_vtk};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, Read, complete_data, of_vtk};
 use super::{Block, Mesh};
 use crate::element;
 use crate::tensor::Point;
@@ -25,9 +25,14 @@ const POINTS: [u8; 2] = [1, 2];
 /// # Errors
 /// When the bytes are no mesh of one body; the error names the array or the cell.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    read(bytes).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let wanted = |name: &str| REGION.contains(&name) || SIDE.contains(&name);
     let grid = vtu::parse(bytes, wanted).map_err(|message| MeshFileError::Grid { message })?;
-    loose(grid)?.into_mesh(FilePosition::Cell)
+    loose(grid)?.into_read(FilePosition::Cell)
 }
 
 /// The points of a grid, its cells of the highest dimension by element, and the data `name` of these cells or of the
@@ -105,7 +110,7 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
         });
         blocks[block].nodes.extend_from_slice(nodes);
     }
-    Ok(Loose { points: grid.points, blocks, names, node_sets: Vec::new() })
+    Ok(Loose { points: grid.points, blocks, names, ..Loose::default() })
 }
 
 /// The element of a cell; the library numbers nodes as VTK does.

@@ -1,12 +1,13 @@
 //! What a mesh has, before there is a case: cells, regions, sides, and whether they are sound.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use serde::Serialize;
 
 use super::integral;
+use crate::element::Element;
 use crate::mesh::defects::{components, defects};
-use crate::mesh::{FacetSet, Mesh};
+use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
 use crate::tensor::Point;
 
 /// The contents of a mesh. Lengths are in the unit of its coordinates; in two dimensions volumes and areas are per unit
@@ -51,6 +52,9 @@ pub struct Size {
     pub count: usize,
     /// Its volume, area or length, or the number of points.
     pub measure: f64,
+    /// Whether it is a side that is the whole boundary, as sets of all nodes are.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_whole_boundary: bool,
 }
 
 impl MeshModel {
@@ -69,7 +73,7 @@ impl MeshModel {
             let (count, measure) = blocks.fold((0, 0.0), |(count, measure), block| {
                 (count + block.len(), measure + integral(mesh, block, |_| 1.0))
             });
-            Size { name: name.clone(), count, measure }
+            Size { name: name.clone(), count, measure, is_whole_boundary: false }
         };
         MeshModel {
             dimension: mesh.dim,
@@ -79,7 +83,7 @@ impl MeshModel {
             bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
             parts: components(mesh).len(),
             regions: mesh.regions.iter().enumerate().map(region).collect(),
-            sides: named(mesh, &mesh.facets, |_| true),
+            sides: sides(mesh),
             edges: named(mesh, &mesh.edges, |dim| dim == 1),
             points: named(mesh, &mesh.edges, |dim| dim == 0),
             unnamed_facets: mesh.unnamed_boundary_facets(),
@@ -89,10 +93,26 @@ impl MeshModel {
     }
 }
 
+/// The sizes of the sides, with those that are the whole boundary.
+fn sides(mesh: &Mesh) -> Vec<Size> {
+    let vertices = |(element, nodes): (&'static Element, &[u32])| facet_key(element, nodes.iter().copied());
+    let boundary: HashSet<FacetKey> = mesh.boundary().facets().map(vertices).collect();
+    let mut sides = named(mesh, &mesh.facets, |_| true);
+    for side in &mut sides {
+        let own = mesh.facets.get(&side.name).filter(|set| set.len() == boundary.len());
+        side.is_whole_boundary = own.is_some_and(|set| set.facets().all(|facet| boundary.contains(&vertices(facet))));
+    }
+    sides
+}
+
 /// The sizes of sets whose elements have a dimension.
 fn named(mesh: &Mesh, sets: &BTreeMap<String, FacetSet>, is_of: impl Fn(usize) -> bool) -> Vec<Size> {
     let dimension = |set: &FacetSet| set.blocks.iter().map(|block| block.element.dim()).max().unwrap_or(0);
-    let size =
-        |(name, set): (&String, &FacetSet)| Size { name: name.clone(), count: set.len(), measure: mesh.measure(set) };
+    let size = |(name, set): (&String, &FacetSet)| Size {
+        name: name.clone(),
+        count: set.len(),
+        measure: mesh.measure(set),
+        is_whole_boundary: false,
+    };
     sets.iter().filter(|(_, set)| is_of(dimension(set))).map(size).collect()
 }

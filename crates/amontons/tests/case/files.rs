@@ -1,8 +1,9 @@
-//! Case files that cannot be read: the message is exact.
+//! Case files that cannot be read: the message is exact; and the files that those of a case include.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use amontons::case::{self, CaseError};
+use amontons::case::{self, CaseError, Files, Source};
 
 const PAPER: &str = include_str!("../../../../cases/paper.toml");
 
@@ -50,4 +51,59 @@ fn an_endless_file_is_refused() {
     let path = folder("long").join("case.toml");
     std::fs::write(&path, vec![b'#'; (16 << 20) + 1]).unwrap();
     assert_eq!(unreadable(&path), "found more than 16777216 bytes, expected a case file");
+}
+
+const NODES: &str = "*NODE\n1,0,0\n2,3,0\n3,3,2\n4,0,2\n";
+const DECK: &str =
+    "*INCLUDE, INPUT=parts/nodes.nam\n*ELEMENT, TYPE=CPS4, ELSET=E\n1,1,2,3,4\n*SURFACE, NAME=LOW\n1,S1\n*STEP\n";
+const HEAT: &str = "name = \"plate\"\n[mesh]\nfile = \"decks/main.inp\"\n[time]\nend = 1\nsteps = 2\n[material]\nheat_capacity = 1\n\
+    conductivity = 1\n[[boundary]]\non = \"LOW\"\ntemperature = 1\n";
+
+/// The case with these files in memory.
+fn with(text: &str, files: &[(&str, &str)]) -> Result<case::Case, CaseError> {
+    let files = files.iter().map(|(name, text)| ((*name).to_owned(), Arc::from(text.as_bytes()))).collect();
+    case::parse(&Source { files: Files::Memory(files), ..Source::new("plate.toml", text) }, &[])
+}
+
+/// The files that a mesh file includes belong to the case: the copy that is kept holds them, and a change of one is a
+/// change of the case.
+#[test]
+fn included_files_are_inputs_of_the_case() {
+    let files = |nodes| [("decks/main.inp", DECK), ("decks/parts/nodes.nam", nodes)];
+    let first = with(HEAT, &files(NODES)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(first.inputs.iter().map(|input| input.path.as_str()).collect::<Vec<_>>(), ["inputs/main.inp"]);
+    let told: Vec<&str> = first.skipped.iter().map(|skipped| skipped.what.as_str()).collect();
+    assert_eq!(told, ["*STEP"]);
+    // The copy needs no other file, and is the same case.
+    let copy = String::from_utf8_lossy(&first.inputs[0].bytes).into_owned();
+    let again = with(&first.text, &[("inputs/main.inp", &copy)]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((again.fingerprint(), again.identity()), (first.fingerprint(), first.identity()));
+    assert_eq!(again.problem.mesh.points, first.problem.mesh.points);
+    let other = with(HEAT, &files(&NODES.replace("3,3,2", "3,3,2.5"))).unwrap_or_else(|error| panic!("{error}"));
+    assert_ne!(other.fingerprint(), first.fingerprint());
+    assert_ne!(other.identity(), first.identity());
+    assert_eq!(other.problem.mesh.points[2], [3.0, 2.5, 0.0]);
+}
+
+#[test]
+fn faults_of_included_files_are_told_once() {
+    let told = |files: &[(&str, &str)]| with(HEAT, files).expect_err("a fault").to_string();
+    let missing = told(&[("decks/main.inp", DECK), ("decks/parts/node.nam", NODES)]);
+    assert_eq!(
+        missing,
+        "plate.toml:3:8: mesh.file: found decks/main.inp: line 1: *INCLUDE of \"parts/nodes.nam\", which is not there (did you mean \"decks/parts/node.nam\"?), expected a file beside the one that includes it"
+    );
+    let spoiled = told(&[("decks/main.inp", DECK), ("decks/parts/nodes.nam", &NODES.replace("3,3,2", "3,3,two"))]);
+    assert_eq!(
+        spoiled,
+        "plate.toml:3:8: mesh.file: found decks/main.inp: decks/parts/nodes.nam: line 4: \"two\", expected a coordinate"
+    );
+    let folder = folder("confined");
+    std::fs::create_dir_all(folder.join("decks")).unwrap();
+    std::fs::write(folder.join("decks/main.inp"), DECK.replace("parts/nodes.nam", "../../nodes.nam")).unwrap();
+    std::fs::write(folder.join("../nodes.nam"), NODES).unwrap();
+    let source = |files| Source { files, ..Source::new("plate.toml", HEAT) };
+    assert!(case::parse(&source(Files::Folder(folder.clone())), &[]).is_ok());
+    let refused = case::parse(&source(Files::Confined(folder)), &[]).unwrap_err().to_string();
+    assert!(refused.contains("*INCLUDE of \"../../nodes.nam\", which is not in the folder of the case"), "{refused}");
 }

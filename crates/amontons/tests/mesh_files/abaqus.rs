@@ -261,9 +261,13 @@ fn what_is_no_part_of_the_mesh_is_named() {
     let text = "*NODE\n1,0,0\n2,1,0\n3,0,1\n*ELEMENT, TYPE=CPS3, ELSET=body\n1,1,2,3\n*ELEMENT, TYPE=B21\n5,1,2\n6,2,3\n\
         *BOUNDARY\n1,1\n*ELEMENT, TYPE=MASS\n9,1\n*BOUNDARY\n2,2\n*ELSET, ELSET=mixed\n1,5,6\n*NSET, NSET=base, ELSET=mixed\n";
     let found = inp::parse(text.as_bytes()).expect("a mesh");
-    let named = |what: &str, line, count| Skipped { what: what.to_owned(), line, count };
-    let expected =
-        [named("elements of type B21", 7, 2), named("*BOUNDARY", 10, 2), named("elements of type MASS", 12, 1)];
+    let named = |what: &str, line, count| Skipped { what: what.to_owned(), file: None, line: Some(line), count };
+    let expected = [
+        named("elements of type B21", 7, 2),
+        named("*BOUNDARY", 10, 2),
+        named("elements of type MASS", 12, 1),
+        named("element sets of cells that are no region: \"mixed\"", 16, 1),
+    ];
     assert_eq!(found.skipped, expected);
     assert_eq!(found.mesh.facets["base"].len(), 3);
 }

@@ -5,6 +5,7 @@ use amontons::mesh::{Mesh, defects, parse};
 use amontons::tensor::Point;
 
 use super::abaqus::sorted;
+use super::decks::{regions, sides};
 use super::files::read as file;
 use super::hostile::{refusal, replaced, spoil_at_random, spoil_counts};
 use super::{assert_same, region, side};
@@ -52,6 +53,21 @@ fn a_plate_has_its_blocks_and_sets() {
         assert_eq!(at("corner"), [[1.5, 0.5, 0.0]]);
         assert_eq!(at("nodeset_4"), [[0.5, 0.25, 0.0]]);
     }
+}
+
+/// Two hexahedra under a skin of two shells: the block of shells and the side set on them are left out and told; blocks
+/// and sets without names are called by their numbers.
+#[test]
+fn shells_beside_solids_are_left_out() {
+    let found = parse("e", include_bytes!("../meshes/field/skin.e")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((found.mesh.cell_count(), regions(&found.mesh)), (2, vec![("1", 2.0)]));
+    assert_eq!(sides(&found.mesh), [("10", 2, 2.0), ("20", 2, 2.0)]);
+    let told: Vec<(&str, usize)> = found.skipped.iter().map(|skipped| (skipped.what.as_str(), skipped.count)).collect();
+    let expected = [
+        ("shells of the block \"2\" (Q1 quadrilateral)", 2),
+        ("sides in the side set \"30\" that are not those of cells of the body", 2),
+    ];
+    assert_eq!(told, expected);
 }
 
 /// Cells have the nodes, and sides the nodes, that VTK reads of them; cells without the nodes in the middle of their

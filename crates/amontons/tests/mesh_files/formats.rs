@@ -65,7 +65,7 @@ fn scaling_multiplies_lengths() {
 }
 
 #[test]
-fn without_groups_there_is_one_body_with_one_boundary() {
+fn without_groups_there_is_one_body_with_the_sides_of_its_curves() {
     let mesh = Mesh::rectangle([2.0, 1.0], [2, 2], Diagonal::Right).expect("a mesh");
     let text = String::from_utf8(write(&mesh, Format { version: 2, binary: None, step: 1, spread: 1 })).expect("text");
     // No groups: the physical tag is 0.
@@ -82,8 +82,9 @@ fn without_groups_there_is_one_body_with_one_boundary() {
         .collect();
     let read = gmsh::parse(bare.as_bytes()).expect("a mesh");
     assert_eq!(read.regions, ["body"]);
-    assert_eq!(read.facets.keys().collect::<Vec<_>>(), ["boundary"]);
-    assert!((side(&read, &read.facets["boundary"]).0 - 6.0).abs() < 1e-13);
+    assert_eq!(read.facets.keys().collect::<Vec<_>>(), ["curve-1", "curve-2", "curve-3", "curve-4"]);
+    let whole: f64 = read.facets.values().map(|set| side(&read, set).0).sum();
+    assert!((whole - 6.0).abs() < 1e-13);
     // Groups without names are called by their tags.
     let at = text.find("$PhysicalNames").expect("names");
     let end = text.find("$EndPhysicalNames").expect("names") + "$EndPhysicalNames".len();

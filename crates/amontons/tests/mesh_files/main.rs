@@ -9,10 +9,13 @@
 )]
 
 mod abaqus;
+mod decks;
 mod defects;
+mod endings;
 mod exodus;
 mod files;
 mod formats;
+mod gmsh_tags;
 mod hostile;
 mod med;
 mod messages;

@@ -2,18 +2,19 @@
 //! Finite Element Data Model" (Schoof and Yarberry, Sandia report SAND92-2137).
 //!
 //! Blocks of the highest dimension become regions, those of faces (in the plane of edges) and side sets become sides,
-//! blocks of lower dimension named edges and points. Sets of nodes that hold facets of the boundary are sides, the
+//! blocks of lower dimension named edges and points. Shells beside solids and sets of sides that are not those of the
+//! body are skipped. Sets of nodes that hold facets of the boundary are sides, the
 //! others edges or points. What has no name is called by its number, a set of nodes by `nodeset_` and its number.
 
 mod netcdf;
 mod types;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use self::netcdf::{Numbers, Variables};
 use self::types::{Type, side};
 use super::Mesh;
-use super::read::{FacetOf, FilePosition, Loose, LooseBlock, MeshFileError, NodeSet, facet_with};
+use super::read::{FacetOf, FilePosition, Loose, LooseBlock, MeshFileError, NodeSet, Read, Skipped, facet_with};
 use crate::tensor::Point;
 
 fn refuse(message: impl Into<String>) -> MeshFileError {
@@ -25,14 +26,20 @@ fn refuse(message: impl Into<String>) -> MeshFileError {
 /// # Errors
 /// When the bytes are no mesh of one body; the error names the variable of the file.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    read(bytes).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let file = Variables::of(bytes)?;
     let (points, dim) = points(&file)?;
-    let loose = Loose { points, blocks: Vec::new(), names: BTreeMap::new(), node_sets: Vec::new() };
+    let loose = Loose { points, ..Loose::default() };
     let mut reading = Reading { file, dim, loose, cells: Vec::new() };
     reading.blocks()?;
+    reading.leave_out_shells();
     reading.side_sets()?;
     reading.node_sets()?;
-    reading.loose.into_mesh(FilePosition::Cell)
+    reading.loose.into_read(FilePosition::Cell)
 }
 
 /// The coordinates, and how many a node has.
@@ -75,6 +82,13 @@ struct Cells {
     count: usize,
     /// Where its cells are among the blocks that were read.
     block: usize,
+    /// What it is called.
+    name: String,
+}
+
+/// What a block or a set is called: by its number where it has no name.
+fn called((number, name): (i64, String)) -> String {
+    if name.is_empty() { number.to_string() } else { name }
 }
 
 struct Reading {
@@ -102,8 +116,7 @@ impl Reading {
     }
 
     /// The group of a dimension for a block or a set of sides.
-    fn group(&mut self, dim: usize, (number, name): (i64, String)) -> BTreeSet<i64> {
-        let name = if name.is_empty() { number.to_string() } else { name };
+    fn group(&mut self, dim: usize, name: String) -> BTreeSet<i64> {
         let known = self.loose.names.iter().find(|((of, _), other)| *of == dim && **other == name);
         match known.map(|((_, tag), _)| *tag) {
             Some(tag) => BTreeSet::from([tag]),
@@ -131,7 +144,8 @@ impl Reading {
                     values.len()
                 )));
             }
-            let groups = self.group(kind.kind.dim, named);
+            let name = called(named);
+            let groups = self.group(kind.kind.dim, name.clone());
             let mut block = LooseBlock { kind: kind.kind, groups, at: first, nodes: Vec::new(), numbers: Vec::new() };
             for (cell, listed) in values.chunks_exact(nodes).enumerate() {
                 for &local in &kind.order {
@@ -146,14 +160,26 @@ impl Reading {
                     block.nodes.push(node as u32);
                 }
             }
-            self.cells.push(Cells { kind, first, count, block: self.loose.blocks.len() });
+            self.cells.push(Cells { kind, first, count, block: self.loose.blocks.len(), name });
             self.loose.blocks.push(block);
             first += count;
         }
         Ok(())
     }
 
-    /// Sides of cells, by the numbers of both.
+    /// Empties the blocks of shells beside solids.
+    fn leave_out_shells(&mut self) {
+        if self.loose.dim() < 3 {
+            return;
+        }
+        for Cells { kind, count, block, name, .. } in self.cells.iter().filter(|cells| cells.kind.is_shell) {
+            let what = format!("shells of the block {name:?} ({})", kind.kind.name);
+            self.loose.skipped.push(Skipped { what, file: None, line: None, count: *count });
+            self.loose.blocks[*block].nodes.clear();
+        }
+    }
+
+    /// Sides of cells, by the numbers of both; those of cells that are not of the body are left out.
     fn side_sets(&mut self) -> Result<(), MeshFileError> {
         let all: usize = self.cells.iter().map(|cells| cells.count).sum();
         let dim = self.loose.dim();
@@ -167,25 +193,37 @@ impl Reading {
                     sides.len()
                 )));
             }
-            let mut facets = Vec::new();
+            let name = called(named);
+            let (mut facets, mut left_out) = (Vec::new(), 0);
             for (&element, &number) in elements.iter().zip(&sides) {
                 let cell = place(element, all)
                     .ok_or_else(|| refuse(format!("cell {element} of {of}, expected one of the cells 1 to {all}")))?;
-                facets.push(self.facet(cell, number, dim)?);
+                match self.facet(cell, number, dim)? {
+                    Some(facet) => facets.push(facet),
+                    None => left_out += 1,
+                }
             }
-            let (number, name) = named;
-            let groups = self.group(dim.saturating_sub(1), (number, name));
-            self.loose.facets(&groups, &facets);
+            if left_out > 0 {
+                let what = format!("sides in the side set {name:?} that are not those of cells of the body");
+                self.loose.skipped.push(Skipped { what, file: None, line: None, count: left_out });
+            }
+            if !facets.is_empty() {
+                let groups = self.group(dim.saturating_sub(1), name);
+                self.loose.facets(&groups, &facets);
+            }
         }
         Ok(())
     }
 
-    /// A side of a cell.
-    fn facet(&self, cell: usize, number: f64, dim: usize) -> Result<FacetOf, MeshFileError> {
+    /// A side of a cell; none of one that is no cell of the body.
+    fn facet(&self, cell: usize, number: f64, dim: usize) -> Result<Option<FacetOf>, MeshFileError> {
         let at = self.cells.partition_point(|cells| cells.first <= cell).saturating_sub(1);
         let Cells { kind, first, block, .. } = &self.cells[at];
         let name = kind.kind.name;
-        if kind.kind.dim != dim || self.dim != dim {
+        if kind.kind.dim != dim {
+            return Ok(None);
+        }
+        if self.dim != dim {
             let message = "a set of sides of cells that do not fill the space of their nodes";
             let hint = "sides of solids, or of a plane body with two coordinates; sets of nodes serve for others";
             return Err(refuse(format!("{message}: side {number} of the {name} {}, expected {hint}", cell + 1)));
@@ -194,7 +232,7 @@ impl Reading {
         let found = found.and_then(|(element, vertices)| facet_with(element, vertices));
         let found = found.ok_or_else(|| refuse(format!("side {number} of the {name} {}, which has none", cell + 1)))?;
         let nodes = &self.loose.blocks[*block].nodes[(cell - first) * kind.kind.nodes..][..kind.kind.nodes];
-        Ok(FacetOf::new(found, nodes))
+        Ok(Some(FacetOf::new(found, nodes)))
     }
 
     fn node_sets(&mut self) -> Result<(), MeshFileError> {

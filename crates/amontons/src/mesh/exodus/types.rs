@@ -8,7 +8,7 @@ use crate::quadrature::Shape;
 pub(super) const KNOWN: &str = "expected bars of 2 or 3 nodes, triangles of 3 or 6, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or 10, pyramids of 5, 13 or 14, wedges of 6, 15 or 18, or hexahedra of 8, 20 or 27";
 
 /// What the names of types begin with.
-const SHAPES: [(&str, Shape); 14] = [
+const SHAPES: [(&str, Shape); 16] = [
     ("SPHERE", Shape::Point),
     ("CIRCLE", Shape::Point),
     ("POINT", Shape::Point),
@@ -16,6 +16,8 @@ const SHAPES: [(&str, Shape); 14] = [
     ("BEAM", Shape::Segment),
     ("TRUSS", Shape::Segment),
     ("EDGE", Shape::Segment),
+    ("LINE", Shape::Segment),
+    ("ROD", Shape::Segment),
     ("TRI", Shape::Triangle),
     ("QUAD", Shape::Quadrilateral),
     ("SHELL", Shape::Quadrilateral),
@@ -32,6 +34,8 @@ pub(super) struct Type {
     pub shape: Shape,
     /// Places in the file of the nodes in the order of the library, which is VTK's.
     pub order: Vec<usize>,
+    /// Whether it is one of a shell.
+    pub is_shell: bool,
 }
 
 impl Type {
@@ -45,7 +49,7 @@ impl Type {
         let whole = element::ALL.iter().copied().find(|e| e.shape == shape && e.nodes.len() == nodes);
         let element = whole.or_else(|| completed(shape, nodes))?;
         let kind = Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) };
-        Some(Type { kind, shape, order: order(shape, nodes) })
+        Some(Type { kind, shape, order: order(shape, nodes), is_shell: name.contains("SHELL") })
     }
 }
 

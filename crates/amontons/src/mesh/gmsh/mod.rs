@@ -1,18 +1,22 @@
 //! Meshes of Gmsh: the formats MSH 2.x and 4.1, text and binary of either byte order, as documented in the Gmsh
 //! reference manual (section "Gmsh file formats").
 //!
-//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by their
-//! name or, without one, by the digits of their tag; groups of one name are one. Sections other than the format, names,
-//! entities, nodes and elements are skipped.
+//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by
+//! their name or, without one, by the digits of their tag; groups of one name are one. Where no group of a dimension is
+//! there, the tags of the entities serve: `surface-3`, `curve-11`, of dimension d only if there are several, of
+//! dimension d − 1 what is on the boundary. Cells of several groups are in one region: the smallest of them if that lies
+//! within the others. A mesh in partitions is read as one: its entities are those that were parted, ghost cells are left out.
+//! Sections other than the format, names, entities, nodes and elements are skipped.
 
 mod cursor;
 mod data;
+mod entities;
 mod sections;
 
 pub(in crate::mesh) use data::data;
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, MeshFileError, completed};
+use super::read::{FilePosition, Kind, MeshFileError, Read, completed};
 use crate::element;
 use crate::quadrature::Shape;
 
@@ -63,6 +67,13 @@ fn kind(code: i64) -> Option<Kind> {
 /// # Errors
 /// When the bytes are no mesh of one body; the error names the line (text) or byte (binary).
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
-    let (loose, binary) = sections::parse(bytes)?;
-    loose.into_mesh(|at| if binary { FilePosition::Byte(at) } else { FilePosition::line(bytes, at) })
+    read(bytes).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+    let (mut loose, entities, binary) = sections::parse(bytes)?;
+    entities::join_copies(&mut loose, &entities);
+    entities::name(&mut loose, &entities);
+    loose.into_read(|at| if binary { FilePosition::Byte(at) } else { FilePosition::line(bytes, at) })
 }

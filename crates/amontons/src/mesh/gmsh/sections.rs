@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::super::read::{Kind, Loose, LooseBlock, MeshFileError};
 use super::cursor::{Cursor, Mode};
 use super::data::{self, Section};
+use super::entities::Entities;
 use crate::tensor::Point;
 
 /// What has been read of a file.
@@ -12,12 +13,14 @@ use crate::tensor::Point;
 struct File {
     version: Option<Version>,
     names: BTreeMap<(usize, i64), String>,
-    /// Physical groups of an entity, by its dimension and tag.
-    entities: Option<BTreeMap<(i64, i64), Vec<i64>>>,
+    entities: Option<Entities>,
     nodes: Option<(Tags, Vec<Point>)>,
-    blocks: Option<Vec<LooseBlock>>,
+    blocks: Option<Blocks>,
     data: Option<Section>,
 }
+
+/// Elements, and the tag of the entity of each block, 0 for none.
+type Blocks = (Vec<LooseBlock>, Vec<i64>);
 
 #[derive(Clone, Copy, PartialEq)]
 enum Version {
@@ -25,11 +28,11 @@ enum Version {
     Four,
 }
 
-/// Reads all sections but data; also returns whether the file is binary.
-pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
+/// Reads all sections but data; also returns the entity of each block and whether the file is binary.
+pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, Vec<i64>, bool), MeshFileError> {
     let (mut file, binary) = read(bytes, None)?;
-    let (points, _, blocks) = file.parts(bytes)?;
-    Ok((Loose { points, blocks, names: file.names, node_sets: Vec::new() }, binary))
+    let (points, _, (blocks, entities)) = file.parts(bytes)?;
+    Ok((Loose { points, blocks, names: file.names, ..Loose::default() }, entities, binary))
 }
 
 /// Nodes with their tags, elements, and the data with this name, if there are any.
@@ -39,7 +42,7 @@ pub(super) fn with_data(
 ) -> Result<(Vec<Point>, Tags, Vec<LooseBlock>, Option<Section>), MeshFileError> {
     let (mut file, _) = read(bytes, Some(name))?;
     let data = file.data.take();
-    let (points, tags, blocks) = file.parts(bytes)?;
+    let (points, tags, (blocks, _)) = file.parts(bytes)?;
     Ok((points, tags, blocks, data))
 }
 
@@ -55,9 +58,11 @@ fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(File, bool), MeshFileErro
             (b"$PhysicalNames", Some(_)) => file.names = physical_names(&mut cursor)?,
             (b"$Entities", Some(Version::Four)) => {
                 cursor.line();
-                file.entities = Some(entities(&mut cursor)?);
+                file.entities.get_or_insert_default().groups.extend(entities(&mut cursor)?);
             }
-            (b"$PartitionedEntities", _) => return Err(MeshFileError::Partitioned { at: cursor.place(at) }),
+            (b"$PartitionedEntities", Some(Version::Four)) => {
+                file.entities.get_or_insert_default().partitioned(&mut cursor)?;
+            }
             (b"$Nodes", Some(version)) if file.nodes.is_none() => file.nodes = Some(nodes(&mut cursor, version)?),
             (b"$Elements", Some(version)) if file.blocks.is_none() => {
                 let Some((tags, _)) = &file.nodes else { return Err(cursor.fault(at, "$Nodes before $Elements")) };
@@ -87,7 +92,7 @@ fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(File, bool), MeshFileErro
 
 impl File {
     /// Nodes with their tags, and elements, which every file has.
-    fn parts(&mut self, bytes: &[u8]) -> Result<(Vec<Point>, Tags, Vec<LooseBlock>), MeshFileError> {
+    fn parts(&mut self, bytes: &[u8]) -> Result<(Vec<Point>, Tags, Blocks), MeshFileError> {
         let (cursor, end) = (Cursor::new(bytes), bytes.len());
         let (tags, points) = self.nodes.take().ok_or_else(|| cursor.fault(end, "a section $Nodes"))?;
         let blocks = self.blocks.take().ok_or_else(|| cursor.fault(end, "a section $Elements"))?;
@@ -176,7 +181,7 @@ fn entities(cursor: &mut Cursor) -> Result<BTreeMap<(i64, i64), Vec<i64>>, MeshF
     Ok(groups)
 }
 
-fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, MeshFileError> {
+pub(super) fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, MeshFileError> {
     let at = cursor.position();
     let count = cursor.size(what)?;
     let count = cursor.fits(at, what, count, 1, 4)?;
@@ -349,26 +354,24 @@ fn connectivity(
     Ok(())
 }
 
-fn elements_of_four(
-    cursor: &mut Cursor,
-    tags: &Tags,
-    entities: Option<&BTreeMap<(i64, i64), Vec<i64>>>,
-) -> Result<Vec<LooseBlock>, MeshFileError> {
+fn elements_of_four(cursor: &mut Cursor, tags: &Tags, entities: Option<&Entities>) -> Result<Blocks, MeshFileError> {
     cursor.line();
     let blocks = cursor.size("the number of blocks of elements")?;
     let at_count = cursor.position();
     let count = cursor.size("the number of elements")?;
     cursor.size("the smallest tag of an element")?;
     cursor.size("the largest tag of an element")?;
-    let mut read = Vec::new();
+    let (mut read, mut of) = (Vec::new(), Vec::new());
     let mut total = 0;
     for _ in 0..blocks {
         let at = cursor.position();
         let (dim, entity) = (cursor.integer("the dimension of an entity")?, cursor.integer("the tag of an entity")?);
         let unknown = || MeshFileError::UnknownEntity { at: cursor.place(at), dim, tag: entity };
-        let groups = match entities {
-            None => Vec::new(),
-            Some(entities) => entities.get(&(dim, entity)).cloned().ok_or_else(unknown)?,
+        let groups = match entities.map(|all| (all.groups.get(&(dim, entity)), all.ghosts.contains(&entity))) {
+            None => Some(Vec::new()),
+            Some((Some(groups), _)) => Some(groups.clone()),
+            Some((None, true)) => None,
+            Some((None, false)) => return Err(unknown()),
         };
         let kind = kind(cursor)?;
         if dim != kind.dim as i64 {
@@ -385,16 +388,20 @@ fn elements_of_four(
             connectivity(cursor, &kind, tags, Version::Four, &mut nodes)?;
         }
         total += own as u64;
-        read.push(LooseBlock { kind, groups: groups.into_iter().collect(), at, nodes, numbers });
+        // Ghost cells are those of another partition.
+        if let Some(groups) = groups {
+            read.push(LooseBlock { kind, groups: groups.into_iter().collect(), at, nodes, numbers });
+            of.push(entities.map_or(entity, |all| all.known((dim, entity))));
+        }
     }
     if total != count {
         return Err(cursor.fault(at_count, format!("the number of elements that follow, {total}")));
     }
     cursor.end_section("Elements")?;
-    Ok(read)
+    Ok((read, of))
 }
 
-fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, MeshFileError> {
+fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileError> {
     let mut read = BlocksOfTwo::default();
     let (at, count) = text_count(cursor, "elements")?;
     let count = cursor.fits(at, "elements", count, 4, 8)?;
@@ -424,18 +431,19 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, 
             if cursor.mode != Mode::Ascii {
                 number = cursor.integer("the tag of an element")?;
             }
-            let mut own = [0; 2];
+            // Physical group, entity, number of partitions, and these: the first one owns the element.
+            let mut own = [0; 4];
             for i in 0..tag_count {
                 let tag = cursor.integer("a tag of an element")?;
                 if let Some(own) = own.get_mut(i) {
                     *own = tag;
                 }
-                // The third tag is the number of partitions that the element belongs to.
-                if i == 2 && tag > 1 {
-                    return Err(MeshFileError::Partitioned { at: cursor.place(at) });
-                }
             }
-            let [physical, entity] = own;
+            let [physical, entity, _, partition] = own;
+            if partition < 0 {
+                connectivity(cursor, &kind, tags, Version::Two, &mut Vec::new())?;
+                continue;
+            }
             let block = read.of(&kind, physical.abs(), entity, at);
             block.numbers.push(number);
             connectivity(cursor, &kind, tags, Version::Two, &mut block.nodes)?;
@@ -443,13 +451,15 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, 
         done += follow;
     }
     cursor.end_section("Elements")?;
-    Ok(read.blocks)
+    Ok((read.blocks, read.entities))
 }
 
 /// Blocks of version 2, whose elements come one by one.
 #[derive(Default)]
 struct BlocksOfTwo {
     blocks: Vec<LooseBlock>,
+    /// The entity of each.
+    entities: Vec<i64>,
     /// Block by name of the element, physical group and entity.
     index: BTreeMap<(&'static str, i64, i64), usize>,
     last: Option<((&'static str, i64, i64), usize)>,
@@ -463,6 +473,7 @@ impl BlocksOfTwo {
             _ => *self.index.entry(key).or_insert_with(|| {
                 let groups = if physical == 0 { BTreeSet::new() } else { BTreeSet::from([physical]) };
                 self.blocks.push(LooseBlock { kind: *kind, groups, at, nodes: Vec::new(), numbers: Vec::new() });
+                self.entities.push(entity);
                 self.blocks.len() - 1
             }),
         };

@@ -2,34 +2,58 @@
 //! "Element-based surface definition") and CalculiX CrunchiX ("Input deck format").
 //!
 //! Read are `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` with `GENERATE`, `*SURFACE` of faces of elements and of nodes,
-//! `*SOLID SECTION`, and parts with their instances. Everything else is skipped and named in
+//! `*SOLID SECTION`, parts with their instances, and `*INCLUDE`. Everything else is skipped and named in
 //! [`Read::skipped`](crate::mesh::Read::skipped): materials, loads and steps are those of the case file.
 //!
-//! - Regions are the element sets of the solid sections; without sections, the sets that the `*ELEMENT` lines name.
-//! - Sides are the surfaces, and the node sets that hold all nodes of a facet of the boundary.
+//! - Regions are the element sets of the solid sections, of which a later one takes the cells of an earlier one;
+//!   without sections, the sets that the `*ELEMENT` lines name. In a file of Gmsh, which names these Volume1, Volume2
+//!   and so on, the other element sets come first: they are its physical groups.
+//! - Sides are the surfaces, the element sets of shells, membranes and plane elements (in the plane of lines) that are
+//!   facets of the boundary, and the node sets that hold all nodes of a facet of the boundary. Of one name the first
+//!   kind counts.
 //! - With several instances, the sets of a part have the name of the instance and a point in front of theirs.
 //! - Names are compared without regard to case, as Abaqus does, and keep the spelling of their first definition.
+//! - Sets may hold elements that are left out, and nodes and elements that the file lacks: these are skipped, too.
 
+mod include;
 mod lines;
 mod model;
+mod regions;
 mod sets;
 mod solid;
+mod thin;
+mod told;
 
 pub use lines::{Keyword, entries, keywords};
 pub use solid::{SolidType, face, solid_type};
 
-use super::read::{FilePosition, MeshFileError, Read};
+use super::read::{FilePosition, Include, MeshFileError, Read};
 
-/// Reads a mesh from the bytes of an input file.
+/// Reads a mesh from the bytes of an input file, which may include no other file.
 ///
 /// # Errors
 /// When the bytes are no mesh of one body; the error names the line.
 pub fn parse(bytes: &[u8]) -> Result<Read, MeshFileError> {
-    let text = String::from_utf8_lossy(bytes);
-    let model = model::Model::of(&keywords(&text)?)?;
-    let skipped = model.skipped.clone();
-    let (loose, axisymmetric, plane) = sets::loose(model)?;
-    let mut mesh = loose.into_mesh(FilePosition::Line)?;
-    mesh.axisymmetric = axisymmetric && mesh.dim == 2;
-    Ok(Read { mesh, plane, skipped })
+    read("deck.inp", bytes, None)
+}
+
+/// Reads a mesh from the bytes of an input file of this name, and those of the files that it includes.
+pub(super) fn read(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<Read, MeshFileError> {
+    let whole = include::Whole::of(name, bytes, include)?;
+    let mut read = of_text(&String::from_utf8_lossy(&whole.bytes)).map_err(|fault| whole.told(fault))?;
+    read.skipped = read.skipped.into_iter().map(|skipped| whole.located(skipped)).collect();
+    read.whole = whole.includes().then(|| whole.bytes.into());
+    Ok(read)
+}
+
+fn of_text(text: &str) -> Result<Read, MeshFileError> {
+    let mut model = model::Model::of(&keywords(text)?)?;
+    let skipped = std::mem::take(&mut model.skipped);
+    let sets = sets::Sets::of(model)?;
+    let loose = sets.loose(skipped)?;
+    let (axisymmetric, plane) = (sets.is_of_revolution()?, sets.plane());
+    let mut read = loose.into_read(FilePosition::Line)?;
+    read.skipped.sort_by_key(|skipped| skipped.line);
+    read.mesh.axisymmetric = axisymmetric && read.mesh.dim == 2;
+    Ok(Read { plane, ..read })
 }

@@ -1,27 +1,37 @@
 //! Nodes, elements and sets of an input file: the parts, and where the instances of an assembly put them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 
 use super::super::read::{FilePosition, MeshFileError, Skipped};
 use super::lines::{Keyword, entries, number};
 use super::solid::{self, Solid, Type};
 use crate::tensor::Point;
 
-/// Keywords that make nodes or elements of others, or read other files: a mesh without them would not be the whole one.
-const MAKERS: [&str; 10] =
-    ["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "INCLUDE", "SYSTEM", "SUBMODEL", "NODE PRINT INCLUDE"];
+/// Keywords that make nodes or elements of others: a mesh without them would not be the whole one.
+const MAKERS: [&str; 8] = ["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL"];
+
+/// Elements of one keyword.
+#[derive(Debug)]
+pub(super) struct Sort {
+    /// The name of their type.
+    pub name: String,
+    /// Line of the keyword.
+    pub line: usize,
+}
 
 /// An element of a body.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     pub solid: Solid,
     pub number: i64,
-    /// Line of its keyword.
+    /// Its line.
     pub line: usize,
     /// Its first node in the list of its part.
     pub first: usize,
+    pub of: Arc<Sort>,
     /// The set that its keyword names.
-    pub set: Option<String>,
+    pub set: Option<Arc<str>>,
 }
 
 /// Nodes and elements that are numbered together.
@@ -33,6 +43,8 @@ pub(super) struct Part {
     /// Numbers of the nodes of the cells.
     pub nodes: Vec<i64>,
     pub sets: Vec<Set>,
+    /// Numbers of elements that are left out.
+    pub left_out: HashSet<i64>,
 }
 
 /// What a set has.
@@ -52,6 +64,7 @@ pub(super) enum Has {
 pub(super) struct Set {
     pub has: Has,
     pub name: String,
+    pub line: usize,
     /// The instance that its numbers are those of.
     pub instance: Option<String>,
     pub items: Vec<Item>,
@@ -125,7 +138,13 @@ impl Model {
                     let numbers = keyword.data.iter().filter_map(|&(line, text)| Some((line, entries(text).next()?)));
                     let items =
                         numbers.map(|(line, name)| Item::Named { line, name: name.to_owned(), face: None }).collect();
-                    self.current().sets.push(Set { has: Has::Nodes, name: name.to_owned(), instance: None, items });
+                    self.current().sets.push(Set {
+                        has: Has::Nodes,
+                        name: name.to_owned(),
+                        line: keyword.line,
+                        instance: None,
+                        items,
+                    });
                 }
             }
             "ELEMENT" => self.elements(keyword)?,
@@ -141,7 +160,7 @@ impl Model {
             "SOLID SECTION" => {
                 let name = keyword.required("ELSET")?.to_owned();
                 let items = vec![Item::Named { line: keyword.line, name: name.clone(), face: None }];
-                self.current().sets.push(Set { has: Has::Section, name, instance: None, items });
+                self.current().sets.push(Set { has: Has::Section, name, line: keyword.line, instance: None, items });
             }
             name if MAKERS.contains(&name) => {
                 return Err(MeshFileError::Syntax {
@@ -159,7 +178,7 @@ impl Model {
     fn skip(&mut self, what: String, line: usize, count: usize) {
         match self.skipped.iter_mut().find(|skipped| skipped.what == what) {
             Some(skipped) => skipped.count += count,
-            None => self.skipped.push(Skipped { what, line, count }),
+            None => self.skipped.push(Skipped { what, file: None, line: Some(line), count }),
         }
     }
 
@@ -219,11 +238,12 @@ impl Model {
                 });
             }
             Type::Other => {
-                self.skip(format!("elements of type {name}"), keyword.line, keyword.data.len());
+                self.leave_out(keyword, &name);
                 return Ok(());
             }
         };
-        let set = keyword.parameter("ELSET").map(str::to_owned);
+        let set: Option<Arc<str>> = keyword.parameter("ELSET").map(Arc::from);
+        let of = Arc::new(Sort { name: name.clone(), line: keyword.line });
         let mut items = Vec::new();
         let part = self.current();
         let mut numbers = keyword.entries();
@@ -241,23 +261,55 @@ impl Model {
                 part.nodes.push(number(line, text, "the number of a node")?);
             }
             items.push(Item::Range(element, element, 1));
-            part.cells.push(Cell { solid, number: element, line, first, set: set.clone() });
+            part.cells.push(Cell { solid, number: element, line, first, of: Arc::clone(&of), set: set.clone() });
         }
         if let Some(name) = set {
-            part.sets.push(Set { has: Has::Elements, name, instance: None, items });
+            part.sets.push(Set {
+                has: Has::Elements,
+                name: name.to_string(),
+                line: keyword.line,
+                instance: None,
+                items,
+            });
         }
         Ok(())
+    }
+
+    /// Leaves out elements of a type; their numbers and sets stay known.
+    fn leave_out(&mut self, keyword: &Keyword, name: &str) {
+        let mut continues = false;
+        let mut items = Vec::new();
+        for &(_, text) in &keyword.data {
+            if let Some(Ok(number)) = entries(text).next().map(str::parse).filter(|_| !continues) {
+                items.push(Item::Range(number, number, 1));
+            }
+            continues = text.ends_with(',');
+        }
+        let part = self.current();
+        part.left_out.extend(items.iter().filter_map(|item| match item {
+            Item::Range(number, ..) => Some(*number),
+            _ => None,
+        }));
+        let count = items.len();
+        if let Some(set) = keyword.parameter("ELSET") {
+            part.sets.push(Set { has: Has::Elements, name: set.to_owned(), line: keyword.line, instance: None, items });
+        }
+        self.skip(format!("elements of type {name}"), keyword.line, count);
     }
 
     fn set(&mut self, keyword: &Keyword, has: Has, key: &str, items: Vec<Item>) -> Result<(), MeshFileError> {
         let name = keyword.required(key)?.to_owned();
         let instance = keyword.parameter("INSTANCE").map(str::to_owned);
-        self.current().sets.push(Set { has, name, instance, items });
+        self.current().sets.push(Set { has, name, line: keyword.line, instance, items });
         Ok(())
     }
 
     fn surface(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
         let name = keyword.required("NAME")?.to_owned();
+        if let Some(combine) = keyword.parameter("COMBINE") {
+            self.skip(format!("*SURFACE, COMBINE={}", combine.to_uppercase()), keyword.line, 1);
+            return Ok(());
+        }
         let has = match keyword.parameter("TYPE").map(str::to_uppercase).as_deref() {
             None | Some("ELEMENT") => Has::Faces,
             Some("NODE") => Has::NodesOfSurface,
@@ -272,7 +324,7 @@ impl Model {
             Some(Item::Named { line, name, face: entries.next().map(str::to_uppercase) })
         };
         let items = keyword.data.iter().filter_map(item).collect();
-        self.current().sets.push(Set { has, name, instance: None, items });
+        self.current().sets.push(Set { has, name, line: keyword.line, instance: None, items });
         Ok(())
     }
 }

@@ -1,18 +1,18 @@
-//! Regions and sides of an input file: its sets, resolved to elements and facets.
+//! Sets of an input file, resolved to elements, nodes and facets, and the sides that they are.
 
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::Arc;
 
-use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, Plane, facet_with};
-use super::model::{Cell, Has, Item, Model, Part, Set, index};
+use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, Plane, Skipped, facet_with};
+use super::model::{Cell, Has, Item, Model, Part, Set, Sort, index};
 use super::solid::face;
+use super::thin::Skin;
+use super::told::{Left, Told};
 
 /// How deep sets may be named in sets.
 const DEEPEST: usize = 32;
-/// Name of the region of elements in no set.
-const BODY: &str = "body";
 
 /// A body of the assembly: the flat part of the file, or an instance.
 struct Body {
@@ -31,32 +31,25 @@ type Key = (Option<usize>, Has, String);
 type Resolved<T> = RefCell<HashMap<Key, Arc<[T]>>>;
 
 /// All sets with what is needed to resolve them.
-struct Sets {
+pub(super) struct Sets {
     bodies: Vec<Body>,
     known: HashMap<Key, Vec<Set>>,
     elements: Resolved<CellOf>,
     numbers: Resolved<u32>,
     /// In the order of the file: body, kind and name as written.
-    order: Vec<(Option<usize>, Has, String)>,
+    pub(super) order: Vec<(Option<usize>, Has, String)>,
+    /// Dimension of the cells of the body.
+    pub(super) dim: usize,
+    pub(super) told: Told,
+    /// Elements that are facets of a side.
+    on_sides: RefCell<HashSet<CellOf>>,
 }
 
 /// A cell of a body.
-type CellOf = (usize, usize);
+pub(super) type CellOf = (usize, usize);
 
-/// What the file describes, whether it is the half section of a body of revolution, and what its elements say of the
-/// direction that a plane body lacks.
-pub(super) fn loose(model: Model) -> Result<(Loose, bool, Option<Plane>), MeshFileError> {
-    let sets = Sets::of(model)?;
-    let points = sets.bodies.iter().flat_map(|body| body.part.points.iter().copied()).collect();
-    let mut loose = Loose { points, blocks: Vec::new(), names: BTreeMap::new(), node_sets: Vec::new() };
-    let is_of_revolution = sets.is_of_revolution()?;
-    let dim = sets.cells().map(|(body, cell)| sets.cell(body, cell).solid.kind.dim).max().unwrap_or(0);
-    sets.regions(dim, &mut loose)?;
-    if dim > 0 {
-        sets.sides(&mut loose)?;
-    }
-    Ok((loose, is_of_revolution, sets.plane()))
-}
+/// What fills a body, for messages.
+const FILL: &str = "elements that fill a body, C3D… in space, CPS…, CPE… or CAX… in the plane; shells, membranes and beams are not computed: mesh the volume";
 
 /// The error of something that a line names and that there is not.
 fn unknown(line: usize, found: String, expected: &str) -> MeshFileError {
@@ -64,13 +57,55 @@ fn unknown(line: usize, found: String, expected: &str) -> MeshFileError {
 }
 
 impl Sets {
-    fn of(model: Model) -> Result<Sets, MeshFileError> {
+    /// What the file describes, beside what was skipped before.
+    pub(super) fn loose(&self, mut skipped: Vec<Skipped>) -> Result<Loose, MeshFileError> {
+        let points = self.bodies.iter().flat_map(|body| body.part.points.iter().copied()).collect();
+        let mut loose = Loose { points, ..Loose::default() };
+        if self.dim == 0 {
+            skipped.extend(self.left_out());
+            let of = |skipped: &Skipped| {
+                let name = skipped.what.strip_prefix("elements of type ")?;
+                Some(format!("{} element{} of type {name}", skipped.count, if skipped.count == 1 { "" } else { "s" }))
+            };
+            let found: Vec<String> = skipped.iter().filter_map(of).collect();
+            let found = found.join(", ");
+            return if found.is_empty() { Ok(loose) } else { Err(MeshFileError::NoBody { found, expected: FILL }) };
+        }
+        self.regions(&mut loose)?;
+        self.sides(&mut loose)?;
+        skipped.extend(self.left_out());
+        skipped.extend(self.told.skipped());
+        loose.skipped = skipped;
+        Ok(loose)
+    }
+
+    /// The elements that are neither cells of the body nor facets of a side, by their type.
+    fn left_out(&self) -> Vec<Skipped> {
+        let on_sides = self.on_sides.borrow();
+        let mut skipped: Vec<Skipped> = Vec::new();
+        let mut places: HashMap<&str, usize> = HashMap::new();
+        for (body, cell) in self.cells().filter(|cell| !self.is_of_body(*cell) && !on_sides.contains(cell)) {
+            let Sort { name, line } = &*self.cell(body, cell).of;
+            let place = *places.entry(name).or_insert_with(|| {
+                let what = format!("elements of type {name}");
+                skipped.push(Skipped { what, file: None, line: Some(*line), count: 0 });
+                skipped.len() - 1
+            });
+            skipped[place].count += 1;
+        }
+        skipped
+    }
+
+    pub(super) fn of(model: Model) -> Result<Sets, MeshFileError> {
         let mut sets = Sets {
             bodies: Vec::new(),
             known: HashMap::new(),
             elements: Resolved::default(),
             numbers: Resolved::default(),
             order: Vec::new(),
+            dim: 0,
+            told: Told::default(),
+            on_sides: RefCell::default(),
         };
         let mut first_node = 0;
         let mut flat = model.flat;
@@ -92,13 +127,16 @@ impl Sets {
         for set in of_assembly {
             sets.add(None, set);
         }
+        let solids = sets.cells().map(|(body, cell)| sets.cell(body, cell).solid).filter(|solid| solid.fills);
+        sets.dim = solids.map(|solid| solid.kind.dim).max().unwrap_or(0);
         Ok(sets)
     }
 
     fn add(&mut self, body: Option<usize>, set: Set) {
         let key = (body, set.has, set.name.to_uppercase());
         let parts = self.known.entry(key).or_default();
-        if parts.is_empty() {
+        // Sections count in their order.
+        if parts.is_empty() || set.has == Has::Section {
             self.order.push((body, set.has, set.name.clone()));
         }
         parts.push(set);
@@ -109,12 +147,23 @@ impl Sets {
         self.bodies.iter().enumerate().flat_map(|(b, body)| (0..body.part.cells.len()).map(move |cell| (b, cell)))
     }
 
-    fn cell(&self, body: usize, cell: usize) -> &Cell {
+    /// The cells of the mesh in turn.
+    pub(super) fn body_cells(&self) -> impl Iterator<Item = CellOf> {
+        self.cells().filter(|cell| self.is_of_body(*cell))
+    }
+
+    /// Whether an element is a cell of the mesh.
+    pub(super) fn is_of_body(&self, (body, cell): CellOf) -> bool {
+        let solid = &self.cell(body, cell).solid;
+        solid.fills && solid.kind.dim == self.dim
+    }
+
+    pub(super) fn cell(&self, body: usize, cell: usize) -> &Cell {
         &self.bodies[body].part.cells[cell]
     }
 
     /// Numbers of the nodes of a cell among all nodes.
-    fn nodes(&self, body: usize, cell: usize) -> Result<Vec<u32>, MeshFileError> {
+    pub(super) fn nodes(&self, body: usize, cell: usize) -> Result<Vec<u32>, MeshFileError> {
         let Body { part, nodes, first_node, .. } = &self.bodies[body];
         let Cell { first, solid, line, .. } = &part.cells[cell];
         part.nodes[*first..first + solid.kind.nodes]
@@ -127,8 +176,9 @@ impl Sets {
             .collect()
     }
 
-    fn is_of_revolution(&self) -> Result<bool, MeshFileError> {
-        let mut plane = self.cells().map(|(body, cell)| self.cell(body, cell)).filter(|cell| cell.solid.kind.dim == 2);
+    pub(super) fn is_of_revolution(&self) -> Result<bool, MeshFileError> {
+        let mut plane =
+            self.body_cells().map(|(body, cell)| self.cell(body, cell)).filter(|cell| cell.solid.kind.dim == 2);
         let Some(first) = plane.next().map(|cell| cell.solid.axisymmetric) else { return Ok(false) };
         match plane.find(|cell| cell.solid.axisymmetric != first) {
             None => Ok(first),
@@ -141,14 +191,14 @@ impl Sets {
     }
 
     /// What all elements say of the direction that a plane body lacks, if it is the same.
-    fn plane(&self) -> Option<Plane> {
-        let mut of_cells = self.cells().map(|(body, cell)| self.cell(body, cell).solid.plane);
+    pub(super) fn plane(&self) -> Option<Plane> {
+        let mut of_cells = self.body_cells().map(|(body, cell)| self.cell(body, cell).solid.plane);
         let first = of_cells.next().flatten();
         first.filter(|_| of_cells.all(|other| other == first))
     }
 
     /// The name of a set of a body to the outside.
-    fn outside(&self, body: Option<usize>, name: &str) -> String {
+    pub(super) fn outside(&self, body: Option<usize>, name: &str) -> String {
         let instances = self.bodies.iter().filter(|body| body.name.is_some()).count();
         match body.and_then(|body| self.bodies[body].name.as_ref()) {
             Some(instance) if instances > 1 => format!("{instance}.{name}"),
@@ -156,101 +206,133 @@ impl Sets {
         }
     }
 
-    /// The cells with their regions.
-    fn regions(&self, dim: usize, loose: &mut Loose) -> Result<(), MeshFileError> {
-        let mut of_cell: HashMap<CellOf, BTreeSet<i64>> = HashMap::new();
-        let mut groups: Vec<String> = Vec::new();
-        let mut group = |name: String| {
-            let known = groups.iter().position(|other| *other == name);
-            known.unwrap_or_else(|| {
-                groups.push(name);
-                groups.len() - 1
-            }) as i64
-        };
-        let sections: Vec<_> = self.order.iter().filter(|(_, has, _)| *has == Has::Section).collect();
-        for (body, has, name) in &sections {
-            let first = self.spelling(*body, Has::Elements, name);
-            let number = group(self.outside(*body, &first));
-            for cell in self.elements(*body, *has, name, 0)? {
-                of_cell.entry(cell).or_default().insert(number);
-            }
-        }
-        if sections.is_empty() {
-            for (body, cell) in self.cells() {
-                if let Some(set) = &self.cell(body, cell).set {
-                    let first = self.spelling(Some(body), Has::Elements, set);
-                    of_cell.entry((body, cell)).or_default().insert(group(self.outside(Some(body), &first)));
-                }
-            }
-        }
-        if !groups.is_empty() {
-            let rest = self.cells().filter(|cell| !of_cell.contains_key(cell)).collect::<Vec<_>>();
-            let (mut group_of_rest, body) = (None, BODY.to_owned());
-            for cell in rest {
-                let number = *group_of_rest.get_or_insert_with(|| {
-                    groups.push(body.clone());
-                    groups.len() as i64 - 1
-                });
-                of_cell.entry(cell).or_default().insert(number);
-            }
-        }
-        for (number, name) in groups.into_iter().enumerate() {
-            loose.names.insert((dim, number as i64), name);
-        }
-        for (body, cell) in self.cells() {
-            let Cell { solid, line, .. } = self.cell(body, cell);
-            let groups = of_cell.remove(&(body, cell)).unwrap_or_default();
-            loose.push(solid.kind, &groups, *line, &self.nodes(body, cell)?);
-        }
-        Ok(())
-    }
-
     /// The name of a set as it is spelled first.
-    fn spelling(&self, body: Option<usize>, has: Has, name: &str) -> String {
+    pub(super) fn spelling(&self, body: Option<usize>, has: Has, name: &str) -> String {
         let first = self.known.get(&(body, has, name.to_uppercase())).and_then(|sets| sets.first());
         first.map_or_else(|| name.to_owned(), |set| set.name.clone())
     }
 
-    /// Surfaces, and the sets of nodes.
+    /// The line where a set is first defined.
+    pub(super) fn line(&self, body: Option<usize>, has: Has, name: &str) -> usize {
+        self.lines(body, has, name).next().unwrap_or(0)
+    }
+
+    /// The lines where parts of a set are defined.
+    pub(super) fn lines(&self, body: Option<usize>, has: Has, name: &str) -> impl Iterator<Item = usize> {
+        self.known.get(&(body, has, name.to_uppercase())).into_iter().flatten().map(|set| set.line)
+    }
+
+    /// Surfaces, sets of elements on the boundary, and sets of nodes.
     fn sides(&self, loose: &mut Loose) -> Result<(), MeshFileError> {
-        // A surface goes before a set of nodes of its name.
-        let (nodes, surfaces): (Vec<_>, Vec<_>) = self.order.iter().partition(|(_, has, _)| *has == Has::Nodes);
-        let mut names: Vec<String> = Vec::new();
-        for (body, has, name) in surfaces.into_iter().chain(nodes) {
-            let name_outside = self.outside(*body, name);
-            if names.iter().any(|other| other.eq_ignore_ascii_case(&name_outside)) {
-                continue;
-            }
+        let has_thin = self.cells().any(|cell| !self.is_of_body(cell));
+        let skin = has_thin.then(|| Skin::of(loose));
+        let mut of_body = vec![false; loose.points.len()];
+        loose.blocks.iter().flat_map(|block| &block.nodes).for_each(|&node| of_body[node as usize] = true);
+        // Of a name the surface counts, then the set of elements, then that of nodes.
+        let mut order: Vec<&(Option<usize>, Has, String)> = self.order.iter().collect();
+        order.sort_by_key(|(_, has, _)| match has {
+            Has::Faces | Has::NodesOfSurface | Has::Section => 0,
+            Has::Elements => 1,
+            Has::Nodes => 2,
+        });
+        let mut names: HashSet<String> = HashSet::new();
+        for (body, has, name) in order {
+            let (outside, line) = (self.outside(*body, name), self.line(*body, *has, name));
+            let is_named = names.contains(&outside.to_uppercase());
             match has {
-                Has::Faces => {
-                    let facets = self.faces(*body, name, loose)?;
+                Has::Section => continue,
+                Has::Faces | Has::Elements => {
+                    let facets = match has {
+                        Has::Faces => self.faces(*body, name, loose, skin.as_ref())?,
+                        _ => self.thin(*body, name, skin.as_ref())?,
+                    };
                     if facets.is_empty() {
+                        self.nothing_of(*body, *has, (name, &outside), line)?;
                         continue;
                     }
-                    loose.side(name_outside.clone(), &facets);
+                    if is_named {
+                        continue;
+                    }
+                    loose.side(outside.clone(), &facets);
                 }
                 Has::Nodes | Has::NodesOfSurface => {
-                    let nodes: BTreeSet<u32> = self.node_numbers(*body, *has, name, 0)?.into_iter().collect();
+                    let all = self.node_numbers(*body, *has, name, 0)?;
+                    let nodes: BTreeSet<u32> = all.into_iter().filter(|node| of_body[*node as usize]).collect();
                     if nodes.is_empty() {
+                        self.told.note(
+                            if *has == Has::Nodes { Left::NodeSets } else { Left::Surfaces },
+                            line,
+                            &outside,
+                            1,
+                        );
                         continue;
                     }
-                    loose.node_sets.push(NodeSet { name: name_outside.clone(), nodes });
+                    if is_named {
+                        continue;
+                    }
+                    loose.node_sets.push(NodeSet { name: outside.clone(), nodes });
                 }
-                Has::Elements | Has::Section => continue,
             }
-            names.push(name_outside);
+            names.insert(outside.to_uppercase());
         }
         Ok(())
     }
 
-    /// The facets of a surface: of labelled faces, and of all free faces of elements without a label.
-    fn faces(&self, body: Option<usize>, name: &str, loose: &Loose) -> Result<Vec<FacetOf>, MeshFileError> {
+    /// Notes a surface or a set of elements of which no side is made, unless it is one of cells.
+    fn nothing_of(
+        &self,
+        body: Option<usize>,
+        has: Has,
+        (name, outside): (&str, &str),
+        line: usize,
+    ) -> Result<(), MeshFileError> {
+        if has == Has::Faces {
+            self.told.note(Left::Surfaces, line, outside, 1);
+        } else if !self.elements(body, has, name, 0)?.into_iter().any(|cell| self.is_of_body(cell)) {
+            self.told.note(Left::ElementSets, line, outside, 1);
+        }
+        Ok(())
+    }
+
+    /// The facets of the boundary that the elements of a set are, if none of them is a cell of the body.
+    fn thin(&self, body: Option<usize>, name: &str, skin: Option<&Skin>) -> Result<Vec<FacetOf>, MeshFileError> {
+        let Some(skin) = skin else { return Ok(Vec::new()) };
+        let cells = self.elements(body, Has::Elements, name, 0)?;
+        if cells.iter().any(|cell| self.is_of_body(*cell)) {
+            return Ok(Vec::new());
+        }
+        Ok(cells.into_iter().filter_map(|cell| self.facet_of(cell, skin)).collect())
+    }
+
+    /// The facet of the boundary that an element is; it is noted as one of a side.
+    fn facet_of(&self, (body, cell): CellOf, skin: &Skin) -> Option<FacetOf> {
+        let kind = self.cell(body, cell).solid.kind;
+        let nodes = self.nodes(body, cell).ok().filter(|_| kind.dim + 1 == self.dim)?;
+        let facet = skin.facet(&kind, &nodes)?.clone();
+        self.on_sides.borrow_mut().insert((body, cell));
+        Some(facet)
+    }
+
+    /// The facets of a surface: of labelled faces, of all free faces of elements without a label, and of the elements
+    /// themselves that lie on the boundary.
+    fn faces(
+        &self,
+        body: Option<usize>,
+        name: &str,
+        loose: &Loose,
+        skin: Option<&Skin>,
+    ) -> Result<Vec<FacetOf>, MeshFileError> {
         let (mut facets, mut free) = (Vec::new(), None);
         for set in self.known.get(&(body, Has::Faces, name.to_uppercase())).into_iter().flatten() {
             for item in &set.items {
                 let Item::Named { line, name, face: label } = item else { continue };
                 let scope = self.scope(body, set.instance.as_deref());
                 let cells = self.named_elements(scope, *line, name, 0)?;
+                let (cells, others): (Vec<_>, Vec<_>) = cells.into_iter().partition(|cell| self.is_of_body(*cell));
+                // The label of an edge of a shell begins with E.
+                if let Some(skin) = skin.filter(|_| label.as_ref().is_none_or(|label| !label.starts_with('E'))) {
+                    facets.extend(others.into_iter().filter_map(|cell| self.facet_of(cell, skin)));
+                }
                 let Some(label) = label else {
                     let free = free.get_or_insert_with(|| loose.free());
                     for (body, cell) in BTreeSet::from_iter(cells) {
@@ -262,26 +344,24 @@ impl Sets {
                     continue;
                 };
                 for (body, cell) in cells {
-                    let nodes = self.nodes(body, cell)?;
-                    let element = self.cell(body, cell).solid.kind.element;
-                    let number = label.strip_prefix('S').and_then(|number| number.parse().ok());
-                    let found = element.zip(number).and_then(|(element, number)| {
-                        let vertices = face(element, number)?;
-                        facet_with(element, vertices)
-                    });
-                    let Some(found) = found else {
-                        let what = element.map_or("element", |element| element.name);
-                        return Err(unknown(
-                            *line,
-                            format!("the face {label} of a {what}"),
-                            "S1, S2, … up to its number of faces",
-                        ));
-                    };
-                    facets.push(FacetOf::new(found, &nodes));
+                    facets.push(self.labelled((body, cell), label, *line)?);
                 }
             }
         }
         Ok(facets)
+    }
+
+    /// The face of a cell with a label.
+    fn labelled(&self, (body, cell): CellOf, label: &str, line: usize) -> Result<FacetOf, MeshFileError> {
+        let nodes = self.nodes(body, cell)?;
+        let element = self.cell(body, cell).solid.kind.element;
+        let number = label.strip_prefix('S').and_then(|number| number.parse().ok());
+        let found = element.zip(number).and_then(|(element, number)| facet_with(element, face(element, number)?));
+        let found = found.ok_or_else(|| {
+            let what = element.map_or("element", |element| element.name);
+            unknown(line, format!("the face {label} of a {what}"), "S1, S2, … up to its number of faces")
+        })?;
+        Ok(FacetOf::new(found, &nodes))
     }
 
     /// The body that numbers in a set are those of: of its instance, its own, or the only one there is.
@@ -338,7 +418,13 @@ impl Sets {
     }
 
     /// Elements of a set.
-    fn elements(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<CellOf>, MeshFileError> {
+    pub(super) fn elements(
+        &self,
+        body: Option<usize>,
+        has: Has,
+        name: &str,
+        depth: usize,
+    ) -> Result<Vec<CellOf>, MeshFileError> {
         self.resolved((body, has, name), &self.elements, |scope, item| match item {
             Item::Range(first, last, step) => {
                 let Some(body) = scope else { return Ok(Vec::new()) };
@@ -362,8 +448,11 @@ impl Sets {
     ) -> Result<Vec<CellOf>, MeshFileError> {
         let (scope, name) = self.split(scope, name);
         if let (Ok(number), Some(body)) = (name.parse::<i64>(), scope) {
-            // Numbers of elements that are no parts of bodies are left out with these.
-            return Ok(self.bodies[body].cells.get(&number).map(|&cell| (body, cell)).into_iter().collect());
+            let found = self.bodies[body].cells.get(&number).map(|&cell| (body, cell));
+            if found.is_none() && !self.bodies[body].part.left_out.contains(&number) {
+                self.told.note(Left::Elements, line, name, 1);
+            }
+            return Ok(found.into_iter().collect());
         }
         let body = self.home((scope, line, depth), Has::Elements, name)?;
         self.elements(body, Has::Elements, name, depth + 1)
@@ -397,10 +486,12 @@ impl Sets {
     ) -> Result<Vec<u32>, MeshFileError> {
         let (scope, name) = self.split(scope, name);
         if let (Ok(tag), Some(body)) = (name.parse::<i64>(), scope) {
-            let Body { nodes, first_node, part, .. } = &self.bodies[body];
-            let at = FilePosition::Line(line);
-            let node = nodes.get(&tag).ok_or(MeshFileError::UnknownNode { at, tag, nodes: part.tags.len() })?;
-            return Ok(vec![first_node + node]);
+            let Body { nodes, first_node, .. } = &self.bodies[body];
+            let found = nodes.get(&tag).map(|node| first_node + node);
+            if found.is_none() {
+                self.told.note(Left::Nodes, line, name, 1);
+            }
+            return Ok(found.into_iter().collect());
         }
         let body = self.home((scope, line, depth), Has::Nodes, name)?;
         self.node_numbers(body, Has::Nodes, name, depth + 1)

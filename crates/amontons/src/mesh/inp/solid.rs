@@ -1,4 +1,4 @@
-//! The element types of Abaqus and CalculiX that are parts of a body, and their faces.
+//! The element types of Abaqus and CalculiX that are parts of a body or may lie on it, and their faces.
 
 use crate::element::{self, Element};
 
@@ -33,23 +33,25 @@ pub(super) struct Solid {
     pub axisymmetric: bool,
     /// What it says of the direction that a plane body lacks.
     pub plane: Option<Plane>,
+    /// Whether it fills a body; others may be facets of one.
+    pub fills: bool,
 }
 
 /// What a name of an element type means.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Type {
-    /// An element that fills a body.
+    /// An element that fills a body, or that may be a facet of one.
     Solid(Solid),
     /// One that fills a body and that the library does not have.
     Missing,
-    /// A beam, shell, spring, mass or another one that is no part of a body.
+    /// A spring, mass or another one that is no part of a body and no facet of one.
     Other,
 }
 
 /// The type with a name, in capitals.
 pub(super) fn of(name: &str) -> Type {
     let family = FAMILIES.iter().filter(|(family, _)| name.starts_with(family)).max_by_key(|(family, _)| family.len());
-    let Some(&(family, dim)) = family else { return Type::Other };
+    let Some(&(family, dim)) = family else { return thin(name) };
     let digits: String = name[family.len()..].chars().take_while(char::is_ascii_digit).collect();
     let Ok(nodes) = digits.parse::<usize>() else { return Type::Other };
     let element: &'static Element = match (dim, nodes) {
@@ -70,7 +72,53 @@ pub(super) fn of(name: &str) -> Type {
         _ => return Type::Missing,
     };
     let kind = Kind { name: element.name, dim, nodes, element: Some(element) };
-    Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family) })
+    Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family), fills: true })
+}
+
+/// Families of shells, membranes, surfaces and lines, with their dimension and the nodes of each number that may
+/// follow; Gmsh names edges T3D2 and triangles CPS3.
+const THIN: [(&str, usize, &[(char, usize)]); 16] = [
+    ("STRI", 2, &[('3', 3), ('6', 6)]),
+    ("SFM3D", 2, FACES),
+    ("M3D", 2, FACES),
+    ("DS", 2, FACES),
+    ("R3D", 2, FACES),
+    ("F3D", 2, FACES),
+    ("S", 2, FACES),
+    ("T2D", 1, LINES),
+    ("T3D", 1, LINES),
+    ("R2D", 1, LINES),
+    ("B2", 1, BEAMS),
+    ("B3", 1, BEAMS),
+    ("SAX", 1, ORDERS),
+    ("MAX", 1, ORDERS),
+    ("SFMAX", 1, ORDERS),
+    ("RAX", 1, LINES),
+];
+const FACES: &[(char, usize)] = &[('3', 3), ('4', 4), ('6', 6), ('8', 8), ('9', 9)];
+const LINES: &[(char, usize)] = &[('2', 2), ('3', 3)];
+const BEAMS: &[(char, usize)] = &[('1', 2), ('2', 3), ('3', 2)];
+const ORDERS: &[(char, usize)] = &[('1', 2), ('2', 3)];
+
+/// The type of a name that fills no body.
+fn thin(name: &str) -> Type {
+    let nodes = |(family, dim, counts): &(&str, usize, &[(char, usize)])| {
+        let number = name.strip_prefix(family)?.chars().next()?;
+        let (_, nodes) = counts.iter().find(|(digit, _)| *digit == number)?;
+        Some((*dim, *nodes))
+    };
+    let Some((dim, nodes)) = THIN.iter().find_map(nodes) else { return Type::Other };
+    let kind = Kind { name: "thin element", dim, nodes, element: None };
+    Type::Solid(Solid { kind, axisymmetric: false, plane: None, fills: false })
+}
+
+/// The number of vertices of an element of a dimension below 3 with so many nodes.
+pub(super) fn vertices(kind: &Kind) -> usize {
+    match (kind.dim, kind.nodes) {
+        (1, _) => 2,
+        (2, 3 | 6) => 3,
+        _ => 4,
+    }
 }
 
 /// A type of element that fills a body, as its name says.
@@ -88,7 +136,7 @@ pub struct SolidType {
 
 /// The type with a name such as `C3D8R`, if its elements fill a body and the library has them.
 pub fn solid_type(name: &str) -> Option<SolidType> {
-    let Type::Solid(Solid { kind, axisymmetric, plane }) = of(&name.to_uppercase()) else { return None };
+    let Type::Solid(Solid { kind, axisymmetric, plane, .. }) = of(&name.to_uppercase()) else { return None };
     kind.element.map(|element| SolidType { element, nodes: kind.nodes, axisymmetric, plane })
 }
 

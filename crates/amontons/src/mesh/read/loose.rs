@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::node_sets::NodeSet;
+use super::overlap::Overlap;
 use super::serendipity::complete;
-use super::{FilePosition, MeshFileError};
+use super::{FilePosition, MeshFileError, Read, Skipped};
 use crate::element::{self, Element};
 use crate::mesh::topology::{Key, key};
 use crate::mesh::{Block, FacetSet, Mesh};
@@ -49,7 +50,7 @@ impl LooseBlock {
 }
 
 /// The contents of a file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::mesh) struct Loose {
     pub points: Vec<Point>,
     pub blocks: Vec<LooseBlock>,
@@ -57,6 +58,8 @@ pub(in crate::mesh) struct Loose {
     pub names: BTreeMap<(usize, i64), String>,
     /// Sets of nodes, of which sides, edges or points are made.
     pub node_sets: Vec<NodeSet>,
+    /// What the file has besides.
+    pub skipped: Vec<Skipped>,
 }
 
 impl Loose {
@@ -65,7 +68,7 @@ impl Loose {
     }
 
     /// The mesh of the elements of the highest dimension, with the groups of the next lower one as its sides.
-    pub(in crate::mesh) fn into_mesh(mut self, place: impl Fn(usize) -> FilePosition) -> Result<Mesh, MeshFileError> {
+    pub(in crate::mesh) fn into_read(mut self, place: impl Fn(usize) -> FilePosition) -> Result<Read, MeshFileError> {
         self.blocks.retain(|block| !block.nodes.is_empty());
         let dim = self.dim();
         if dim == 0 {
@@ -89,7 +92,7 @@ impl Loose {
         if mesh.facets.is_empty() {
             mesh.facets.insert(BOUNDARY.to_owned(), mesh.boundary());
         }
-        Ok(mesh)
+        Ok(Read { mesh, plane: None, skipped: self.skipped, whole: None })
     }
 
     /// Sets coordinates beyond the dimension to zero, and refuses bodies on which they are not constant.
@@ -123,38 +126,40 @@ impl Loose {
         Ok(())
     }
 
-    /// Names of the regions in the order of their tags, and the cells by region and element.
+    /// Names of the regions in the order of their tags, and the cells by region and element. Cells of several groups
+    /// are in the region that [`Overlap`] gives them.
     fn regions(
-        &self,
+        &mut self,
         dim: usize,
         cells: &[LooseBlock],
         place: &impl Fn(usize) -> FilePosition,
     ) -> Result<(Vec<String>, Vec<Block>), MeshFileError> {
-        let mut regions: Vec<String> = Vec::new();
-        for group in cells.iter().flat_map(|block| &block.groups).collect::<BTreeSet<_>>() {
-            let name = self.name(dim, *group);
-            if !regions.contains(&name) {
-                regions.push(name);
+        let mut names: Vec<String> = Vec::new();
+        let mut numbers: HashMap<i64, usize> = HashMap::new();
+        for &group in cells.iter().flat_map(|block| &block.groups).collect::<BTreeSet<_>>() {
+            let name = self.name(dim, group);
+            let known = names.iter().position(|other| *other == name);
+            numbers.insert(group, known.unwrap_or(names.len()));
+            if known.is_none() {
+                names.push(name);
             }
         }
         let bare: Vec<&LooseBlock> = cells.iter().filter(|block| block.groups.is_empty()).collect();
-        if regions.is_empty() {
-            regions.push(BODY.to_owned());
+        if names.is_empty() {
+            names.push(BODY.to_owned());
         } else if let Some(first) = bare.first() {
             let (found, of) = (bare.iter().map(|b| b.len()).sum(), cells.iter().map(LooseBlock::len).sum());
             return Err(MeshFileError::NoRegion { at: place(first.at), found, of, dim });
         }
+        let of_block = |block: &LooseBlock| -> BTreeSet<usize> {
+            block.groups.iter().filter_map(|group| numbers.get(group).copied()).collect()
+        };
+        let overlap = Overlap::new(names, cells.iter().map(|block| (of_block(block), block.len())));
+        self.skipped.extend(overlap.told());
         let mut blocks: Vec<Block> = Vec::new();
         for loose in cells {
             let element = supported(loose, place)?;
-            let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(dim, group)).collect();
-            let mut names = names.into_iter();
-            let region = match (names.next(), names.next()) {
-                (Some(first), Some(second)) => {
-                    return Err(MeshFileError::TwoRegions { at: place(loose.at), first, second });
-                }
-                (name, _) => name.and_then(|name| regions.iter().position(|r| *r == name)).unwrap_or(0),
-            };
+            let region = overlap.region(&of_block(loose));
             let mut nodes = loose.nodes.clone();
             if mirrored(&self.points, dim, element, &nodes) {
                 turn_over(element, &mut nodes);
@@ -165,7 +170,7 @@ impl Loose {
             }
         }
         blocks.sort_by_key(|block| block.region);
-        Ok((regions, blocks))
+        Ok((overlap.into_regions(), blocks))
     }
 
     /// The named edges and points that the body has, and no side has the name of.

@@ -100,6 +100,18 @@ impl Loose {
         count.into_iter().filter_map(|(key, once)| once.then_some(key)).collect()
     }
 
+    /// The same facets by their vertices.
+    pub(in crate::mesh) fn free_facets(&self) -> HashMap<Key, FacetOf> {
+        let (free, mut facets) = (self.free(), HashMap::new());
+        self.each_facet(|facet| {
+            let key = facet.key();
+            if free.contains(&key) {
+                facets.insert(key, facet);
+            }
+        });
+        facets
+    }
+
     /// Looks at all facets of the cells of the highest dimension.
     fn each_facet(&self, mut look: impl FnMut(FacetOf)) {
         let dim = self.dim();

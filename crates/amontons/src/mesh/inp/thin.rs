@@ -1,0 +1,29 @@
+//! Shells, membranes, plane elements and lines that lie on the boundary of a body of more dimensions: facets of it.
+
+use std::collections::HashMap;
+
+use super::super::read::{FacetOf, Kind, Loose};
+use super::solid::vertices;
+use crate::mesh::topology::{Key, key};
+
+/// The facets of the boundary by their vertices.
+pub(super) struct Skin {
+    free: HashMap<Key, FacetOf>,
+}
+
+impl Skin {
+    /// The boundary of the cells.
+    pub fn of(loose: &Loose) -> Skin {
+        Skin { free: loose.free_facets() }
+    }
+
+    /// The facet that an element of these nodes is.
+    pub fn facet(&self, kind: &Kind, nodes: &[u32]) -> Option<&FacetOf> {
+        if let (1, [a, b, c]) = (kind.dim, nodes) {
+            // Abaqus puts the node in the middle between the others, Gmsh behind them.
+            let ends = [[a, c], [a, b], [b, c]];
+            return ends.into_iter().find_map(|ends| self.free.get(&key(ends.into_iter().copied())));
+        }
+        self.free.get(&key(nodes.iter().copied().take(vertices(kind))))
+    }
+}

@@ -1,0 +1,70 @@
+//! What sets and sections name that is no part of the mesh: things of one kind together, in words.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::super::read::{Skipped, listed};
+
+/// A kind of what is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Left {
+    /// Numbers of nodes in sets that the file lacks.
+    Nodes,
+    /// Numbers of elements in sets that the file lacks.
+    Elements,
+    Surfaces,
+    ElementSets,
+    NodeSets,
+    Sections,
+    /// Cells that a later section takes.
+    Taken,
+    /// Sets of cells that no section names.
+    Unnamed,
+}
+
+impl Left {
+    fn words(self) -> &'static str {
+        match self {
+            Left::Nodes => "nodes that sets name and the file lacks",
+            Left::Elements => "elements that sets name and the file lacks",
+            Left::Surfaces => "surfaces without a face of the body",
+            Left::ElementSets => "element sets without a cell of the body",
+            Left::NodeSets => "node sets without a node of the body",
+            Left::Sections => "sections without a cell of the body",
+            Left::Taken => "cells that a later section takes from",
+            Left::Unnamed => "element sets of cells that are no region",
+        }
+    }
+}
+
+#[derive(Default)]
+struct Entry {
+    line: usize,
+    count: usize,
+    names: BTreeSet<String>,
+}
+
+/// What is left out, by its kind.
+#[derive(Default)]
+pub(super) struct Told(RefCell<BTreeMap<Left, Entry>>);
+
+impl Told {
+    /// Notes something by its name, and how many things it stands for.
+    pub fn note(&self, left: Left, line: usize, name: &str, count: usize) {
+        let mut entries = self.0.borrow_mut();
+        let entry = entries.entry(left).or_insert_with(|| Entry { line, ..Entry::default() });
+        entry.line = entry.line.min(line);
+        entry.count += count;
+        entry.names.insert(name.to_owned());
+    }
+
+    /// An entry per kind.
+    pub fn skipped(&self) -> Vec<Skipped> {
+        let entry = |(left, Entry { line, count, names }): (&Left, &Entry)| {
+            let colon = if *left == Left::Taken { "" } else { ":" };
+            let what = format!("{}{colon} {}", left.words(), listed(names.iter()));
+            Skipped { what, file: None, line: Some(*line), count: *count }
+        };
+        self.0.borrow().iter().map(entry).collect()
+    }
+}

@@ -1,0 +1,193 @@
+//! The format of a file, by its ending and its first bytes, and the names of formats that are not read.
+
+use super::MeshFileError;
+
+/// Bytes at the beginning of a file that are looked at: comments may come first.
+const HEAD: usize = 1 << 16;
+
+/// A format that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Gmsh,
+    Input,
+    Grid,
+    Med,
+    Exodus,
+}
+
+/// Endings of files with what they are and how a mesh is made of them.
+const FOREIGN: [(&[&str], &str, &str); 22] = [
+    (&["cdb"], ANSYS, OF_ANSYS),
+    (&["unv"], UNIVERSAL, OF_UNIVERSAL),
+    (&["stl"], STL, OF_SURFACE),
+    (&["obj"], "a surface of Wavefront (OBJ), without cells inside", OF_SURFACE),
+    (&["ply", "off"], "a surface of triangles, without cells inside", OF_SURFACE),
+    (&["bdf", "nas", "fem"], NASTRAN, OF_NASTRAN),
+    (&["k", "key", "dyn"], DYNA, OF_DYNA),
+    (&["cgns"], "a CGNS file", BY_MESHIO),
+    (&["vtk"], LEGACY, BY_MESHIO),
+    (&["pvtu", "vtm", "vtkhdf"], "a VTK file in parts or in HDF5", BY_PARAVIEW),
+    (&["xdmf", "xmf"], XDMF, BY_MESHIO),
+    (&["step", "stp"], STEP, OF_SHAPE),
+    (&["iges", "igs", "brep"], "a shape without a mesh (CAD)", OF_SHAPE),
+    (&["geo"], "a script of Gmsh without a mesh", OF_SHAPE),
+    (&["mesh", "meshb"], "a mesh of Medit", BY_MESHIO),
+    (&["mphtxt", "mphbin"], "a mesh of COMSOL", OF_COMSOL),
+    (&["vol"], "a mesh of Netgen", BY_MESHIO),
+    (&["su2"], "a mesh of SU2", BY_MESHIO),
+    (&["frd"], "results of CalculiX", OF_RESULTS),
+    (&["odb"], "results of Abaqus", OF_RESULTS),
+    (&["cas"], FLUENT, BY_MESHIO),
+    (&["mdpa"], "a mesh of Kratos", BY_MESHIO),
+];
+
+const ANSYS: &str = "a mesh of ANSYS Mechanical APDL (CDB)";
+const UNIVERSAL: &str = "a universal file of I-deas or Salome (UNV)";
+const STL: &str = "a surface of triangles (STL), without cells inside";
+const NASTRAN: &str = "a deck of Nastran (bulk data)";
+const DYNA: &str = "a deck of LS-DYNA";
+const LEGACY: &str = "a legacy file of VTK";
+const XDMF: &str = "an XDMF file";
+const STEP: &str = "a shape without a mesh (STEP)";
+const FLUENT: &str = "a mesh of ANSYS Fluent";
+const UCD: &str = "a mesh of AVS (UCD)";
+
+const BY_MESHIO: &str = "a mesh in a format that is read; convert it with meshio: `meshio convert FILE MESH.vtu`, or save it as .msh or .inp";
+const BY_PARAVIEW: &str = "one unstructured grid; open it in ParaView and save the data as .vtu";
+const OF_ANSYS: &str = "a mesh in a format that is read; write it from ANSYS for Abaqus (.inp), or convert it with Python's mapdl-archive to .vtk and with meshio to .vtu";
+const OF_UNIVERSAL: &str = "a mesh in a format that is read; convert it with Gmsh: `gmsh FILE.unv -save -format msh41 -o MESH.msh`, or export .med from Salome";
+const OF_SURFACE: &str = "cells that fill a body; mesh the volume inside, in Gmsh with `Merge`, `Surface Loop` and `Volume`, or mesh the CAD shape";
+const OF_NASTRAN: &str =
+    "a mesh in a format that is read; convert it with Gmsh: `gmsh FILE.bdf -save -format msh41 -o MESH.msh`";
+const OF_DYNA: &str =
+    "a mesh in a format that is read; write it from the preprocessor for Abaqus (.inp), LS-PrePost exports it too";
+const OF_SHAPE: &str =
+    "a mesh; mesh the shape with Gmsh: `gmsh FILE -3 -o MESH.msh`, with physical groups for regions and sides";
+const OF_COMSOL: &str =
+    "a mesh in a format that is read; export it from COMSOL for Nastran, and convert that with Gmsh";
+const OF_RESULTS: &str = "the mesh; read the input file (.inp) of the computation";
+
+/// The formats that are read, for messages.
+pub(super) const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
+
+impl Format {
+    /// The format of a file with this ending, in small letters: its contents count where they are unmistakable.
+    ///
+    /// # Errors
+    /// When it is none that is read: the error names the format, if it is known.
+    pub fn of(ending: &str, bytes: &[u8]) -> Result<Format, MeshFileError> {
+        let head = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
+        if let Some((found, hint)) = foreign_contents(ending, head) {
+            return Err(MeshFileError::Foreign { found, hint });
+        }
+        let of_ending = Format::of_ending(ending);
+        // Binary formats tell their own faults.
+        match (of_ending, Format::of_contents(head)) {
+            (Some(Format::Gmsh | Format::Input) | None, Some(format)) => Ok(format),
+            (Some(format), _) => Ok(format),
+            (None, None) => Err(unknown(ending)),
+        }
+    }
+
+    /// The format of an ending, in small letters.
+    pub fn of_ending(ending: &str) -> Option<Format> {
+        Some(match ending {
+            "msh" => Format::Gmsh,
+            "inp" => Format::Input,
+            "vtu" => Format::Grid,
+            "med" => Format::Med,
+            "e" | "exo" | "g" => Format::Exodus,
+            _ => return None,
+        })
+    }
+
+    /// The format of a text that can be no other one.
+    fn of_contents(head: &[u8]) -> Option<Format> {
+        if head.starts_with(b"$MeshFormat") {
+            return Some(Format::Gmsh);
+        }
+        is_deck(head).then_some(Format::Input)
+    }
+}
+
+/// The error of an ending that is none of the formats that are read.
+fn unknown(ending: &str) -> MeshFileError {
+    let named = FOREIGN.iter().find(|(endings, ..)| endings.contains(&ending));
+    match named {
+        Some((_, found, hint)) => MeshFileError::Foreign { found, hint },
+        None => MeshFileError::Extension { found: ending.to_owned() },
+    }
+}
+
+/// Whether a text is a deck of Abaqus or CalculiX: its first line is a comment or keyword, and it has nodes, elements
+/// with a type, or includes a file.
+fn is_deck(head: &[u8]) -> bool {
+    let mut lines = lines(head);
+    let Some(first) = lines.clone().next() else { return false };
+    first.starts_with(b"*")
+        && lines.any(|line| {
+            let line = line.to_ascii_uppercase();
+            let has = |word: &[u8]| line.windows(word.len()).any(|part| part == word);
+            (line.starts_with(b"*ELEMENT") && has(b"TYPE=") || line.starts_with(b"*INCLUDE") && has(b"INPUT="))
+                || line.split(|byte| *byte == b',').next().is_some_and(|name| name.trim_ascii() == b"*NODE")
+                    && !is_dyna(head)
+        })
+}
+
+/// Whether a text is a deck of LS-DYNA, whose keywords have stars, too.
+fn is_dyna(head: &[u8]) -> bool {
+    lines(head).any(|line| {
+        let line = line.to_ascii_uppercase();
+        line.starts_with(b"*KEYWORD") || line.starts_with(b"*ELEMENT_")
+    })
+}
+
+/// The lines that are not empty, without blanks at their ends.
+fn lines(head: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
+    head.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty())
+}
+
+/// What the first bytes say of a file of another program, whatever its ending.
+fn foreign_contents(ending: &str, head: &[u8]) -> Option<(&'static str, &'static str)> {
+    let first = lines(head).next().unwrap_or_default().to_ascii_uppercase();
+    let begins = |words: &[&str]| words.iter().any(|word| first.starts_with(word.as_bytes()));
+    let line = |words: &[&str]| {
+        lines(head).any(|line| {
+            let line = line.to_ascii_uppercase();
+            words.iter().any(|word| line.starts_with(word.as_bytes()))
+        })
+    };
+    if begins(&["# VTK DATAFILE"]) {
+        return Some((LEGACY, BY_MESHIO));
+    }
+    if begins(&["ISO-10303-21"]) {
+        return Some((STEP, OF_SHAPE));
+    }
+    if begins(&["SOLID "]) && line(&["FACET NORMAL"]) {
+        return Some((STL, OF_SURFACE));
+    }
+    if begins(&["/COM", "/PREP7", "/NOPR", "/BATCH"]) {
+        return Some((ANSYS, OF_ANSYS));
+    }
+    if begins(&["-1"]) && lines(head).nth(1).is_some_and(|line| matches!(line, b"151" | b"164" | b"2411" | b"2420")) {
+        return Some((UNIVERSAL, OF_UNIVERSAL));
+    }
+    if begins(&["(0 ", "(1 ", "(2 "]) {
+        return Some((FLUENT, BY_MESHIO));
+    }
+    if head.starts_with(b"<") && line(&["<XDMF"]) {
+        return Some((XDMF, BY_MESHIO));
+    }
+    if begins(&["*", "$#", "$ "]) && is_dyna(head) {
+        return Some((DYNA, OF_DYNA));
+    }
+    let is_deck_ending = matches!(ending, "inp" | "dat" | "txt" | "bdf" | "nas");
+    if is_deck_ending && !begins(&["*"]) && line(&["BEGIN BULK", "GRID ", "GRID,", "GRID*"]) {
+        return Some((NASTRAN, OF_NASTRAN));
+    }
+    let first = first.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect::<Vec<_>>();
+    if ending == "inp" && first.len() == 5 && first.iter().all(|word| word.iter().all(u8::is_ascii_digit)) {
+        return Some((UCD, BY_MESHIO));
+    }
+    None
+}
