@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::build::Build;
+use super::build::{Build, OfFile};
 use super::memory::{self, Demand, Size, neighbours};
 use super::path::Path;
 use super::place::At;
@@ -159,8 +159,7 @@ impl Build<'_> {
         let read = mesh::parse_file(name, &bytes, Some(&mut |other: &str| self.loader.include(other)));
         let mut mesh = match read {
             Ok(read) => {
-                self.plane = read.plane;
-                self.skipped = read.skipped;
+                self.of_file = OfFile { plane: read.plane, skipped: read.skipped };
                 if let Some(whole) = read.whole {
                     self.loader.complete(name, whole);
                 }
