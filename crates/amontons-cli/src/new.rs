@@ -96,8 +96,8 @@ fn one(held: &str, others: &[String], vector: &dyn Fn(&str) -> String) -> String
     )
 }
 
-/// Conditions of several bodies: those that face each other are pairs, the first body is held, and the others are pressed
-/// down by a thousandth of their size.
+/// Conditions of several bodies: those that face each other are pairs, the first body is held, and the others are
+/// pressed down by a thousandth of their size.
 fn several(mesh: &Mesh) -> String {
     let bodies = components(mesh);
     let extent = (0..mesh.dim).map(|d| {

@@ -2,9 +2,10 @@
 
 use super::build::Build;
 use super::memory::{Demand, Size};
-use super::mesh::{FileOf, FromFile, SidesOf, generate, measured, size};
+use super::mesh::{FileOf, FromFile, generate, measured, size};
 use super::place::At;
 use super::raw;
+use super::side_names::SideNames;
 use crate::machine::Memory;
 use crate::mesh::{Mesh, MeshError, Plane};
 use crate::tensor::Rotation;
@@ -39,7 +40,7 @@ impl Build<'_> {
         &mut self,
         blocks: &[raw::Block],
         axisymmetric: bool,
-        sides: &SidesOf,
+        sides: &SideNames,
         available: Option<Memory>,
     ) -> Option<Mesh> {
         let (mut bodies, mut all, mut said) = (Vec::new(), Size::default(), Vec::new());
@@ -66,7 +67,8 @@ impl Build<'_> {
             bodies.push((block.name.clone(), mesh));
         }
         // Elements of files that do not all say the same say nothing.
-        self.plane = said.first().copied().flatten().filter(|plane| said.iter().all(|other| *other == Some(*plane)));
+        self.of_file.plane =
+            said.first().copied().flatten().filter(|plane| said.iter().all(|other| *other == Some(*plane)));
         self.one_section(&bodies)?;
         Mesh::assembly(&bodies).map_err(|error| self.no_block(0, &error)).ok()
     }
@@ -112,7 +114,7 @@ impl Build<'_> {
         block: &raw::Block,
         dim: usize,
         axisymmetric: bool,
-        sides: &SidesOf,
+        sides: &SideNames,
     ) -> Option<Body> {
         let prefixed = |side: &str| format!("{}_{side}", block.name);
         let Some(file) = &block.file else {

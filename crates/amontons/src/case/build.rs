@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::files::{Files, Loader};
-use super::mesh::SidesOf;
 use super::nearest::nearest;
 use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
@@ -12,6 +11,7 @@ use super::place::{At, Finding};
 use super::raw;
 use super::schema::Limits;
 use super::side_facts::SideFacts;
+use super::side_names::SideNames;
 use super::verify::{Expected, Verify};
 use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
@@ -42,8 +42,7 @@ pub(super) fn problem(
         doubtful: notes.doubtful,
         limits: notes.limits,
         loader: Loader::new(files),
-        plane: None,
-        skipped: Vec::new(),
+        of_file: OfFile::default(),
         chosen: Vec::new(),
         no_mesh: false,
         is_sound: notes.doubtful.is_empty(),
@@ -57,16 +56,15 @@ pub(super) fn problem(
     };
     build.name(&raw.name);
     build.step(&raw.time);
-    let mut mesh = build.mesh(&raw.mesh, &SidesOf::new(&raw), available);
+    let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
     build.dim = mesh.dim;
     build.thickness(raw.thickness, &mut mesh);
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
-    let bodies = materials.clone();
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     build.places(&mut raw.boundary, &mut mesh);
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
-    let of_sides = SideFacts::new(&mesh, &bodies, &boundary);
+    let of_sides = SideFacts::new(&mesh, &materials, &boundary);
     let contacts = contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect();
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
@@ -94,7 +92,7 @@ pub(super) fn problem(
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    let skipped = build.skipped;
+    let OfFile { skipped, .. } = build.of_file;
     let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
@@ -208,6 +206,15 @@ pub(super) struct Notes<'d> {
     pub scale: TemperatureScale,
 }
 
+/// What a mesh file says besides the mesh.
+#[derive(Default)]
+pub(super) struct OfFile {
+    /// What the elements say of the direction that a plane body lacks.
+    pub plane: Option<Plane>,
+    /// What is no part of the mesh.
+    pub skipped: Vec<Skipped>,
+}
+
 /// What is known while a problem is built.
 pub(super) struct Build<'d> {
     pub findings: Vec<Finding>,
@@ -218,10 +225,8 @@ pub(super) struct Build<'d> {
     pub loader: Loader<'d>,
     /// The file of the mesh with the factor of its coordinates; none of a generated one.
     pub mesh_file: Option<(String, f64)>,
-    /// What the elements of the mesh file say of the direction that a plane body lacks.
-    pub plane: Option<Plane>,
-    /// What the mesh file has besides the mesh.
-    pub skipped: Vec<Skipped>,
+    /// What the mesh file says besides the mesh.
+    pub of_file: OfFile,
     /// What the program chose where the case leaves it open.
     pub chosen: Vec<Choice>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.

@@ -179,7 +179,7 @@ impl Builder<'_, '_, '_> {
                 Some("remove it"),
             );
         }
-        let of_file = match self.build.plane {
+        let of_file = match self.build.of_file.plane {
             Some(Plane::Stress) => Some(StressState::PlaneStress),
             Some(Plane::Strain) => Some(StressState::PlaneStrain),
             None => None,

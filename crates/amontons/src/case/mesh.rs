@@ -7,6 +7,7 @@ use super::memory::{self, Demand, Size, neighbours};
 use super::path::Path;
 use super::place::At;
 use super::raw;
+use super::side_names::SideNames;
 use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
 use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, Plane};
@@ -27,27 +28,6 @@ pub(super) struct FileOf<'c> {
 pub(super) struct FromFile {
     pub mesh: Mesh,
     pub plane: Option<Plane>,
-}
-
-/// The sides of a case.
-pub(super) struct SidesOf<'c> {
-    /// Those of the contacts.
-    pub contact: Vec<&'c str>,
-    /// Those that conditions, contacts and other sides name.
-    pub used: Vec<&'c str>,
-    /// Those that the case names by their place.
-    pub named: &'c [raw::Side],
-}
-
-impl SidesOf<'_> {
-    /// The sides of a case.
-    pub fn new(raw: &raw::Case) -> SidesOf<'_> {
-        let contact: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
-        let of_boundary = raw.boundary.iter().map(|b| b.on.as_str());
-        let of_sides = raw.side.iter().flat_map(|side| side.of.iter().map(String::as_str));
-        let used = of_boundary.chain(of_sides).chain(contact.iter().copied()).collect();
-        SidesOf { contact, used, named: &raw.side }
-    }
 }
 
 /// Cells per direction of a generated mesh, none of several blocks; of a mesh from a file the parts of each edge.
@@ -128,12 +108,12 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
 
 impl Build<'_> {
     /// The mesh, or a stand-in of few cells if it cannot be had.
-    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SidesOf, available: Option<Memory>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<Memory>) -> Mesh {
         let made = match raw {
             raw::Mesh::File { file, scale, axisymmetric, refine } => {
                 let of = FileOf { name: file, scale: *scale, axisymmetric: *axisymmetric };
                 let read = self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|FromFile { mesh, plane }| {
-                    self.plane = plane;
+                    self.of_file.plane = plane;
                     self.with_named_sides(mesh, sides.named)
                 });
                 let read = read.filter(|mesh| {
@@ -202,7 +182,7 @@ impl Build<'_> {
         let read = mesh::parse_file(name, &bytes, Some(&mut |other: &str| self.loader.include(other)));
         let mut read = match read {
             Ok(read) => {
-                self.skipped.extend(read.skipped);
+                self.of_file.skipped.extend(read.skipped);
                 if let Some(whole) = read.whole {
                     self.loader.complete(name, whole);
                 }

@@ -50,6 +50,7 @@ mod reference;
 mod request;
 mod schema;
 mod side_facts;
+mod side_names;
 mod sides;
 mod study;
 mod syntax;

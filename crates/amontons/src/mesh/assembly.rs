@@ -4,9 +4,9 @@ use super::{Mesh, MeshError};
 use crate::tensor::Rotation;
 
 impl Mesh {
-    /// Bodies side by side, whether they touch or not: the nodes of each remain its own. A body of one region is a region
-    /// with the name of the body; the regions of others and the facet sets are those of each body after its name,
-    /// `pad_top`.
+    /// Bodies side by side, whether they touch or not: the nodes of each remain its own. A body of one region is a
+    /// region with the name of the body; the regions of others and the facet sets are those of each body after its
+    /// name, `pad_top`.
     ///
     /// # Errors
     /// When there are more nodes than can be numbered.

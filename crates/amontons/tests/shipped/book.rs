@@ -3,7 +3,7 @@
 use crate::common::file;
 use std::path::Path;
 
-use amontons::case::{self, Source};
+use amontons::case::{self, Files, Source};
 use amontons::output::{Shown, Table, shown};
 use amontons::units::{Measure, Units};
 
@@ -60,7 +60,9 @@ fn read(chapter: &str) -> (usize, usize) {
             elasticity.remove("stress_state");
         }
         whole.extend(part);
-        if let Err(error) = case::parse(&Source::new("part.toml", whole.to_string()), &[]) {
+        // Mesh files of parts are those of the shipped cases.
+        let source = Source { files: Files::Folder(file("cases")), ..Source::new("part.toml", whole.to_string()) };
+        if let Err(error) = case::parse(&source, &[]) {
             panic!("{block}\n{error}");
         }
         parts += 1;

@@ -5,8 +5,8 @@ use crate::contact::{PiecewiseLinear, TableFault};
 use crate::tensor::Point;
 
 /// p linear between the points of a table that starts at (r₀, 0), r₀ ≤ 0, and does not fall; beyond the last point its
-/// last piece goes on. With r₀ < 0 the pressure begins in the gap, as that of rough surfaces and gaskets does; (H8) does
-/// not cover it.
+/// last piece goes on. With r₀ < 0 the pressure begins in the gap, as that of rough surfaces and gaskets does; (H8)
+/// does not cover it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureTable {
     /// p in Pa at r in m.

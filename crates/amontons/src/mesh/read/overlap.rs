@@ -1,8 +1,8 @@
 //! Regions of cells that are in several groups: a material belongs to one region.
 //!
 //! A cell is in the region of its smallest group if that one lies within the other groups of the cell: of "all" and
-//! "soft" within it, "soft" keeps its name and "all" is the rest. Where two groups only overlap, their common cells are a
-//! region of both names, "left+upper". Of groups with the same cells the first counts.
+//! "soft" within it, "soft" keeps its name and "all" is the rest. Where two groups only overlap, their common cells are
+//! a region of both names, "left+upper". Of groups with the same cells the first counts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -28,7 +28,9 @@ impl Overlap {
         }
         let mut sizes = vec![0; names.len()];
         for (groups, (_, count)) in &of {
-            groups.iter().for_each(|&group| sizes[group] += count);
+            for &group in groups {
+                sizes[group] += count;
+            }
         }
         let smallest = |groups: &BTreeSet<usize>| groups.iter().copied().min_by_key(|&group| sizes[group]);
         let within = within(&of, &smallest);

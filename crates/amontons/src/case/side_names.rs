@@ -1,0 +1,24 @@
+//! The sides that a case speaks of, before there is a mesh.
+
+use super::raw;
+
+/// The sides of a case.
+pub(super) struct SideNames<'c> {
+    /// Those of the contacts.
+    pub contact: Vec<&'c str>,
+    /// Those that conditions, contacts and other sides name.
+    pub used: Vec<&'c str>,
+    /// Those that the case names by their place.
+    pub named: &'c [raw::Side],
+}
+
+impl SideNames<'_> {
+    /// The sides of a case.
+    pub fn new(raw: &raw::Case) -> SideNames<'_> {
+        let contact: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
+        let of_boundary = raw.boundary.iter().map(|b| b.on.as_str());
+        let of_sides = raw.side.iter().flat_map(|side| side.of.iter().map(String::as_str));
+        let used = of_boundary.chain(of_sides).chain(contact.iter().copied()).collect();
+        SideNames { contact, used, named: &raw.side }
+    }
+}
