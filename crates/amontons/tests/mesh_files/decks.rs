@@ -183,6 +183,22 @@ fn facets_of_solids_with_names_are_sides() {
     }
 }
 
+/// A box of 10 × 10 × 3.6 as Gmsh 4.15 wrote it, with four physical surfaces and a volume, as sets of elements and of
+/// nodes: each face has its own area, though the nodes of one at its rim hold facets of others.
+#[test]
+fn a_box_of_gmsh_has_its_faces() {
+    let read = mesh::read_all(&field("box-groups.inp")).unwrap_or_else(|error| panic!("{error}"));
+    let found: Vec<(&str, f64)> = sides(&read.mesh)
+        .into_iter()
+        .filter(|(name, ..)| !name.starts_with("Surface"))
+        .map(|(name, _, area)| (name, (area * 1e9).round() / 1e9))
+        .collect();
+    let whole = 2.0 * 100.0 + 4.0 * 36.0;
+    assert_eq!(found, [("above", 100.0), ("below", 100.0), ("block", whole), ("front", 36.0), ("left", 36.0)]);
+    assert!((region(&read.mesh, "block").0 - 360.0).abs() < 1e-9);
+    assert_eq!(read.mesh.regions, ["block"]);
+}
+
 /// Two tetrahedra in one cube corner: triangles outside are sides, the one between the bodies and one that is no face
 /// are not. In a file of Gmsh the physical groups are the regions.
 #[test]

@@ -2,11 +2,12 @@
 //! reference manual (section "Gmsh file formats").
 //!
 //! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by
-//! their name or, without one, by the digits of their tag; groups of one name are one. Where no group of a dimension is
-//! there, the tags of the entities serve: `surface-3`, `curve-11`, of dimension d only if there are several, of
-//! dimension d − 1 what is on the boundary. Cells of several groups are in one region: the smallest of them if that lies
-//! within the others. A mesh in partitions is read as one: its entities are those that were parted, ghost cells are left out.
-//! Sections other than the format, names, entities, nodes and elements are skipped.
+//! their name or, without one, by the digits of their tag; groups of one name are one. Where no group of a
+//! dimension is there, the tags of the entities serve: `surface-3`, `curve-11`, of dimension d only if there are
+//! several, of dimension d − 1 what is on the boundary. Cells of several groups are in one region: the smallest of
+//! them if that lies within the others. A mesh in partitions is read as one: its entities are those that were
+//! parted, ghost cells are left out. Sections other than the format, names, entities, nodes and elements are
+//! skipped.
 
 mod cursor;
 mod data;

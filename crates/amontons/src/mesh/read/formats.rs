@@ -16,7 +16,7 @@ pub(super) enum Format {
 }
 
 /// Endings of files with what they are and how a mesh is made of them.
-const FOREIGN: [(&[&str], &str, &str); 22] = [
+const FOREIGN: [(&[&str], &str, &str); 23] = [
     (&["cdb"], ANSYS, OF_ANSYS),
     (&["unv"], UNIVERSAL, OF_UNIVERSAL),
     (&["stl"], STL, OF_SURFACE),
@@ -39,6 +39,7 @@ const FOREIGN: [(&[&str], &str, &str); 22] = [
     (&["odb"], "results of Abaqus", OF_RESULTS),
     (&["cas"], FLUENT, BY_MESHIO),
     (&["mdpa"], "a mesh of Kratos", BY_MESHIO),
+    (&["mail"], "a text mesh of Code_Aster", OF_ASTER),
 ];
 
 const ANSYS: &str = "a mesh of ANSYS Mechanical APDL (CDB)";
@@ -65,6 +66,8 @@ const OF_SHAPE: &str =
     "a mesh; mesh the shape with Gmsh: `gmsh FILE -3 -o MESH.msh`, with physical groups for regions and sides";
 const OF_COMSOL: &str =
     "a mesh in a format that is read; export it from COMSOL for Nastran, and convert that with Gmsh";
+const OF_ASTER: &str =
+    "a mesh in a format that is read; write it from Code_Aster as MED: `IMPR_RESU(FORMAT='MED', RESU=_F(MAILLAGE=…))`";
 const OF_RESULTS: &str = "the mesh; read the input file (.inp) of the computation";
 
 /// The formats that are read, for messages.
