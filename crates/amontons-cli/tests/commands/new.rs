@@ -125,7 +125,8 @@ fn a_case_of_two_bodies_has_their_pair() {
     }
     assert_code(&run(&["check", "c.toml"]), 0);
     assert_code(&run(&["run", "c.toml", "--quiet"]), 0);
-    // Plane strain of two blocks of height 1: σ_yy = −E/(1 − ν²) · 0.002/2 without friction across, a little more with it.
+    // Plane strain of two blocks of height 1: σ_yy = −E/(1 − ν²) · 0.002/2 without friction across, a little more with
+    // it.
     let contact = &summary(&folder.path().join("results/c"))["final"]["contact"];
     let force = contact["force"][1].as_f64().expect("a force").abs();
     let free = 210e9 / (1.0 - 0.3f64.powi(2)) * 1e-3 * 2.0;
