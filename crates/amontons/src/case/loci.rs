@@ -106,10 +106,8 @@ impl Build<'_> {
         }
         if let Some(cylinder) = &raw.cylinder {
             let at = format!("{path}.cylinder");
-            let point = match cylinder.point.is_empty() {
-                true => Some([0.0; 3]),
-                false => self.point(&at, "point", &cylinder.point),
-            };
+            let is_at_origin = cylinder.point.is_empty();
+            let point = if is_at_origin { Some([0.0; 3]) } else { self.point(&at, "point", &cylinder.point) };
             let axis = self.axis(&at, &cylinder.axis);
             let axis = axis.filter(|axis| self.is_direction(&format!("{at}.axis"), axis));
             loci.push(Locus::Cylinder { point: point?, axis: axis?, radius: cylinder.radius });

@@ -9,7 +9,7 @@ const X: Point = [0.3, 0.2, 0.1];
 
 /// The graph keeps (H8) as far as it claims to, and has the slopes, potential and Lipschitz constant it claims; `r` is
 /// a penetration typical of the law. A function that declares a Lipschitz constant vanishes without penetration, unless
-/// it pulls; a graph gives the same p for every λ.
+/// it pulls, or begins to push in the gap: then it vanishes where the gap is wide. A graph gives the same p for every λ.
 ///
 /// # Panics
 /// When the law breaks the contract.
@@ -19,14 +19,15 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
         return assert_graph(law, r);
     }
     let p = |r: f64, rate: f64| law.pressure(&X, r, rate, 0.0);
-    near(p(0.0, 0.0).value, 0.0, 0.0, &format!("{law:?}: pressure at zero penetration"));
-    near(law.potential(&X, 0.0), 0.0, 0.0, &format!("{law:?}: energy at zero penetration"));
+    let [pulls, pushes] = [p(-1e-3 * r, 0.0).value < 0.0, p(-1e-3 * r, 0.0).value > 0.0];
+    let closing = if pushes { -1e3 * r } else { 0.0 };
+    near(p(closing, 0.0).value, 0.0, 0.0, &format!("{law:?}: pressure at zero penetration"));
+    near(law.potential(&X, closing), 0.0, 0.0, &format!("{law:?}: energy at zero penetration"));
     let size = (0..=16).map(|i| p(f64::from(i - 8) / 4.0 * r, 0.0).value.abs()).fold(0.0, f64::max);
-    let pulls = p(-1e-3 * r, 0.0).value < 0.0;
     for _ in 0..256 {
         let (a, b) = (2.0 * r * random.number(), 2.0 * r * random.number());
         let ga = p(a, 0.0);
-        if a <= 0.0 && !pulls {
+        if a <= closing && !pulls {
             near(ga.value, 0.0, 0.0, &format!("{law:?}: pressure over an open gap"));
             near(law.potential(&X, a), 0.0, 0.0, &format!("{law:?}: energy over an open gap"));
         }

@@ -89,7 +89,7 @@ faults! {
     blocks_of_one_name: "name = \"pad\"" => "name = \"disc\"",
         "mesh.blocks[1].name: found \"disc\" again, expected a name of its own for each block";
     a_block_without_a_size: "size = [2.0, 1.0]\n" => "",
-        "mesh.blocks[1]: found neither `size` nor `radii`, expected one of them: `size` of an interval, rectangle or box, `radii` of a round body";
+        "mesh.blocks[1]: found neither `size` nor `radii` nor `file`, expected one of them: `size` of an interval, rectangle or box, `radii` of a round body, a mesh `file`";
     a_block_of_two_shapes: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\nradii = [0, 1]",
         "mesh.blocks[1]: found both `size` and `radii`, expected one of them";
     a_cylinder_in_the_plane: "size = [2.0, 1.0]" => "radii = [0.5, 1.0]\nheight = 1.0",
