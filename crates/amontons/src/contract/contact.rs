@@ -9,7 +9,8 @@ const X: Point = [0.3, 0.2, 0.1];
 
 /// The graph keeps (H8) as far as it claims to, and has the slopes, potential and Lipschitz constant it claims; `r` is
 /// a penetration typical of the law. A function that declares a Lipschitz constant vanishes without penetration, unless
-/// it pulls, or begins to push in the gap: then it vanishes where the gap is wide. A graph gives the same p for every λ.
+/// it pulls, or begins to push in the gap: then it vanishes where the gap is wide. A graph gives the same p for
+/// every λ.
 ///
 /// # Panics
 /// When the law breaks the contract.
