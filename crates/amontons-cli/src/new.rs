@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use amontons::case;
-use amontons::contact::mortar::facing;
-use amontons::mesh::defects::components;
+use amontons::contact::mortar::{Facing, facing};
+use amontons::mesh::defects::{Component, components};
 use amontons::mesh::{self, FacetSet, Mesh};
 use amontons::model::MeshModel;
 use amontons::output::OutputError;
@@ -97,7 +97,7 @@ fn one(held: &str, others: &[String], vector: &dyn Fn(&str) -> String) -> String
 }
 
 /// Conditions of several bodies: those that face each other are pairs, the first body is held, and the others are
-/// pressed down by a thousandth of their size.
+/// pressed by a thousandth of the size of all against what they face.
 fn several(mesh: &Mesh) -> String {
     let bodies = components(mesh);
     let extent = (0..mesh.dim).map(|d| {
@@ -105,10 +105,9 @@ fn several(mesh: &Mesh) -> String {
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     });
     let size = extent.fold(0.0, f64::max);
-    let pairs: Vec<[&String; 2]> = facing(mesh, NEAR * size, &|_, _| true)
-        .iter()
-        .filter_map(|found| Some([named(mesh, &found.sides[0])?, named(mesh, &found.sides[1])?]))
-        .collect();
+    let found = facing(mesh, NEAR * size, &|_, _| true);
+    let pairs: Vec<[&String; 2]> =
+        found.iter().filter_map(|found| Some([named(mesh, &found.sides[0])?, named(mesh, &found.sides[1])?])).collect();
     let mut text = String::new();
     for (number, body) in bodies.iter().enumerate() {
         let is_of = |set: &FacetSet| set.node_list().iter().all(|node| body.nodes.binary_search(node).is_ok());
@@ -121,10 +120,10 @@ fn several(mesh: &Mesh) -> String {
                 &format!("\n# Body {} has no side with a name: give it one by [[side]], and hold it.\n", number + 1);
             continue;
         };
-        let last = if number == 0 { "0".to_owned() } else { figure(-1e-3 * size) };
-        let components: Vec<&str> =
-            (0..mesh.dim).map(|d| if d + 1 == mesh.dim { last.as_str() } else { "0" }).collect();
-        text += &format!("\n[[boundary]]\non = {}\ndisplacement = [{}]\n", quoted(side), components.join(", "));
+        let push = if number == 0 { [0.0; 3] } else { towards(mesh, body, number, &found) };
+        let components: Vec<String> = push.iter().take(mesh.dim).map(|c| figure(1e-3 * size * c)).collect();
+        let note = if number == 0 { "" } else { "  # a thousandth of the size in the unit of the mesh" };
+        text += &format!("\n[[boundary]]\non = {}\ndisplacement = [{}]{note}\n", quoted(side), components.join(", "));
     }
     for [on, with] in &pairs {
         text += &format!(
@@ -138,6 +137,21 @@ fn several(mesh: &Mesh) -> String {
                  # [contact]\n# automatic = { distance = \"1 mm\" }\n# normal = { law = \"signorini\" }\n";
     }
     text
+}
+
+/// The direction along an axis from the middle of a body to what of it faces another one; none where this is all around.
+fn towards(mesh: &Mesh, body: &Component, number: usize, found: &[Facing]) -> [f64; 3] {
+    let own = |facing: &Facing| {
+        let sides = facing.bodies.iter().zip(&facing.sides);
+        sides.filter(|(of, _)| **of == number).map(|(_, side)| side.node_list()).next()
+    };
+    let Some(nodes) = found.iter().find_map(own) else { return [0.0; 3] };
+    let [whole, part] = [body.bounds(mesh), Component { nodes, cells: 0 }.bounds(mesh)];
+    let way: [f64; 3] = std::array::from_fn(|d| 0.5 * (part[0][d] + part[1][d] - whole[0][d] - whole[1][d]));
+    let largest = (0..mesh.dim).max_by(|&a, &b| way[a].abs().total_cmp(&way[b].abs())).unwrap_or(0);
+    // A shaft in its bore is as far from every side.
+    let is_one_sided = way[largest].abs() > 0.1 * (whole[1][largest] - whole[0][largest]);
+    std::array::from_fn(|d| if is_one_sided && d == largest { way[d].signum() } else { 0.0 })
 }
 
 /// Share of the size of a mesh up to which bodies that face each other are taken to meet.

@@ -52,7 +52,6 @@ struct Conductance {
 /// A pair or a tie.
 #[derive(Clone, Debug)]
 struct Pair {
-    place: Place,
     from: String,
     slave: String,
     master: String,
@@ -185,7 +184,6 @@ impl Contacts {
         let slave = mesh.surface(&line.place, line.need(0, expected)?)?;
         let master = mesh.surface(&line.place, line.need(1, expected)?)?;
         self.pairs.push(Pair {
-            place: card.place.clone(),
             from: format!("*{} {}", card.name, card.place),
             slave,
             master,
@@ -212,11 +210,11 @@ impl Contacts {
     }
 
     /// The contacts of the case.
-    pub fn text(&self, scene: &Scene, notes: &mut Notes) -> String {
-        self.pairs.iter().map(|pair| self.one(pair, scene, notes)).collect()
+    pub fn text(&self, scene: &Scene) -> String {
+        self.pairs.iter().map(|pair| self.one(pair, scene)).collect()
     }
 
-    fn one(&self, pair: &Pair, scene: &Scene, notes: &mut Notes) -> String {
+    fn one(&self, pair: &Pair, scene: &Scene) -> String {
         let Units { length, .. } = scene.units;
         let mut text = format!(
             "\n[[contact]]                          # {}\non = {}\nwith = {}\n",
@@ -231,17 +229,11 @@ impl Contacts {
             text += &format!("# {}\n", from.join(", "));
         }
         let tied = matches!(normal, Some(Normal::Tied)) || scene.rests;
-        let mut gap = pair.gap.map(|gap| gap * length);
+        let gap = pair.gap.map(|gap| gap * length);
         if scene.rests {
             text += "# bodies at rest: the sides keep their distance, and heat alone passes\n";
         }
-        let (law, shift) =
-            if tied { ("{ law = \"bilateral\" }".to_owned(), 0.0) } else { pressure(normal.as_ref(), scene) };
-        if shift != 0.0 {
-            let why = "the pressure begins at a clearance: the case takes the sides to touch at rest";
-            notes.add(&pair.place, "*SURFACE BEHAVIOR", why, Matter::Perhaps);
-            gap = Some(gap.unwrap_or(0.0) - shift);
-        }
+        let law = if tied { "{ law = \"bilateral\" }".to_owned() } else { pressure(normal.as_ref(), scene.units) };
         text += &format!("normal = {law}\n");
         if tied || matches!(friction, Some(Friction::Rough)) {
             text += "friction = { law = \"stick\" }\n";
@@ -310,6 +302,10 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
             if rows.len() < 2 {
                 return Err(Fault::new(&card.place, "a table of less than two lines", "pressures and overclosures"));
             }
+            if let Some(first) = rows.first().filter(|first| first.1 != 0.0) {
+                let found = format!("a table that begins with the pressure {}", number(first.1));
+                return Err(Fault::new(&card.place, found, "one that begins with the pressure 0"));
+            }
             // Up to the last row without pressure the sides are apart.
             let first = rows.iter().take_while(|row| row.1 <= 0.0).count().saturating_sub(1);
             Ok(Normal::Table(rows.split_off(first)))
@@ -321,28 +317,26 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
     }
 }
 
-/// A law of the case, and the clearance at which its pressure begins.
-fn pressure(normal: Option<&Normal>, scene: &Scene) -> (String, f64) {
-    let units = scene.units;
+/// A law of the case.
+fn pressure(normal: Option<&Normal>, units: Units) -> String {
     match normal {
-        None | Some(Normal::Hard | Normal::Tied) => ("{ law = \"signorini\" }".to_owned(), 0.0),
+        None | Some(Normal::Hard | Normal::Tied) => "{ law = \"signorini\" }".to_owned(),
         Some(Normal::Linear(slope)) => {
-            (format!("{{ law = \"compliance\", stiffness = {} }}", number(slope * units.slope())), 0.0)
+            format!("{{ law = \"compliance\", stiffness = {} }}", number(slope * units.slope()))
         }
         Some(Normal::Exponential(clearance, pressure)) => {
             let (c, p) = (clearance * units.length, pressure * units.stress());
             // One per cent of the pressure at contact, where CalculiX has the contact begin, is taken away.
-            let rate = HUNDRED.ln() / c;
-            let formula = format!("{}*(exp({}*r) - 1)", number(p / HUNDRED), number(rate));
-            (format!("{{ law = \"expression\", pressure = \"{formula}\" }}"), c)
+            let formula = format!("{}*(exp({}*r) - {})", number(p), number(HUNDRED.ln() / c), number(HUNDRED.recip()));
+            format!("{{ law = \"expression\", pressure = \"{formula}\", begin = {} }}", number(-c))
         }
         Some(Normal::Table(rows)) => {
-            let begin = rows.first().map_or(0.0, |row| row.0);
-            let penetration = numbers(rows.iter().map(|row| (row.0 - begin) * units.length));
-            let base = rows.first().map_or(0.0, |row| row.1);
-            let pressure = numbers(rows.iter().map(|row| (row.1 - base) * units.stress()));
-            let law = format!("{{ law = \"table\", penetration = {penetration}, pressure = {pressure} }}");
-            (law, -begin * units.length)
+            // A law of the case has no pressure where it begins, in the gap or where it closes.
+            let closed = rows.first().filter(|row| row.0 > 0.0).map(|_| (0.0, 0.0));
+            let rows: Vec<(f64, f64)> = closed.into_iter().chain(rows.iter().copied()).collect();
+            let penetration = numbers(rows.iter().map(|row| row.0 * units.length));
+            let pressure = numbers(rows.iter().map(|row| row.1 * units.stress()));
+            format!("{{ law = \"table\", penetration = {penetration}, pressure = {pressure} }}")
         }
     }
 }

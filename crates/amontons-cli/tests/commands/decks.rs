@@ -58,16 +58,23 @@ fn laws_of_pressure_have_their_overclosure() {
     // Between 10 and 30 MPa; p = 10 exp(ln(100) d / 0.01) less one per cent; a slope; none.
     let laws = [
         ("TABULAR\n0, 0\n10, 0.001\n30, 0.002", 0.00155, 1e-9),
+        // It begins in the gap, or beyond, and the sides are apart at rest.
+        ("TABULAR\n0, -0.001\n10, 0\n30, 0.001", 0.00055, 1e-9),
+        ("TABULAR\n0, 0.001\n10, 0.002\n30, 0.003", 0.00255, 1e-9),
+        ("TABULAR\n0, -0.001\n10, 0\n30, 0.001\n*CLEARANCE, VALUE=0.0005", 0.00105, 1e-9),
         ("EXPONENTIAL\n0.01, 10", 0.01 * 2.1_f64.ln() / 100.0_f64.ln(), 0.003),
         ("LINEAR\n1e4, 1", 0.0021, 1e-9),
         ("HARD", 0.0, 1e-9),
         ("TIED", 0.0, 1e-9),
     ];
     for (law, overclosure, tolerance) in laws {
+        // The clearance is that of a pair that stands before it.
+        let (law, apart) =
+            law.split_once("\n*").map_or((law, String::new()), |(law, rest)| (law, format!("*{rest}\n")));
         let (folder, _) = imported(&cubes(&format!(
             "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n\
              *SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={law}\n\
-             *CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nUNDER, OVER\n*BOUNDARY\nFIX, ENCASTRE\n\
+             *CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nUNDER, OVER\n{apart}*BOUNDARY\nFIX, ENCASTRE\n\
              *STEP\n*STATIC\n*DLOAD\n2, P2, 21.\n*END STEP\n"
         )));
         let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");

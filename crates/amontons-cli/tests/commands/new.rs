@@ -104,31 +104,35 @@ fn a_mesh_file_becomes_a_case() {
     }
 }
 
-/// Two bodies that touch: the case that is written has them as a pair, holds both, and runs.
+/// Two blocks of one cell each that touch, beside each other along an axis: the case that is written has them as a pair,
+/// presses them, and runs.
 #[test]
 fn a_case_of_two_bodies_has_their_pair() {
-    let folder = tempdir().expect("a folder");
-    // Two blocks of one cell each, whose sides HEAD, FOOT, UNDER and OVER have names.
-    let stack = "*NODE\n1,0,0\n2,2,0\n3,2,1\n4,0,1\n5,0,1\n6,2,1\n7,2,2\n8,0,2\n*ELEMENT,TYPE=CPE4,ELSET=LOWER\n1,1,2,3,4\n\
-                 *ELEMENT,TYPE=CPE4,ELSET=UPPER\n2,5,6,7,8\n*SOLID SECTION,ELSET=LOWER\n*SOLID SECTION,ELSET=UPPER\n\
-                 *SURFACE,NAME=HEAD\n2,S3\n*SURFACE,NAME=FOOT\n1,S1\n*SURFACE,NAME=UNDER\n1,S3\n*SURFACE,NAME=OVER\n2,S1\n";
-    fs::write(folder.path().join("stack.inp"), stack).expect("a file");
-    let run = |arguments: &[&str]| output(amontons(arguments).current_dir(&folder));
-    assert_code(&run(&["new", "c.toml", "--template", "from-mesh", "--mesh", "stack.inp"]), 0);
-    let text = read(&folder.path().join("c.toml"));
-    for part in [
-        "on = \"UNDER\"\nwith = \"OVER\"",
-        "on = \"FOOT\"\ndisplacement = [0, 0]",
-        "on = \"HEAD\"\ndisplacement = [0, -0.002]",
-    ] {
-        assert!(text.contains(part), "{part} is not in\n{text}");
+    for (swap, down) in [(false, "[0, -0.002]"), (true, "[-0.002, 0]")] {
+        let folder = tempdir().expect("a folder");
+        let at = |x: f64, y: f64| if swap { format!("{y},{x}") } else { format!("{x},{y}") };
+        let places = [(0., 0.), (2., 0.), (2., 1.), (0., 1.), (0., 1.), (2., 1.), (2., 2.), (0., 2.)];
+        let nodes: String = (1..).zip(places).map(|(number, (x, y))| format!("{number},{}\n", at(x, y))).collect();
+        let stack = format!(
+            "*NODE\n{nodes}*ELEMENT,TYPE=CPE4,ELSET=LOWER\n1,1,2,3,4\n*ELEMENT,TYPE=CPE4,ELSET=UPPER\n2,5,6,7,8\n\
+             *SOLID SECTION,ELSET=LOWER\n*SOLID SECTION,ELSET=UPPER\n*SURFACE,NAME=HEAD\n2,S3\n*SURFACE,NAME=FOOT\n\
+             1,S1\n*SURFACE,NAME=UNDER\n1,S3\n*SURFACE,NAME=OVER\n2,S1\n"
+        );
+        fs::write(folder.path().join("stack.inp"), stack).expect("a file");
+        let run = |arguments: &[&str]| output(amontons(arguments).current_dir(&folder));
+        assert_code(&run(&["new", "c.toml", "--template", "from-mesh", "--mesh", "stack.inp"]), 0);
+        let text = read(&folder.path().join("c.toml"));
+        let pressed = format!("on = \"HEAD\"\ndisplacement = {down}");
+        for part in ["on = \"UNDER\"\nwith = \"OVER\"", "on = \"FOOT\"\ndisplacement = [0, 0]", &pressed] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        assert_code(&run(&["check", "c.toml"]), 0);
+        assert_code(&run(&["run", "c.toml", "--quiet"]), 0);
+        // Plane strain of two blocks of height 1: σ = −E/(1 − ν²) · 0.002/2 without friction across, a little more with
+        // it.
+        let contact = &summary(&folder.path().join("results/c"))["final"]["contact"];
+        let force = contact["force"][usize::from(!swap)].as_f64().expect("a force").abs();
+        let free = 210e9 / (1.0 - 0.3f64.powi(2)) * 1e-3 * 2.0;
+        assert!(force > 0.99 * free && force < 1.4 * free, "{force} beside {free}");
     }
-    assert_code(&run(&["check", "c.toml"]), 0);
-    assert_code(&run(&["run", "c.toml", "--quiet"]), 0);
-    // Plane strain of two blocks of height 1: σ_yy = −E/(1 − ν²) · 0.002/2 without friction across, a little more with
-    // it.
-    let contact = &summary(&folder.path().join("results/c"))["final"]["contact"];
-    let force = contact["force"][1].as_f64().expect("a force").abs();
-    let free = 210e9 / (1.0 - 0.3f64.powi(2)) * 1e-3 * 2.0;
-    assert!(force > 0.99 * free && force < 1.4 * free, "{force} beside {free}");
 }

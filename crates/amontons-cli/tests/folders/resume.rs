@@ -369,6 +369,53 @@ fn a_run_goes_on_without_the_files_of_its_case() {
     assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));
 }
 
+/// Two bodies of two files, one of which includes its nodes, with a contact between sides that the case names by their
+/// place: a run that was interrupted goes on to the same bits without these files.
+#[test]
+fn a_run_of_several_files_goes_on_without_them() {
+    let folder = tempdir().expect("a folder");
+    let cases = folder.path().join("cases");
+    fs::create_dir_all(cases.join("parts")).expect("a folder");
+    let nodes = |top: f64| format!("*NODE\n1,0,0\n2,2,0\n3,2,{top}\n4,0,{top}\n");
+    let cell = "*ELEMENT,TYPE=CPE4,ELSET=ALL\n1,1,2,3,4\n*SURFACE,NAME=TOP\n1,S3\n*SURFACE,NAME=FOOT\n1,S1\n";
+    let case = "name = \"stack\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
+                { name = \"low\", file = \"low.inp\" },\n\
+                { name = \"high\", file = \"high.inp\", scale = 0.5, turn = { angle = 3.141592653589793 }, origin = [1.5, 1.5] },\n]\n\
+                [[side]]\nname = \"seat\"\nregion = \"low\"\non = { plane = { point = [0, 1], normal = [0, 1] } }\n\
+                [[side]]\nname = \"face\"\nregion = \"high\"\non = { normal = { direction = [0, -1] } }\n\
+                [time]\nend = 1\nsteps = 10\n[material]\ndensity = 0\n\
+                elasticity = { law = \"isotropic\", young = 10, poisson = 0.3 }\n\
+                viscosity = { law = \"lame\", first = 0.5, second = 1 }\n\
+                [[boundary]]\non = \"low_FOOT\"\ndisplacement = [0, 0]\n\
+                [[boundary]]\non = \"high_FOOT\"\ndisplacement = [\"0.02*t\", \"-0.1*t\"]\n\
+                [contact]\non = \"seat\"\nwith = \"face\"\nnormal = { law = \"signorini\" }\n\
+                friction = { law = \"coulomb\", coefficient = 0.1 }\nwear = { law = \"archard\", coefficient = 1e-3 }\n";
+    for (name, text) in [
+        ("parts/low.nam", nodes(1.0)),
+        ("low.inp", format!("*INCLUDE, INPUT=parts/low.nam\n{cell}")),
+        ("high.inp", nodes(1.0) + cell),
+        ("stack.toml", case.to_owned()),
+    ] {
+        fs::write(cases.join(name), text).expect("a file");
+    }
+    let file = cases.join("stack.toml");
+    let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
+    let places = [&file, &whole].map(|path| path.display().to_string());
+    assert_code(&output(&mut amontons(&["run", &places[0], "--out", &places[1]])), 0);
+    let force = summary(&whole)["final"]["contact"]["force"][1].as_f64().expect("a force").abs();
+    assert!(force > 0.1, "the bodies press: {force}");
+    interrupted(&case::read(&file, &[]).unwrap_or_else(|error| panic!("{error}")), &broken, 4);
+    fs::remove_dir_all(&cases).expect("a folder");
+    assert_code(&resume(&broken, &[]), 0);
+    assert_same_results(&whole, &broken);
+    // The copy holds what the file included: a change of that is one of the case.
+    let copy = broken.join("inputs/low.inp");
+    fs::write(&copy, read(&copy).replace("4,0,1", "4,0,0.9")).expect("a file");
+    let printed = resume(&broken, &[]);
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));
+}
+
 #[test]
 fn a_history_that_lacks_rows_is_told() {
     let (_folder, _, broken) = whole_and_broken(4);

@@ -53,10 +53,10 @@ pub(super) fn normal(raw: &Normal) -> NormalPlan<'_> {
             };
             (keyed(&[("factor", factor)]), Box::new(make))
         }
-        Normal::Expression { pressure, factor } => {
-            let pressure = pressure.clone();
+        Normal::Expression { pressure, begin, factor } => {
+            let (pressure, begin) = (pressure.clone(), *begin);
             let make = move |v: &[f64]| -> Result<Arc<dyn NormalLaw>, Refusal> {
-                let law = PressureFormula::new(&pressure, v[0]);
+                let law = PressureFormula::new(&pressure, v[0], begin);
                 Ok(Arc::new(law.map_err(|fault| formula_refusal(fault).of("pressure"))?))
             };
             (keyed(&[("factor", factor)]), Box::new(make))
@@ -108,8 +108,9 @@ fn formula_refusal(fault: PressureFormulaFault) -> Refusal {
     match fault {
         PressureFormulaFault::Text(error) => expression_refusal(error),
         PressureFormulaFault::Start(value) => {
-            Refusal::new(format!("{value:?} at r = 0"), "a pressure that is 0 where the gap just closes")
+            Refusal::new(format!("{value:?} where it begins"), "a pressure that is 0 there; `begin` says where")
         }
+        PressureFormulaFault::Begin(begin) => Refusal::new(format!("a beginning at {begin:?}"), "one of at most 0"),
         PressureFormulaFault::Falls(r) => {
             let expected =
                 "a pressure that is finite and does not fall as r grows; law = \"softening\" is one that falls";

@@ -30,8 +30,9 @@ impl Build<'_> {
             return None;
         }
         if side.on.is_none() && side.of.is_empty() && side.region.is_none() {
-            let expected = "`on`, places such as { plane = … }, `of`, names of sides, or `region`";
-            self.note(path, At::Value, "a side of nothing", expected, None);
+            let expected =
+                "one of them: `on`, places such as { plane = … }, `of`, names of sides, or the name of a `region`";
+            self.note(path, At::Value, "neither `on` nor `of` nor `region`", expected, None);
             return None;
         }
         let among = self.among(path, side, mesh, boundary)?;

@@ -189,7 +189,7 @@ const MANY_STEPS: usize = 200;
 pub(crate) fn without_factors(problem: &Problem) -> Vec<Finding> {
     let mut findings = findings(problem);
     if problem.physics.has_mechanics() {
-        let message = "verdicts that need factors of their own are left out of this run (2.23-printed, step-unique, contact-possible)";
+        let message = "verdicts that need factorizations of their own are left out of this run: 2.23-printed, step-unique, contact-possible";
         let finding = Finding::new(FindingId::Certificate, FindingStatus::NotCovered, message, "mesh");
         findings.push(finding.repair("`amontons check`, or `amontons run --certificate`, judges them"));
     }

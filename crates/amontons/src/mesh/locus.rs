@@ -15,39 +15,39 @@ const ROUNDING: f64 = 1e-9;
 pub enum Locus {
     /// A plane, in two dimensions a line, in one a point.
     Plane {
-        /// A point of it.
+        /// A point of it, m.
         point: Point,
         /// Its normal, of either sign.
         normal: Point,
     },
     /// What lies between two corners.
     Box {
-        /// Least coordinates.
+        /// Least coordinates, m.
         from: Point,
-        /// Largest coordinates.
+        /// Largest coordinates, m.
         to: Point,
     },
     /// The surface of a circular cylinder, in two dimensions a circle.
     Cylinder {
-        /// A point of the axis.
+        /// A point of the axis, m.
         point: Point,
         /// Direction of the axis, in two dimensions z.
         axis: Point,
-        /// Radius.
+        /// Radius in m.
         radius: f64,
     },
     /// The surface of a ball.
     Sphere {
-        /// Its centre.
+        /// Its centre, m.
         point: Point,
-        /// Its radius.
+        /// Its radius in m.
         radius: f64,
     },
     /// What is at most so far from a point.
     Near {
-        /// The point.
+        /// The point, m.
         point: Point,
-        /// The distance.
+        /// The distance in m.
         distance: f64,
     },
     /// The outward normal at the centre of the facet makes at most this angle with a direction.

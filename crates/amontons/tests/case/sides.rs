@@ -159,6 +159,20 @@ fn bodies_of_several_files_meet() {
     assert_eq!(names, ["inputs/a.inp", "inputs/b.inp"]);
 }
 
+/// A side that is named by its place is cut in parts with the mesh.
+#[test]
+fn sides_of_a_file_are_refined_with_it() {
+    for refine in [0, 2] {
+        let shape = format!("file = \"a.inp\"\nscale = 0.1\nrefine = {refine}\n");
+        let side = "[[side]]\nname = \"it\"\non = { box = { from = [1, 0], to = [2, 0.5] } }\n";
+        let source = Source { files: files(&[("a.inp", FIRST)]), ..Source::new("x.toml", text(&shape, side)) };
+        let read = case::parse(&source, &[]).unwrap_or_else(|error| panic!("{error}"));
+        // Bottom, right end and top of the second cell.
+        close(area(&read.problem.mesh, "it"), 1.0 + 0.5 + 1.0);
+        assert_eq!(read.problem.mesh.facets["it"].len(), 3 << refine);
+    }
+}
+
 /// The messages about sides and blocks.
 fn message(shape: &str, sides: &str) -> String {
     told(&Source { files: files(&[("a.inp", FIRST)]), ..Source::new("x.toml", text(shape, sides)) }, &[])
@@ -205,7 +219,7 @@ fn faults_of_sides_are_told() {
         ("region = \"steel\"", "side[0].region: found \"steel\", expected one of the regions body"),
         (
             "",
-            "side[0]: found a side of nothing, expected `on`, places such as { plane = … }, `of`, names of sides, or `region`",
+            "side[0]: found neither `on` nor `of` nor `region`, expected one of them: `on`, places such as { plane = … }, `of`, names of sides, or the name of a `region`",
         ),
         ("on = { plan = { point = [0, 0, 4], normal = [0, 0, 1] } }", "side[0].on.plan: found an unknown key"),
     ] {

@@ -22,17 +22,22 @@ fn all_are(found: &[f64], expected: f64, what: &str) {
     assert!(found.iter().all(|p| (p - expected).abs() < 1e-12), "{what}: {found:?} for {expected}");
 }
 
-/// A block of height 1 over a gap of 0.01: 100 d = 0.1 − 10 d for its compression d.
+/// A block of height 1 over a gap of 0.01: 100 d = 0.1 − 10 d for its compression d, and 100 d = 50 (0.01 − d) with the
+/// formula.
 #[test]
 fn a_block_is_pressed_before_it_touches() {
     let text = format!(
         "[mesh]\nkind = \"rectangle\"\nsize = [1, 1]\nn = [3, 2]\n[[boundary]]\non = \"top\"\ndisplacement = [0, 0]\n\
          [contact]\non = \"bottom\"\ngap = 0.01\nnormal = {LAW}\n"
     );
+    let formula = "{ law = \"expression\", pressure = \"50*(r + 0.02)\", begin = -0.02 }";
     for elements in ["Q1", "Q2", "P1", "P2"] {
         for quadrature in ["nodal", "gauss"] {
-            let overrides = [format!("mesh.elements=\"{elements}\""), format!("contact.quadrature=\"{quadrature}\"")];
-            all_are(&pressures(&text, &overrides), 1.0 / 11.0, &format!("{overrides:?}"));
+            for (law, expected) in [(LAW, 1.0 / 11.0), (formula, 1.0 / 3.0)] {
+                let overrides =
+                    [format!("mesh.elements=\"{elements}\""), format!("contact.quadrature=\"{quadrature}\"")];
+                all_are(&pressures(&text.replace(LAW, law), &overrides), expected, &format!("{overrides:?} {law}"));
+            }
         }
     }
 }

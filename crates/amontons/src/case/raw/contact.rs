@@ -225,9 +225,13 @@ pub(in crate::case) enum Normal {
     },
     /// A formula of your own over the penetration.
     Expression {
-        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 at r = 0 and not
-        /// falling. It counts for r > 0.
+        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 where it
+        /// begins, and not falling beyond.
         pressure: String,
+        /// Penetration in m from which on the formula counts; default: 0. Below 0 the pressure begins in the gap.
+        #[serde(default)]
+        #[schemars(range(max = 0.0))]
+        begin: f64,
         /// Factor of the formula.
         #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]

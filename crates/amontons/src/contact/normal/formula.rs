@@ -5,13 +5,16 @@ use crate::expression::{ExpressionError, Formula};
 use crate::quadrature::{Rule, Shape, rule};
 use crate::tensor::Point;
 
-/// p = c f(r) for r > 0, f a formula that does not fall and vanishes at r = 0; no pressure where the gap is open.
+/// p = c f(r) for r > r₀, f a formula that does not fall and vanishes at r₀ ≤ 0; no pressure below. With r₀ < 0 the
+/// pressure begins in the gap, which (H8) does not cover.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureFormula {
     /// c ≥ 0.
     factor: f64,
     /// f in Pa.
     pressure: Formula,
+    /// r₀ in m.
+    begin: f64,
     /// For the energy.
     gauss: Rule,
 }
@@ -21,13 +24,15 @@ pub struct PressureFormula {
 pub enum PressureFormulaFault {
     /// The text is no formula.
     Text(ExpressionError),
-    /// It is not 0 at r = 0.
+    /// It is not 0 where it begins.
     Start(f64),
+    /// It begins at a penetration that is not 0 or less.
+    Begin(f64),
     /// The pressure falls, or is not finite, beyond a penetration in m.
     Falls(f64),
 }
 
-/// Penetrations at which a formula is looked at: from 10⁻¹² m to 10 m, so many per decade.
+/// Penetrations, counted from where it begins, at which a formula is looked at: from 10⁻¹² m to 10 m, so many per decade.
 const DECADES: [i32; 2] = [-12, 1];
 const PER_DECADE: i32 = 16;
 /// A pressure beyond which a formula may overflow.
@@ -43,17 +48,21 @@ impl PressureFormula {
     /// Names of the variables.
     pub const VARIABLES: [&'static str; 1] = ["r"];
 
-    /// A formula times a factor.
+    /// A formula times a factor, from a penetration r₀ in m on.
     ///
     /// # Errors
-    /// Where the text is no formula in `r`, does not vanish at r = 0, or falls between 10⁻¹² m and 10 m.
-    pub fn new(pressure: &str, factor: f64) -> Result<PressureFormula, PressureFormulaFault> {
+    /// Where the text is no formula in `r`, r₀ is above 0, or the formula does not vanish at r₀, or falls between 10⁻¹²
+    /// m and 10 m beyond it.
+    pub fn new(pressure: &str, factor: f64, begin: f64) -> Result<PressureFormula, PressureFormulaFault> {
+        if !(begin <= 0.0 && begin.is_finite()) {
+            return Err(PressureFormulaFault::Begin(begin));
+        }
         let pressure = Formula::parse(pressure, &Self::VARIABLES).map_err(PressureFormulaFault::Text)?;
-        let law = PressureFormula { factor: 1.0, pressure, gauss: rule(Shape::Segment, DEGREE) };
+        let law = PressureFormula { factor: 1.0, pressure, begin, gauss: rule(Shape::Segment, DEGREE) };
         let [first, last] = DECADES.map(|decade| decade * PER_DECADE);
-        let penetrations = || (first..=last).map(|i| 10f64.powf(f64::from(i) / f64::from(PER_DECADE)));
+        let penetrations = || (first..=last).map(|i| begin + 10f64.powf(f64::from(i) / f64::from(PER_DECADE)));
         let sizes = penetrations().map(|r| law.at(r).0.abs()).filter(|p| *p <= ENOUGH);
-        let start = law.at(0.0).0;
+        let start = law.at(begin).0;
         if start.is_nan() || start.abs() > ROUND_OFF * sizes.fold(0.0, f64::max) {
             return Err(PressureFormulaFault::Start(start));
         }
@@ -98,18 +107,18 @@ impl PressureFormula {
 
 impl NormalLaw for PressureFormula {
     fn pressure(&self, _x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
-        if z <= 0.0 {
+        if z <= self.begin {
             return Pressure::default();
         }
         let (value, slope) = self.at(z);
         Pressure { value: value.max(0.0), slope: slope.max(0.0), by_rate: 0.0 }
     }
     fn potential(&self, _x: &Point, r: f64) -> f64 {
-        if r <= 0.0 {
+        if r <= self.begin {
             return 0.0;
         }
-        let whole = self.integral(0.0, r);
-        self.halved([0.0, r], whole, whole.abs().max(f64::MIN_POSITIVE), HALVINGS)
+        let whole = self.integral(self.begin, r);
+        self.halved([self.begin, r], whole, whole.abs().max(f64::MIN_POSITIVE), HALVINGS)
     }
     fn lipschitz(&self) -> Option<f64> {
         // Nothing is known of the slope of a formula at all penetrations.
@@ -119,6 +128,10 @@ impl NormalLaw for PressureFormula {
 
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
-    let all = [PressureFormula::new("1e4*r + 2e7*r^2", 1.0), PressureFormula::new("50*tanh(150*r)", 2.0)];
+    let all = [
+        PressureFormula::new("1e4*r + 2e7*r^2", 1.0, 0.0),
+        PressureFormula::new("50*tanh(150*r)", 2.0, 0.0),
+        PressureFormula::new("10*(exp(4000*r) - exp(-4))", 1.0, -1e-3),
+    ];
     all.into_iter().flatten().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn NormalLaw>, 1e-3)).collect()
 }
