@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::deck::{Card, Fault, Place};
+use super::deck::{Card, Fault};
 use super::mesh::Mesh;
 use super::notes::{Matter, Notes};
 use super::units::{Units, number, numbers, quoted};

@@ -74,7 +74,7 @@ pub fn case(
         large: model.large,
         tie: TIE * conductivity / size,
     };
-    text += &model.contacts.text(&scene, notes);
+    text += &model.contacts.text(&scene);
     if writing.context.physics.heat {
         let initial = number(writing.context.initial - writing.context.shift);
         text += &format!("\n[initial]\ntemperature = {initial}\n");
