@@ -139,7 +139,8 @@ fn several(mesh: &Mesh) -> String {
     text
 }
 
-/// The direction along an axis from the middle of a body to what of it faces another one; none where this is all around.
+/// The direction along an axis from the middle of a body to what of it faces another one; none where this is all
+/// around.
 fn towards(mesh: &Mesh, body: &Component, number: usize, found: &[Facing]) -> [f64; 3] {
     let own = |facing: &Facing| {
         let sides = facing.bodies.iter().zip(&facing.sides);

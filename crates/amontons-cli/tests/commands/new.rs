@@ -104,8 +104,8 @@ fn a_mesh_file_becomes_a_case() {
     }
 }
 
-/// Two blocks of one cell each that touch, beside each other along an axis: the case that is written has them as a pair,
-/// presses them, and runs.
+/// Two blocks of one cell each that touch, beside each other along an axis: the case that is written has them as a
+/// pair, presses them, and runs.
 #[test]
 fn a_case_of_two_bodies_has_their_pair() {
     for (swap, down) in [(false, "[0, -0.002]"), (true, "[-0.002, 0]")] {

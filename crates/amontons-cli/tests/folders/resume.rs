@@ -410,7 +410,7 @@ fn a_run_of_several_files_goes_on_without_them() {
     assert_same_results(&whole, &broken);
     // The copy holds what the file included: a change of that is one of the case.
     let copy = broken.join("inputs/low.inp");
-    fs::write(&copy, read(&copy).replace("4,0,1", "4,0,0.9")).expect("a file");
+    fs::write(&copy, read(&copy).replace("2,2,0", "2,2.1,0")).expect("a file");
     let printed = resume(&broken, &[]);
     assert_code(&printed, 2);
     assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));

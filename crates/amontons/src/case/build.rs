@@ -276,6 +276,11 @@ impl Build<'_> {
         if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
             return true;
         }
+        // What stands in the place of a side that could not be found is no side of the case.
+        let of_sides = ["contact", "boundary", "cyclic"].iter().any(|table| path.is_in(table));
+        if of_sides && self.findings.iter().any(|finding| finding.path.is_in("side")) {
+            return true;
+        }
         let ends_with = |path: &Path, key: &str| path.0.last() == Some(&Segment::Key(key.to_owned()));
         // What holds a body cannot be said while one of the sides of its contacts is unknown.
         let is_unknown_side = |finding: &Finding| {

@@ -288,7 +288,7 @@ const UNITS: &[(&str, &str)] = &[
           Check probe.at, Contact.gap, Cyclic.center, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
           HeatTerm ramp.width, HeatTerm gap.roughness, InBox.from, InBox.to, InPlane.point, Initial.displacement, Mesh rectangle.origin, \
           Mesh rectangle.size, Mesh interval.size, Mesh box.size, Mesh disc.radius, Mesh ring.radii, \
-          Mesh cylinder.height, Mesh cylinder.radii, Near.distance, Near.point, Normal table.penetration, Normal stop.depth, \
+          Mesh cylinder.height, Mesh cylinder.radii, Near.distance, Near.point, Normal table.penetration, Normal expression.begin, Normal stop.depth, \
           Normal adhesion.release, Obstacle plane.point, Obstacle sphere.center, \
           Obstacle sphere.radius, Obstacle cylinder.center, Obstacle cylinder.radius, \
           Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, OnCylinder.point, OnCylinder.radius, OnSphere.center, OnSphere.radius, Probe.at",

@@ -238,6 +238,23 @@ fn faults_of_sides_are_told() {
     assert_eq!(message(BOX, condition).lines().count(), 1, "one message of one cause");
 }
 
+/// What stands in the place of one side overlaps the other one, which is no second cause.
+#[test]
+fn a_side_that_is_not_found_is_one_fault() {
+    let pair = "kind = \"blocks\"\nblocks = [{ name = \"low\", size = [2, 1], n = [4, 2] }, { name = \"high\", size = [1, 1], origin = [0.5, 1], n = [3, 2] }]\n";
+    let plane = |y: f64| format!("region = \"low\"\non = {{ plane = {{ point = [0, {y}], normal = [0, 1] }} }}\n");
+    let sides = format!(
+        "[[side]]\nname = \"seat\"\n{}[[side]]\nname = \"face\"\nregion = \"high\"\n[contact]\non = \"seat\"\nwith = \"face\"\n\
+         normal = {{ law = \"bilateral\" }}\nheat = {{ law = \"constant\", conductance = 1 }}\n",
+        plane(1.1)
+    );
+    let moves =
+        "density = 0\nelasticity = { law = \"isotropic\", young = 1, poisson = 0, stress_state = \"plane-strain\" }\n";
+    let whole = text(pair, &sides).replace("conductivity = 1\n", &format!("conductivity = 1\n{moves}"));
+    let told = told(&Source::new("x.toml", whole), &[]);
+    assert!(told.contains("side[0].on: found no facet there") && told.lines().count() == 1, "{told}");
+}
+
 #[test]
 fn faults_of_files_in_blocks_are_told() {
     let block = |rest: &str| message(&format!("kind = \"blocks\"\nblocks = [{{ name = \"a\", {rest} }}]\n"), "");

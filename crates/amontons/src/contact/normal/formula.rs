@@ -32,7 +32,8 @@ pub enum PressureFormulaFault {
     Falls(f64),
 }
 
-/// Penetrations, counted from where it begins, at which a formula is looked at: from 10⁻¹² m to 10 m, so many per decade.
+/// Penetrations, counted from where it begins, at which a formula is looked at: from 10⁻¹² m to 10 m, so many per
+/// decade.
 const DECADES: [i32; 2] = [-12, 1];
 const PER_DECADE: i32 = 16;
 /// A pressure beyond which a formula may overflow.
