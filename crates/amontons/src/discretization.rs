@@ -167,12 +167,7 @@ impl Discretization {
         };
         let boundary = Arc::new(problem.contact_boundary());
         // Loads take one thread each.
-        let loads = || {
-            rayon::join(
-                || forms::f(&mesh, &problem.body_force, &problem.boundary),
-                || forms::q(&mesh, &problem.heat_source, &problem.boundary),
-            )
-        };
+        let loads = || rayon::join(|| forms::mechanical_load(problem), || forms::thermal_load(problem));
         let matrices = || {
             let mass = forms::inner_h(&mesh, &graph).repeated();
             let (a, b) = (form(|m| &m.elasticity), form(|m| &m.viscosity));

@@ -2,15 +2,18 @@
 
 pub(crate) mod frame;
 pub(crate) mod links;
+pub(crate) mod rigid;
 
 use std::collections::BTreeMap;
 
 pub use frame::Frame;
+pub use rigid::RigidNodes;
 
 use crate::field::Field;
 use crate::list::{Lent, List};
 use crate::mesh::{Link, Links, Mesh, leader, link_of};
 use crate::tensor::{Point, dot, length};
+use rigid::rigid_of;
 
 /// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
 ///
@@ -18,7 +21,9 @@ use crate::tensor::{Point, dot, length};
 /// axis it is a component in the [`Frame`] of the node. Vectors over the degrees of freedom that are given to the
 /// methods have components along the axes everywhere.
 ///
-/// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of the other node.
+/// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of the other node. The
+/// nodes of a rigid body ([`RigidNodes`]) have the degrees of freedom of its motions, in the place of those of its first
+/// nodes.
 #[derive(Clone, Debug)]
 pub struct Space {
     /// Components a node.
@@ -29,6 +34,8 @@ pub struct Space {
     pub frames: Vec<Frame>,
     /// Nodes that follow others.
     pub links: Vec<Link>,
+    /// Nodes that move as rigid bodies.
+    pub rigid: Vec<RigidNodes>,
     prescribed: Vec<Prescribed>,
     /// The degrees of freedom that are prescribed.
     held: Vec<u32>,
@@ -71,15 +78,18 @@ impl Space {
     /// The space in which some directions are prescribed on parts of the boundary.
     /// At a node of two facet sets the prescription of a direction that comes first holds.
     pub fn new<'a>(mesh: &Mesh, components: usize, prescriptions: impl IntoIterator<Item = Prescription<'a>>) -> Space {
-        Space::linked(mesh, components, prescriptions, Links::default())
+        Space::linked(mesh, components, prescriptions, Links::default(), Vec::new())
     }
 
-    /// The same with nodes that follow others. What is prescribed at such a node is prescribed at the one it follows.
+    /// The same with nodes that follow others, and nodes that move as rigid bodies. What is prescribed at a node that
+    /// follows another one is prescribed at that one; what is prescribed at a node of a rigid body is a condition on its
+    /// motion. No node is one of two bodies, or of a body and one that follows or is followed.
     pub fn linked<'a>(
         mesh: &Mesh,
         components: usize,
         prescriptions: impl IntoIterator<Item = Prescription<'a>>,
         links: Links,
+        mut rigid: Vec<RigidNodes>,
     ) -> Space {
         static ZERO: Field = Field::ZERO;
         let of_side = |given: Prescription<'a>| {
@@ -91,7 +101,8 @@ impl Space {
         let prescriptions: Vec<_> =
             prescriptions.into_iter().filter_map(of_side).chain(on_axis.map(|at| (&ZERO, at))).collect();
         let all = || prescriptions.iter().flat_map(|(_, nodes)| nodes);
-        let oblique = all().filter(|(_, (_, direction))| axis(direction).is_none());
+        let oblique =
+            all().filter(|(_, (node, direction))| axis(direction).is_none() && rigid_of(&rigid, *node).is_none());
         let mut axes: BTreeMap<u32, Vec<Point>> = oblique.map(|(_, (node, _))| (*node, Vec::new())).collect();
         let mut free = vec![true; mesh.points.len() * components];
         let mut prescribed = Vec::new();
@@ -100,7 +111,15 @@ impl Space {
             for &(at, (node, direction)) in nodes {
                 let dof = |c: usize| node as usize * components + c;
                 let x = mesh.points[at as usize];
-                if let Some(axes) = axes.get_mut(&node) {
+                if let Some((body, _)) = rigid_of(&rigid, node) {
+                    if let Some((number, along, scale)) = rigid[body].hold(node, &direction) {
+                        let new = rigid[body].dof(number);
+                        free[new] = false;
+                        part.push(new, x, 1.0 / scale);
+                        let less = |(j, along): (usize, f64)| (new as u32, rigid[body].dof(j) as u32, along / scale);
+                        part.less.extend(along.into_iter().enumerate().map(less));
+                    }
+                } else if let Some(axes) = axes.get_mut(&node) {
                     if axes.len() < components
                         && let Some((along, rest, scale)) = across(&direction, axes)
                     {
@@ -124,8 +143,15 @@ impl Space {
         for link in &links.nodes {
             free[link.node as usize * components..][..components].fill(false);
         }
+        for body in &rigid {
+            let motions: Vec<bool> = (0..body.motions.len()).map(|j| free[body.dof(j)]).collect();
+            for &node in &body.nodes {
+                free[node as usize * components..][..components].fill(false);
+            }
+            motions.into_iter().enumerate().for_each(|(j, is_free)| free[body.dof(j)] = is_free);
+        }
         let given = sources(&held, &prescribed);
-        Space { components, free, frames, links: links.nodes, prescribed, held, given }
+        Space { components, free, frames, links: links.nodes, rigid, prescribed, held, given }
     }
 
     /// The directions of the degrees of freedom of a node.
@@ -134,18 +160,28 @@ impl Space {
         frame::directions(&self.frames, node)
     }
 
-    /// Whether the degrees of freedom of a node have directions of their own.
+    /// Whether the degrees of freedom of a node have directions of their own, or are those of a rigid body.
     #[must_use]
     pub fn is_turned(&self, node: u32) -> bool {
-        self.frames.binary_search_by_key(&node, |frame| frame.node).is_ok()
+        rigid_of(&self.rigid, node).is_some() || self.frames.binary_search_by_key(&node, |frame| frame.node).is_ok()
     }
 
     /// The directions in which the value at a node is prescribed.
     pub fn held_directions(&self, node: u32) -> impl Iterator<Item = Point> {
         let leader = leader(&self.links, node);
-        let held = move |c: &usize| self.free.get(leader as usize * self.components + c).is_some_and(|free| !free);
-        let axes = self.directions(node);
-        (0..self.components).filter(held).map(move |c| axes[c])
+        let (axes, is_free) = match rigid_of(&self.rigid, leader) {
+            Some((body, position)) => {
+                let free = self.rigid[body].free_directions(position);
+                let count = free.len();
+                (completed(free, self.components), std::array::from_fn(|c| c < count))
+            }
+            None => {
+                let free = |c: usize| self.free.get(leader as usize * self.components + c).is_none_or(|free| *free);
+                (self.directions(node), std::array::from_fn(free))
+            }
+        };
+        let is_free: [bool; 3] = is_free;
+        (0..self.components.min(3)).filter(move |&c| !is_free[c]).map(move |c| axes[c])
     }
 
     /// The same, filled up with zeros.
@@ -204,7 +240,7 @@ impl Space {
 
     /// Writes the prescribed values at time t into a vector over all degrees of freedom.
     pub fn prescribe(&self, t: f64, values: &mut [f64]) {
-        frame::enter(&self.frames, self.components, values);
+        self.enter(values);
         for part in &self.prescribed {
             let given = part.field.values(&part.points, t);
             for ((&dof, factor), value) in part.dofs.iter().zip(&part.factors).zip(given) {
@@ -219,7 +255,7 @@ impl Space {
                 values[own] = values[followed];
             }
         });
-        frame::leave(&self.frames, self.components, values);
+        self.leave(values);
     }
 
     /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; whether that changes them.
@@ -227,14 +263,14 @@ impl Space {
         let (mut values, mut changes) = (List::copied(bar), false);
         self.prescribe(t, &mut values);
         let (values, bar) = (self.in_frames(&values), self.in_frames(bar));
-        frame::enter(&self.frames, self.components, w);
+        self.enter(w);
         for dof in self.held.iter().map(|&dof| dof as usize) {
             let rate = (values[dof] - bar[dof]) / gamma;
             changes |= w[dof] - rate != 0.0;
             w[dof] = rate;
         }
         self.each_linked(|own, followed| w[own] = w[followed]);
-        frame::leave(&self.frames, self.components, w);
+        self.leave(w);
         changes
     }
 
@@ -252,19 +288,41 @@ impl Space {
         links::follow(&self.links, &self.frames, self.components, values);
     }
 
-    /// Adds the forces at nodes that follow others to these nodes, and leaves none.
+    /// Adds the forces at nodes that follow others to these nodes, and leaves none; those at the nodes of rigid bodies
+    /// become forces there that do the same work along their motions and none besides.
     pub fn gather(&self, forces: &mut [f64]) {
-        if !self.links.is_empty() {
-            frame::enter(&self.frames, self.components, forces);
+        if !self.links.is_empty() || !self.rigid.is_empty() {
+            self.enter(forces);
             self.each_linked(|own, followed| forces[followed] += std::mem::take(&mut forces[own]));
-            frame::leave(&self.frames, self.components, forces);
+            self.leave(forces);
         }
     }
 
     /// A vector by its components along the directions of the degrees of freedom.
     #[must_use]
     pub fn in_frames<'v>(&self, values: &'v [f64]) -> Lent<'v, f64> {
-        frame::entered(&self.frames, self.components, values)
+        if self.rigid.is_empty() {
+            return frame::entered(&self.frames, self.components, values);
+        }
+        let mut values = List::copied(values);
+        self.enter(&mut values);
+        Lent::Own(values)
+    }
+
+    /// From components along the axes to those along the degrees of freedom.
+    fn enter(&self, values: &mut [f64]) {
+        enter(&self.frames, &self.rigid, self.components, values);
+    }
+
+    /// From components along the degrees of freedom to those along the axes.
+    fn leave(&self, values: &mut [f64]) {
+        leave(&self.frames, &self.rigid, self.components, values);
+    }
+
+    /// Some nodes with those after them in whose place the motions of rigid bodies stand.
+    #[must_use]
+    pub fn with_rigid(&self, nodes: &[u32]) -> Vec<u32> {
+        nodes.iter().chain(self.rigid.iter().flat_map(RigidNodes::slots)).copied().collect()
     }
 
     /// Largest magnitude of the forces at some nodes that are free: those of an equation that is solved.
@@ -290,17 +348,17 @@ impl Space {
     /// Sets the entries of prescribed degrees of freedom to zero, after those of nodes that follow others were
     /// gathered.
     pub fn mask(&self, values: &mut [f64]) {
-        frame::enter(&self.frames, self.components, values);
+        self.enter(values);
         self.held.iter().for_each(|&dof| values[dof as usize] = 0.0);
-        frame::leave(&self.frames, self.components, values);
+        self.leave(values);
     }
 
     /// Sets all entries but those of prescribed degrees of freedom to zero.
     pub fn mask_free(&self, values: &mut [f64]) {
-        frame::enter(&self.frames, self.components, values);
+        self.enter(values);
         values.iter_mut().zip(&self.free).filter(|(_, free)| **free).for_each(|(value, _)| *value = 0.0);
         self.each_linked(|own, followed| values[own] = values[followed]);
-        frame::leave(&self.frames, self.components, values);
+        self.leave(values);
     }
 
     /// The interpolant of fields, one per component (zero where there are none).
@@ -313,8 +371,24 @@ impl Space {
             }
         }
         self.follow(&mut values);
+        if !self.rigid.is_empty() {
+            self.enter(&mut values);
+            self.leave(&mut values);
+        }
         values
     }
+}
+
+/// From components along the axes to those in frames, and of rigid bodies to those of their motions.
+pub(crate) fn enter(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
+    frame::enter(frames, components, values);
+    rigid.iter().for_each(|body| body.enter(values));
+}
+
+/// Back from these to components along the axes.
+pub(crate) fn leave(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
+    frame::leave(frames, components, values);
+    rigid.iter().for_each(|body| body.leave(values));
 }
 
 impl Prescribed {

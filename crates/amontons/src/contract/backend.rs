@@ -49,8 +49,15 @@ pub fn assert_backend(backend: &Arc<dyn Backend>) {
         free[2 * node as usize + 1] = false;
     }
     let contact = mesh.facets["bottom"].node_list();
-    let layout =
-        Layout { points: &mesh.points, components: 2, free: &free, frames: &[], links: &[], contact: &contact };
+    let layout = Layout {
+        points: &mesh.points,
+        components: 2,
+        free: &free,
+        frames: &[],
+        links: &[],
+        rigid: &[],
+        contact: &contact,
+    };
     let Ok(mut system) = System::new(backend, &stiffness, &layout) else {
         panic!("{backend:?}: a positive definite matrix was refused")
     };

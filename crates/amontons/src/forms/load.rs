@@ -6,7 +6,8 @@ use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::list::List;
 use crate::mesh::{CellMap, FacetMap, Mesh};
-use crate::problem::{BoundaryCondition, Convection};
+use crate::problem::{BoundaryCondition, Convection, ProblemData, RegionLoad, RigidPart};
+use crate::space::RigidNodes;
 use crate::tensor::Point;
 
 /// Degree of the rules that integrate data against shape functions: exact for cubic data on P1.
@@ -82,12 +83,26 @@ impl Varying {
     }
 }
 
+/// ∫ field η over the body or a region of it, η a component of a node and `factor` that of the field at a point.
+struct CellTerms<'a> {
+    field: &'a Field,
+    region: Option<usize>,
+    /// Component, and number of them.
+    component: (usize, usize),
+    factor: &'a dyn Fn(&Point) -> f64,
+}
+
 /// ∫_Ω field η, η the component `c` of `components`.
 fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c: usize) {
+    add_cell_terms(mesh, load, &CellTerms { field, region: None, component: (c, components), factor: &|_| 1.0 });
+}
+
+fn add_cell_terms(mesh: &Mesh, load: &mut Load, terms: &CellTerms) {
+    let CellTerms { field, region, component: (c, components), factor } = *terms;
     if field.is_zero() {
         return;
     }
-    for block in &mesh.blocks {
+    for block in mesh.blocks.iter().filter(|block| region.is_none_or(|region| block.region == region)) {
         let table = ShapeTable::new(block.element, data_degree(block.element));
         let mut map = CellMap::new(mesh, &table);
         let (mut points, mut entries) = (Vec::new(), Vec::new());
@@ -95,9 +110,13 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
             for q in 0..table.len() {
                 map.at(nodes, q);
                 points.push(map.position);
-                entries.extend(nodes.iter().zip(map.values()).map(|(&node, value)| {
-                    (node * components as u32 + c as u32, table.weights[q] * map.measure * value)
-                }));
+                let weight = table.weights[q] * map.measure * factor(&map.position);
+                entries.extend(
+                    nodes
+                        .iter()
+                        .zip(map.values())
+                        .map(|(&node, value)| (node * components as u32 + c as u32, weight * value)),
+                );
             }
             if points.len() >= POINTS && !field.depends_on_time() {
                 load.add(field, nodes.len(), std::mem::take(&mut points), std::mem::take(&mut entries));
@@ -140,6 +159,56 @@ fn facet_terms(
 
 fn unit(c: usize) -> Point {
     std::array::from_fn(|d| if d == c { 1.0 } else { 0.0 })
+}
+
+/// Forces and moments that act on a rigid part: at its nodes the forces that do their work along its motions.
+fn rigid_terms(mesh: &Mesh, load: &mut Load, part: &RigidPart) {
+    let body = RigidNodes::new(mesh, part.nodes(mesh), part.turns);
+    let at = part.at.or_else(|| part.centre(mesh)).unwrap_or_default();
+    let axis = |c: usize| if mesh.dim == 3 { unit(c) } else { unit(2) };
+    let of_force = part.force.iter().enumerate().map(|(c, field)| (field, unit(c), [0.0; 3]));
+    let of_moment = part.moment.iter().enumerate().map(|(c, field)| (field, [0.0; 3], axis(c)));
+    for (field, force, moment) in of_force.chain(of_moment) {
+        let forces = body.forces(&body.work(&at, &force, &moment));
+        let entries = body
+            .nodes
+            .iter()
+            .zip(&forces)
+            .flat_map(|(&node, force)| (0..mesh.dim).map(move |c| (node * mesh.dim as u32 + c as u32, force[c])));
+        let entries: Vec<(u32, f64)> = entries.collect();
+        load.add(field, entries.len(), vec![at], entries);
+    }
+}
+
+/// (f(t), v)_V of (2.16) with all loads of a problem: those of [`f`], of its regions and on its rigid parts.
+#[must_use]
+pub fn mechanical_load(problem: &ProblemData) -> Load {
+    let mesh = &problem.mesh;
+    let mut load = f(mesh, &problem.body_force, &problem.boundary);
+    for RegionLoad { region, body_force, gravity, .. } in &problem.region_loads {
+        let mut add = |field: &Field, c: usize, factor: &dyn Fn(&Point) -> f64| {
+            let terms = CellTerms { field, region: Some(*region), component: (c, mesh.dim), factor };
+            add_cell_terms(mesh, &mut load, &terms);
+        };
+        body_force.iter().enumerate().for_each(|(c, field)| add(field, c, &|_| 1.0));
+        if let Some((fields, density)) = gravity {
+            fields.iter().enumerate().for_each(|(c, field)| add(field, c, &|x| density.at(x)));
+        }
+    }
+    problem.rigid.iter().for_each(|part| rigid_terms(mesh, &mut load, part));
+    load
+}
+
+/// (q_h(t), η)_Q of (2.17) with all loads of a problem: those of [`q`] and of its regions.
+#[must_use]
+pub fn thermal_load(problem: &ProblemData) -> Load {
+    let mesh = &problem.mesh;
+    let mut load = q(mesh, &problem.heat_source, &problem.boundary);
+    for RegionLoad { region, heat_source: field, .. } in &problem.region_loads {
+        let terms = CellTerms { field, region: Some(*region), component: (0, 1), factor: &|_| 1.0 };
+        add_cell_terms(mesh, &mut load, &terms);
+    }
+    load
 }
 
 /// (f(t), v)_V of (2.16): body force, tractions, forces F with the traction F/|Γ| on their side, edge or points, and

@@ -39,7 +39,7 @@ pub use crate::material::Dilatation;
 pub(crate) use assembly::is_mean;
 pub use boundary::{convection, dashpots, springs};
 pub(crate) use load::data_degree;
-pub use load::{Load, f, q};
+pub use load::{Load, f, mechanical_load, q, thermal_load};
 pub(crate) use points::StrainPoints;
 pub use state::{energy, residual, tangent};
 pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};

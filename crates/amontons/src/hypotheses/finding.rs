@@ -107,6 +107,8 @@ findings! {
     ExpansionScale = "expansion-scale", Warning, Both;
     /// An expansion tensor without a component zz in plane strain.
     ExpansionZz = "expansion-zz", Warning, Both;
+    /// The pressures of a rigid part that meets a rigid body by rigid contact.
+    RigidOnRigid = "rigid-on-rigid", Warning, Mechanics;
     /// The mean dilatation of cells whose dilatation is constant.
     MeanDilatation = "mean-dilatation", Warning, Mechanics;
     /// A coefficient that jumps within a cell.

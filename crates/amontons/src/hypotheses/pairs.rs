@@ -10,7 +10,7 @@ pub(super) fn first(problem: &Problem) -> Option<usize> {
     problem.contacts.iter().position(|contact| contact.pair.is_some())
 }
 
-/// The certificate of a problem with pairs: findings on the laws and the data as ever, and no statement where the
+/// The certificate of a problem with pairs or rigid parts: findings on the laws and the data as ever, and no statement where the
 /// traces of one body on a rigid foundation enter.
 pub(super) fn certificate(problem: &Problem) -> Certificate {
     let constants = Constants::of_laws(problem);
@@ -48,9 +48,13 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     Some(Finding::new(FindingId::Pairs, status, told.join("; "), &problem.contact_path(first)))
 }
 
-/// A finding on which the theory makes no statement because of a pair.
+/// A finding on which the theory makes no statement because of a pair or a rigid part.
 pub(super) fn not_covered(problem: &Problem, id: FindingId, message: &str) -> Finding {
-    let number = first(problem).unwrap_or_default();
+    let Some(number) = first(problem) else {
+        let parts: Vec<String> = problem.rigid.iter().map(|part| format!("\"{}\"", part.on)).collect();
+        let message = format!("{} moves as a rigid body: {message} that deforms everywhere", parts.join(" and "));
+        return Finding::new(id, FindingStatus::NotCovered, message, "rigid[0]");
+    };
     let sides: Vec<String> = problem
         .contacts
         .iter()

@@ -27,7 +27,7 @@ use crate::forms;
 use crate::linalg::{BlockMatrix, EXACT, Layout, SolveError, System, dot};
 use crate::material::Material;
 use crate::mesh::CellMap;
-use crate::problem::Problem;
+use crate::problem::{Problem, RegionLoad};
 use crate::space::Space;
 use crate::tensor::Point;
 use crate::units::{Measure, Units};
@@ -38,7 +38,13 @@ const ID: FindingId = FindingId::ContactPossible;
 pub(super) fn loads_vary(problem: &Problem) -> bool {
     let tractions =
         problem.boundary.iter().flat_map(|b| b.traction.iter().chain(&b.force).flatten().chain(&b.pressure));
-    !problem.contacts.is_empty() && problem.body_force.iter().chain(tractions).any(Field::depends_on_time)
+    let of_region = |load: &RegionLoad| -> bool {
+        let gravity = load.gravity.iter().flat_map(|(fields, _)| fields);
+        load.body_force.iter().chain(gravity).any(Field::depends_on_time)
+    };
+    !problem.contacts.is_empty()
+        && (problem.body_force.iter().chain(tractions).any(Field::depends_on_time)
+            || problem.region_loads.iter().any(of_region))
 }
 
 /// `contact-possible`: fails where contact is proved impossible.
@@ -245,7 +251,7 @@ impl<'a> Body<'a> {
             return Ok(Err(("a large body would take a solution for each contact point", "solver.solver")));
         }
         let reach = reach(&mut system, &normals, &self.space)?;
-        let load = forms::f(mesh, &problem.body_force, &problem.boundary);
+        let load = forms::mechanical_load(problem);
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
         let heat = Heat::new(problem, m, mass, &self.theta, c_f);
@@ -365,7 +371,8 @@ impl<'a> Heat<'a> {
     fn new(problem: &'a Problem, m: &Material, mass: &BlockMatrix, theta: &[f64], c_f: Option<f64>) -> Heat<'a> {
         let lambda = c_f.filter(|c| *c < 1.0).map_or(0.0, |c| c * c / (1.0 - c * c));
         let m_d = m.conductivity.at(&ANYWHERE).eigenvalues(problem.mesh.dim).first().map_or(0.0, |e| e.max(0.0));
-        let varies = problem.heat_source.depends_on_time();
+        let own = problem.region_loads.iter().map(|load| &load.heat_source);
+        let varies = own.chain([&problem.heat_source]).any(Field::depends_on_time);
         Heat {
             problem,
             start: dot(theta, &mass.apply(theta)).max(0.0).sqrt(),
@@ -384,7 +391,11 @@ impl<'a> Heat<'a> {
 
 /// ‖q₀(t)‖ by the rule that integrates the load.
 fn source(problem: &Problem, t: f64) -> f64 {
-    if problem.heat_source.is_zero() {
+    let own = |region: usize| {
+        let loads = problem.region_loads.iter().filter(move |load| load.region == region);
+        loads.map(|load| &load.heat_source).chain([&problem.heat_source])
+    };
+    if problem.heat_source.is_zero() && problem.region_loads.iter().all(|load| load.heat_source.is_zero()) {
         return 0.0;
     }
     let mesh = &problem.mesh;
@@ -395,7 +406,8 @@ fn source(problem: &Problem, t: f64) -> f64 {
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {
                 map.at(cell, q);
-                sum += weight * map.measure * problem.heat_source.value(&map.position, t).powi(2);
+                let source: f64 = own(block.region).map(|field| field.value(&map.position, t)).sum();
+                sum += weight * map.measure * source.powi(2);
             }
         }
     }

@@ -172,7 +172,7 @@ impl HeatStep<'_> {
     ) -> Result<(Solved, Exchange), Failure> {
         condensed.turn(&[]);
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
-        let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
+        let rho = interface.stiffness(self.boundary, None, self.unknown, condensed.scale());
         let lambda = rho.iter().map(|rho| if *rho > 0.0 { rho.recip() } else { 0.0 }).collect();
         let term = Thermal { step: self, interface, lambda };
         let right = Right { r, guess, proximal: None, is_repeated: false, springs: &[], rigid: None, pulse: None };

@@ -15,6 +15,7 @@ use crate::linalg::{Share, Tangent, Turn};
 use crate::list::List;
 use crate::mesh::{cross, leader};
 use crate::space::Space;
+use crate::space::rigid::rigid_of;
 use crate::tensor::{Point, dot, given, length};
 
 /// Stiffness of one side of a pair relative to that of the other that is round-off.
@@ -87,9 +88,9 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, the first with the unknown
-    /// on Γ_C, none where the value is prescribed, the second with that value; components are along the directions of
-    /// the space. `normals` has ν of each point.
+    /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, then by the motions of rigid
+    /// bodies ([`Space::with_rigid`]), the first with the unknown on Γ_C, none where the value is prescribed, the second
+    /// with that value; components are along the directions of the space. `normals` has ν of each point.
     #[must_use]
     pub fn of_vectors(
         boundary: &ContactBoundary,
@@ -108,6 +109,7 @@ impl Interface {
         }
         let seen: List<usize> = (0..boundary.nodes.len()).map(|node| of_leader[shared(node)]).collect();
         let count = boundary.points.len();
+        let on_nodes = OnNodes { unknown, prescribed, space, nodes: &boundary.nodes };
         let (mut rows, mut turns) = (List::with_capacity(count), List::with_capacity(count));
         let mut entries =
             List::with_capacity(dim * boundary.points.iter().map(|point| point.nodes.len()).sum::<usize>());
@@ -118,8 +120,7 @@ impl Interface {
             };
             let own = own_node(point, &seen, unknown, dim).filter(|_| !is_turned(point));
             let turn = own.map(|unknowns| Turn { unknowns, basis, dim });
-            let on_node = OnNode { unknown, prescribed, space, nodes: &boundary.nodes };
-            rows.push(vector_row(point, basis, turn.as_ref(), &on_node, &mut entries));
+            rows.push(vector_row(point, basis, turn.as_ref(), &on_nodes, &mut entries));
             turns.extend(turn);
         }
         Interface { rows, entries, turns, components: dim }
@@ -256,20 +257,31 @@ impl Interface {
     /// ρ of each point, the scale of S per area; of a pair that of both sides in series. On a side it is the mean of
     /// `diagonal` (of S, by unknown) over the nodes that the point sees, over their weights. Absolute values of the
     /// shape functions weigh and average: those of quadratic facets take either sign, and at the vertices of a triangle
-    /// they integrate to zero, so that ∫ N would leave the sign of ρ to round-off.
+    /// they integrate to zero, so that ∫ N would leave the sign of ρ to round-off. Scalars have no `space`.
     #[must_use]
-    pub fn stiffness(&self, boundary: &ContactBoundary, unknown: &[Option<u32>], diagonal: &[f64]) -> List<f64> {
+    pub fn stiffness(
+        &self,
+        boundary: &ContactBoundary,
+        space: Option<&Space>,
+        unknown: &[Option<u32>],
+        diagonal: &[f64],
+    ) -> List<f64> {
         let mut weight = List::filled(0.0, boundary.nodes.len());
         for point in &boundary.points {
             for &(node, value) in &point.nodes {
                 weight[node] += point.weight * value.abs();
             }
         }
-        let n = unknown.len() / boundary.nodes.len().max(1);
         let of_node = |node: usize| {
-            let own = unknown[node * n..(node + 1) * n].iter().flatten().map(|&unknown| diagonal[unknown as usize]);
-            let (sum, count) = own.fold((0.0, 0), |(sum, count), entry| (sum + entry, count + 1));
-            if count == 0 { None } else { Some(sum / (f64::from(count) * weight[node])) }
+            let (mut sum, mut share) = (0.0, 0.0);
+            for (at, direction) in degrees(space, &boundary.nodes, node) {
+                if let Some(unknown) = unknown.get(at).copied().flatten() {
+                    let square = dot(&direction, &direction);
+                    sum += square * diagonal[unknown as usize];
+                    share += square;
+                }
+            }
+            if share > 0.0 { Some(sum / (share * weight[node])) } else { None }
         };
         let of_side = |nodes: &[(usize, f64)]| {
             let (mut sum, mut share) = (0.0, 0.0);
@@ -308,12 +320,26 @@ fn own_node(point: &PointOnBoundary, seen: &[usize], unknown: &[Option<u32>], di
     Some(unknowns)
 }
 
-/// What is known of the values at the contact nodes.
-struct OnNode<'a> {
+/// What is known of the values at the contact nodes, and of the motions of rigid bodies after them.
+struct OnNodes<'a> {
     unknown: &'a [Option<u32>],
     prescribed: &'a [f64],
     space: &'a Space,
     nodes: &'a [u32],
+}
+
+/// The degrees of freedom that move a contact node, by their numbers in lists by contact node and motion of rigid bodies,
+/// with what they move it by; without a space that of a scalar.
+fn degrees(space: Option<&Space>, nodes: &[u32], node: usize) -> List<(usize, Point)> {
+    let Some(space) = space else { return List::filled((node, [1.0, 0.0, 0.0]), 1) };
+    let n = space.components;
+    let Some((body, position)) = rigid_of(&space.rigid, nodes[node]) else {
+        let directions = space.directions(nodes[node]);
+        return (0..n).map(|c| (node * n + c, directions[c])).collect();
+    };
+    let before: usize = space.rigid.iter().take(body).map(|body| body.slots().len()).sum();
+    let first = (nodes.len() + before) * n;
+    space.rigid[body].at(position).enumerate().map(|(j, motion)| (first + j, motion)).collect()
 }
 
 /// The row of a point, its entries appended to those of the others.
@@ -321,23 +347,22 @@ fn vector_row(
     point: &PointOnBoundary,
     basis: [Point; 3],
     turn: Option<&Turn>,
-    on_node: &OnNode,
+    on_nodes: &OnNodes,
     entries: &mut List<Share>,
 ) -> Row {
-    let OnNode { unknown, prescribed, space, nodes } = *on_node;
+    let OnNodes { unknown, prescribed, space, nodes } = *on_nodes;
     let dim = space.components;
     let (first, mut fixed) = (entries.len(), [0.0; 3]);
     if let Some(turn) = turn {
         entries.extend((0..dim).map(|a| (turn.unknowns[a], std::array::from_fn(|b| f64::from(u8::from(a == b))))));
     } else {
         for (node, value, turn) in point.entries() {
-            let directions = space.directions(nodes[node]);
-            for c in 0..dim {
-                let direction = turn.map_or(directions[c], |turn| turn.vector(&directions[c]));
+            for (at, direction) in degrees(Some(space), nodes, node) {
+                let direction = turn.map_or(direction, |turn| turn.vector(&direction));
                 let on: Local = std::array::from_fn(|a| value * cosine(&basis[a], &direction));
-                match unknown[node * dim + c] {
+                match unknown[at] {
                     Some(unknown) => entries.push((unknown, on)),
-                    None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node * dim + c]),
+                    None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[at]),
                 }
             }
         }

@@ -27,7 +27,8 @@ use crate::linalg::Spring;
 use crate::list::List;
 use crate::mesh::Mesh;
 use crate::rigid::{Motion, doubts};
-use crate::space::Space;
+use crate::space::rigid::rigid_of;
+use crate::space::{RigidNodes, Space};
 use crate::tensor::{Point, dot, length};
 
 /// Share of A below which a motion may be one that is not resisted, and of a motion below which a point does not move.
@@ -91,6 +92,7 @@ impl Loose {
         for own in floating.chunk_by(|a, b| a.part == b.part) {
             let Some(number) = own.first().map(|motion| motion.part) else { continue };
             let places: Vec<usize> = (0..boundary.nodes.len()).filter(|&i| part(boundary.nodes[i]) == number).collect();
+            let rigid = bodies_of(space, boundary.nodes.len(), |node| part(node) == number);
             let column = |motion: &Motion| -> Vec<(u32, f64)> {
                 let at = |&i: &usize| {
                     let node = boundary.nodes[i];
@@ -98,7 +100,17 @@ impl Loose {
                     (0..n).filter_map(move |c| Some((unknown[i * n + c]?, dot(&v, &directions[c]))))
                 };
                 // A node and one that follows it have the same unknowns.
-                let mut column: Vec<(u32, f64)> = places.iter().flat_map(at).collect();
+                let own = places.iter().filter(|i| rigid_of(&space.rigid, boundary.nodes[**i]).is_none());
+                let mut column: Vec<(u32, f64)> = own.flat_map(at).collect();
+                for (body, first) in &rigid {
+                    let q = body.nodes.iter().enumerate().fold(vec![0.0; body.motions.len()], |mut q, (i, node)| {
+                        let v = motion.at(&position(*node));
+                        q.iter_mut().zip(body.at(i)).for_each(|(q, m)| *q += dot(&m, &v));
+                        q
+                    });
+                    let unknown = |j: usize| unknown.get(first + j).copied().flatten();
+                    column.extend(q.into_iter().enumerate().filter_map(|(j, q)| Some((unknown(j)?, q))));
+                }
                 column.sort_by_key(|(unknown, _)| *unknown);
                 column.dedup_by_key(|(unknown, _)| *unknown);
                 column
@@ -150,6 +162,20 @@ impl Loose {
         }
         vector
     }
+}
+
+/// The rigid bodies of which the nodes are in a part, and where the unknowns of their motions begin in the list after
+/// those of so many contact nodes.
+fn bodies_of(space: &Space, nodes: usize, is_inside: impl Fn(u32) -> bool) -> Vec<(&RigidNodes, usize)> {
+    let mut first = nodes * space.components;
+    let mut all = Vec::new();
+    for body in &space.rigid {
+        if body.nodes.first().is_some_and(|&node| is_inside(node)) {
+            all.push((body, first));
+        }
+        first += body.slots().len() * space.components;
+    }
+    all
 }
 
 /// The part of each node of a mesh.

@@ -125,7 +125,7 @@ impl<'a> Mechanical<'a> {
         let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space);
         let rho = condensed.map_or_else(
             || List::filled(0.0, interface.len()),
-            |c| interface.stiffness(step.boundary, step.unknown, c.scale()),
+            |c| interface.stiffness(step.boundary, Some(step.space), step.unknown, c.scale()),
         );
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
             false => Response::Function,

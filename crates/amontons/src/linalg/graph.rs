@@ -1,6 +1,7 @@
 //! The graph of the nodes of a mesh.
 
 use crate::mesh::{Link, Mesh};
+use crate::space::RigidNodes;
 
 /// Which nodes share a cell: compressed rows, columns ascending, the node itself included.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,10 +105,54 @@ impl Graph {
         Graph { start, columns }
     }
 
+    /// The graph in which the nodes of rigid bodies are those in whose place their motions stand: the rows of the others
+    /// have themselves alone.
+    #[must_use]
+    pub fn rigid(&self, rigid: &[RigidNodes]) -> Graph {
+        let body_of = bodies(self.len(), rigid);
+        let seen = |j: u32, row: &mut Vec<u32>| match body_of[j as usize] {
+            Some(body) => row.extend(rigid[body as usize].slots()),
+            None => row.push(j),
+        };
+        let of_body = |body: &RigidNodes| {
+            let mut row: Vec<u32> = Vec::new();
+            for &node in &body.nodes {
+                self.row(node as usize).iter().for_each(|&j| seen(j, &mut row));
+            }
+            row.sort_unstable();
+            row.dedup();
+            row
+        };
+        let of_bodies: Vec<Vec<u32>> = rigid.iter().map(of_body).collect();
+        let (mut start, mut columns, mut row) = (vec![0], Vec::with_capacity(self.columns.len()), Vec::new());
+        for (i, body) in body_of.iter().enumerate() {
+            row.clear();
+            match body.map(|body| body as usize) {
+                Some(body) if rigid[body].slots().contains(&(i as u32)) => row.extend_from_slice(&of_bodies[body]),
+                Some(_) => row.push(i as u32),
+                None => self.row(i).iter().for_each(|&j| seen(j, &mut row)),
+            }
+            row.sort_unstable();
+            row.dedup();
+            columns.extend_from_slice(&row);
+            start.push(columns.len());
+        }
+        Graph { start, columns }
+    }
+
     /// Position of the pair (i, j) among all pairs, if they share a cell.
     pub(super) fn slot(&self, i: usize, j: u32) -> Option<usize> {
         self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
     }
+}
+
+/// The number of the rigid body of each of so many nodes; none of those that belong to none.
+pub(super) fn bodies(nodes: usize, rigid: &[RigidNodes]) -> Vec<Option<u32>> {
+    let mut bodies = vec![None; nodes];
+    for (number, body) in (0..).zip(rigid) {
+        body.nodes.iter().for_each(|&node| bodies[node as usize] = Some(number));
+    }
+    bodies
 }
 
 /// The node that each of so many nodes follows, or itself.

@@ -115,6 +115,9 @@ fn tangent_key(tangent: &Tangent, turns: &[Turn]) -> TangentKey {
     hash.finalize().into()
 }
 
+/// Share of the stiffness of a body below which that of its motion is none.
+pub(super) const STIFFLESS: f64 = 1e-8;
+
 impl Schur {
     /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
     pub fn new(s: Arc<Mat<f64>>, nodes: Vec<usize>, stop: Stop) -> Schur {
@@ -132,6 +135,17 @@ impl Schur {
             factorizations: 0,
             stop,
         }
+    }
+
+    /// The same with a scale for some unknowns, by their number among those that are kept, whose own is round-off of it.
+    #[must_use]
+    pub fn with_scale(mut self, of: &[(usize, f64)]) -> Schur {
+        for &(unknown, value) in of {
+            if let Some(own) = self.scale.get_mut(unknown).filter(|own| own.abs() < STIFFLESS * value) {
+                *own = value;
+            }
+        }
+        self
     }
 
     /// S in the bases that it is taken in.

@@ -9,13 +9,14 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::graph::{Graph, leaders};
+use super::graph::{Graph, bodies, leaders};
 use super::pages::Numbers;
 use super::repeats;
 use super::vectors::{max_abs, zeros};
 use crate::list::List;
 use crate::mesh::Link;
-use crate::space::Frame;
+use crate::space::{Frame, RigidNodes};
+use crate::tensor::Point;
 
 /// A matrix of R × C blocks, one for each pair of nodes that share a cell; the entry of components
 /// (r, c) of the nodes (i, j) stands in row `i R + r` and column `j C + c`.
@@ -225,6 +226,64 @@ impl BlockMatrix {
                     && let Some(slot) = joined.graph.slot(i, i as u32)
                 {
                     joined.values[slot * size..][..size].copy_from_slice(block);
+                }
+            }
+        }
+        Arc::new(joined)
+    }
+
+    /// The matrix Tᵀ A T, T the map from the motions of rigid bodies to the values at their nodes; A itself without such
+    /// bodies. The motions stand in the place of the first nodes, and the rows of the others have their own blocks
+    /// alone; a place without a motion has its own entry on the diagonal.
+    #[must_use]
+    pub fn rigid(self: &Arc<BlockMatrix>, rigid: &[RigidNodes]) -> Arc<BlockMatrix> {
+        if rigid.is_empty() {
+            return Arc::clone(self);
+        }
+        let n = self.rows;
+        let body_of = bodies(self.graph.len(), rigid);
+        let mut joined = BlockMatrix::zero(&Arc::new(self.graph.rigid(rigid)), n, n);
+        // Of a node its own degrees of freedom with the unit vectors, or those of its body with what moves it.
+        let of_node = |node: usize| -> Vec<(usize, Point)> {
+            let body = body_of[node].map(|body| &rigid[body as usize]);
+            match body.and_then(|body| Some((body, body.position(node as u32)?))) {
+                Some((body, position)) => {
+                    body.at(position).enumerate().map(|(j, motion)| (body.dof(j), motion)).collect()
+                }
+                None => (0..n).map(|c| (node * n + c, std::array::from_fn(|d| f64::from(u8::from(c == d))))).collect(),
+            }
+        };
+        for i in 0..self.graph.len() {
+            let is_slot = |body: u32| rigid[body as usize].slots().contains(&(i as u32));
+            let rows = body_of[i].map(|_| of_node(i));
+            for (j, block) in self.row(i) {
+                if rows.is_none() && body_of[j].is_none() {
+                    if let Some(slot) = joined.graph.slot(i, j as u32) {
+                        joined.values[slot * n * n..][..n * n].copy_from_slice(block);
+                    }
+                    continue;
+                }
+                if i == j && body_of[i].is_some_and(|body| !is_slot(body)) {
+                    if let Some(slot) = joined.graph.slot(i, i as u32) {
+                        joined.values[slot * n * n..][..n * n].copy_from_slice(block);
+                    }
+                }
+                let columns = of_node(j);
+                for (row, left) in rows.as_ref().unwrap_or(&of_node(i)) {
+                    let along: Vec<f64> = (0..n).map(|c| (0..n).map(|r| left[r] * block[r * n + c]).sum()).collect();
+                    for (column, right) in &columns {
+                        let Some(slot) = joined.graph.slot(row / n, (column / n) as u32) else { continue };
+                        joined.values[slot * n * n + row % n * n + column % n] +=
+                            along.iter().zip(right).map(|(a, b)| a * b).sum::<f64>();
+                    }
+                }
+            }
+        }
+        for body in rigid {
+            for (node, c) in (body.motions.len()..body.slots().len() * n).map(|j| (body.slots()[j / n] as usize, j % n))
+            {
+                if let Some(slot) = joined.graph.slot(node, node as u32) {
+                    joined.values[(slot * n + c) * n + c] = self.get(node, c, node, c);
                 }
             }
         }

@@ -71,6 +71,8 @@ struct SupernodalFactor {
     condensed: Arc<Mat<f64>>,
     /// First unknown of each contact node.
     nodes: Vec<usize>,
+    /// Stiffness of the bodies whose motions are kept, by the number of each of these.
+    rigid: Vec<(usize, f64)>,
     stop: Stop,
 }
 
@@ -87,6 +89,7 @@ impl SupernodalFactor {
                 interior,
                 condensed: Arc::new(Mat::new()),
                 nodes: Vec::new(),
+                rigid: Vec::new(),
                 stop: stop.clone(),
             });
         }
@@ -106,13 +109,19 @@ impl SupernodalFactor {
         let s = supernodes.condensed(&values);
         let diagonal = (interior..size).filter_map(|j| lower.column(j).next());
         let shift = diagonal.map(|(_, value)| value).sum::<f64>() / (size - interior).max(1) as f64;
+        let rigid: Vec<(usize, f64)> = unknowns
+            .rigid_stiffness(matrix)
+            .into_iter()
+            .filter_map(|(at, value)| Some((at.checked_sub(interior)?, value)))
+            .collect();
+        let shift = rigid.iter().fold(shift, |shift, (_, value)| shift.max(*value));
         has_factor(s.as_ref(), shift, stop).map_err(|error| error.of(interior, size))?;
         let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         root.batch();
         let values = values.first(stored, taken);
         let nodes = unknowns.kept_nodes(matrix.block_shape().0);
-        Ok(SupernodalFactor { values, root, size, interior, condensed: Arc::new(s), nodes, stop: stop.clone() })
+        Ok(SupernodalFactor { values, root, size, interior, condensed: Arc::new(s), nodes, rigid, stop: stop.clone() })
     }
 }
 
@@ -176,7 +185,8 @@ impl Factor for SupernodalFactor {
         Ok(())
     }
     fn condensed(&self) -> Box<dyn Condensed> {
-        Box::new(Schur::new(Arc::clone(&self.condensed), self.nodes.clone(), self.stop.clone()))
+        let made = Schur::new(Arc::clone(&self.condensed), self.nodes.clone(), self.stop.clone());
+        Box::new(made.with_scale(&self.rigid))
     }
     fn stored(&self) -> usize {
         debug_assert!(self.size >= self.interior);
@@ -359,8 +369,15 @@ mod tests {
             matrix.add(cell, &(0..9).map(value).collect::<Vec<_>>());
         }
         let (free, contact) = (vec![true; mesh.points.len()], mesh.facets["bottom"].node_list());
-        let layout =
-            Layout { points: &mesh.points, components: 1, free: &free, frames: &[], links: &[], contact: &contact };
+        let layout = Layout {
+            points: &mesh.points,
+            components: 1,
+            free: &free,
+            frames: &[],
+            links: &[],
+            rigid: &[],
+            contact: &contact,
+        };
         let backend: Arc<dyn Backend> = Arc::new(Supernodal);
         let mut system = System::new(&backend, &Arc::new(matrix.clone()), &layout).expect("a factor");
         let expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
@@ -405,7 +422,8 @@ mod tests {
             matrix.add(cell, &values);
         }
         let free: Vec<bool> = mesh.points.iter().flat_map(|[_, y, _]| vec![*y < 0.999; components]).collect();
-        let layout = Layout { points: &mesh.points, components, free: &free, frames: &[], links: &[], contact };
+        let layout =
+            Layout { points: &mesh.points, components, free: &free, frames: &[], links: &[], rigid: &[], contact };
         let unknowns = Unknowns::new(&matrix, &layout);
         let factor = SupernodalFactor::new(&matrix, &unknowns, &Stop::default()).expect("a factor");
         let mut expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();

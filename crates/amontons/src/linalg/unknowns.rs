@@ -11,9 +11,10 @@ use super::ordering::{Ordering, nested_dissection};
 use super::relief::Relief;
 use super::sparse::BlockMatrix;
 use super::vectors::{BLOCK, copy, zeros};
-use crate::list::List;
+use crate::list::{Lent, List};
 use crate::mesh::{Link, Mesh, leader};
-use crate::space::{Frame, Space, frame, links};
+use crate::space::rigid::rigid_of;
+use crate::space::{self, Frame, RigidNodes, Space, frame, links};
 use crate::tensor::Point;
 
 /// Where the unknowns of a matrix are.
@@ -29,6 +30,8 @@ pub struct Layout<'a> {
     pub frames: &'a [Frame],
     /// Nodes that follow others; what is at them is at these.
     pub links: &'a [Link],
+    /// Nodes that move as rigid bodies; what is at them is at the first of them.
+    pub rigid: &'a [RigidNodes],
     /// Nodes whose unknowns are kept.
     pub contact: &'a [u32],
 }
@@ -37,8 +40,8 @@ impl<'a> Layout<'a> {
     /// The unknowns of a space on a mesh.
     #[must_use]
     pub fn of(mesh: &'a Mesh, space: &'a Space, contact: &'a [u32]) -> Layout<'a> {
-        let Space { components, free, frames, links, .. } = space;
-        Layout { points: &mesh.points, components: *components, free, frames, links, contact }
+        let Space { components, free, frames, links, rigid, .. } = space;
+        Layout { points: &mesh.points, components: *components, free, frames, links, rigid, contact }
     }
 
     /// Where unknowns are that have an order.
@@ -47,36 +50,50 @@ impl<'a> Layout<'a> {
         let frames = (self.frames.into(), self.components);
         let mut position = vec![u32::MAX; self.free.len()];
         dofs.iter().enumerate().for_each(|(k, &dof)| position[dof as usize] = k as u32);
-        let links = self.links.into();
-        Unknowns { dofs, position, interior, points: Arc::new([]), frames, links, choice: None, relief: None }
+        let (links, rigid) = (self.links.into(), self.rigid.into());
+        Unknowns { dofs, position, interior, points: Arc::new([]), frames, links, rigid, choice: None, relief: None }
     }
 
-    /// The matrix of the unknowns: in their directions, and without the nodes that follow others.
+    /// The matrix of the unknowns: in their directions, without the nodes that follow others, and with the motions of
+    /// rigid bodies.
     #[must_use]
     pub fn matrix(&self, matrix: &Arc<BlockMatrix>) -> Arc<BlockMatrix> {
-        matrix.in_frames(self.frames).linked(self.links)
+        matrix.in_frames(self.frames).linked(self.links).rigid(self.rigid)
     }
 
-    /// The graph of the unknowns: without the nodes that follow others.
+    /// The graph of the unknowns: without the nodes that follow others, and with the motions of rigid bodies.
     #[must_use]
     pub fn graph<'g>(&self, graph: &'g Graph) -> Cow<'g, Graph> {
-        if self.links.is_empty() { Cow::Borrowed(graph) } else { Cow::Owned(graph.linked(self.links)) }
+        let linked = if self.links.is_empty() { Cow::Borrowed(graph) } else { Cow::Owned(graph.linked(self.links)) };
+        if self.rigid.is_empty() { linked } else { Cow::Owned(linked.rigid(self.rigid)) }
+    }
+
+    /// Whether all nodes have unknowns of their own.
+    fn is_plain(&self) -> bool {
+        self.links.is_empty() && self.rigid.is_empty()
     }
 
     /// Orders the nodes that have an unknown by nested dissection, the contact nodes last.
     #[must_use]
     pub fn ordering(&self, graph: &Graph) -> Ordering {
         let keep: Vec<bool> = self.free.chunks_exact(self.components).map(|node| node.contains(&true)).collect();
-        if self.links.is_empty() {
+        if self.is_plain() {
             return nested_dissection(graph, self.points, &keep, self.contact);
         }
         nested_dissection(graph, self.points, &keep, &self.leading_contact())
     }
 
-    /// The contact nodes, ascending, with the nodes that they follow in place of those that follow others.
+    /// The contact nodes, ascending, with the nodes that they follow in place of those that follow others, and those of
+    /// the motions in place of the nodes of rigid bodies.
     #[must_use]
     pub fn leading_contact(&self) -> Vec<u32> {
-        let mut contact: Vec<u32> = self.contact.iter().map(|&node| leader(self.links, node)).collect();
+        let mut contact: Vec<u32> = Vec::with_capacity(self.contact.len());
+        for &node in self.contact {
+            match rigid_of(self.rigid, node) {
+                Some((body, _)) => contact.extend(self.rigid[body].slots()),
+                None => contact.push(leader(self.links, node)),
+            }
+        }
         contact.sort_unstable();
         contact.dedup();
         contact
@@ -98,6 +115,8 @@ pub struct Unknowns {
     pub frames: (Arc<[Frame]>, usize),
     /// Nodes that follow others.
     pub links: Arc<[Link]>,
+    /// Nodes that move as rigid bodies.
+    pub rigid: Arc<[RigidNodes]>,
     /// How systems are solved and why, where a backend has chosen.
     pub choice: Option<Arc<Choice>>,
     /// When an iteration is left for a factor; none where it is not.
@@ -128,13 +147,33 @@ impl Unknowns {
     /// [`Layout::matrix`].
     #[must_use]
     pub fn matrix(&self, matrix: &Arc<BlockMatrix>) -> Arc<BlockMatrix> {
-        matrix.in_frames(&self.frames.0).linked(&self.links)
+        matrix.in_frames(&self.frames.0).linked(&self.links).rigid(&self.rigid)
     }
 
     /// Number of unknowns.
     #[must_use]
     pub fn len(&self) -> usize {
         self.dofs.len()
+    }
+
+    /// The unknowns that are motions of rigid bodies, with the mean stiffness of a node of the body as it would be
+    /// without the others: the motion of a rigid body may have no stiffness but round-off, as that of a loose part has.
+    #[must_use]
+    pub fn rigid_stiffness(&self, matrix: &BlockMatrix) -> Vec<(usize, f64)> {
+        let n = self.frames.1.max(1);
+        let mut all = Vec::new();
+        for body in self.rigid.iter() {
+            let motions: Vec<usize> = (0..body.motions.len()).map(|j| body.dof(j)).collect();
+            let dofs = body.nodes.iter().flat_map(|&node| (0..n).map(move |c| node as usize * n + c));
+            let own: Vec<f64> = dofs
+                .filter(|dof| !motions.contains(dof))
+                .map(|dof| matrix.get(dof / n, dof % n, dof / n, dof % n).abs())
+                .collect();
+            let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+            let known = motions.into_iter().filter_map(|dof| self.position.get(dof)).map(|at| *at as usize);
+            all.extend(known.filter(|&at| at < self.dofs.len()).map(|at| (at, mean)));
+        }
+        all
     }
 
     /// Whether there is nothing to solve for.
@@ -174,6 +213,21 @@ impl Unknowns {
         positions
     }
 
+    /// A vector by its components along the degrees of freedom.
+    fn entered<'v>(&self, full: &'v [f64]) -> Lent<'v, f64> {
+        if self.frames.0.is_empty() && self.rigid.is_empty() {
+            return Lent::Given(full);
+        }
+        let mut values = List::copied(full);
+        space::enter(&self.frames.0, &self.rigid, self.frames.1, &mut values);
+        Lent::Own(values)
+    }
+
+    /// From components along the degrees of freedom to those along the axes.
+    fn leave(&self, full: &mut [f64]) {
+        space::leave(&self.frames.0, &self.rigid, self.frames.1, full);
+    }
+
     /// The directions of the degrees of freedom of a node.
     #[must_use]
     pub fn directions(&self, node: u32) -> [Point; 3] {
@@ -183,8 +237,8 @@ impl Unknowns {
     /// Forces over all degrees of freedom, in elimination order; what is at a node that follows another one acts there.
     #[must_use]
     pub fn gather(&self, full: &[f64]) -> List<f64> {
-        let (frames, components) = (&self.frames.0, self.frames.1);
-        let mut forces = frame::entered(frames, components, full);
+        let components = self.frames.1;
+        let mut forces = self.entered(full);
         for Link { node, to, .. } in self.links.iter() {
             let [own, followed] = [node, to].map(|node| *node as usize * components);
             for c in 0..components {
@@ -198,12 +252,12 @@ impl Unknowns {
     /// Adds a vector in elimination order to its degrees of freedom.
     pub fn add(&self, x: &[f64], full: &mut [f64]) {
         let (frames, components) = (&self.frames.0, self.frames.1);
-        if frames.is_empty() {
+        if frames.is_empty() && self.rigid.is_empty() {
             self.put(x, full);
         } else {
             let mut change = zeros(full.len());
             self.put(x, &mut change);
-            frame::leave(frames, components, &mut change);
+            self.leave(&mut change);
             full.iter_mut().zip(change).for_each(|(value, change)| *value += change);
         }
         links::follow(&self.links, frames, components, full);
@@ -214,14 +268,14 @@ impl Unknowns {
     pub fn forces(&self, kept: &[f64], size: usize) -> List<f64> {
         let mut full = zeros(size);
         self.kept().iter().zip(kept).for_each(|(&dof, force)| full[dof as usize] = *force);
-        frame::leave(&self.frames.0, self.frames.1, &mut full);
+        self.leave(&mut full);
         full
     }
 
     /// The sum of [`Unknowns::add`].
     #[must_use]
     pub fn sum(&self, x: &[f64], full: &[f64]) -> List<f64> {
-        if !self.frames.0.is_empty() || !self.links.is_empty() {
+        if !self.frames.0.is_empty() || !self.links.is_empty() || !self.rigid.is_empty() {
             let mut sum = copy(full);
             self.add(x, &mut sum);
             return sum;
@@ -233,7 +287,7 @@ impl Unknowns {
     /// The unknowns that are kept of a vector over all degrees of freedom.
     #[must_use]
     pub fn kept_of(&self, full: &[f64]) -> List<f64> {
-        let full = frame::entered(&self.frames.0, self.frames.1, full);
+        let full = self.entered(full);
         self.kept().iter().map(|&d| full[d as usize]).collect()
     }
 

@@ -176,9 +176,64 @@ impl Mesh {
         sum
     }
 
+    /// The centre of the area of a side, of the length of an edge, of points; none of an empty set.
+    #[must_use]
+    pub fn centre(&self, set: &FacetSet) -> Option<Point> {
+        let mut sum = Moments::default();
+        for block in &set.blocks {
+            let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
+            let mut map = FacetMap::new(self, &table);
+            for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+                for (q, weight) in table.weights.iter().enumerate() {
+                    map.at(facet, q);
+                    sum.add(weight * map.area, &map.position);
+                }
+            }
+        }
+        sum.centre(self)
+    }
+
+    /// The centre of the volume of a region, by its number; none of a region without cells.
+    #[must_use]
+    pub fn centre_of_region(&self, region: usize) -> Option<Point> {
+        let mut sum = Moments::default();
+        for block in self.blocks.iter().filter(|block| block.region == region) {
+            let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
+            let mut map = CellMap::new(self, &table);
+            for cell in block.cells() {
+                for (q, weight) in table.weights.iter().enumerate() {
+                    map.at(cell, q);
+                    sum.add(weight * map.measure, &map.position);
+                }
+            }
+        }
+        sum.centre(self)
+    }
+
     /// 2πr of a body of revolution, the thickness of a plane one, 1 of any other: the factor of measures at a point.
     fn across(&self, x: &Point) -> f64 {
         if self.axisymmetric { std::f64::consts::TAU * x[0] } else { self.thickness() }
+    }
+}
+
+/// A measure, and its moments about the origin.
+#[derive(Default)]
+struct Moments {
+    measure: f64,
+    first: Point,
+}
+
+impl Moments {
+    fn add(&mut self, measure: f64, x: &Point) {
+        self.measure += measure;
+        self.first.iter_mut().zip(x).for_each(|(sum, c)| *sum += measure * c);
+    }
+
+    /// The centre, which is on the axis of a body of revolution; none without a measure.
+    fn centre(&self, mesh: &Mesh) -> Option<Point> {
+        let centre = self.first.map(|c| c / self.measure);
+        let on_axis = if mesh.axisymmetric { [0.0, centre[1], 0.0] } else { centre };
+        (self.measure > 0.0).then_some(on_axis)
     }
 }
 

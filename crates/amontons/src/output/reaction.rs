@@ -4,6 +4,8 @@ use super::Snapshot;
 use super::quantity::Base;
 use crate::mesh::{leader, link_of};
 use crate::problem::ProblemData;
+use crate::space::rigid::rigid_of;
+use crate::space::{RigidNodes, Space};
 use crate::tensor::Point;
 
 /// Numbers of the reactions of a set of nodes among those that [`crate::scheme::Reactions`] lists.
@@ -12,6 +14,24 @@ pub(super) struct Held {
     of_heat: bool,
     /// Each with its direction.
     numbers: Vec<(usize, Point)>,
+}
+
+/// The resultants of what holds the motions of each rigid body with one of some nodes, per unit of what it bears; empty
+/// for other bodies. None if a body that nothing holds has one of the nodes.
+fn bodies(space: &Space, nodes: &[u32]) -> Option<Vec<Vec<Point>>> {
+    let of = |body: &RigidNodes| {
+        if !nodes.iter().any(|&node| body.position(node).is_some()) {
+            return Some(Vec::new());
+        }
+        let mut sums = vec![[0.0; 3]; body.held];
+        for i in 0..body.nodes.len() {
+            for (sum, motion) in sums.iter_mut().zip(body.at(i)) {
+                *sum = std::array::from_fn(|c| sum[c] + motion[c]);
+            }
+        }
+        (body.held > 0).then_some(sums)
+    };
+    space.rigid.iter().map(of).collect()
 }
 
 impl Held {
@@ -28,10 +48,20 @@ impl Held {
         }
         nodes.sort_unstable();
         nodes.dedup();
+        let bodies = bodies(&space, &nodes)?;
         let (mut numbers, mut nodes) = (Vec::new(), nodes.into_iter().peekable());
         let mut number = 0;
         for (node, free) in (0u32..).zip(space.free.chunks_exact(space.components)) {
             let is_here = nodes.next_if(|&next| next == node).is_some();
+            if let Some((body, position)) = rigid_of(&space.rigid, node) {
+                // The prescribed motions of a rigid body stand at its first nodes.
+                let first = position * space.components;
+                for j in first..space.rigid[body].held.min(first + space.components) {
+                    numbers.extend(bodies[body].get(j).map(|sum| (number, *sum)));
+                    number += 1;
+                }
+                continue;
+            }
             if is_here && free.iter().all(|free| *free) {
                 return None;
             }

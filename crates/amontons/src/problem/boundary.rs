@@ -270,7 +270,7 @@ impl ProblemData {
     #[must_use]
     pub fn displacement_space(&self) -> Space {
         let prescribed = self.boundary.iter().flat_map(|b| b.prescriptions(&self.mesh));
-        Space::linked(&self.mesh, self.mesh.dim, prescribed, self.links())
+        Space::linked(&self.mesh, self.mesh.dim, prescribed, self.links(), self.rigid_nodes())
     }
 
     /// Q^h with the prescribed temperatures: (2.7).
@@ -278,7 +278,7 @@ impl ProblemData {
     pub fn temperature_space(&self) -> Space {
         let prescribed = self.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.temperature.as_ref()?)));
         let prescribed = prescribed.map(|(on, field)| Prescription { on, direction: unit(0), field });
-        Space::linked(&self.mesh, 1, prescribed, self.links())
+        Space::linked(&self.mesh, 1, prescribed, self.links(), Vec::new())
     }
 
     /// Sides exist, are named once, and bear no two conditions that exclude each other.

@@ -22,6 +22,7 @@ impl ProblemData {
         self.check_shapes(&mut faults);
         self.check_boundary(&mut faults);
         self.check_cyclic(&mut faults);
+        self.check_rigid(&mut faults);
         self.check_times(&mut faults);
         if let Err(error) = self.mesh.check() {
             faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));
@@ -154,16 +155,7 @@ impl ProblemData {
                 );
             }
         };
-        for (i, field) in self.body_force.iter().enumerate() {
-            check(format!("load.body_force[{i}]"), field);
-        }
-        check("load.heat_source".to_owned(), &self.heat_source);
-        for (i, condition) in self.boundary.iter().enumerate() {
-            for (key, _, field) in condition.fields() {
-                check(format!("boundary[{i}].{key}"), field);
-            }
-        }
-        for datum in self.contact_fields() {
+        for datum in self.data() {
             check(datum.key, datum.field);
         }
     }
@@ -180,6 +172,13 @@ impl ProblemData {
         };
         let filled = |v: &Vec<Field>| if v.is_empty() { None } else { Some(v.len()) };
         check("load.body_force".into(), filled(&self.body_force));
+        for (i, load) in self.region_loads.iter().enumerate() {
+            let [own, common] = &load.keys;
+            check(format!("{own}.body_force"), filled(&load.body_force));
+            // Gravity is the same in all regions.
+            let gravity = load.gravity.as_ref().filter(|_| i == 0);
+            check(format!("{common}.gravity"), gravity.map(|(fields, _)| fields.len()));
+        }
         check("initial.displacement".into(), filled(&self.initial.displacement));
         check("initial.velocity".into(), filled(&self.initial.velocity));
         for (i, b) in self.boundary.iter().enumerate() {

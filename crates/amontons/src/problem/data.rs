@@ -90,6 +90,18 @@ impl ProblemData {
         let mut all = vec![body("load.heat_source".to_owned(), Role::HeatSource, &self.heat_source)];
         let components = self.body_force.iter().enumerate();
         all.extend(components.map(|(c, field)| body(format!("load.body_force[{c}]"), Role::BodyForce, field)));
+        for load in &self.region_loads {
+            let roles = [Role::BodyForce, Role::Other, Role::HeatSource];
+            for (role, fields) in roles.into_iter().zip(load.fields()) {
+                all.extend(fields.into_iter().map(|(key, field)| body(key, role, field)));
+            }
+        }
+        for (i, part) in self.rigid.iter().enumerate() {
+            for (key, role, fields) in [("force", Role::Force, &part.force), ("moment", Role::Other, &part.moment)] {
+                let fields = fields.iter().enumerate();
+                all.extend(fields.map(|(c, field)| body(format!("rigid[{i}].{key}[{c}]"), role, field)));
+            }
+        }
         for (i, b) in self.boundary.iter().enumerate() {
             let side = Some(b.on.as_str());
             let on =

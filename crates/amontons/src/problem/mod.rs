@@ -8,10 +8,12 @@ mod check;
 mod choices;
 mod cyclic;
 mod data;
+mod loads;
 mod pairs;
 pub use pairs::with_supports;
 mod physics;
 mod range;
+mod rigid;
 mod tables;
 
 use std::fmt;
@@ -22,7 +24,9 @@ use std::sync::atomic::AtomicBool;
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub use choices::Choice;
 pub(crate) use data::{Datum, Role, Sample};
+pub use loads::RegionLoad;
 pub use physics::Physics;
+pub use rigid::RigidPart;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 
@@ -149,11 +153,15 @@ pub struct ProblemData {
     pub body_force: Vec<Field>,
     /// q₀ in W/m³.
     pub heat_source: Field,
+    /// Body forces and heat sources of regions, which add to those of the whole body.
+    pub region_loads: Vec<RegionLoad>,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,
     /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to
     /// act on the other sectors as well, turned. No condition and no contact is on these sides.
     pub cyclic: Vec<Cyclic>,
+    /// Sides and regions that move as rigid bodies.
+    pub rigid: Vec<RigidPart>,
     /// Contact of sides with their foundations, each side once.
     pub contacts: Vec<Contact>,
     /// Initial data.
@@ -234,8 +242,10 @@ impl ProblemData {
             materials: vec![material],
             body_force: Vec::new(),
             heat_source: Field::ZERO,
+            region_loads: Vec::new(),
             boundary: Vec::new(),
             cyclic: Vec::new(),
+            rigid: Vec::new(),
             contacts: Vec::new(),
             initial: Initial::default(),
             coupling: Coupling::Staggered,

@@ -39,6 +39,16 @@ pub fn free_motions(
             rows.push(own.iter().zip(followed).map(|(own, followed)| own - followed).collect());
         }
     }
+    // What is prescribed of the motion of a rigid body is a sum over its nodes.
+    for body in space.rigid.iter().filter(|body| body.nodes.first().is_some_and(|&node| inside(node))) {
+        let mut held = vec![vec![0.0; all.len()]; body.held];
+        for (i, &node) in body.nodes.iter().enumerate() {
+            for (row, motion) in held.iter_mut().zip(body.at(i)) {
+                row.iter_mut().zip(along(node, &motion)).for_each(|(sum, more)| *sum += more);
+            }
+        }
+        rows.extend(held);
+    }
     let kernel = kernel(all.len(), &rows);
     kernel.iter().filter_map(|a| Motion::sum(a.iter().copied().zip(&all))).collect()
 }

@@ -84,7 +84,7 @@ impl Bodies {
     /// sector, whose nodes follow each other turned; and where laws are not linear.
     pub fn new(problem: &Problem, mesh: &Mesh, is_linear: bool) -> Option<Bodies> {
         let is_free = problem.boundary.iter().all(|b| b.spring.is_none() && b.dashpot.is_none());
-        if !is_linear || !is_free || !problem.cyclic.is_empty() {
+        if !is_linear || !is_free || !problem.cyclic.is_empty() || !problem.rigid.is_empty() {
             return None;
         }
         let turns = mesh.dim > 1 && !mesh.axisymmetric;

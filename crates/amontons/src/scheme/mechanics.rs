@@ -93,7 +93,7 @@ impl Given {
         let Step { problem, discrete, boundary, old, bar, t, .. } = *step;
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
-            w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
+            w_prescribed: step.on_contact(&Given::prescribed(step, w)),
             frames: frames(problem, boundary, &old.u, &step.worn(), [old.t, t]),
             temperature: List::new(),
             loads: Vec::new(),
@@ -105,7 +105,7 @@ impl Given {
         let Step { discrete, boundary, .. } = *step;
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, step.deformation_before()),
-            w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, v)),
+            w_prescribed: step.on_contact(&Given::prescribed(step, v)),
             frames: step.seen_from(&self.frames, rigid),
             temperature: self.temperature.clone(),
             loads: self.loads.clone(),

@@ -86,6 +86,13 @@ pub(super) enum Rounded {
 }
 
 impl Step<'_> {
+    /// What a vector has at the contact nodes, and then at those in whose place the motions of rigid bodies stand.
+    pub fn on_contact(&self, values: &[f64]) -> List<f64> {
+        let n = self.discrete.mesh.dim;
+        let nodes = self.discrete.v.with_rigid(&self.boundary.nodes).into_iter();
+        nodes.flat_map(|node| values[node as usize * n..(node as usize + 1) * n].iter().copied()).collect()
+    }
+
     /// |ū| + γ |v|, the sizes of what the displacement is the sum of that strains see.
     pub fn sizes(&self, v: &[f64]) -> List<f64> {
         let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
@@ -288,7 +295,8 @@ impl Products {
 #[derive(Debug)]
 pub(super) struct HalfStep {
     pub system: System,
-    /// Unknown of each degree of freedom of the contact nodes among those that are kept, none where prescribed.
+    /// Unknown of each degree of freedom of the contact nodes, and of the motions of rigid bodies after them, among those
+    /// that are kept, none where prescribed.
     pub on_contact: Vec<Option<u32>>,
     /// The temperature that the matrix was factorized anew at; empty where it is that of the start, or does not matter.
     pub at: Vec<f64>,
@@ -312,7 +320,8 @@ impl HalfStep {
         let (contact, components) = (&discrete.boundary.nodes, space.components);
         let system = System::new(backend, &Arc::new(matrix), &Layout::of(&discrete.mesh, space, contact))?;
         let position = system.unknowns().positions(space.free.len());
-        let dofs = contact.iter().flat_map(|&node| (0..components).map(move |c| node as usize * components + c));
+        let seen = space.with_rigid(contact).into_iter();
+        let dofs = seen.flat_map(|node| (0..components).map(move |c| node as usize * components + c));
         let on_contact = dofs.map(|dof| position[dof]).collect();
         Ok(HalfStep { system, on_contact, at: Vec::new() })
     }

@@ -67,7 +67,7 @@ mod tests {
         let zero = Field::Constant(0.5);
         // Along y on top, which at the last node is a direction of the first one.
         let top = Prescription { on: "top", direction: [0.0, 1.0, 0.0], field: &zero };
-        Space::linked(mesh, 2, [top], Links { nodes, on_axis: Vec::new() })
+        Space::linked(mesh, 2, [top], Links { nodes, on_axis: Vec::new() }, Vec::new())
     }
 
     /// Values that follow are turned, and forces at what follows do the work that they did there: f·v is the same.

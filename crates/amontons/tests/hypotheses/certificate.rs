@@ -297,8 +297,15 @@ fn dense_least(problem: &Problem) -> f64 {
     let held = mesh.facets["top"].node_list();
     let free: Vec<bool> = (0..2 * graph.len()).map(|dof| !held.contains(&(dof as u32 / 2))).collect();
     let contact = mesh.facets["bottom"].node_list();
-    let layout =
-        Layout { points: &mesh.points, components: 2, free: &free, frames: &[], links: &[], contact: &contact };
+    let layout = Layout {
+        points: &mesh.points,
+        components: 2,
+        free: &free,
+        frames: &[],
+        links: &[],
+        rigid: &[],
+        contact: &contact,
+    };
     let backend: Arc<dyn Backend> = Arc::new(Dense);
     let system = System::new(&backend, &Arc::new(matrix), &layout).expect("a positive definite matrix");
     let s = system.condensed().dense().expect("a dense matrix");

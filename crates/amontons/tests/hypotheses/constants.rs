@@ -24,8 +24,15 @@ fn identity(dim: usize) -> Sym {
 
 /// sup B/K over the functions that vanish where `free` says so.
 fn supremum(mesh: &Mesh, b: &BlockMatrix, k: &BlockMatrix, free: &[bool]) -> Eigenpair {
-    let layout =
-        Layout { points: &mesh.points, components: k.block_shape().0, free, frames: &[], links: &[], contact: &[] };
+    let layout = Layout {
+        points: &mesh.points,
+        components: k.block_shape().0,
+        free,
+        frames: &[],
+        links: &[],
+        rigid: &[],
+        contact: &[],
+    };
     let backend: Arc<dyn Backend> = Arc::new(Supernodal);
     let mut system = System::new(&backend, &Arc::new(k.clone()), &layout).expect("a positive definite form");
     largest(&mut Quotient { numerator: b, denominator: k, system: &mut system }).expect("a solution")

@@ -19,7 +19,7 @@ fn solve(mesh: &Mesh, matrix: &BlockMatrix, load: &[f64], prescribed: &[f64], fr
     let components = matrix.block_shape().0;
     let mut x: Vec<f64> = prescribed.iter().zip(free).map(|(v, &free)| if free { 0.0 } else { *v }).collect();
     let backend: Arc<dyn Backend> = Arc::new(Supernodal);
-    let layout = Layout { points: &mesh.points, components, free, frames: &[], links: &[], contact: &[] };
+    let layout = Layout { points: &mesh.points, components, free, frames: &[], links: &[], rigid: &[], contact: &[] };
     let mut system = System::new(&backend, &Arc::new(matrix.clone()), &layout).expect("a positive definite matrix");
     // Once more for the rest: the solution is then that of the matrix to round-off.
     for _ in 0..2 {

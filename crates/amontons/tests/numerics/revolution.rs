@@ -93,8 +93,15 @@ fn a_tube_has_the_displacement_of_lame() {
             });
             let rest: Vec<f64> = matrix.apply(&u).into_iter().map(|f| -f).collect();
             let backend: Arc<dyn Backend> = Arc::new(Supernodal);
-            let layout =
-                Layout { points: &mesh.points, components: 2, free: &free, frames: &[], links: &[], contact: &[] };
+            let layout = Layout {
+                points: &mesh.points,
+                components: 2,
+                free: &free,
+                frames: &[],
+                links: &[],
+                rigid: &[],
+                contact: &[],
+            };
             let mut system = System::new(&backend, &Arc::new(matrix), &layout).expect("a regular system");
             let mut x = system.unknowns().gather(&rest);
             system.solve(&mut x).expect("a solution");

@@ -87,8 +87,15 @@ fn the_cost_is_that_of_the_factors() {
     }
     let mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2).expect("a mesh");
     let graph = Graph::of_mesh(&mesh);
-    let layout =
-        Layout { points: &mesh.points, components: 3, free: &[true; 81], frames: &[], links: &[], contact: &[] };
+    let layout = Layout {
+        points: &mesh.points,
+        components: 3,
+        free: &[true; 81],
+        frames: &[],
+        links: &[],
+        rigid: &[],
+        contact: &[],
+    };
     let counted = Estimate::of(&graph, layout.free, 3, &layout.ordering(&graph));
     assert_eq!((counted.unknowns, counted.entries, counted.stored), (81, 81.0 * 81.0, 81.0 * 82.0 / 2.0));
     near(counted.flops, 81.0 * 82.0 * 163.0 / 6.0, 1e-14);

@@ -7,6 +7,7 @@
 //! | `part-free` | a part of the body can move without strain and has no contact | supports |
 //! | `point-force` | a force acts on points, or in space along an edge | the data |
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
+//! | `rigid-on-rigid` | a rigid part meets a rigid foundation, or another rigid part, by rigid contact | the data |
 //! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep beside the gap between them | the gap of the mesh |
 //! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
@@ -31,6 +32,7 @@
 mod effect;
 mod gaps;
 mod jump;
+mod rigid;
 mod run;
 mod supports;
 mod thermal;
@@ -64,6 +66,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(supports::part_free(problem));
     findings.extend(supports::contact_held(problem));
     findings.extend(supports::point_force(problem));
+    findings.extend(rigid::on_rigid(problem));
     findings.extend(gaps::of_pairs(problem));
     findings.extend(gaps::of_obstacles(problem));
     for (region, _) in problem.materials.iter().enumerate() {

@@ -11,6 +11,7 @@ use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
 use crate::linalg::relief::Account;
+use crate::linalg::schur::STIFFLESS;
 use crate::linalg::sparse::{BlockMatrix, Repeated};
 use crate::linalg::stop::Stop;
 use crate::linalg::tangent::Tangent;
@@ -45,6 +46,8 @@ pub(super) struct Iterative {
     free: Vec<bool>,
     positions: Vec<Option<u32>>,
     scale: Vec<f64>,
+    /// The motions of rigid bodies that have no stiffness, with that of their bodies.
+    stiffless: Vec<(u32, f64)>,
     /// The turns by unknown, and by degree of freedom.
     turns: List<Turn>,
     turns_by_degree: List<Turn>,
@@ -72,7 +75,14 @@ impl Iterative {
             let own: Vec<f64> = (node * n..node * n + n).filter(|&d| free[d]).map(diagonal).collect();
             own.iter().sum::<f64>() / own.len().max(1) as f64
         };
-        let scale = unknowns.dofs.iter().map(mean).collect();
+        let mut scale: Vec<f64> = unknowns.dofs.iter().map(mean).collect();
+        let mut stiffless = Vec::new();
+        for (unknown, value) in unknowns.rigid_stiffness(matrix) {
+            if let Some(own) = scale.get_mut(unknown).filter(|own| own.abs() < STIFFLESS * value) {
+                *own = value;
+                stiffless.extend(unknowns.dofs.get(unknown).map(|dof| (*dof, value)));
+            }
+        }
         let positions = unknowns.positions(free.len());
         let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
         Iterative {
@@ -82,6 +92,7 @@ impl Iterative {
             free,
             positions,
             scale,
+            stiffless,
             turns: List::new(),
             turns_by_degree: List::new(),
             preconditioner: None,
@@ -102,8 +113,8 @@ impl Iterative {
 
     /// K with what is known of its degrees of freedom.
     fn body(&self) -> Body<'_> {
-        let Unknowns { points, frames, .. } = &self.unknowns;
-        Body { matrix: &self.matrix, points, free: &self.free, frames: &frames.0 }
+        let Unknowns { points, frames, rigid, .. } = &self.unknowns;
+        Body { matrix: &self.matrix, points, free: &self.free, frames: &frames.0, rigid, stiffless: &self.stiffless }
     }
 
     /// (S + J) x, S by its rows where they repeat.
@@ -482,7 +493,15 @@ mod tests {
         let mesh = Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Left).map_err(|error: MeshError| error.to_string())?;
         let matrix = Arc::new(springs(&mesh, n));
         let free = vec![true; mesh.points.len()];
-        let layout = Layout { points: &mesh.points, components: 1, free: &free, frames: &[], links: &[], contact: &[] };
+        let layout = Layout {
+            points: &mesh.points,
+            components: 1,
+            free: &free,
+            frames: &[],
+            links: &[],
+            rigid: &[],
+            contact: &[],
+        };
         let unknowns = Multigrid::default().order(&matrix, &layout);
         let b: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
         for (same, is_wrong) in [(SAME, false), (0.5, true)] {

@@ -48,7 +48,10 @@ impl Backend for Multigrid {
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
         let (components, _) = matrix.block_shape();
-        for (pivot, &dof) in unknowns.dofs.iter().enumerate() {
+        let rigid: Vec<usize> = unknowns.rigid_stiffness(matrix).into_iter().map(|(unknown, _)| unknown).collect();
+        // The motions of a rigid body that contact alone holds have the round-off of zero.
+        let own = unknowns.dofs.iter().enumerate().filter(|(unknown, _)| !rigid.contains(unknown));
+        for (pivot, &dof) in own {
             let (node, c) = (dof as usize / components, dof as usize % components);
             let diagonal = matrix.get(node, c, node, c);
             if diagonal <= 0.0 || diagonal.is_nan() {

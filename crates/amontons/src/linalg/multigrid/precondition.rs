@@ -14,11 +14,14 @@ use crate::linalg::stop::Stop;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
 use crate::list::List;
-use crate::space::Frame;
+use crate::space::{Frame, RigidNodes};
 use crate::tensor::{Point, Sym};
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
 const FIRM: f64 = 100.0;
+/// Share of the stiffness of a rigid body that its motions have in the cycle where they have none: beside contact it is
+/// nothing, and beside numbers of single precision something.
+const SOFT: f64 = 1e-6;
 /// The basis of a node that is not turned.
 pub(super) const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -29,6 +32,10 @@ pub(super) struct Body<'a> {
     pub free: &'a [bool],
     /// Directions of the unknowns of nodes where they are not the axes.
     pub frames: &'a [Frame],
+    /// Nodes that move as rigid bodies.
+    pub rigid: &'a [RigidNodes],
+    /// Degrees of freedom that are motions of these without stiffness, with that of their bodies.
+    pub stiffless: &'a [(u32, f64)],
 }
 
 /// The preconditioner.
@@ -89,7 +96,14 @@ fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>)
         let is_alone = point
             .iter()
             .all(|(i, j, _)| point.first().is_none_or(|e| [*i, *j].map(|u| u / n as u32) == [e.0 / n as u32; 2]));
-        if is_alone { alone.extend(point) } else { softened_point(body, &point, &mut joints) }
+        if point.iter().any(|(i, j, _)| [*i, *j].iter().any(|u| moves_rigidly(body, u / n as u32))) {
+            // What resists a motion has nothing beside it that would be too soft.
+            joints.extend(point.iter().filter_map(|entry| single(body, entry)));
+        } else if is_alone {
+            alone.extend(point);
+        } else {
+            softened_point(body, &point, &mut joints);
+        }
     }
     for (node, block) in blocks(&alone, n) {
         let basis = bases.get(&node).copied().unwrap_or(AXES);
@@ -111,6 +125,23 @@ fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>)
         }
         made
     })
+}
+
+/// Whether motions of a rigid body stand in the place of a node.
+fn moves_rigidly(body: &Body, node: u32) -> bool {
+    body.rigid.iter().any(|part| part.slots().contains(&node))
+}
+
+/// One entry of J as a block; none where a degree of freedom is prescribed.
+fn single(body: &Body, &(i, j, value): &Entry) -> Option<Joint> {
+    let (n, _) = body.matrix.block_shape();
+    let size = n as u32;
+    if ![i, j].iter().all(|dof| body.free.get(*dof as usize).is_some_and(|free| *free)) {
+        return None;
+    }
+    let mut block = [0.0; 9];
+    *block.get_mut((i % size * size + j % size) as usize)? = value;
+    Some((i / size, j / size, block))
 }
 
 /// The forces of a point that sees several nodes, in the axes of space. The blocks of J are there multiples of one, so
@@ -194,6 +225,10 @@ fn restricted(body: &Body) -> Blocks<f64> {
     let (n, _) = body.matrix.block_shape();
     let nodes = body.free.len() / n;
     let kept = |i: usize, j: usize, k: usize| body.free[i * n + k / n] && body.free[j * n + k % n];
+    let soft = |dof: usize| {
+        let known = body.stiffless.iter().find(|(motion, _)| *motion as usize == dof);
+        known.map_or(0.0, |(_, value)| SOFT * value)
+    };
     let stands = |i: usize, j: usize| i == j || (0..n * n).any(|k| kept(i, j, k));
     let (mut start, mut columns) = (Vec::with_capacity(nodes + 1), Vec::new());
     start.push(0);
@@ -207,7 +242,8 @@ fn restricted(body: &Body) -> Blocks<f64> {
         for ((i, j, block), out) in standing.zip(values.chunks_exact_mut(n * n)) {
             for (k, (out, value)) in out.iter_mut().zip(block).enumerate() {
                 let alone = f64::from(u8::from(i == j && k / n == k % n));
-                *out = if kept(i, j, k) { *value } else { alone * value.abs().max(f64::MIN_POSITIVE) };
+                let soft = if alone > 0.0 { soft(i * n + k % n) } else { 0.0 };
+                *out = if kept(i, j, k) { *value + soft } else { alone * value.abs().max(f64::MIN_POSITIVE) };
             }
         }
     })
@@ -241,9 +277,21 @@ fn modes(body: &Body, n: usize) -> (Vec<f64>, usize) {
                 *value = (0..n).map(|d| axes[at / m][d] * old[d * m + at % m]).sum();
             }
         }
-        for c in (0..n).filter(|c| !body.free[i * n + c]) {
-            block[c * m..][..m].fill(0.0);
+    }
+    // What a motion of the whole body is of the motions of a rigid part of it.
+    for part in body.rigid {
+        for k in 0..m {
+            let mut values: Vec<f64> = modes.iter().skip(k).step_by(m).copied().collect();
+            part.enter(&mut values);
+            for &node in &part.nodes {
+                for dof in node as usize * n..(node as usize + 1) * n {
+                    modes[dof * m + k] = values[dof];
+                }
+            }
         }
+    }
+    for (block, _) in modes.chunks_exact_mut(m).zip(body.free).filter(|(_, free)| !**free) {
+        block.fill(0.0);
     }
     (modes, m)
 }

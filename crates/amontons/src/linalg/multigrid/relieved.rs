@@ -36,7 +36,8 @@ impl Relieved {
     ) -> Result<Relieved, SolveError> {
         let (components, _) = matrix.block_shape();
         let contact = &relief.contact;
-        let layout = Layout { points: &unknowns.points, components, free, frames: &[], links: &[], contact };
+        let layout =
+            Layout { points: &unknowns.points, components, free, frames: &[], links: &[], rigid: &[], contact };
         let backend: Arc<dyn Backend> = Arc::new(Interruptible(stop.clone()));
         let system = System::new(&backend, matrix, &layout)?;
         let kept = system.unknowns().positions(free.len());

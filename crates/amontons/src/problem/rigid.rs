@@ -1,0 +1,199 @@
+//! Sides and regions that move as rigid bodies.
+
+use std::collections::BTreeSet;
+
+use super::boundary::unknown;
+use super::{Fault, ProblemData};
+use crate::field::Field;
+use crate::mesh::defects::components;
+use crate::mesh::{Mesh, link_of};
+use crate::space::{RigidNodes, Space};
+use crate::tensor::{Point, dot, length};
+
+/// A side, a region, an edge or points that move as one rigid body, by small rotations, with what acts on it.
+///
+/// The body turns and moves as it is pushed; conditions of other sides, or at points, hold it where its nodes are
+/// theirs, too. A region has the mass of its material.
+#[derive(Clone, Debug)]
+pub struct RigidPart {
+    /// Name of the side, region, edge or points.
+    pub on: String,
+    /// Force in N, per unit of thickness in the plane, one field of time per component; empty for none.
+    pub force: Vec<Field>,
+    /// Moment in N m about the place at which the force acts: in space a field of time per component, in the plane one;
+    /// empty for none.
+    pub moment: Vec<Field>,
+    /// Where the force acts, in m; none for the centre: of the area of a side, of the volume of a region.
+    pub at: Option<Point>,
+    /// Whether it turns; else it keeps its direction, as a platen that is guided.
+    pub turns: bool,
+}
+
+impl RigidPart {
+    /// A part on which nothing acts.
+    #[must_use]
+    pub fn on(on: impl Into<String>) -> RigidPart {
+        RigidPart { on: on.into(), force: Vec::new(), moment: Vec::new(), at: None, turns: true }
+    }
+
+    /// The number of the region that it is, if it is one.
+    fn region(&self, mesh: &Mesh) -> Option<usize> {
+        mesh.regions.iter().position(|region| *region == self.on)
+    }
+
+    /// Its nodes, ascending; none where the mesh has no such name.
+    #[must_use]
+    pub fn nodes(&self, mesh: &Mesh) -> Vec<u32> {
+        if let Some(set) = mesh.named(&self.on) {
+            return set.node_list();
+        }
+        let Some(region) = self.region(mesh) else { return Vec::new() };
+        let blocks = mesh.blocks.iter().filter(|block| block.region == region);
+        let nodes: BTreeSet<u32> = blocks.flat_map(|block| block.nodes.iter().copied()).collect();
+        nodes.into_iter().collect()
+    }
+
+    /// The centre of its area, its volume, its length or its points; none where the mesh has no such name.
+    #[must_use]
+    pub fn centre(&self, mesh: &Mesh) -> Option<Point> {
+        match mesh.named(&self.on) {
+            Some(set) => mesh.centre(set),
+            None => mesh.centre_of_region(self.region(mesh)?),
+        }
+    }
+}
+
+/// Relative difference of prescribed values of one rigid body that is round-off: digits that are typed.
+const SAME: f64 = 1e-6;
+
+impl ProblemData {
+    /// The nodes of rigid parts, as far as these exist and share none with each other.
+    #[must_use]
+    pub fn rigid_nodes(&self) -> Vec<RigidNodes> {
+        let mut taken: BTreeSet<u32> = BTreeSet::new();
+        let mut all = Vec::new();
+        for part in &self.rigid {
+            let nodes = part.nodes(&self.mesh);
+            if !nodes.is_empty() && nodes.iter().all(|node| !taken.contains(node)) {
+                taken.extend(&nodes);
+                all.push(RigidNodes::new(&self.mesh, nodes, part.turns));
+            }
+        }
+        all
+    }
+
+    /// Rigid parts exist, are parts of one body each, and share no node; what is prescribed and what acts on them is
+    /// that of a rigid body.
+    pub(super) fn check_rigid(&self, faults: &mut Vec<Fault>) {
+        let known = faults.len();
+        let mut owner = vec![None; self.mesh.points.len()];
+        let parts = if self.rigid.is_empty() { Vec::new() } else { components(&self.mesh) };
+        for (i, part) in self.rigid.iter().enumerate() {
+            let at = format!("rigid[{i}].on");
+            let nodes = part.nodes(&self.mesh);
+            if nodes.is_empty() {
+                let sides = self.mesh.facets.keys().map(String::as_str);
+                let names: Vec<&str> = sides.chain(self.mesh.regions.iter().map(String::as_str)).collect();
+                faults.push(unknown(at, &part.on, "sides and regions", &names));
+                continue;
+            }
+            if let Some(other) = nodes.iter().find_map(|&node| owner[node as usize]) {
+                let found = format!("\"{}\", which has nodes of rigid[{other}]", part.on);
+                let hint = "give both one name (`union` in [[side]]): bodies that share a node move as one";
+                faults.push(Fault::new(at, found, "nodes of no other rigid part").hint(hint));
+                continue;
+            }
+            nodes.iter().for_each(|&node| owner[node as usize] = Some(i));
+            let bodies = parts.iter().filter(|body| nodes.iter().any(|node| body.nodes.binary_search(node).is_ok()));
+            if bodies.count() > 1 {
+                let hint = "give each body a rigid part of its own, and join the bodies by a tie";
+                let found = format!("\"{}\", which is on several bodies", part.on);
+                faults.push(Fault::new(at, found, "a side or a region of one body").hint(hint));
+                continue;
+            }
+            let links = self.links();
+            let followed =
+                |node: &u32| link_of(&links.nodes, *node).is_some() || links.nodes.iter().any(|link| link.to == *node);
+            if nodes.iter().any(followed) {
+                let found = format!("\"{}\", which has nodes of a cut of a sector", part.on);
+                faults.push(Fault::new(at, found, "nodes away from the cuts of cyclic sectors"));
+                continue;
+            }
+            self.check_load_of(i, part, faults);
+        }
+        if faults.len() == known && !self.rigid.is_empty() && self.mesh.check_nodes().is_ok() {
+            self.check_prescribed_motion(faults);
+        }
+    }
+
+    /// What acts on a rigid part has its components, does not vary in space, and moves it.
+    fn check_load_of(&self, number: usize, part: &RigidPart, faults: &mut Vec<Fault>) {
+        let dim = self.mesh.dim;
+        let moments = if self.mesh.axisymmetric { 0 } else { [0, 0, 1, 3].get(dim).copied().unwrap_or(0) };
+        for (key, fields, expected) in [("force", &part.force, dim), ("moment", &part.moment, moments)] {
+            let path = format!("rigid[{number}].{key}");
+            if !fields.is_empty() && fields.len() != expected {
+                let expected = match expected {
+                    0 => "no moment: this body does not turn".to_owned(),
+                    1 => "1 component".to_owned(),
+                    n => format!("{n} components"),
+                };
+                faults.push(Fault::new(&path, format!("{} components", fields.len()), expected));
+            }
+            if fields.iter().any(Field::depends_on_space) {
+                let found = "an expression in x, y or z";
+                faults.push(Fault::new(path, found, "a number or an expression in t: the force of the whole body"));
+            }
+        }
+        let body = RigidNodes::new(&self.mesh, part.nodes(&self.mesh), part.turns);
+        let does_nothing = |moment: Point| body.work(&[0.0; 3], &[0.0; 3], &moment).iter().all(|work| *work == 0.0);
+        let axis =
+            |c: usize| -> Point { std::array::from_fn(|d| f64::from(u8::from(d == if dim == 3 { c } else { 2 }))) };
+        if part.moment.iter().enumerate().any(|(c, field)| !field.is_zero() && does_nothing(axis(c))) {
+            let found = format!("a moment on \"{}\", which has no motion about its axis", part.on);
+            let hint = "nodes on a line do not turn about it, and neither a point nor a part that is `guided` turns";
+            faults
+                .push(Fault::new(format!("rigid[{number}].moment"), found, "a moment that turns the part").hint(hint));
+        }
+    }
+
+    /// What is prescribed at the nodes of a rigid part is a motion of a rigid body.
+    fn check_prescribed_motion(&self, faults: &mut Vec<Fault>) {
+        let space: Space = self.displacement_space();
+        let n = self.mesh.dim;
+        for t in [0.0, 0.37 * self.end, self.end] {
+            let mut u = vec![0.0; self.mesh.points.len() * n];
+            space.prescribe(t, &mut u);
+            for (entry, condition) in self.boundary.iter().enumerate() {
+                for given in condition.prescriptions(&self.mesh) {
+                    let Some(set) = self.mesh.named(given.on) else { continue };
+                    let nodes = set.node_list();
+                    let of_rigid = |node: &&u32| space.rigid.iter().any(|body| body.position(**node).is_some());
+                    let nodes: Vec<u32> = nodes.iter().filter(of_rigid).copied().collect();
+                    let x: Vec<Point> = nodes.iter().map(|&node| self.mesh.points[node as usize]).collect();
+                    let values = given.field.values(&x, t);
+                    let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+                    let off = nodes.iter().zip(&values).find(|(node, value)| {
+                        let at = **node as usize * n;
+                        let u: Point = std::array::from_fn(|c| if c < n { u[at + c] } else { 0.0 });
+                        (dot(&u, &given.direction) - **value).abs() > SAME * largest.max(length(&u))
+                    });
+                    if let Some((node, value)) = off {
+                        let x = self.mesh.points[*node as usize];
+                        let at: Vec<String> = x.iter().take(n).map(|c| format!("{c:?}")).collect();
+                        let found = format!(
+                            "a displacement of {value:?} at ({}) that is not that of a rigid body, at t = {t:?}",
+                            at.join(", ")
+                        );
+                        let hint = "prescribe the displacement of a rigid part at as many points as it has motions, `at` in [[boundary]], or one for all of it";
+                        faults.push(
+                            Fault::new(format!("boundary[{entry}]"), found, "displacements that a rigid part can have")
+                                .hint(hint),
+                        );
+                        return;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Nodes that move as one rigid body.
+//!
+//! The displacement of such nodes is u(x_i) = Σ_j q_j m_j(x_i), m_j the motions without strain, m(x) = s + ω × (x − c)
+//! with small rotations. The m_j are orthonormal over the nodes, Σ_i m_j(x_i)·m_l(x_i) = δ_jl: then q_j = Σ_i
+//! m_j(x_i)·u_i of a displacement, and the forces f_i at the nodes do the work Q_j = Σ_i m_j(x_i)·f_i along them. The
+//! same map takes displacements to q and forces to Q.
+//!
+//! What is prescribed at a node in a direction d is one equation for q, Σ_j d·m_j(x_i) q_j = u_D. The first of the m_j
+//! are the directions of these equations, so that q_j is prescribed there and free beyond.
+
+use crate::mesh::{Mesh, cross};
+use crate::tensor::{Point, dot, length};
+
+/// Share of a motion, less what other motions have of it, that is none: that of nodes on a line about the line.
+const NOTHING: f64 = 1e-6;
+
+/// Nodes that move as one rigid body.
+#[derive(Clone, Debug)]
+pub struct RigidNodes {
+    /// The nodes, ascending.
+    pub nodes: Vec<u32>,
+    /// Where they are.
+    places: Vec<Point>,
+    /// The m_j; prescribed ones first.
+    pub motions: Vec<RigidMotion>,
+    /// How many of them are prescribed.
+    pub held: usize,
+    /// Components of a node.
+    components: usize,
+}
+
+/// A motion without strain, m(x) = s + ω × (x − c).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RigidMotion {
+    /// s.
+    pub shift: Point,
+    /// ω.
+    pub turn: Point,
+    /// c.
+    pub centre: Point,
+}
+
+impl RigidMotion {
+    /// m(x).
+    #[must_use]
+    pub fn at(&self, x: &Point) -> Point {
+        let turned = cross(&self.turn, &std::array::from_fn(|c| x[c] - self.centre[c]));
+        std::array::from_fn(|c| self.shift[c] + turned[c])
+    }
+
+    /// a m + b m′, of motions about one centre.
+    fn sum(&self, a: f64, b: f64, other: &RigidMotion) -> RigidMotion {
+        let of = |own: &Point, other: &Point| std::array::from_fn(|c| a * own[c] + b * other[c]);
+        RigidMotion { shift: of(&self.shift, &other.shift), turn: of(&self.turn, &other.turn), centre: self.centre }
+    }
+}
+
+impl RigidNodes {
+    /// The nodes of a set, ascending, with their motions, rotations only if it turns. A body of revolution moves along its
+    /// axis alone.
+    #[must_use]
+    pub fn new(mesh: &Mesh, nodes: Vec<u32>, turns: bool) -> RigidNodes {
+        let places: Vec<Point> =
+            nodes.iter().map(|&node| mesh.points.get(node as usize).copied().unwrap_or_default()).collect();
+        let mut rigid = RigidNodes { nodes, places, motions: Vec::new(), held: 0, components: mesh.dim };
+        let moves = |motion: &RigidMotion| turns || motion.turn == [0.0; 3];
+        for motion in rigid.candidates(mesh).into_iter().filter(moves) {
+            let size = rigid.product(&motion, &motion).sqrt();
+            let mut rest = motion;
+            // Twice, so that the rest is at right angles to the last digit.
+            for _ in 0..2 {
+                for other in &rigid.motions {
+                    rest = rest.sum(1.0, -rigid.product(&rest, other), other);
+                }
+            }
+            let left = rigid.product(&rest, &rest).sqrt();
+            if left > NOTHING * size {
+                rigid.motions.push(rest.sum(1.0 / left, 0.0, &rest));
+            }
+        }
+        rigid
+    }
+
+    /// Motions along the axes, and about axes through the centre of the nodes.
+    fn candidates(&self, mesh: &Mesh) -> Vec<RigidMotion> {
+        let n = self.places.len().max(1) as f64;
+        let centre: Point = std::array::from_fn(|c| self.places.iter().map(|x| x[c]).sum::<f64>() / n);
+        let unit = |axis: usize| -> Point { std::array::from_fn(|c| f64::from(u8::from(c == axis))) };
+        let shifted = |axis: usize| RigidMotion { shift: unit(axis), turn: [0.0; 3], centre };
+        let turned = |axis: usize| RigidMotion { shift: [0.0; 3], turn: unit(axis), centre };
+        match mesh.dim {
+            _ if mesh.axisymmetric => vec![shifted(1)],
+            1 => vec![shifted(0)],
+            2 => vec![shifted(0), shifted(1), turned(2)],
+            _ => (0..3).map(shifted).chain((0..3).map(turned)).collect(),
+        }
+    }
+
+    /// Σ_i m(x_i)·m′(x_i).
+    fn product(&self, a: &RigidMotion, b: &RigidMotion) -> f64 {
+        self.places.iter().map(|x| dot(&a.at(x), &b.at(x))).sum()
+    }
+
+    /// The degree of freedom in whose place q_j stands: those of the first nodes.
+    #[must_use]
+    pub fn dof(&self, j: usize) -> usize {
+        let n = self.components.max(1);
+        self.nodes.get(j / n).map_or(0, |node| *node as usize * n + j % n)
+    }
+
+    /// The nodes in whose place the q_j stand.
+    #[must_use]
+    pub fn slots(&self) -> &[u32] {
+        let count = self.motions.len().div_ceil(self.components.max(1));
+        &self.nodes[..count.min(self.nodes.len())]
+    }
+
+    /// Where a node stands among them.
+    #[must_use]
+    pub fn position(&self, node: u32) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// What each motion moves a node by.
+    pub fn at(&self, position: usize) -> impl Iterator<Item = Point> + '_ {
+        let x = self.places.get(position).copied().unwrap_or_default();
+        self.motions.iter().map(move |motion| motion.at(&x))
+    }
+
+    /// Q of a force and of a moment at a place.
+    #[must_use]
+    pub fn work(&self, x: &Point, force: &Point, moment: &Point) -> Vec<f64> {
+        self.motions.iter().map(|motion| dot(&motion.at(x), force) + dot(&motion.turn, moment)).collect()
+    }
+
+    /// The forces at the nodes that do the work Q, node-major.
+    #[must_use]
+    pub fn forces(&self, work: &[f64]) -> Vec<Point> {
+        let at = |i: usize| {
+            self.at(i).zip(work).fold([0.0; 3], |sum: Point, (m, q)| std::array::from_fn(|c| sum[c] + q * m[c]))
+        };
+        (0..self.nodes.len()).map(at).collect()
+    }
+
+    /// q of the values at the nodes, in their place; zero elsewhere on the nodes.
+    pub fn enter(&self, values: &mut [f64]) {
+        let n = self.components;
+        let mut q = vec![0.0; self.motions.len()];
+        for (i, &node) in self.nodes.iter().enumerate() {
+            let Some(at) = values.get_mut(node as usize * n..(node as usize + 1) * n) else { continue };
+            let v: Point = std::array::from_fn(|c| at.get(c).copied().unwrap_or_default());
+            at.fill(0.0);
+            q.iter_mut().zip(self.at(i)).for_each(|(q, m)| *q += dot(&m, &v));
+        }
+        for (j, q) in q.into_iter().enumerate() {
+            if let Some(value) = values.get_mut(self.dof(j)) {
+                *value = q;
+            }
+        }
+    }
+
+    /// The values at the nodes of q, which stands in its place.
+    pub fn leave(&self, values: &mut [f64]) {
+        let q: Vec<f64> =
+            (0..self.motions.len()).map(|j| values.get(self.dof(j)).copied().unwrap_or_default()).collect();
+        let n = self.components;
+        for (force, &node) in self.forces(&q).iter().zip(&self.nodes) {
+            if let Some(at) = values.get_mut(node as usize * n..(node as usize + 1) * n) {
+                at.iter_mut().zip(force).for_each(|(value, c)| *value = *c);
+            }
+        }
+    }
+
+    /// Prescribes the value of a node in a direction: which of the motions is prescribed by it, what of the value the
+    /// motions prescribed before give, and the factor of the rest. None if it was prescribed before.
+    pub fn hold(&mut self, node: u32, direction: &Point) -> Option<(usize, Vec<f64>, f64)> {
+        let position = self.position(node)?;
+        let along: Vec<f64> = self.at(position).map(|m| dot(&m, direction)).collect();
+        let size = along.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let (before, rest) = along.split_at(self.held);
+        let scale = rest.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if scale <= NOTHING * size {
+            return None;
+        }
+        let (number, before) = (self.held, before.to_vec());
+        let towards: Vec<f64> = rest.iter().map(|c| c / scale).collect();
+        self.turn(&towards);
+        self.held += 1;
+        Some((number, before, scale))
+    }
+
+    /// Takes other motions for those that are free, the first of them Σ_j t_j m_j of a unit vector t: a reflection that
+    /// takes the first unit vector to ±t, and the sign.
+    fn turn(&mut self, t: &[f64]) {
+        let free = &mut self.motions[self.held..];
+        let sign = if t.first().is_some_and(|first| *first > 0.0) { -1.0 } else { 1.0 };
+        // v = t − sign e₁; H = 1 − 2 v vᵀ/‖v‖² takes e₁ to sign t.
+        let mut v = t.to_vec();
+        v.iter_mut().take(1).for_each(|first| *first -= sign);
+        let square = v.iter().map(|c| c * c).sum::<f64>();
+        if square > 0.0 {
+            let Some(first) = free.first().copied() else { return };
+            let zero = first.sum(0.0, 0.0, &first);
+            let along = free.iter().zip(&v).fold(zero, |sum, (motion, v)| sum.sum(1.0, *v, motion));
+            for (motion, v) in free.iter_mut().zip(&v) {
+                *motion = motion.sum(1.0, -2.0 * v / square, &along);
+            }
+        }
+        if let Some(first) = free.first_mut() {
+            let reflected = *first;
+            *first = reflected.sum(sign, 0.0, &reflected);
+        }
+    }
+
+    /// The directions in which a node may move by the motions that are free, orthonormal.
+    #[must_use]
+    pub fn free_directions(&self, position: usize) -> Vec<Point> {
+        let all: Vec<Point> = self.at(position).collect();
+        let size = all.iter().map(length).fold(0.0, f64::max);
+        let mut found: Vec<Point> = Vec::new();
+        for motion in all.get(self.held..).unwrap_or_default() {
+            let mut rest = *motion;
+            for _ in 0..2 {
+                for other in &found {
+                    let along = dot(&rest, other);
+                    rest = std::array::from_fn(|c| rest[c] - along * other[c]);
+                }
+            }
+            let left = length(&rest);
+            if left > NOTHING * size {
+                found.push(rest.map(|c| c / left));
+            }
+        }
+        found
+    }
+}
+
+/// The rigid body that a node belongs to, by its number, and where it stands among the nodes of it.
+#[must_use]
+pub fn rigid_of(rigid: &[RigidNodes], node: u32) -> Option<(usize, usize)> {
+    rigid.iter().enumerate().find_map(|(number, body)| Some((number, body.position(node)?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Diagonal;
+
+    fn off(rigid: &RigidNodes) -> f64 {
+        let n = rigid.motions.len();
+        let unit = |j: usize, l: usize| if j == l { 1.0 } else { 0.0 };
+        let pairs = (0..n).flat_map(|j| (0..n).map(move |l| (j, l)));
+        let product = |(j, l): (usize, usize)| rigid.product(&rigid.motions[j], &rigid.motions[l]) - unit(j, l);
+        pairs.map(|pair| product(pair).abs()).fold(0.0, f64::max)
+    }
+
+    /// Motions stay orthonormal while directions are prescribed, far from the origin, too; what is prescribed moves no
+    /// free motion.
+    #[test]
+    fn free_motions_leave_what_is_prescribed() -> Result<(), crate::mesh::MeshError> {
+        let mut mesh = Mesh::rectangle([1.0, 0.5], [4, 2], Diagonal::Right)?;
+        mesh.points.iter_mut().for_each(|x| *x = [x[0] + 1e3, x[1] - 2e3, 0.0]);
+        let mut rigid = RigidNodes::new(&mesh, mesh.facets["top"].node_list(), true);
+        assert_eq!(rigid.motions.len(), 3);
+        assert!(off(&rigid) < 1e-13);
+        let node = rigid.nodes[1];
+        for (direction, held) in [([0.6, 0.8, 0.0], 1), ([0.6, 0.8, 0.0], 1), ([1.0, 0.0, 0.0], 2)] {
+            rigid.hold(node, &direction);
+            assert_eq!(rigid.held, held);
+            assert!(off(&rigid) < 1e-13, "{}", off(&rigid));
+            let free: Vec<Point> = rigid.at(1).skip(held).collect();
+            assert!(free.iter().all(|m| dot(m, &direction).abs() < 1e-13), "{free:?}");
+        }
+        // The body turns about the node that is held.
+        assert!(rigid.free_directions(1).is_empty());
+        assert_eq!(rigid.free_directions(0).len(), 1);
+        let mut values: Vec<f64> = (0..30).map(|i| f64::from(i * i % 7)).collect();
+        rigid.leave(&mut values);
+        let once = values.clone();
+        rigid.enter(&mut values);
+        rigid.leave(&mut values);
+        assert!(once.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-12));
+        Ok(())
+    }
+}
