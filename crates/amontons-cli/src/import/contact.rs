@@ -91,10 +91,6 @@ impl Friction {
 }
 
 impl Contacts {
-    pub fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
-    }
-
     /// Takes a keyword; false where it says nothing of contact.
     pub fn take(&mut self, card: &Card, mesh: &Mesh, notes: &mut Notes) -> Result<bool, Fault> {
         match card.name.as_str() {
@@ -228,36 +224,34 @@ impl Contacts {
         if !from.is_empty() {
             text += &format!("# {}\n", from.join(", "));
         }
-        let tied = matches!(normal, Some(Normal::Tied)) || scene.rests;
+        let tied = matches!(normal, Some(Normal::Tied));
         let gap = pair.gap.map(|gap| gap * length);
-        if scene.rests {
-            text += "# bodies at rest: the sides keep their distance, and heat alone passes\n";
-        }
-        let law = if tied { "{ law = \"bilateral\" }".to_owned() } else { pressure(normal.as_ref(), scene.units) };
-        text += &format!("normal = {law}\n");
-        if tied || matches!(friction, Some(Friction::Rough)) {
-            text += "friction = { law = \"stick\" }\n";
-        } else if let Some(Friction::Coulomb(coefficient, cap)) = friction.filter(Friction::acts) {
-            let cap = cap.map_or_else(String::new, |cap| format!(", cap = {}", number(cap * scene.units.stress())));
-            text += &format!("friction = {{ law = \"coulomb\", coefficient = {}{cap} }}\n", number(coefficient));
-        }
+        text += &if scene.rests {
+            String::new()
+        } else if tied {
+            "normal = { law = \"bilateral\" }\nfriction = { law = \"stick\" }\n".to_owned()
+        } else {
+            format!("normal = {}\n{}", pressure(normal.as_ref(), scene.units), rubbing(friction.as_ref(), scene.units))
+        };
         if let Some(gap) = gap {
             text += &format!("gap = {}\n", number(gap));
-        } else if pair.close && !tied {
+        } else if pair.close && !tied && !scene.rests {
             text += "close = true                         # ADJUST: overlaps at rest are none\n";
         }
-        if !tied && scene.large && !pair.small {
+        if !tied && !scene.rests && scene.large && !pair.small {
             text += "geometry = \"updated\"                 # NLGEOM: the sides slide past each other\n";
         }
         if scene.heat {
-            let shown = heat.as_ref().map(|heat| conducting(heat, scene.units));
+            let shown = heat.as_ref().map(|heat| conducting(heat, scene));
             let shown = shown.or_else(|| {
                 pair.interaction
                     .is_none()
                     .then(|| format!("{{ law = \"constant\", conductance = {} }}", number(scene.tie)))
             });
             text += &shown.map_or_else(String::new, |law| format!("heat = {law}\n"));
-            text += &share.filter(|_| !tied).map_or_else(String::new, |f| format!("frictional_heat = {}\n", number(f)));
+            text += &share
+                .filter(|_| !tied && !scene.rests)
+                .map_or_else(String::new, |f| format!("frictional_heat = {}\n", number(f)));
         }
         text
     }
@@ -317,6 +311,18 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
     }
 }
 
+/// The friction of the case, a line of it or none.
+fn rubbing(friction: Option<&Friction>, units: Units) -> String {
+    match friction {
+        Some(Friction::Rough) => "friction = { law = \"stick\" }\n".to_owned(),
+        Some(friction @ Friction::Coulomb(coefficient, cap)) if friction.acts() => {
+            let cap = cap.map_or_else(String::new, |cap| format!(", cap = {}", number(cap * units.stress())));
+            format!("friction = {{ law = \"coulomb\", coefficient = {}{cap} }}\n", number(*coefficient))
+        }
+        _ => String::new(),
+    }
+}
+
 /// A law of the case.
 fn pressure(normal: Option<&Normal>, units: Units) -> String {
     match normal {
@@ -358,10 +364,12 @@ fn conductance(card: &Card) -> Result<Conductance, Fault> {
 }
 
 /// A law of the case for a conductance.
-fn conducting(heat: &Conductance, units: Units) -> String {
+fn conducting(heat: &Conductance, scene: &Scene) -> String {
+    let units = scene.units;
     let factor = units.flux();
     let first = heat.rows.first().map_or(0.0, |row| row.1 * factor);
-    if heat.rows.len() < 2 {
+    // Between bodies at rest nothing presses.
+    if heat.rows.len() < 2 || (scene.rests && heat.over_pressure) {
         return format!("{{ law = \"constant\", conductance = {} }}", number(first));
     }
     let (variable, scale) = if heat.over_pressure { ("p", units.stress()) } else { ("-r", units.length) };

@@ -44,8 +44,6 @@ struct Writing<'a> {
     model: &'a Model,
     read: &'a Read,
     context: Context,
-    /// Whether bodies at rest pass heat through contacts.
-    rests: bool,
 }
 
 /// The case.
@@ -70,7 +68,7 @@ pub fn case(
     let scene = contact::Scene {
         units: writing.context.units,
         heat: writing.context.physics.heat,
-        rests: writing.rests,
+        rests: !writing.context.physics.mechanics,
         large: model.large,
         tie: TIE * conductivity / size,
     };
@@ -118,7 +116,6 @@ impl<'a> Writing<'a> {
         let expands = model.materials.iter().any(super::material::Material::expands);
         let spread = model.physics.mechanics && !model.physics.heat && !model.conditions.field.0.is_empty() && expands;
         let heat = model.physics.heat || spread;
-        let rests = !model.physics.mechanics && !model.contacts.is_empty();
         let initial = model.conditions.initial.unwrap_or(0.0);
         let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
         let stress_state = match read.plane {
@@ -136,7 +133,7 @@ impl<'a> Writing<'a> {
             shift: if model.physics.mechanics && heat && expands { initial } else { 0.0 },
             initial,
         };
-        Writing { model, read, context, rests }
+        Writing { model, read, context }
     }
 
     /// Largest extent of the mesh in the units of the case.
@@ -182,7 +179,7 @@ impl<'a> Writing<'a> {
             .collect();
         text += &format!("\n[time]                               # {}\n", places.join(", "));
         text += &format!("end = {}\nsteps = {}\n", number(time.end * units.time), time.count);
-        if (self.context.physics.mechanics || self.rests) && !self.context.inertia {
+        if self.context.physics.mechanics && !self.context.inertia {
             text += "inertia = false\n";
         }
         Ok(text)
@@ -227,23 +224,14 @@ impl<'a> Writing<'a> {
             let from = place.map_or_else(String::new, |place| format!("   # {place}"));
             text += &format!("{key} = {value}{from}\n");
         }
-        if self.rests {
-            let state = self.context.stress_state.map_or_else(String::new, |s| format!(", stress_state = \"{s}\""));
-            text += &format!(
-                "elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.0{state} }}   # the bodies rest\n"
-            );
-        }
         Ok(text)
     }
 
     fn boundaries(&self, notes: &mut Notes) -> String {
         let mut text = String::new();
         let Context { units, dim, shift, .. } = self.context;
-        for (number, entry) in self.model.conditions.entries.iter().enumerate() {
+        for entry in &self.model.conditions.entries {
             text += &self.boundary(entry, notes);
-            if self.rests && number == 0 {
-                text += &format!("displacement = [{}]   # the bodies rest\n", vec!["0.0"; dim].join(", "));
-            }
         }
         for force in &self.model.forces {
             let component = |d: usize| {

@@ -1,5 +1,6 @@
 //! From the raw case to the [`Problem`]: what the schema cannot say is checked here.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,7 +16,7 @@ use super::side_names::SideNames;
 use super::verify::{Expected, Verify};
 use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
-use crate::field::Field;
+use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::Material;
@@ -52,6 +53,7 @@ pub(super) fn problem(
         end: raw.time.end,
         steps: raw.time.steps,
         inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
+        densities: BTreeMap::new(),
         has_other_end,
     };
     build.name(&raw.name);
@@ -61,6 +63,7 @@ pub(super) fn problem(
     build.thickness(raw.thickness, &mut mesh);
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
+    let region_loads = build.region_loads(&raw, &mesh);
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     build.places(&mut raw.boundary, &mut mesh);
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
@@ -77,7 +80,9 @@ pub(super) fn problem(
         materials,
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
+        region_loads,
         cyclic: build.cyclic(raw.cyclic),
+        rigid: build.rigid(raw.rigid),
         boundary,
         contacts,
         initial: build.initial(&raw.initial, &mesh.points),
@@ -243,6 +248,8 @@ pub(super) struct Build<'d> {
     pub has_other_end: bool,
     /// Whether densities count.
     pub inertia: Inertia,
+    /// The densities of the materials by where these stand in the case, also where inertia is ignored.
+    pub densities: BTreeMap<String, Coefficient<f64>>,
 }
 
 /// Whether ρü acts.
@@ -277,7 +284,7 @@ impl Build<'_> {
             return true;
         }
         // What stands in the place of a side that could not be found is no side of the case.
-        let of_sides = ["contact", "boundary", "cyclic"].iter().any(|table| path.is_in(table));
+        let of_sides = ["contact", "boundary", "cyclic", "rigid"].iter().any(|table| path.is_in(table));
         if of_sides && self.findings.iter().any(|finding| finding.path.is_in("side")) {
             return true;
         }
@@ -346,14 +353,16 @@ impl Build<'_> {
     /// The materials by region: that of `[material]`, but for regions with their own.
     fn materials(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<Material> {
         let number = |on: &str| mesh.regions.iter().position(|name| name == on);
-        let taken: Vec<usize> = raw.region.iter().filter_map(|region| number(&region.on)).collect();
+        let with_own = raw.region.iter().filter(|region| region.material.is_some());
+        let taken: Vec<usize> = with_own.filter_map(|region| number(&region.on)).collect();
         let shared: Vec<usize> = (0..mesh.regions.len().max(1)).filter(|region| !taken.contains(region)).collect();
         let common = self.material(&raw.material, "material", mesh, &shared);
         let mut own: Vec<Option<Material>> = vec![None; mesh.regions.len().max(1)];
+        let mut seen = vec![false; own.len()];
         for (i, region) in raw.region.iter().enumerate() {
             let prefix = format!("region[{i}].material");
             let regions: Vec<usize> = number(&region.on).into_iter().collect();
-            let material = self.material(&region.material, &prefix, mesh, &regions);
+            let material = region.material.as_ref().map(|raw| self.material(raw, &prefix, mesh, &regions));
             let on = format!("region[{i}].on");
             match mesh.regions.iter().position(|name| *name == region.on) {
                 None => {
@@ -367,7 +376,7 @@ impl Build<'_> {
                         hint.as_deref(),
                     );
                 }
-                Some(number) if own[number].is_some() => {
+                Some(number) if seen[number] => {
                     self.note(
                         &on,
                         At::Value,
@@ -376,7 +385,7 @@ impl Build<'_> {
                         None,
                     );
                 }
-                Some(number) => own[number] = Some(material),
+                Some(number) => (own[number], seen[number]) = (material, true),
             }
         }
         // One for all where no region has its own.

@@ -16,6 +16,11 @@ use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
 use crate::tensor::Point;
 
+/// The law of a contact without one, which a case of heat alone does not evaluate.
+fn no_pressure() -> Arc<dyn NormalLaw> {
+    Arc::new(Signorini)
+}
+
 impl Build<'_> {
     pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, materials: &SideFacts) -> Contact {
         self.partition(path, &mut raw, materials);
@@ -44,7 +49,7 @@ impl Build<'_> {
         Contact {
             gap: self.field(&format!("{path}.gap"), &raw.gap.unwrap_or_default(), &points),
             quadrature,
-            normal: self.normal(path, &raw.normal, &sites),
+            normal: raw.normal.map_or_else(no_pressure, |normal| self.normal(path, &normal, &sites)),
             friction: self.friction(path, &raw.friction, &sites),
             heat,
             foundation_heat: self.foundation_heat(path, raw.foundation, &foundation_temperature),
@@ -132,10 +137,9 @@ impl Build<'_> {
 
     fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Arc<dyn NormalLaw> {
         let (coefficients, make) = laws::normal(raw);
-        let nothing = || -> Arc<dyn NormalLaw> { Arc::new(Signorini) };
-        let Some(plan) = self.plan(&format!("{path}.normal"), coefficients, make, sites) else { return nothing() };
+        let Some(plan) = self.plan(&format!("{path}.normal"), coefficients, make, sites) else { return no_pressure() };
         if !plan.varies() {
-            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
+            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| no_pressure());
         }
         let times = self.times(plan.changes());
         let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Signorini));

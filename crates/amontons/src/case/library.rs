@@ -55,14 +55,15 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
         let conducts = m.heat_capacity.is_some() || m.conductivity.is_some();
         [moves || coupled || m.stress_state.is_some(), conducts || coupled]
     };
-    let of_materials = raw.region.iter().map(|region| &region.material).chain([&raw.material]).map(given);
+    let of_materials =
+        raw.region.iter().filter_map(|region| region.material.as_ref()).chain([&raw.material]).map(given);
     let [moves, conducts] = of_materials.fold(
         [!of_mechanics(raw).is_empty(), !of_heat(raw).is_empty()],
         |[moves, conducts], [also_moves, also_conducts]| [moves || also_moves, conducts || also_conducts],
     );
     let equations = [moves || !conducts, conducts || !moves];
     let own = raw.region.iter_mut().enumerate();
-    let own = own.map(|(i, region)| (format!("region[{i}].material"), &mut region.material));
+    let own = own.filter_map(|(i, region)| Some((format!("region[{i}].material"), region.material.as_mut()?)));
     for (prefix, material) in std::iter::once(("material".to_owned(), &mut raw.material)).chain(own) {
         let mut note = |key: &str, found: String, expected: String, hint: Option<String>| {
             let path = Path::parse(&format!("{prefix}.{key}")).unwrap_or_default();

@@ -88,6 +88,7 @@ impl Builder<'_, '_, '_> {
         });
         let prony = self.prony(&raw.prony, &elasticity);
         let density = self.number("density", raw.density.clone().map(Into::into).as_ref());
+        self.build.densities.insert(self.prefix.to_owned(), density.clone());
         Material {
             density: match self.build.inertia {
                 Inertia::Acts => density,

@@ -2,9 +2,10 @@
 
 use super::path::Path;
 use super::place::{At, Finding};
-use super::raw::{self, Datum, Friction, Heat, Scalar, Wear};
+use super::raw::{self, Datum, Friction, Heat, HeatTerm, Scalar, Wear};
 use super::schema::{View, rules};
-use crate::contact::FrictionFormula;
+use crate::contact::{ConductanceFormula, FrictionFormula};
+use crate::expression::Formula;
 use crate::problem::Physics;
 
 /// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
@@ -12,7 +13,8 @@ use crate::problem::Physics;
 ///
 /// Keys that are missing, and data of equations that the case does not have, go to the findings.
 pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
-    let own = raw.region.iter().enumerate().map(|(i, region)| (format!("region[{i}].material"), &region.material));
+    let own = raw.region.iter().enumerate();
+    let own = own.filter_map(|(i, region)| Some((format!("region[{i}].material"), region.material.as_ref()?)));
     let materials: Vec<(String, &raw::Material)> =
         std::iter::once(("material".to_owned(), &raw.material)).chain(own).collect();
     let coupled =
@@ -40,13 +42,19 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     };
     for (prefix, material) in &materials {
         if mechanics {
-            needs(prefix, "density", material.density.is_some() || !raw.time.inertia, findings);
+            let needs_density = raw.time.inertia || !raw.load.gravity.is_empty();
+            needs(prefix, "density", material.density.is_some() || !needs_density, findings);
             needs(prefix, "elasticity", material.elasticity.is_some(), findings);
         }
         if heat {
             needs(prefix, "heat_capacity", material.heat_capacity.is_some(), findings);
             needs(prefix, "conductivity", material.conductivity.is_some(), findings);
         }
+    }
+    let lacking = |(_, contact): &(String, &raw::Contact)| mechanics && contact.normal.is_none();
+    for (prefix, _) in raw.contact.iter().flat_map(raw::Contacts::each).filter(lacking) {
+        let expected = "a table (law of the contact pressure p_ν (2.8))";
+        findings.push(Finding::new(path(&format!("{prefix}.normal")), At::Missing, "no such key", expected));
     }
     let (others, hint) = match physics {
         Physics::Coupled => return physics,
@@ -102,12 +110,42 @@ fn sees_temperature(friction: &Friction) -> bool {
     }
 }
 
+/// What of a law of heat exchange only a mechanics gives: pressure or penetration.
+fn sees_motion(law: &HeatTerm) -> Option<&'static str> {
+    match law {
+        HeatTerm::Pressure { .. } => Some("a conductance of the pressure"),
+        HeatTerm::Power { .. } | HeatTerm::Ramp { .. } => Some("a conductance of the penetration"),
+        HeatTerm::Expression { conductance, .. } => Formula::parse(conductance, &ConductanceFormula::VARIABLES)
+            .is_ok_and(|formula| formula.uses(0))
+            .then_some("a conductance of the pressure"),
+        HeatTerm::Constant { .. } | HeatTerm::Gap { .. } | HeatTerm::Radiation { .. } => None,
+    }
+}
+
+/// The keys of mechanics of a contact: which, and what they give.
+fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
+    let is_zero = |datum: &Datum| matches!(datum, Datum::Number(value) if *value == 0.0);
+    let given = [
+        ("normal", contact.normal.is_some(), "a law of contact pressure"),
+        ("friction", !matches!(contact.friction, Friction::None), "friction"),
+        ("frictional_heat", !is_zero(&contact.frictional_heat), "heat of friction"),
+        ("wear", contact.wear.is_some(), "wear"),
+        ("foundation_velocity", !contact.foundation_velocity.is_empty(), "a velocity of the foundation"),
+    ];
+    let laws = contact.heat.clone().terms().0;
+    let seen = laws.iter().find_map(sees_motion).map(|what| ("heat", what));
+    given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (key, what)).chain(seen).collect()
+}
+
 /// The data of heat outside the materials: where, and what.
 pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
     if !matches!(raw.load.heat_source, Datum::Number(value) if value == 0.0) {
         found.push(("load.heat_source".to_owned(), "a heat source"));
     }
+    let is_hot = |region: &raw::Region| !matches!(region.heat_source, Datum::Number(value) if value == 0.0);
+    let heated = raw.region.iter().enumerate().filter(|(_, region)| is_hot(region));
+    found.extend(heated.map(|(i, _)| (format!("region[{i}].heat_source"), "a heat source")));
     for (i, b) in raw.boundary.iter().enumerate() {
         let given = [
             ("temperature", b.temperature.is_some(), "a temperature"),
@@ -147,6 +185,12 @@ pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
     if !raw.load.body_force.is_empty() {
         found.push(("load.body_force".to_owned(), "a body force"));
     }
+    if !raw.load.gravity.is_empty() {
+        found.push(("load.gravity".to_owned(), "gravity"));
+    }
+    let loaded = raw.region.iter().enumerate().filter(|(_, region)| !region.body_force.is_empty());
+    found.extend(loaded.map(|(i, _)| (format!("region[{i}].body_force"), "a body force")));
+    found.extend((0..raw.rigid.len()).map(|i| (format!("rigid[{i}]"), "a rigid part")));
     for (i, b) in raw.boundary.iter().enumerate() {
         let given = [
             ("displacement", b.displacement.is_some(), "a displacement"),
@@ -172,6 +216,8 @@ pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
     if raw.exact.as_ref().is_some_and(|exact| !exact.displacement.is_empty()) {
         found.push(("exact.displacement".to_owned(), "a displacement"));
     }
-    found.extend(raw.contact.iter().flat_map(raw::Contacts::each).map(|(path, _)| (path, "contact")));
+    for (path, contact) in raw.contact.iter().flat_map(raw::Contacts::each) {
+        found.extend(of_motion(contact).into_iter().map(|(key, what)| (format!("{path}.{key}"), what)));
+    }
     found
 }

@@ -140,7 +140,7 @@ pub struct Norms {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
     /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution. Where a foundation
-    /// slides out of the plane, its third component is there, too.
+    /// slides out of the plane, its third component is there, too; empty between bodies at rest.
     pub force: Vec<f64>,
     /// Moment of σν about the axis of revolution, N m; none where no foundation turns about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -233,11 +233,12 @@ impl ContactSummary {
         let [wear_volume, wear_max] = worn_off(now, contact, side);
         let volumes = one.and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
+        let moves = problem.physics.has_mechanics();
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
-            force: force[..problem.components_of_force()].to_vec(),
+            force: if moves { force[..problem.components_of_force()].to_vec() } else { Vec::new() },
             moment: problem.turns().then(|| 0.0 - about_axis.sum::<f64>()),
-            moment_about_origin: about_origin(problem, states()),
+            moment_about_origin: about_origin(problem, states()).filter(|_| moves),
             heat_flow: problem.physics.has_heat().then_some(heat_flow),
             penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
             pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
@@ -426,7 +427,7 @@ impl Final {
                 temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
             },
             contact: report
-                .filter(|_| physics.has_mechanics())
+                .filter(|_| physics.has_mechanics() || !problem.contacts.is_empty())
                 .map(|report| ContactSummary::new(last, &report.contact, None)),
         }
     }

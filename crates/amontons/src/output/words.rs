@@ -149,9 +149,12 @@ fn extent(units: Units, mechanics: bool) -> Option<Row> {
 }
 
 /// Contact on one side or on all, whose forces are as large as `beside`, with wear and the temperature of the
-/// foundation if there are any.
+/// foundation if there are any; between bodies at rest the heat alone.
 fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> Vec<Row> {
     let write = |value: f64, measure: Measure| units.write(value, measure);
+    if contact.force.is_empty() {
+        return at_rest(name, contact, units);
+    }
     let force = units.vector_beside(&contact.force, beside, Measure::Force);
     let mut lines = vec![
         row(
@@ -200,6 +203,17 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
     lines.extend((contact.wear_max > 0.0 && !volumes.is_empty()).then(|| row("of this", &volumes.join(", "))));
     lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
     lines
+}
+
+/// The heat through a contact of bodies at rest.
+fn at_rest(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
+    let flow = contact.heat_flow.map(|flow| format!("heat through it {}", units.write(flow, Measure::Power)));
+    let mut rows: Vec<Row> = flow.map(|flow| row(name, &flow)).into_iter().collect();
+    rows.extend(by_mechanism(&contact.heat_passed, units));
+    rows.extend(
+        contact.foundation_temperature.map(|theta| row("foundation", &units.write(theta, Measure::Temperature))),
+    );
+    rows
 }
 
 /// Heat that has passed a contact, where it passes by several ways.

@@ -9,7 +9,7 @@ pub enum Physics {
     Coupled,
     /// (4.1) alone: no temperature.
     Mechanics,
-    /// (4.2) alone: no displacement and no contact.
+    /// (4.2) alone: no displacement. Contacts exchange heat across their gaps at rest, without pressure.
     Heat,
 }
 

@@ -2,12 +2,13 @@
 
 use super::audit::Powers;
 use super::coupling::Made;
+use super::foundation::frames;
 use super::heat::{Amounts, Begun, Heat};
 use super::mechanics::{Given, Hold, Mechanics};
 use super::system::{HalfStep, Step};
 use super::{CouplingReport, StepError};
-use crate::contact::Flux;
-use crate::inclusion::Exchange;
+use crate::contact::{Flux, Status};
+use crate::inclusion::{Exchange, Frame, PointState};
 use crate::list::List;
 
 /// Solves (4.1) without a temperature.
@@ -15,10 +16,28 @@ pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepEr
     Ok(made(Mechanics::solve(step, half, &step.old.theta, None, &mut ())?, no_heat(step)))
 }
 
-/// Solves (4.2) of a body that does not move and has no contact.
+/// Solves (4.2) of bodies that do not move. They exchange heat across their gaps at rest, and nothing presses.
 pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
-    let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &[])?;
-    Ok(made(no_mechanics(step), heat))
+    let states = across_gaps(step);
+    let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &states)?;
+    Ok(made(Mechanics { states, ..no_mechanics(step) }, heat))
+}
+
+/// The contact points of bodies at rest: r = −g, and no traction.
+fn across_gaps(step: &Step) -> List<PointState> {
+    let frames = frames(step.problem, step.boundary, &step.old.u, &[], [step.old.t, step.t]);
+    let at_rest = |frame: &Frame| PointState {
+        normal: frame.normal,
+        penetration: 0.0 - frame.gap,
+        pressure: 0.0,
+        bound: 0.0,
+        q: [0.0; 3],
+        slip: [0.0; 3],
+        wear: 0.0,
+        opened: 0.0,
+        status: Status::Open,
+    };
+    frames.iter().map(at_rest).collect()
 }
 
 fn made(mechanics: Mechanics, heat: Heat) -> Made {

@@ -8,6 +8,7 @@ mod automatic;
 mod faults;
 mod field;
 mod formulation;
+mod heat_alone;
 mod loose;
 mod manufactured;
 mod meaning;

@@ -96,8 +96,9 @@ pub(in crate::case) struct Contact {
     /// Where the integrals over Γ_C are evaluated.
     #[serde(default)]
     pub quadrature: Quadrature,
-    /// Law of the contact pressure p_ν (2.8).
-    pub normal: Normal,
+    /// Law of the contact pressure p_ν (2.8); omit it in a case of heat alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Normal>,
     /// Law of the friction bound p_τ (2.9).
     #[serde(default)]
     pub friction: Friction,

@@ -3,16 +3,23 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Coefficient, Steady};
+use super::{Coefficient, Datum, Steady};
 
-/// A region of the body with a material of its own.
+/// A region of the body with a material or with loads of its own.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Region {
     /// Name of the region in the mesh.
     pub on: String,
-    /// Material of the region, with all keys that the case uses.
-    pub material: Material,
+    /// Material of the region, with all keys that the case uses; default: that of `[material]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
+    /// Body force in the region in N/m³, which adds to that of `[load]`, one entry per component; empty for none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub body_force: Vec<Datum>,
+    /// Heat source in the region in W/m³, which adds to that of `[load]`.
+    #[serde(default)]
+    pub heat_source: Datum,
 }
 
 /// Material: σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜 (2.1), q = −𝓚∇θ (2.2).

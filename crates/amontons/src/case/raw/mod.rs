@@ -12,6 +12,7 @@ mod material;
 mod mesh;
 mod obstacle;
 mod probe;
+mod rigid;
 mod side;
 mod verify;
 
@@ -33,6 +34,7 @@ pub(in crate::case) use material::{
 pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
+pub(in crate::case) use rigid::Rigid;
 pub(in crate::case) use side::{Locus, Side};
 pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
 
@@ -76,6 +78,9 @@ pub(in crate::case) struct Case {
     /// inflow is insulated.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
+    /// Sides and regions that move as rigid bodies, one entry per part.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rigid: Vec<Rigid>,
     /// Sectors that are repeated about an axis, one entry per pair of sides along which a sector meets its neighbours.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cyclic: Vec<Cyclic>,
@@ -149,6 +154,10 @@ pub(in crate::case) struct Load {
     /// Body force f₀ in N/m³, one entry per component; empty for zero.
     #[serde(default)]
     pub body_force: Vec<Datum>,
+    /// Acceleration of gravity in m/s², one entry per component, numbers or expressions in t: the body force is the
+    /// density of each material times it, also with `time.inertia = false`; empty for none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gravity: Vec<Datum>,
     /// Heat source q₀ in W/m³.
     #[serde(default)]
     pub heat_source: Datum,

@@ -1,0 +1,26 @@
+//! `[[rigid]]`.
+
+use super::build::Build;
+use super::place::At;
+use super::raw;
+use crate::problem::RigidPart;
+
+impl Build<'_> {
+    /// The sides and regions that move as rigid bodies; those without faults.
+    pub fn rigid(&mut self, entries: Vec<raw::Rigid>) -> Vec<RigidPart> {
+        let mut all = Vec::new();
+        for (i, raw::Rigid { on, force, moment, at, guided }) in entries.into_iter().enumerate() {
+            let path = format!("rigid[{i}]");
+            if !at.is_empty() && at.len() != self.dim {
+                let (found, expected) = (format!("{} coordinates", at.len()), format!("{} coordinates", self.dim));
+                self.note(&format!("{path}.at"), At::Value, found, expected, None);
+                continue;
+            }
+            let place = std::array::from_fn(|c| at.get(c).copied().unwrap_or_default());
+            let [force, moment] = [("force", force), ("moment", moment)]
+                .map(|(key, data)| self.vector(&format!("{path}.{key}"), &data, &[place]));
+            all.push(RigidPart { on, force, moment, at: (!at.is_empty()).then_some(place), turns: !guided });
+        }
+        all
+    }
+}
