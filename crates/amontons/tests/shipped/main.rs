@@ -7,6 +7,7 @@ mod common;
 mod book;
 mod brake_disc;
 mod brake_pad;
+mod elmer;
 mod examples;
 mod expected;
 mod layers;
