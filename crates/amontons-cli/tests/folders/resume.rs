@@ -487,8 +487,8 @@ fn ctrl_c_leaves_a_checkpoint() {
     assert_same_results(&whole, &broken);
 }
 
-/// A body that slides into a corner: a ball that moves, wear, foundations that warm up, two contacts with laws of their
-/// own.
+/// A body that slides into a corner: a ball and a ramp that move below, wear, foundations that warm up, three contacts
+/// with laws of their own.
 const CORNER: &str = r#"
 name = "corner"
 [mesh]
@@ -526,6 +526,13 @@ friction = { law = "coulomb", coefficient = 0.1 }
 wear = { law = "archard-temperature", temperature = [0, 2], coefficient = [0.02, 0.06] }
 foundation = { heat_capacity = 0.5 }
 frictional_heat = 0.7
+[[contact]]
+on = "bottom"
+name = "ramp"
+obstacle = { shape = "plane", point = [1, "-0.02 + 0.02*t"], normal = [-0.1, 1] }
+normal = { law = "compliance", stiffness = 300.0 }
+friction = { law = "coulomb", coefficient = 0.2 }
+wear = { law = "archard", coefficient = 0.03 }
 "#;
 
 #[test]

@@ -54,6 +54,7 @@ impl Build<'_> {
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
             on: raw.on.clone(),
+            name: raw.name,
             pair,
         }
     }

@@ -14,6 +14,7 @@ mod physics;
 mod range;
 mod tables;
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -154,7 +155,7 @@ pub struct ProblemData {
     /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to
     /// act on the other sectors as well, turned. No condition and no contact is on these sides.
     pub cyclic: Vec<Cyclic>,
-    /// Contact of sides with their foundations, each side once.
+    /// Contact of sides with their foundations; a side may have several, all but one of them with obstacles.
     pub contacts: Vec<Contact>,
     /// Initial data.
     pub initial: Initial,
@@ -336,10 +337,11 @@ impl ProblemData {
         space.map_or_else(|| of(Supports::NONE), |space| with_supports(&space, None, of))
     }
 
-    /// The facets of Γ_C; none without contact.
+    /// The facets of Γ_C, each side once; none without contact.
     #[must_use]
     pub fn contact_facets(&self) -> Option<FacetSet> {
-        let mut sets = self.contacts.iter().filter_map(|contact| self.mesh.facets.get(contact.bearing())).cloned();
+        let sides: BTreeSet<&str> = self.contacts.iter().map(Contact::bearing).collect();
+        let mut sets = sides.into_iter().filter_map(|side| self.mesh.facets.get(side)).cloned();
         let mut all = sets.next()?;
         sets.for_each(|set| all.blocks.extend(set.blocks));
         Some(all)
