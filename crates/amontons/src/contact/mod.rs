@@ -16,6 +16,7 @@ mod names;
 mod normal;
 pub mod obstacle;
 mod pair;
+mod spheres;
 mod table;
 mod wear;
 mod worn;

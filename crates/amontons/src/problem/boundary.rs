@@ -300,6 +300,7 @@ impl ProblemData {
             }
             self.check_pair(side, &path, faults);
             self.check_once(side, &path, faults);
+            self.check_turning(contact, &path, faults);
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
@@ -360,6 +361,22 @@ impl ProblemData {
             let hint = format!("entry {} of the file goes by this name", other + 1);
             let found = format!("\"{}\" again", contact.name);
             faults.push(Fault::new(format!("{path}.name"), found, "a name of its own for each contact").hint(hint));
+        }
+    }
+
+    /// An obstacle turns beside a body in the plane or in space.
+    fn check_turning(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
+        let turns = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.turning.is_some());
+        if turns && (self.mesh.dim == 1 || self.mesh.axisymmetric) {
+            let body = if self.mesh.dim == 1 { "a line" } else { "a body of revolution" };
+            let hint = if self.mesh.dim == 1 {
+                "remove it"
+            } else {
+                "remove it; of an obstacle that turns about the axis of revolution give the `foundation_velocity`"
+            };
+            let found = format!("a rotation beside {body}");
+            let fault = Fault::new(format!("{path}.obstacle.turning"), found, "an obstacle that does not turn");
+            faults.push(fault.hint(hint));
         }
     }
 

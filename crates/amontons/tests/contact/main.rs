@@ -21,3 +21,4 @@ mod several;
 mod sliding_out;
 mod softening;
 mod stuck_indentation;
+mod tools;

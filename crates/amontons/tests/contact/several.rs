@@ -1,4 +1,5 @@
 //! Several obstacles of one side: a body in a groove, between walls, in a corner and on rollers.
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -343,4 +344,45 @@ fn names_and_probes() {
     let (_, sides) = contact_columns(&now).into_iter().find(|(name, _)| name == "side").expect("a column");
     let ContactValues::Words(sides) = sides else { panic!("words") };
     assert_eq!(sides, ["bottom", "bottom", "bottom", "left", "left", "left"]);
+}
+
+/// A side that faces another body and a roller at once: what is pressed on it from above goes through both, and the
+/// support below bears it.
+#[test]
+fn a_pair_and_an_obstacle_on_one_side() {
+    let text = |order: [usize; 2]| {
+        let contacts = [
+            "[[contact]]\non = \"up_bottom\"\nwith = \"low_top\"\nnormal = { law = \"signorini\" }\n\
+             friction = { law = \"coulomb\", coefficient = 0.2 }\n",
+            "[[contact]]\non = \"low_top\"\nname = \"roller\"\nnormal = { law = \"compliance\", stiffness = 1e4 }\n\
+             obstacle = { shape = \"cylinder\", center = [1.5, \"1.501 - 0.01*t\"], radius = 0.5 }\n",
+        ];
+        format!(
+            "name = \"both\"\n[mesh]\nkind = \"blocks\"\nblocks = [{{ name = \"low\", size = [2.0, 1.0], n = [8, 4] }}, \
+             {{ name = \"up\", size = [1.0, 0.5], origin = [0.0, 1.0], n = [5, 2] }}]\n[time]\nend = 1\nsteps = 3\n\
+             [material]\ndensity = 0\nelasticity = {{ law = \"isotropic\", young = 1e3, poisson = 0.3, stress_state = \"plane-stress\" }}\n\
+             [[boundary]]\non = \"low_bottom\"\ndisplacement = [0, 0]\n[[boundary]]\non = \"up_top\"\ndisplacement = [0, \"-0.004*t\"]\n\
+             {}{}",
+            contacts[order[0]], contacts[order[1]]
+        )
+    };
+    let [one, other] = [[0, 1], [1, 0]].map(|order| {
+        let problem = problem(&text(order));
+        let memory = solve(&problem);
+        let closing = memory.states.iter().map(|state| state.ledger.relative_closing_error().abs()).fold(0.0, f64::max);
+        assert!(closing < 1e-12, "{closing:e}");
+        let boundary = BackwardEuler::new(&problem).expect("a system").discretization().boundary.clone();
+        let states = &memory.reports.last().expect("a step").contact.states;
+        // Of the low body: the pair presses at x < 1, the roller about x = 1.5.
+        for (point, _) in boundary.points.iter().zip(states).filter(|(_, state)| state.pressure > 1e-9) {
+            let is_pair = problem.contacts[point.contact].pair.is_some();
+            assert!(if is_pair { point.x[0] < 1.01 } else { (point.x[0] - 1.5).abs() < 0.3 }, "{:?}", point.x);
+        }
+        memory
+    });
+    let [pair, roller] = ["up_bottom", "roller"].map(|name| force(&one, name));
+    assert!(pair[1] > 0.5 && roller[1] < -0.5, "{pair:?} {roller:?}");
+    for name in ["up_bottom", "roller"] {
+        assert!(distance(&force(&one, name), &force(&other, name)) < 1e-9, "{name}");
+    }
 }
