@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use amontons::case::Case;
+use amontons::contact::names;
 use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::mesh::Skipped;
 use amontons::model::Model;
@@ -65,7 +66,7 @@ pub fn summary(summary: &Summary, skipped: &[Skipped], folder: &Path) -> String 
 pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) -> String {
     let problem = &case.problem;
     let mesh = &problem.mesh;
-    let sides: Vec<String> = problem.contacts.iter().map(|c| format!("\"{}\"", c.on)).collect();
+    let sides: Vec<String> = names(&problem.contacts).iter().map(|name| format!("\"{name}\"")).collect();
     let contact = if sides.is_empty() { "none".to_owned() } else { format!("on {}", sides.join(", ")) };
     let write = |value: f64, measure: Measure| problem.units().write(value, measure);
     let mut lines = vec![
@@ -125,7 +126,7 @@ fn verdict(finding: &Finding, width: usize) -> Vec<String> {
 pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Value {
     let problem = &case.problem;
     let mesh = &problem.mesh;
-    let sides: Vec<&str> = problem.contacts.iter().map(|c| c.on.as_str()).collect();
+    let sides = names(&problem.contacts);
     json!({
         "case": problem.name,
         "valid": true,
@@ -137,7 +138,7 @@ pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Valu
         "choices": problem.choices(),
         "k": problem.k(),
         "time": problem.end,
-        // A name, or an array of the names of several sides.
+        // A name, or an array of the names of several contacts.
         "contact": match sides.as_slice() { [] => Value::Null, [one] => json!(one), several => json!(several) },
         "model": model,
         "skipped": case.skipped,

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::arrays::{ArrayFunction, Arrays, INPUTS, Inputs};
-use amontons::contact::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear};
+use amontons::contact::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, Contact, names};
 use amontons::contract;
 use amontons::material::{ArrayTensor, Constants};
 use amontons::problem::{Problem, ProblemData};
@@ -158,7 +158,12 @@ impl Law {
     /// Puts the law into a problem; whether there was a place for it.
     fn put(&self, data: &mut ProblemData, alarm: &Alarm) -> bool {
         let regions = data.mesh.regions.clone();
-        let contacts = data.contacts.iter_mut().filter(|c| self.place.as_ref().is_none_or(|place| *place == c.on));
+        let called = names(&data.contacts);
+        let named = data.contacts.iter_mut().zip(called);
+        let is_meant = |(contact, called): &(&mut Contact, String)| {
+            self.place.as_ref().is_none_or(|place| *place == contact.on || place == called)
+        };
+        let contacts = named.filter(is_meant).map(|(contact, _)| contact);
         let materials = data.materials.iter_mut().enumerate().filter(|(region, _)| {
             self.place.as_ref().is_none_or(|place| regions.get(*region).is_some_and(|name| name == place))
         });
@@ -205,7 +210,7 @@ pub fn with_laws(py: Python<'_>, problem: &Problem, laws: &[Law], alarm: &Alarm)
         let (what, known) = if matches!(law.kind.as_str(), "elasticity" | "viscosity") {
             ("region", problem.mesh.regions.clone())
         } else {
-            ("contact side", problem.contacts.iter().map(|contact| contact.on.clone()).collect())
+            ("contact side", names(&problem.contacts))
         };
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         return Err(errors::request(

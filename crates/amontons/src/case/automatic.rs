@@ -39,19 +39,22 @@ impl Build<'_> {
             }
             self.not_beside_automatic(&path, &contact);
             for [on, with] in self.near(&path, automatic, &taken, mesh) {
-                let pair = Contact { on, with: Some(with), automatic: None, nonmortar: None, ..contact.clone() };
+                let pair = Contact { on, with: Some(with), automatic: None, ..contact.clone() };
                 all.push((path.clone(), pair));
             }
         }
         all
     }
 
-    /// Keys that name sides.
+    /// Keys that name sides, or a contact.
     fn not_beside_automatic(&mut self, path: &str, contact: &Contact) {
-        let named = [("on", !contact.on.is_empty()), ("with", contact.with.is_some())];
-        for (key, _) in
-            named.into_iter().chain([("nonmortar", contact.nonmortar.is_some())]).filter(|(_, given)| *given)
-        {
+        let named = [
+            ("on", !contact.on.is_empty()),
+            ("name", !contact.name.is_empty()),
+            ("with", contact.with.is_some()),
+            ("nonmortar", contact.nonmortar.is_some()),
+        ];
+        for (key, _) in named.into_iter().filter(|(_, given)| *given) {
             let hint = "remove one of them: `automatic` finds the sides";
             let found = format!("`{key}` besides `automatic`");
             self.note(&format!("{path}.{key}"), At::Value, found, "sides that are named, or found", Some(hint));

@@ -56,9 +56,10 @@ impl Build<'_> {
             foundation_temperature,
             wear_fraction: raw.wear.as_ref().map_or(1.0, raw::Wear::fraction),
             wear: raw.wear.map(|wear| self.wear(path, &wear, &sites)),
-            obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
+            obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), &obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
             on: raw.on.clone(),
+            name: raw.name,
             pair,
         }
     }

@@ -54,6 +54,7 @@ mod schema;
 mod side_facts;
 mod side_names;
 mod sides;
+mod solid;
 mod study;
 mod syntax;
 mod table;

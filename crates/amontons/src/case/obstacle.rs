@@ -5,48 +5,90 @@ use std::sync::Arc;
 use super::build::Build;
 use super::place::At;
 use super::raw::{self, Datum};
-use crate::contact::obstacle::{Cylinder, Obstacle, Plane, Shape, ShapeFaults, Sphere, Surface, Wave};
+use super::solid::FromFile;
+use crate::contact::obstacle::{
+    Cylinder, File, Obstacle, Plane, Point3, Shape, ShapeFaults, Sphere, Surface, Turning, Wave,
+};
 use crate::field::Field;
 use crate::tensor::Point;
 
 impl Build<'_> {
     /// The obstacle at `path`, none of a faulty one; `points` are those that may touch it.
-    pub fn obstacle(&mut self, path: &str, raw: raw::Obstacle, points: &[Point]) -> Option<Obstacle> {
-        let (shape, geometry): (Option<Arc<dyn Shape>>, _) = match raw {
-            raw::Obstacle::Plane { point, normal, geometry } => {
-                let (point, normal) = (self.moving(path, "point", &point), self.direction(path, "normal", &normal));
-                (self.shape(path, Plane::new(point, normal?)), geometry)
+    pub fn obstacle(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Obstacle> {
+        let (geometry, turning) = raw.common();
+        let has_place = !matches!(raw, raw::Obstacle::Surface { .. });
+        let turning = turning.map(|turning| self.turning(path, turning, has_place));
+        let shape = self.shape_of(path, raw, points)?;
+        let updated = geometry == raw::Geometry::Updated;
+        // A rotation that is faulty is noted.
+        Some(Obstacle { shape, updated, turning: turning.flatten() })
+    }
+
+    fn shape_of(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Arc<dyn Shape>> {
+        match raw {
+            raw::Obstacle::Plane { point, normal, .. } => {
+                let (point, normal) = (self.moving(path, "point", point), self.direction(path, "normal", normal));
+                self.shape(path, Plane::new(point, normal?))
             }
-            raw::Obstacle::Sphere { center, radius, inside, geometry } => {
-                let center = self.moving(path, "center", &center);
-                (self.shape(path, Sphere::new(center, radius, inside)), geometry)
+            raw::Obstacle::Sphere { center, radius, inside, .. } => {
+                let center = self.moving(path, "center", center);
+                self.shape(path, Sphere::new(center, *radius, *inside))
             }
-            raw::Obstacle::Cylinder { center, axis, radius, inside, geometry } => {
-                let (center, axis) = (self.moving(path, "center", &center), self.axis(path, &axis));
-                (self.shape(path, Cylinder::new(center, axis?, radius, inside)), geometry)
+            raw::Obstacle::Cylinder { center, axis, radius, inside, .. } => {
+                let (center, axis) = (self.moving(path, "center", center), self.axis(path, axis));
+                self.shape(path, Cylinder::new(center, axis?, *radius, *inside))
             }
-            raw::Obstacle::Wave { point, normal, direction, amplitude, wavelength, geometry } => {
+            raw::Obstacle::Wave { point, normal, direction, amplitude, wavelength, .. } => {
                 let (point, normal, direction) = (
-                    self.moving(path, "point", &point),
-                    self.direction(path, "normal", &normal),
-                    self.direction(path, "direction", &direction),
+                    self.moving(path, "point", point),
+                    self.direction(path, "normal", normal),
+                    self.direction(path, "direction", direction),
                 );
-                (self.shape(path, Wave::new(point, normal?, direction?, amplitude, wavelength)), geometry)
+                self.shape(path, Wave::new(point, normal?, direction?, *amplitude, *wavelength))
             }
-            raw::Obstacle::Surface { level, geometry } => (self.surface(path, &level, points), geometry),
-        };
-        Some(Obstacle { shape: shape?, updated: geometry == raw::Geometry::Updated })
+            raw::Obstacle::File { file, scale, turn, origin, inside, .. } => {
+                let origin = if origin.is_empty() { Point3::default() } else { self.moving(path, "origin", origin) };
+                let surface = self.facets(path, &FromFile { file, scale: *scale, turn: turn.as_ref() })?;
+                self.shape(path, File::new(Arc::new(surface), origin, *inside))
+            }
+            raw::Obstacle::Surface { level, .. } => self.surface(path, level, points),
+        }
+    }
+
+    /// How an obstacle turns; `has_place` where its shape has a place that the axis goes through if no other is given.
+    fn turning(&mut self, path: &str, raw: &raw::Turning, has_place: bool) -> Option<Turning> {
+        let at = format!("{path}.turning");
+        if raw.about.is_none() && !has_place {
+            let expected = format!("an array of {} (a point of the axis): a level has no place", self.dim);
+            self.note(&format!("{at}.about"), At::Missing, "no such key", expected, None);
+            return None;
+        }
+        let axis = self.axis(&at, &raw.axis);
+        let angle = self.field(&format!("{at}.angle"), &raw.angle, &[[0.0; 3]]);
+        let about = raw.about.as_ref().map(|about| self.moving(&at, "about", about));
+        match Turning::new(angle, axis?, about) {
+            Ok(turning) => Some(turning),
+            Err(faults) => {
+                self.shape_faults(path, faults);
+                None
+            }
+        }
     }
 
     fn shape<S: Shape + 'static>(&mut self, path: &str, shape: Result<S, ShapeFaults>) -> Option<Arc<dyn Shape>> {
-        let faults = match shape {
-            Ok(shape) => return Some(Arc::new(shape)),
-            Err(ShapeFaults(faults)) => faults,
-        };
+        match shape {
+            Ok(shape) => Some(Arc::new(shape)),
+            Err(faults) => {
+                self.shape_faults(path, faults);
+                None
+            }
+        }
+    }
+
+    fn shape_faults(&mut self, path: &str, ShapeFaults(faults): ShapeFaults) {
         for fault in faults {
             self.note(&format!("{path}.{}", fault.key()), At::Value, fault.found(), fault.expected(), None);
         }
-        None
     }
 
     /// The zero level, which each point has something nearest of.

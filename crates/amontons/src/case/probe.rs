@@ -13,6 +13,7 @@ struct Target<'r> {
     path: String,
     at: Option<&'r Vec<f64>>,
     on: Option<&'r String>,
+    contact: Option<&'r String>,
     region: Option<&'r String>,
     take: Option<raw::Over>,
 }
@@ -49,6 +50,7 @@ impl Build<'_> {
                 path,
                 at: probe.at.as_ref(),
                 on: probe.on.as_ref(),
+                contact: probe.contact.as_ref(),
                 region: probe.region.as_ref(),
                 take: probe.take,
             };
@@ -65,11 +67,12 @@ impl Build<'_> {
 
     /// The probe of a check of `[verify]`; none if it has faults.
     pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
-        let raw::Check::Probe { field, at, on, region, take, .. } = check else { return None };
+        let raw::Check::Probe { field, at, on, contact, region, take, .. } = check else { return None };
         let target = Target {
             path: format!("verify.check[{i}]"),
             at: at.as_ref(),
             on: on.as_ref(),
+            contact: contact.as_ref(),
             region: region.as_ref(),
             take: *take,
         };
@@ -80,65 +83,57 @@ impl Build<'_> {
     }
 
     fn probe_place(&mut self, target: &Target, problem: &ProblemData) -> Option<ProbePlace> {
-        let (path, dim) = (&target.path, problem.mesh.dim);
+        let path = &target.path;
         let take = target.take.map(|take| match take {
             raw::Over::Mean => Take::Mean,
             raw::Over::Max => Take::Max,
             raw::Over::Min => Take::Min,
             raw::Over::Integral => Take::Integral,
         });
-        let given: Vec<&str> =
-            [("at", target.at.is_some()), ("on", target.on.is_some()), ("region", target.region.is_some())]
-                .iter()
-                .filter(|(_, is)| *is)
-                .map(|(key, _)| *key)
-                .collect();
-        match (given.as_slice(), target.at, target.on, target.region, take) {
-            (["at"], Some(at), _, _, None) => {
-                if at.len() != dim {
-                    self.note(
-                        &format!("{path}.at"),
-                        At::Value,
-                        format!("{} coordinates", at.len()),
-                        format!("{dim} coordinates"),
-                        None,
-                    );
-                    return None;
-                }
-                Some(ProbePlace::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
-            }
-            (["at"], .., Some(_)) => {
-                self.note(
-                    &format!("{path}.take"),
-                    At::Key,
-                    "`take` of the value at a point",
-                    "`take` with `on` or `region`",
-                    None,
-                );
+        let keys = [
+            ("at", target.at.is_some()),
+            ("on", target.on.is_some()),
+            ("contact", target.contact.is_some()),
+            ("region", target.region.is_some()),
+        ];
+        let given: Vec<&str> = keys.iter().filter(|(_, is)| *is).map(|(key, _)| *key).collect();
+        match (given.as_slice(), take) {
+            (["at"] | ["at", "contact"], None) => self.probe_point(target, problem.mesh.dim),
+            (["at"] | ["at", "contact"], Some(_)) => {
+                let expected = "`take` with `on`, `contact` or `region`";
+                self.note(&format!("{path}.take"), At::Key, "`take` of the value at a point", expected, None);
                 None
             }
-            (["on"], _, Some(on), _, Some(take)) => Some(ProbePlace::On(on.clone(), take)),
-            (["region"], _, _, Some(region), Some(take)) => Some(ProbePlace::Region(region.clone(), take)),
-            (["on" | "region"], ..) => {
-                self.note(
-                    &format!("{path}.take"),
-                    At::Missing,
-                    "no such key",
-                    "\"mean\", \"max\", \"min\" or \"integral\" (what is taken of the values)",
-                    None,
-                );
+            (["on"], Some(take)) => Some(ProbePlace::On(target.on?.clone(), take)),
+            (["contact"], Some(take)) => Some(ProbePlace::Contact(target.contact?.clone(), take)),
+            (["region"], Some(take)) => Some(ProbePlace::Region(target.region?.clone(), take)),
+            (["on" | "contact" | "region"], None) => {
+                let expected = "\"mean\", \"max\", \"min\" or \"integral\" (what is taken of the values)";
+                self.note(&format!("{path}.take"), At::Missing, "no such key", expected, None);
                 None
             }
-            (given, ..) => {
+            (given, _) => {
                 let found = if given.is_empty() {
                     "no place".to_owned()
                 } else {
                     given.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" and ")
                 };
-                self.note(path, At::Value, found, "one of `at`, `on` and `region`", None);
+                self.note(path, At::Value, found, "one of `at`, `on`, `contact` and `region`", None);
                 None
             }
         }
+    }
+
+    /// A point of the body, or of a contact.
+    fn probe_point(&mut self, target: &Target, dim: usize) -> Option<ProbePlace> {
+        let at = target.at?;
+        if at.len() != dim {
+            let found = format!("{} coordinates", at.len());
+            self.note(&format!("{}.at", target.path), At::Value, found, format!("{dim} coordinates"), None);
+            return None;
+        }
+        let point = std::array::from_fn(|c| at.get(c).copied().unwrap_or_default());
+        Some(target.contact.map_or(ProbePlace::At(point), |name| ProbePlace::AtContact(point, name.clone())))
     }
 
     /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
@@ -171,12 +166,22 @@ impl Build<'_> {
                 let (found, known, hint) = among(target.region, &known);
                 self.note(&path("region"), At::Value, found, format!("one of the regions {known}"), hint.as_deref());
             }
+            ProbeError::NoContact(known) => {
+                let (found, known, hint) = among(target.contact, &known);
+                self.note(&path("contact"), At::Value, found, format!("one of the contacts {known}"), hint.as_deref());
+            }
+            ProbeError::Several(known) => {
+                let expected = format!("`contact` besides `at`: one of {}", known.join(", "));
+                let found = format!("a point of {} contacts of one side", known.len());
+                self.note(&path("at"), At::Value, found, expected, None);
+            }
             error @ ProbeError::Resultant(_) => {
                 self.note(&path("take"), At::Value, error.to_string(), "\"integral\": the sum over the nodes", None);
             }
             error @ (ProbeError::Component { .. }
             | ProbeError::Normal(_)
             | ProbeError::Contact(_)
+            | ProbeError::OfBody(_)
             | ProbeError::Free(..)
             | ProbeError::Absent(_)
             | ProbeError::Hoop) => {
@@ -199,7 +204,10 @@ fn describe(field: &str, place: &ProbePlace, dim: usize) -> String {
     };
     match place {
         ProbePlace::At(at) => format!("{field} at {}", point(&coordinates(at, dim))),
-        ProbePlace::On(name, take) | ProbePlace::Region(name, take) => over(*take, name),
+        ProbePlace::AtContact(at, name) => format!("{field} at {}, {name}", point(&coordinates(at, dim))),
+        ProbePlace::On(name, take) | ProbePlace::Region(name, take) | ProbePlace::Contact(name, take) => {
+            over(*take, name)
+        }
     }
 }
 

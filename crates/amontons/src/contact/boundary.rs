@@ -32,8 +32,10 @@ pub enum Quadrature {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Contact {
-    /// Name of the facet set that is Γ_C.
+    /// Name of the facet set that is Γ_C. Several contacts may be on one side.
     pub on: String,
+    /// Its name in results; empty for one by the name of its side, see [`super::names`].
+    pub name: String,
     /// The other side of a pair; none where the foundation is rigid.
     pub pair: Option<Pair>,
     /// g in m; of a pair what is added to the gap of its geometry, or given instead.
@@ -68,6 +70,7 @@ impl Contact {
     pub fn new(on: impl Into<String>, normal: impl NormalLaw + 'static) -> Contact {
         Contact {
             on: on.into(),
+            name: String::new(),
             pair: None,
             gap: Field::ZERO,
             quadrature: Quadrature::Nodal,

@@ -12,9 +12,11 @@ mod graded;
 mod heat;
 mod means;
 pub mod mortar;
+mod names;
 mod normal;
 pub mod obstacle;
 mod pair;
+mod spheres;
 mod table;
 mod wear;
 mod worn;
@@ -32,6 +34,7 @@ pub use heat::{
     PowerConductance, PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum,
 };
 pub use means::{Shares, read, read_vector};
+pub use names::{names, names_of_points};
 pub use normal::{
     Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureFormula,
     PressureFormulaFault, PressureTable, PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,

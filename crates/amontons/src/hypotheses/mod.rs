@@ -34,10 +34,12 @@ mod theorem;
 pub mod warnings;
 
 use std::cell::OnceCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::linalg::SolveError;
 use crate::problem::{Physics, Problem};
@@ -100,6 +102,18 @@ pub struct Constants {
     pub s2: Option<f64>,
 }
 
+/// A constant of laws on Γ_C: the largest of its sides, of each the sum over the contacts that it takes part in; none
+/// if one of them has none, or without contact.
+fn largest_of_sides(problem: &Problem, of_contacts: &[Option<f64>]) -> Option<f64> {
+    let mut of_sides: BTreeMap<&str, f64> = BTreeMap::new();
+    for (contact, constant) in problem.contacts.iter().zip(of_contacts) {
+        for side in contact.sides() {
+            *of_sides.entry(side).or_default() += (*constant)?;
+        }
+    }
+    of_sides.into_values().reduce(f64::max)
+}
+
 impl Constants {
     /// Constants of the materials and the contact laws.
     fn of_laws(problem: &Problem) -> Constants {
@@ -115,10 +129,11 @@ impl Constants {
         let (a, b) = (extremes(|m| m.elasticity.constants()), extremes(|m| m.viscosity.constants()));
         let conductivities = problem.values_of(|m| &m.conductivity);
         let d: Vec<f64> = conductivities.iter().flat_map(|k| k.value.eigenvalues(problem.mesh.dim)).collect();
-        // The largest of several contacts; none if one of them has none.
-        let largest = |constant: &dyn Fn(&crate::contact::Contact) -> Option<f64>| {
-            problem.contacts.iter().map(constant).reduce(|a, b| Some(a?.max(b?))).flatten()
+        let over_sides = |constant: &dyn Fn(&Contact) -> Option<f64>| {
+            let of_contacts: Vec<Option<f64>> = problem.contacts.iter().map(constant).collect();
+            largest_of_sides(problem, &of_contacts)
         };
+        let tau: Vec<Option<f64>> = laws::tests(problem).map(|test| test.tau.0).collect();
         Constants {
             m_a: a.0,
             lipschitz_a: a.1,
@@ -126,11 +141,11 @@ impl Constants {
             lipschitz_b: b.1,
             m_d: d.iter().copied().reduce(f64::min).unwrap_or(0.0),
             bound_d: d.iter().fold(0.0, |max, e| e.abs().max(max)),
-            lipschitz_nu: largest(&|c| c.normal.lipschitz()),
-            lipschitz_tau: laws::tests(problem).map(|test| test.tau.0).reduce(|a, b| Some(a?.max(b?))).flatten(),
-            bound_kc: largest(&|c| Some(c.heat.conductance_bound())),
-            lipschitz_kc: largest(&|c| c.heat.conductance_lipschitz()),
-            truncation: largest(&|c| c.heat.truncation()),
+            lipschitz_nu: over_sides(&|c| c.normal.lipschitz()),
+            lipschitz_tau: largest_of_sides(problem, &tau),
+            bound_kc: over_sides(&|c| Some(c.heat.conductance_bound())),
+            lipschitz_kc: over_sides(&|c| c.heat.conductance_lipschitz()),
+            truncation: problem.contacts.iter().map(|c| c.heat.truncation()).reduce(|a, b| Some(a?.max(b?))).flatten(),
             ..Constants::default()
         }
     }

@@ -19,6 +19,7 @@ mod read;
 mod refine;
 mod round;
 mod sites;
+pub mod stl;
 mod surface;
 mod topology;
 pub mod vtu;

@@ -41,7 +41,7 @@ pub struct Model {
     pub sectors: Option<usize>,
     /// Area of each named side, m².
     pub sides: BTreeMap<String, f64>,
-    /// Contact points of each contact, by the name of its side.
+    /// Contact points of each side that bears some, those of all of its contacts.
     pub contact_points: BTreeMap<String, usize>,
     /// Time scales.
     pub times: Times,
@@ -68,7 +68,11 @@ impl Model {
             })
         };
         let boundary = problem.contact_boundary();
-        let points = |side: usize| boundary.points.iter().filter(|p| p.contact == side).count();
+        let mut contact_points: BTreeMap<String, usize> = BTreeMap::new();
+        for (side, contact) in problem.contacts.iter().enumerate() {
+            let of_contact = boundary.points.iter().filter(|point| point.contact == side).count();
+            *contact_points.entry(contact.bearing().to_owned()).or_default() += of_contact;
+        }
         Model {
             bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
             volume: volumes.iter().sum(),
@@ -76,12 +80,7 @@ impl Model {
             parts: components(mesh).len(),
             sectors: problem.cyclic.first().and_then(|cyclic| Some(cyclic.links(mesh).ok()?.1)),
             sides: mesh.facets.iter().map(|(name, set)| (name.clone(), mesh.measure(set))).collect(),
-            contact_points: problem
-                .contacts
-                .iter()
-                .enumerate()
-                .map(|(side, contact)| (contact.bearing().to_owned(), points(side)))
-                .collect(),
+            contact_points,
             times: Times::new(problem),
             thermal_layers: thermal_layers(problem),
             cost: Cost::new(problem),

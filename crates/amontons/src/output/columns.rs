@@ -4,7 +4,7 @@
 
 use super::shown::{Lives, Shown, Table};
 use super::{ContactSummary, Snapshot};
-use crate::contact::{Contact, PointOnBoundary, Quadrature};
+use crate::contact::{PointOnBoundary, Quadrature, names, names_of_points};
 use crate::inclusion::PointState;
 use crate::problem::ProblemData;
 use crate::scheme::{Ledger, StepReport};
@@ -282,13 +282,13 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
 }
 
 /// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own,
-/// ending with `@` and the name of its side.
+/// ending with `@` and its name, that of its side if it has none.
 #[must_use]
 pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
     let n = [problem.mesh.dim, problem.components_of_force()];
     let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(n)).collect();
-    for (side, contact) in problem.contacts.iter().enumerate() {
-        let end = if problem.contacts.len() > 1 { format!("@{}", in_header(&contact.on)) } else { String::new() };
+    for (side, name) in names(&problem.contacts).iter().enumerate() {
+        let end = if problem.contacts.len() > 1 { format!("@{}", in_header(name)) } else { String::new() };
         let columns = of_side(problem, side).flat_map(|column| column.named(n));
         all.extend(columns.map(|(name, measure)| (name + &end, measure)));
     }
@@ -340,6 +340,8 @@ pub struct PointRow<'a> {
     opposite: f64,
     flux: f64,
     weight: f64,
+    /// What the points of its contact are called.
+    called: &'a str,
 }
 
 impl PointRow<'_> {
@@ -382,7 +384,7 @@ columns! { OnContact:
     WEIGHT = number("weight", Measure::Area, |row| row.weight);
     WEAR = number("wear", Measure::Length, |row| row.kept(&row.now.state.surface.wear));
     FRICTION_WORK = number("friction_work", Measure::SurfaceWork, |row| row.kept(&row.now.state.surface.friction_work));
-    SIDE = text("side", |row| row.now.problem.contacts.get(row.point.contact).map_or("", Contact::bearing).to_owned());
+    SIDE = text("side", |row| row.called.to_owned());
     BOUND = number("bound", Measure::Stress, |row| row.state.bound);
     OPPOSITE_TEMPERATURE = optional("opposite_temperature", Measure::Temperature, |row| {
         row.of_heat(row.opposite).filter(|_| !row.faces_nothing())
@@ -427,7 +429,8 @@ pub enum ContactValues {
 /// The columns of `contact.csv` after a step, with their names; empty at t = 0.
 #[must_use]
 pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
-    let (rows, dim, on_contact) = (points(now), now.problem.mesh.dim, now.problem.components_on_contact());
+    let called = names_of_points(&now.problem.contacts);
+    let (rows, dim, on_contact) = (points(now, &called), now.problem.mesh.dim, now.problem.components_on_contact());
     if now.report.is_none() {
         return Vec::new();
     }
@@ -442,15 +445,16 @@ pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
     contact_measures(now.problem).into_iter().map(|(name, _)| name).zip(OF_POINT.iter().flat_map(values)).collect()
 }
 
-/// The contact points after a step; none at t = 0.
-fn points<'a>(now: &'a Snapshot<'a>) -> Vec<PointRow<'a>> {
+/// The contact points after a step, with what those of each contact are called; none at t = 0.
+fn points<'a>(now: &'a Snapshot<'a>, called: &'a [String]) -> Vec<PointRow<'a>> {
     let Some(report) = now.report else { return Vec::new() };
     let contact = &report.contact;
     let of_heat = contact.temperature.iter().zip(&contact.opposite).zip(&contact.flux);
     let rows = now.discretization.boundary.points.iter().zip(contact.states.iter().zip(of_heat)).enumerate();
     rows.map(|(number, (point, (state, ((&temperature, &opposite), flux))))| {
         let weight = contact.weights.get(number).copied().unwrap_or(point.weight);
-        PointRow { now, number, point, state, temperature, opposite, flux: flux.value, weight }
+        let called = called.get(point.contact).map_or("", String::as_str);
+        PointRow { now, number, point, state, temperature, opposite, flux: flux.value, weight, called }
     })
     .collect()
 }
@@ -468,7 +472,7 @@ pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
         };
         OF_POINT.iter().map(cell).collect::<Vec<_>>().join(",")
     };
-    points(now).iter().map(line).collect()
+    points(now, &names_of_points(&now.problem.contacts)).iter().map(line).collect()
 }
 
 /// A name as a field of a table: in quotes where it has a comma, a quote or a line end, behind an apostrophe where a

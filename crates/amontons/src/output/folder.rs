@@ -363,7 +363,7 @@ impl Folder {
         let mut manifest = self.manifest.clone();
         self.list_names(&mut manifest);
         manifest.units(&problem.name, problem.units(), &self.tables(problem));
-        let sides = surface::sides(&problem.contacts).map(|side| side.name.to_owned());
+        let sides = surface::sides(&problem.contacts).map(|side| side.name);
         manifest.parts(&problem.mesh.regions, sides.collect());
         self.manifest = manifest;
         self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);

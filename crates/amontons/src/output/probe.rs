@@ -7,7 +7,7 @@ use super::quantity::{Base, OnContact, Quantity, Selection};
 use super::reaction::Held;
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
-use crate::contact::{Contact, ContactBoundary, Shares, Status, read, read_vector};
+use crate::contact::{Contact, ContactBoundary, Shares, Status, names, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
@@ -36,6 +36,8 @@ pub struct Probe {
 /// Quantities of contact over a side are those of all contact points of its contacts. Over either side of a pair they
 /// are those of the points of the pair, whichever side bears these; `traction` and `slip_velocity` are those of the
 /// side that is named, and at a point those of the side `on`. `wear` over a side of a pair is the depth off its body.
+/// Of a side that bears the points of several contacts each has points of its own at every node, which all count over
+/// the side; one contact is read by its name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbePlace {
     /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.
@@ -44,6 +46,10 @@ pub enum ProbePlace {
     On(String, Take),
     /// Over a region of the mesh.
     Region(String, Take),
+    /// Over the points of one contact, by its name; vectors are those of its side `on`.
+    Contact(String, Take),
+    /// At a point of one contact, by its name.
+    AtContact(Point, String),
 }
 
 /// What is taken of the values over a side or region, component by component.
@@ -92,6 +98,15 @@ pub enum ProbeError {
     /// A quantity of contact elsewhere than on a side of a contact.
     #[error("{0} elsewhere than on a side of a contact")]
     Contact(String),
+    /// There is no contact of this name.
+    #[error("no such contact; there are {}", .0.join(", "))]
+    NoContact(Vec<String>),
+    /// A point of a side that bears the points of several contacts.
+    #[error("a point of the contacts {}", .0.join(", "))]
+    Several(Vec<String>),
+    /// A quantity of the body is not one of a contact.
+    #[error("{0}, which is not of the contact")]
+    OfBody(String),
     /// A reaction elsewhere than where the displacement or the temperature is prescribed.
     #[error("{0} elsewhere than where the {1} is prescribed")]
     Free(String, &'static str),
@@ -154,15 +169,26 @@ impl Probe {
     /// What its values measure; none of an integral that has no name of its own.
     #[must_use]
     pub fn measure(&self) -> Option<Measure> {
-        match (&self.place, self.quantity.measure()) {
+        let over_side = matches!(self.place, ProbePlace::On(..) | ProbePlace::Contact(..));
+        match (self.place.take(), self.quantity.measure()) {
             (_, measure @ (Measure::Force | Measure::Power)) => Some(measure),
-            (ProbePlace::On(_, Take::Integral), Measure::Stress) => Some(Measure::Force),
-            (ProbePlace::On(_, Take::Integral), Measure::HeatFlux) => Some(Measure::Power),
-            (ProbePlace::On(_, Take::Integral), Measure::SurfaceWork) => Some(Measure::Energy),
-            (ProbePlace::On(_, Take::Integral), Measure::Length) => Some(Measure::Volume),
-            (ProbePlace::On(_, Take::Integral), Measure::Number) => Some(Measure::Area),
-            (ProbePlace::On(_, Take::Integral) | ProbePlace::Region(_, Take::Integral), _) => None,
+            (Some(Take::Integral), Measure::Stress) if over_side => Some(Measure::Force),
+            (Some(Take::Integral), Measure::HeatFlux) if over_side => Some(Measure::Power),
+            (Some(Take::Integral), Measure::SurfaceWork) if over_side => Some(Measure::Energy),
+            (Some(Take::Integral), Measure::Length) if over_side => Some(Measure::Volume),
+            (Some(Take::Integral), Measure::Number) if over_side => Some(Measure::Area),
+            (Some(Take::Integral), _) => None,
             (_, measure) => Some(measure),
+        }
+    }
+}
+
+impl ProbePlace {
+    /// What is taken of the values; none at a point.
+    fn take(&self) -> Option<Take> {
+        match self {
+            ProbePlace::At(_) | ProbePlace::AtContact(..) => None,
+            ProbePlace::On(_, take) | ProbePlace::Region(_, take) | ProbePlace::Contact(_, take) => Some(*take),
         }
     }
 }
@@ -177,11 +203,7 @@ impl ProbeSet {
         let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
             let (contact, held, spots) = builder.spots(probe).map_err(|error| (i, error))?;
-            let take = match &probe.place {
-                ProbePlace::At(_) => None,
-                ProbePlace::On(_, take) | ProbePlace::Region(_, take) => Some(*take),
-            };
-            prepared.push(Prepared { quantity: probe.quantity, take, contact, held, spots });
+            prepared.push(Prepared { quantity: probe.quantity, take: probe.place.take(), contact, held, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
         let samples: BTreeSet<Sample> =
@@ -392,8 +414,14 @@ impl<'a> Builder<'a> {
                 // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means
                 // about vertices.
                 let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
+                let is_extreme = matches!(probe.place.take(), Some(Take::Max | Take::Min));
                 let extremes = match &probe.place {
-                    ProbePlace::On(name, Take::Max | Take::Min) if is_traction => self.vertex_means(name),
+                    ProbePlace::On(name, _) if is_traction && is_extreme => {
+                        self.vertex_means(|contact, _| contact.bearing() == name)
+                    }
+                    ProbePlace::Contact(name, _) if is_traction && is_extreme => {
+                        self.vertex_means(|_, called| called == name)
+                    }
                     _ => None,
                 };
                 let alone = || points.iter().map(|&(i, weight)| (vec![(i, 1.0)], weight)).collect();
@@ -416,7 +444,7 @@ impl<'a> Builder<'a> {
     /// Whether the body has the quantity there, and the place in the mesh.
     fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
-        let on_side = matches!(probe.place, ProbePlace::On(..));
+        let on_side = matches!(probe.place, ProbePlace::On(..) | ProbePlace::Contact(..));
         let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux | Base::ReactionHeat);
         let physics = self.problem.physics;
         match (quantity.base, quantity.part) {
@@ -430,12 +458,20 @@ impl<'a> Builder<'a> {
             }
             _ => {}
         }
-        if matches!(quantity.base, Base::Reaction | Base::ReactionHeat) {
-            return self.held(probe);
-        }
+        let of_contact = matches!(quantity.base, Base::Contact(_));
         match &probe.place {
-            ProbePlace::At(point) if matches!(quantity.base, Base::Contact(_)) => {
-                self.on_contact(point).ok_or_else(|| ProbeError::Contact(quantity.name()))
+            ProbePlace::Contact(..) | ProbePlace::AtContact(..) if !of_contact => {
+                Err(ProbeError::OfBody(quantity.name()))
+            }
+            _ if matches!(quantity.base, Base::Reaction | Base::ReactionHeat) => self.held(probe),
+            ProbePlace::Contact(name, _) => self.of_contact(name),
+            ProbePlace::AtContact(point, name) => {
+                let only = self.contact(name)?;
+                self.on_contact(point, Some(only)).ok_or_else(|| ProbeError::Contact(quantity.name()))
+            }
+            ProbePlace::At(point) if of_contact => {
+                let found = self.on_contact(point, None).ok_or_else(|| ProbeError::Contact(quantity.name()))?;
+                self.alone(found)
             }
             ProbePlace::At(point) => self.find(point),
             ProbePlace::On(side, take) => {
@@ -444,9 +480,7 @@ impl<'a> Builder<'a> {
                 let Base::Contact(of) = quantity.base else { return Ok(Found::Side(set, *take)) };
                 self.of_side(side, of).ok_or_else(|| ProbeError::Contact(quantity.name()))
             }
-            ProbePlace::Region(..) if matches!(quantity.base, Base::Contact(_)) => {
-                Err(ProbeError::Contact(quantity.name()))
-            }
+            ProbePlace::Region(..) if of_contact => Err(ProbeError::Contact(quantity.name())),
             ProbePlace::Region(name, take) => {
                 let region = mesh
                     .regions
@@ -464,20 +498,56 @@ impl<'a> Builder<'a> {
         let prescribed = if base == Base::Reaction { "displacement" } else { "temperature" };
         let known = || ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect());
         let nodes = match &probe.place {
-            ProbePlace::At(point) => mesh.nodes_at(point),
+            ProbePlace::At(point) | ProbePlace::AtContact(point, _) => mesh.nodes_at(point),
             ProbePlace::On(on, Take::Integral) => mesh.named(on).ok_or_else(known)?.node_list(),
             ProbePlace::On(..) => return Err(ProbeError::Resultant(name)),
-            ProbePlace::Region(..) => Vec::new(),
+            ProbePlace::Region(..) | ProbePlace::Contact(..) => Vec::new(),
         };
         Held::new(self.problem, base, nodes).map(Found::Held).ok_or(ProbeError::Free(name, prescribed))
     }
 
-    /// Means of what is at the contact points of a side about its vertices, with weight 1 each.
-    fn vertex_means(&mut self, side: &str) -> Option<Vec<(Vec<(usize, f64)>, f64)>> {
-        let mesh = self.mesh;
-        let (set, number) =
-            (mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.bearing() == side)?);
-        Some(self.boundary().vertex_means(mesh, number, set).into_iter().map(|shares| (shares, 1.0)).collect())
+    /// Means of what is at the points of some contacts, chosen by them and their names, about the vertices of their
+    /// sides, with weight 1 each; none without such a contact.
+    fn vertex_means(&mut self, is_meant: impl Fn(&Contact, &str) -> bool) -> Option<Vec<(Shares, f64)>> {
+        let (mesh, problem) = (self.mesh, self.problem);
+        let called = names(&problem.contacts);
+        let all = problem.contacts.iter().zip(&called).enumerate();
+        let mut means = Vec::new();
+        for (number, (contact, _)) in all.filter(|(_, (contact, called))| is_meant(contact, called)) {
+            let set = mesh.facets.get(contact.bearing())?;
+            let of_contact = self.boundary().vertex_means(mesh, number, set).into_iter();
+            means.extend(of_contact.map(|shares| (shares, 1.0)));
+        }
+        (!means.is_empty()).then_some(means)
+    }
+
+    /// The number of a contact by its name.
+    fn contact(&self, name: &str) -> Result<usize, ProbeError> {
+        let known = names(&self.problem.contacts);
+        known.iter().position(|known| known == name).ok_or(ProbeError::NoContact(known))
+    }
+
+    /// The points of a contact by its name.
+    fn of_contact(&mut self, name: &str) -> Result<Found<'a>, ProbeError> {
+        let number = self.contact(name)?;
+        let is_turned = self.problem.contacts.get(number).is_some_and(|contact| contact.sign() < 0.0);
+        let points = self.boundary().points.iter().enumerate().filter(|(_, point)| point.contact == number);
+        let points = points.map(|(i, point)| (i, point.weight)).collect();
+        Ok(Found::Contact(points, if is_turned { vec![number] } else { Vec::new() }))
+    }
+
+    /// Points that are of one contact, unless their side bears those of another one as well.
+    fn alone(&mut self, found: Found<'a>) -> Result<Found<'a>, ProbeError> {
+        let Found::Contact(points, _) = &found else { return Ok(found) };
+        let contacts = &self.problem.contacts;
+        let first = points.first().map(|(i, _)| *i);
+        let number = first.and_then(|i| Some(self.boundary().points.get(i)?.contact));
+        let Some(side) = number.and_then(|number| contacts.get(number)).map(Contact::bearing) else {
+            return Ok(found);
+        };
+        let of_side = contacts.iter().zip(names(contacts)).filter(|(contact, _)| contact.bearing() == side);
+        let of_side: Vec<String> = of_side.map(|(_, name)| name).collect();
+        if of_side.len() > 1 { Err(ProbeError::Several(of_side)) } else { Ok(found) }
     }
 
     fn boundary(&mut self) -> &ContactBoundary {
@@ -486,8 +556,8 @@ impl<'a> Builder<'a> {
 
     /// Contact points that a value at a point of Γ_C is interpolated from: those of the nodes of the cell there, by its
     /// shape functions; with Gauss quadrature, and where a node has none, the nearest one. None for a point that is not
-    /// on Γ_C.
-    fn on_contact(&mut self, point: &Point) -> Option<Found<'a>> {
+    /// on Γ_C. Of all contacts the first there, or the one that is asked for.
+    fn on_contact(&mut self, point: &Point, only: Option<usize>) -> Option<Found<'a>> {
         let mesh = self.mesh;
         let (block, cell, x) = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point)?;
         let (element, nodes) = (mesh.blocks[block].element, mesh.blocks[block].cells().nth(cell)?);
@@ -506,7 +576,9 @@ impl<'a> Builder<'a> {
         }
         // A point of a node alone stands for it.
         let point_of = |node: usize| {
-            boundary.points.iter().position(|point| matches!(point.nodes[..point.own], [(own, _)] if own == node))
+            let is_of = |own: usize, contact: usize| own == node && only.is_none_or(|only| only == contact);
+            let mut points = boundary.points.iter();
+            points.position(|point| matches!(point.nodes[..point.own], [(own, _)] if is_of(own, point.contact)))
         };
         let weights: Option<Vec<(usize, f64)>> = nodes
             .iter()
@@ -521,6 +593,7 @@ impl<'a> Builder<'a> {
                 .points
                 .iter()
                 .enumerate()
+                .filter(|(_, point)| only.is_none_or(|only| only == point.contact))
                 .min_by(|(_, a), (_, b)| away(&a.x).total_cmp(&away(&b.x)))
                 .map(|(i, _)| vec![(i, 1.0)])
         };

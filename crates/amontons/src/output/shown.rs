@@ -260,7 +260,10 @@ const MEANINGS: [(&str, &str); 83] = [
     ("weight", "area ω of a contact point or of a node"),
     ("wear", "depth worn off; of a pair in contact.csv off both bodies where they face each other now"),
     ("friction_work", "work of friction on the area since the start"),
-    ("side", "name of the side that bears the points; in files of fields its number"),
+    (
+        "side",
+        "name of the side that bears the points, or of the contact where several do; in files of fields its number",
+    ),
     ("bound", "friction bound s"),
     ("opposite_temperature", "θ_F of the foundation, or θ of the other body of a pair"),
     ("displacement", "displacement u"),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::shown::FIGURES;
 use super::{Snapshot, cell_values, limits, strain_norm};
-use crate::contact::{Contact, PointOnBoundary, Status};
+use crate::contact::{Contact, PointOnBoundary, Status, names};
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
 use crate::inclusion::{Passed, PointState};
@@ -187,7 +187,7 @@ pub struct ContactSummary {
     /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation_temperature: Option<f64>,
-    /// The contacts by the names of their sides, where there are several.
+    /// The contacts by their names, those of their sides if they have none, where there are several.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub sides: BTreeMap<String, ContactSummary>,
 }
@@ -234,7 +234,8 @@ impl ContactSummary {
         let volumes = one.and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let moves = problem.physics.has_mechanics();
-        let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
+        let sides = if several && side.is_none() { names(&problem.contacts) } else { Vec::new() };
+        let of_contact = |(side, name)| (name, ContactSummary::new(now, contact, Some(side)));
         ContactSummary {
             force: if moves { force[..problem.components_of_force()].to_vec() } else { Vec::new() },
             moment: problem.turns().then(|| 0.0 - about_axis.sum::<f64>()),
@@ -253,13 +254,8 @@ impl ContactSummary {
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
             heat_passed: passed(one.and_then(|(side, _)| state.surface.passed.get(side))),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
-            sides: sides.map(|side| ContactSummary::of_contact(now, contact, side)).collect(),
+            sides: sides.into_iter().enumerate().map(of_contact).collect(),
         }
-    }
-
-    /// The name of a contact and its points.
-    fn of_contact(now: &Snapshot, contact: &ContactReport, side: usize) -> (String, ContactSummary) {
-        (now.problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))
     }
 }
 

@@ -11,7 +11,7 @@ use super::files::{Written, write_atomically};
 use super::shown::{Lives, Shown, Table};
 use super::{OutputError, Snapshot};
 use crate::contact::mortar::{Image, Share};
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports, names_of_points};
 use crate::mesh::{FacetSet, link_of};
 use crate::problem::{Physics, with_supports};
 use crate::scheme::ContactReport;
@@ -75,7 +75,10 @@ pub(super) fn shown() -> impl Iterator<Item = Shown> {
 /// A side of a contact.
 pub(crate) struct Side<'a> {
     contact: usize,
-    pub name: &'a str,
+    /// Name of the facet set.
+    on: &'a str,
+    /// What it is called: by the contact where the side bears the points of several.
+    pub name: String,
     /// Whether it bears the contact points; else it faces the side that does.
     bears: bool,
 }
@@ -83,9 +86,10 @@ pub(crate) struct Side<'a> {
 /// The sides in the order of their numbers: of each contact the one that bears its points, and the one that this faces
 /// if it is deformable.
 pub(crate) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
-    contacts.iter().enumerate().flat_map(|(i, contact)| {
-        let bearing = Side { contact: i, name: contact.bearing(), bears: true };
-        std::iter::once(bearing).chain(contact.facing().map(|name| Side { contact: i, name, bears: false }))
+    contacts.iter().zip(names_of_points(contacts)).enumerate().flat_map(|(i, (contact, name))| {
+        let bearing = Side { contact: i, on: contact.bearing(), name, bears: true };
+        let facing = contact.facing().map(|on| Side { contact: i, on, name: on.to_owned(), bears: false });
+        std::iter::once(bearing).chain(facing)
     })
 }
 
@@ -97,7 +101,7 @@ pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Resu
     let mut cells = Cells { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
     let (mut points, mut nodes, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
     for (number, side) in sides(&problem.contacts).enumerate() {
-        let set = mesh.facets.get(side.name).unwrap_or(&NONE);
+        let set = mesh.facets.get(side.on).unwrap_or(&NONE);
         let (of_side, first) = (set.node_list(), nodes.len());
         for (element, facet) in set.facets() {
             let local = facet.iter().filter_map(|node| of_side.binary_search(node).ok());
@@ -159,7 +163,7 @@ fn on_side(
         }
     };
     let worn = contact.map_or(1.0, |contact| contact.wear_fraction);
-    let is_on = contact.is_some_and(|contact| side.name == contact.on);
+    let is_on = contact.is_some_and(|contact| side.on == contact.on);
     let mut points: Vec<Vec<OfPoint>> = vec![Vec::new(); of_side.len()];
     for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side.contact) {
         let Some((values, status, weight)) = Values::at(now, report, i, point) else { continue };
@@ -389,7 +393,7 @@ mod tests {
             self.1 = last.report.unwrap().contact.clone();
             let boundary = boundary(last, &self.1);
             self.0 = sides(&last.problem.contacts)
-                .map(|side| on_side(last, &self.1, &boundary, &side, &last.problem.mesh.facets[side.name].node_list()))
+                .map(|side| on_side(last, &self.1, &boundary, &side, &last.problem.mesh.facets[side.on].node_list()))
                 .collect();
             Ok(())
         }

@@ -10,6 +10,7 @@ use super::surface::Skin;
 use super::table::CsvTable;
 use super::{PlotError, contact, frames, vtu};
 use crate::case::{self, CaseError};
+use crate::contact::names_of_points;
 use crate::output::columns;
 use crate::output::{PACKED, fields_file};
 use crate::problem::Problem;
@@ -106,7 +107,7 @@ impl Results<'_> {
         } else {
             3
         };
-        let sides: Vec<String> = self.problem.contacts.iter().map(|contact| contact.bearing().to_owned()).collect();
+        let sides = names_of_points(&self.problem.contacts);
         let mut run = Run {
             name: self.problem.name.clone(),
             dimension,

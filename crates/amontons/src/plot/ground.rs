@@ -96,12 +96,12 @@ fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Poin
     let along_normal = |rate: f64, n: &Point| -> Point { n.map(|c| c * rate) };
     let more = match &contact.obstacle {
         Some(obstacle) => {
-            let [p, q] = [from, to].map(|t| obstacle.place(t));
-            if p.iter().zip(&q).any(|(p, q)| (p - q).abs() > 0.0) {
-                std::array::from_fn(|c| (q[c] - p[c]) / (to - from))
+            let at = obstacle.nearest(x, t);
+            let moves = obstacle.motion(t, &|of| (of(to) - of(from)) / (to - from)).at(x);
+            if length(&moves) > 0.0 {
+                moves
             } else {
                 // Distances fall where the surface comes nearer.
-                let at = obstacle.nearest(x, t);
                 along_normal(
                     (obstacle.nearest(x, from).distance - obstacle.nearest(x, to).distance) / (to - from),
                     &at.normal,

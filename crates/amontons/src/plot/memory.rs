@@ -6,6 +6,7 @@ use super::body::Body;
 use super::run::{History, Rod, Run, Snapshot, Solid};
 use super::surface::Skin;
 use super::{PlotError, contact};
+use crate::contact::names_of_points;
 use crate::mesh::Mesh;
 use crate::output::{
     self, ContactValues, OutputError, RunStart, Sink, Summary, cell_values, contact_columns, history_columns,
@@ -29,7 +30,7 @@ impl Run {
         history: History,
     ) -> Result<Run, PlotError> {
         let mesh = &problem.mesh;
-        let sides: Vec<String> = problem.contacts.iter().map(|contact| contact.bearing().to_owned()).collect();
+        let sides = names_of_points(&problem.contacts);
         let mut run = Run {
             name: problem.name.clone(),
             dimension: mesh.dim,

@@ -1,7 +1,7 @@
 //! What holds on the parts of the boundary, contact apart, and which of it excludes what.
 
 use super::{Fault, ProblemData, Role};
-use crate::contact::{GraphKind, Quadrature};
+use crate::contact::{Contact, GraphKind, Quadrature};
 use crate::element::ShapeTable;
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -299,9 +299,8 @@ impl ProblemData {
                 faults.push(Fault::new(path, found, "friction that can slip").hint(hint));
             }
             self.check_pair(side, &path, faults);
-            if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
-                faults.push(again(format!("{path}.on"), &contact.on, first, "each side in one [[contact]] entry"));
-            }
+            self.check_once(side, &path, faults);
+            self.check_turning(contact, &path, faults);
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
@@ -338,6 +337,46 @@ impl ProblemData {
                     .hint("remove contact.heat or the temperature"),
                 );
             }
+        }
+    }
+
+    /// Of the contacts of a side one at most has no obstacle, and each contact has a name of its own.
+    fn check_once(&self, side: usize, path: &str, faults: &mut Vec<Fault>) {
+        let (contact, before) = (&self.contacts[side], &self.contacts[..side]);
+        let is_same = |other: &Contact| other.on == contact.on && other.obstacle.is_none();
+        if let Some(first) = before.iter().position(is_same).filter(|_| contact.obstacle.is_none()) {
+            let hint = format!(
+                "merge it with entry {} of the file, which is on the same side, or give one of them an `obstacle`",
+                first + 1
+            );
+            let expected = "one [[contact]] entry without `obstacle` per side";
+            faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), expected).hint(hint));
+        }
+        let goes_by = |(number, other): &(usize, &Contact)| {
+            let is_on = other.name.is_empty() && other.on == contact.name;
+            *number != side && (is_on || (*number < side && other.name == contact.name))
+        };
+        let other = self.contacts.iter().enumerate().filter(|_| !contact.name.is_empty()).find(goes_by);
+        if let Some((other, _)) = other {
+            let hint = format!("entry {} of the file goes by this name", other + 1);
+            let found = format!("\"{}\" again", contact.name);
+            faults.push(Fault::new(format!("{path}.name"), found, "a name of its own for each contact").hint(hint));
+        }
+    }
+
+    /// An obstacle turns beside a body in the plane or in space.
+    fn check_turning(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
+        let turns = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.turning.is_some());
+        if turns && (self.mesh.dim == 1 || self.mesh.axisymmetric) {
+            let body = if self.mesh.dim == 1 { "a line" } else { "a body of revolution" };
+            let hint = if self.mesh.dim == 1 {
+                "remove it"
+            } else {
+                "remove it; of an obstacle that turns about the axis of revolution give the `foundation_velocity`"
+            };
+            let found = format!("a rotation beside {body}");
+            let fault = Fault::new(format!("{path}.obstacle.turning"), found, "an obstacle that does not turn");
+            faults.push(fault.hint(hint));
         }
     }
 

@@ -16,6 +16,7 @@ mod range;
 mod rigid;
 mod tables;
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -162,7 +163,7 @@ pub struct ProblemData {
     pub cyclic: Vec<Cyclic>,
     /// Sides and regions that move as rigid bodies.
     pub rigid: Vec<RigidPart>,
-    /// Contact of sides with their foundations, each side once.
+    /// Contact of sides with their foundations; a side may have several, all but one of them with obstacles.
     pub contacts: Vec<Contact>,
     /// Initial data.
     pub initial: Initial,
@@ -346,10 +347,11 @@ impl ProblemData {
         space.map_or_else(|| of(Supports::NONE), |space| with_supports(&space, None, of))
     }
 
-    /// The facets of Γ_C; none without contact.
+    /// The facets of Γ_C, each side once; none without contact.
     #[must_use]
     pub fn contact_facets(&self) -> Option<FacetSet> {
-        let mut sets = self.contacts.iter().filter_map(|contact| self.mesh.facets.get(contact.bearing())).cloned();
+        let sides: BTreeSet<&str> = self.contacts.iter().map(Contact::bearing).collect();
+        let mut sets = sides.into_iter().filter_map(|side| self.mesh.facets.get(side)).cloned();
         let mut all = sets.next()?;
         sets.for_each(|set| all.blocks.extend(set.blocks));
         Some(all)

@@ -87,10 +87,8 @@ pub(super) fn frames(
         let velocity = velocities(contact, &x, to);
         // Where the side `with` bears the points, its own motion is the slip.
         let sign = contact.sign();
-        let moves = contact.obstacle.as_ref().map_or([0.0; 3], |obstacle| {
-            let [from, to] = [from, to].map(|t| obstacle.place(t));
-            std::array::from_fn(|c| rate(to[c] - from[c]))
-        });
+        let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| rate(of(to) - of(from))));
+        let stays = contact.obstacle.as_ref().is_none_or(|obstacle| !obstacle.depends_on_time());
         for (i, point) in points.iter().enumerate() {
             let [depth, opening] = worn.get(first + i).copied().unwrap_or([0.0, 1.0]);
             let mut frame = Frame {
@@ -106,10 +104,13 @@ pub(super) fn frames(
             if let Some(obstacle) = &contact.obstacle {
                 let u = if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
-                let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
+                let now = obstacle.nearest(&at, to);
+                let before = if stays { now } else { obstacle.nearest(&at, from) };
                 frame.normal = now.normal.map(|c| -c);
                 frame.gap += now.distance + dot(&u, &frame.normal);
                 frame.gap_rate += rate(now.distance - before.distance);
+                let foot: Point = std::array::from_fn(|c| at[c] - now.distance * now.normal[c]);
+                let moves = moves.map_or([0.0; 3], |motion| motion.at(&foot));
                 frame.velocity = std::array::from_fn(|c| frame.velocity[c] + moves[c]);
             }
             frame.gap += depth;
@@ -163,9 +164,10 @@ pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], 
     // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
     // cancel but for round-off.
     let k = problem.k();
-    let start = |obstacle: &crate::contact::Obstacle| -> [Point; 2] {
-        let [p0, p1, p2] = [0.0, 0.5 * k, k].map(|t| obstacle.place(t));
-        [std::array::from_fn(|c| (4.0 * p1[c] - 3.0 * p0[c] - p2[c]) / k), std::array::from_fn(|c| (p2[c] - p0[c]) / k)]
+    let start = |obstacle: &crate::contact::Obstacle, x: &Point| -> [Point; 2] {
+        let first = obstacle.motion(0.0, &|of| (4.0 * of(0.5 * k) - 3.0 * of(0.0) - of(k)) / k);
+        let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);
+        [first.at(x), mean.at(x)]
     };
     let frames = frames(problem, boundary, u, &[], [0.0, 0.0]);
     let points = boundary.points.iter().zip(&frames);
@@ -175,7 +177,7 @@ pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], 
                 .contacts
                 .get(point.contact)
                 .and_then(|contact| contact.obstacle.as_ref())
-                .map_or([[0.0; 3]; 2], start);
+                .map_or([[0.0; 3]; 2], |obstacle| start(obstacle, &point.x));
             let v = boundary.vector_at(point, problem.mesh.dim, w);
             let relative: Point = std::array::from_fn(|c| v[c] - frame.velocity[c] - obstacle[c]);
             let normal = dot(&relative, &frame.normal);

@@ -198,10 +198,10 @@ guided = true
 fn block(dim: usize, eccentricity: f64, more: &str) -> String {
     let (mesh, flat, at, force) = if dim == 3 {
         (
-            "blocks = [{ name = \"block\", size = [1.0, 1.0, 0.5], n = [8, 8, 2], origin = [-0.5, -0.5, 0] }]",
+            "blocks = [{ name = \"block\", size = [1.0, 0.5, 1.0], n = [8, 2, 8], origin = [-0.5, 0, -0.5] }]",
             "",
-            format!("[{eccentricity}, {}, 0.3]", -0.5 * eccentricity),
-            "[0, 0, -2]",
+            format!("[{eccentricity}, 0.3, {}]", -0.5 * eccentricity),
+            "[0, -2, 0]",
         )
     } else {
         (
@@ -250,9 +250,9 @@ fn a_rigid_block_on_springs_leans() {
             let second = |c: usize| {
                 points.iter().zip(&weights).map(|(point, weight)| weight * point.x[c] * point.x[c]).sum::<f64>()
             };
-            let inertia = if dim == 3 { [second(0), second(1)] } else { [second(0), f64::INFINITY] };
+            let inertia = if dim == 3 { [second(0), second(2)] } else { [second(0), f64::INFINITY] };
             for (point, state) in points.iter().zip(report.states.iter()) {
-                let p = 2.0 * (1.0 + e * point.x[0] / inertia[0] - 0.5 * e * point.x[1] / inertia[1]);
+                let p = 2.0 * (1.0 + e * point.x[0] / inertia[0] - 0.5 * e * point.x[2] / inertia[1]);
                 assert!((state.pressure - p).abs() < 1e-9, "{dim} {e} {name}: {} {p}", state.pressure);
             }
         }
@@ -318,11 +318,11 @@ fn a_punch_under_a_force_is_one_that_is_moved() {
     let text = |dim: usize, bearing: &str| {
         let (blocks, flat, held, force, moment) = if dim == 3 {
             (
-                "{ name = \"base\", size = [1.0, 1.0, 0.5], n = [6, 6, 3], origin = [-0.5, -0.5, -0.5] },\n{ name = \"punch\", size = [0.5, 0.5, 0.25], n = [4, 4, 2], origin = [-0.25, -0.25, 0] }",
+                "{ name = \"base\", size = [1.0, 0.5, 1.0], n = [6, 3, 6], origin = [-0.5, -0.5, -0.5] },\n{ name = \"punch\", size = [0.5, 0.25, 0.5], n = [4, 2, 4], origin = [-0.25, 0, -0.25] }",
                 "",
                 "[0, 0, 0]",
-                "[0.02, 0.01, -1]",
-                "[0.03, 0.02, 0.01]",
+                "[0.02, -1, 0.01]",
+                "[0.03, 0.01, 0.02]",
             )
         } else {
             (

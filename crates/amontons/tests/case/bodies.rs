@@ -350,7 +350,7 @@ spoiled! {
     no_such_mesh_file: "file = \"bra.msh\"", 2, "" => ""
         "body.toml:3:8: mesh.file: found \"bra.msh\", which is not there, expected a file beside the case file; did you mean \"bar.msh\"?";
     no_mesh_file: "file = \"bar.stl\"", 2, "" => ""
-        "body.toml:3:8: mesh.file: found bar.stl: a surface of triangles (STL), without cells inside, expected cells that fill a body; mesh the volume inside, in Gmsh with `Merge`, `Surface Loop` and `Volume`, or mesh the CAD shape";
+        "body.toml:3:8: mesh.file: found bar.stl: a surface of triangles (STL), without cells inside, expected cells that fill a body; mesh the volume inside, in Gmsh with `Merge`, `Surface Loop` and `Volume`, or mesh the CAD shape; a rigid obstacle may be a surface: `shape = \"file\"` in [contact.obstacle]";
     broken_mesh_file: "file = \"cut.msh\"", 2, "" => ""
         "body.toml:3:8: mesh.file: found cut.msh: line 20: the end of the file, expected a section $Elements";
     inverted_cells_of_a_file: "file = \"turned.msh\"", 2, "" => ""

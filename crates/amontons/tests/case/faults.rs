@@ -335,11 +335,11 @@ spoiled! {
     foundation_velocity_of_four: "" => "" set "contact.foundation_velocity=[1, 0, 0, 0]"
         "--set contact.foundation_velocity=[1, 0, 0, 0]: contact.foundation_velocity: found 4 components, expected 2 components, or 3 with motion out of the plane or the line of the body";
     obstacle_without_a_shape: "" => "" set "contact.obstacle={ radius = 1 }"
-        "--set contact.obstacle={ radius = 1 }: contact.obstacle.shape: found no such key, expected \"plane\", \"sphere\", \"cylinder\", \"wave\" or \"surface\"";
+        "--set contact.obstacle={ radius = 1 }: contact.obstacle.shape: found no such key, expected \"plane\", \"sphere\", \"cylinder\", \"wave\", \"file\" or \"surface\"";
     obstacle_of_another_shape: "" => "" set "contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }"
-        "--set contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }: contact.obstacle.shape: found \"sphera\", expected \"plane\", \"sphere\", \"cylinder\", \"wave\" or \"surface\"; did you mean \"sphere\"?";
+        "--set contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }: contact.obstacle.shape: found \"sphera\", expected \"plane\", \"sphere\", \"cylinder\", \"wave\", \"file\" or \"surface\"; did you mean \"sphere\"?";
     obstacle_unknown_key: "" => "" set "contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }"
-        "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }: contact.obstacle.radius: found an unknown key, expected one of geometry, normal, point, shape; `radius` belongs to [contact.obstacle] with shape = \"sphere\" or [contact.obstacle] with shape = \"cylinder\"";
+        "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }: contact.obstacle.radius: found an unknown key, expected one of geometry, normal, point, shape, turning; `radius` belongs to [contact.obstacle] with shape = \"sphere\" or [contact.obstacle] with shape = \"cylinder\"";
     obstacle_geometry: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }"
         "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }: contact.obstacle.geometry: found \"update\", expected \"reference\" or \"updated\" (configuration of the body in which distances and normals are evaluated); did you mean \"updated\"?";
     obstacle_radius_zero: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 0 }"
@@ -527,9 +527,9 @@ proptest! {
 // Several contacts, and foundations with a heat capacity.
 spoiled! {
     contact_twice_on_a_side: "[contact]  " => "[[contact]]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]  "
-        "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected each side in one [[contact]] entry; merge it with entry 1 of the file, which is on the same side";
+        "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected one [[contact]] entry without `obstacle` per side; merge it with entry 1 of the file, which is on the same side, or give one of them an `obstacle`";
     contact_unknown_key_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nfrction = 1 #"
-        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of automatic, close, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, nonmortar, normal, obstacle, on, quadrature, wear, with; did you mean `friction`?";
+        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of automatic, close, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, name, nonmortar, normal, obstacle, on, quadrature, wear, with; did you mean `friction`?";
     contact_law_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nwear = { law = \"archard\", coefficient = -1 } #"
         "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness)";
     foundation_surroundings_in_space: "" => "" set "contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }"

@@ -291,7 +291,8 @@ const UNITS: &[(&str, &str)] = &[
           Mesh cylinder.height, Mesh cylinder.radii, Near.distance, Near.point, Normal table.penetration, Normal expression.begin, Normal stop.depth, \
           Normal adhesion.release, Obstacle plane.point, Obstacle sphere.center, \
           Obstacle sphere.radius, Obstacle cylinder.center, Obstacle cylinder.radius, \
-          Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, OnCylinder.point, OnCylinder.radius, OnSphere.center, OnSphere.radius, Probe.at",
+          Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, Obstacle file.origin, OnCylinder.point, OnCylinder.radius, OnSphere.center, \
+          OnSphere.radius, Probe.at, Turning.about",
     ),
     (
         "m/s",
@@ -301,7 +302,7 @@ const UNITS: &[(&str, &str)] = &[
     (
         "rad",
         "Block.angle, Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Facing.angle, Mesh ring.angle, \
-          Mesh cylinder.angle, Turn.angle, Viscosity anisotropic.orientation",
+          Mesh cylinder.angle, Turn.angle, Turning.angle, Viscosity anisotropic.orientation",
     ),
     (
         "s",

@@ -256,6 +256,19 @@ fn obstacles_are_read_with_their_keys() -> Outcome {
             [0.0, -1.0, 0.0],
         ),
         ("shape = 'surface', level = '4*(y + 0.25 + t)'", false, 0.75, [0.0; 3]),
+        // Turned by a right angle, the plane is that of x = 1 with its matter beyond.
+        (
+            "shape = 'plane', point = [1, '2*t'], normal = [0, 1], turning = { angle = 'pi*t' }, geometry = 'updated'",
+            true,
+            0.5,
+            [1.0, 1.0, 0.0],
+        ),
+        (
+            "shape = 'plane', point = [0, -1], normal = [0, 1], turning = { angle = 1.5707963267948966, about = ['2*t', 0] }",
+            false,
+            1.5,
+            [0.0, -1.0, 0.0],
+        ),
     ] {
         let contact =
             parse(PAPER, &[&format!("contact.obstacle={{ {keys} }}")])?.problem.into_data().contacts.swap_remove(0);

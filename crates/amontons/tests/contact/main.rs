@@ -17,6 +17,8 @@ mod hot_friction;
 mod impact;
 mod laws;
 mod limits;
+mod several;
 mod sliding_out;
 mod softening;
 mod stuck_indentation;
+mod tools;

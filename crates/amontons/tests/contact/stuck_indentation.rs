@@ -11,7 +11,7 @@ use amontons::run::{Settings, run};
 
 #[path = "../mesh_files/writer.rs"]
 #[allow(dead_code, reason = "the tests of mesh files use the rest")]
-mod writer;
+pub mod writer;
 
 const POISSON: f64 = 0.3;
 const RADIUS: f64 = 5000.0;

@@ -253,7 +253,10 @@ fn faults_of_probes_have_their_places() {
         &probe("temperature", "at = [1, 1, 0]"),
         &[(4, "6: probe[0].at: found 3 coordinates, expected 2 coordinates")],
     );
-    case(&probe("temperature", ""), &[(1, "1: probe[0]: found no place, expected one of `at`, `on` and `region`")]);
+    case(
+        &probe("temperature", ""),
+        &[(1, "1: probe[0]: found no place, expected one of `at`, `on`, `contact` and `region`")],
+    );
     case(
         &probe("temperature", "on = \"lft\"\ntake = \"max\""),
         &[(
@@ -312,7 +315,10 @@ fn faults_of_probes_have_their_places() {
                 6,
                 "8: probe[1].name: found \"a\" again, expected a name of its own for each column of probes.csv, which begin with step and t",
             ),
-            (9, "1: probe[1].take: found `take` of the value at a point, expected `take` with `on` or `region`"),
+            (
+                9,
+                "1: probe[1].take: found `take` of the value at a point, expected `take` with `on`, `contact` or `region`",
+            ),
         ],
     );
     let check = "[verify]\ntitle = \"t\"\nsource = \"s\"\n[[verify.check]]\nkind = \"probe\"\nfield = \"stress_xx\"\nat = [0, 2]\ntime = 0\nreference = 1\ntolerance = 1\n";

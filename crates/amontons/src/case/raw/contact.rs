@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Datum, Geometry, Obstacle};
 
-/// Contact of one side: `[contact]`; of several: `[[contact]]`.
+/// Contact of one side: `[contact]`; of several, or of one with several obstacles: `[[contact]]`.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(title = "a table, or an array of tables")]
@@ -61,6 +61,9 @@ pub(in crate::case) struct Contact {
     /// Name of the side that is Γ_C; omit it with `automatic`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub on: String,
+    /// Name of the contact in results; default: that of the side `on`, with a number from its second entry on.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
     /// Name of the side of a deformable body that `on` faces: a pair. Omit it if the foundation is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub with: Option<String>,

@@ -187,7 +187,7 @@ pub(in crate::case) struct Block {
 }
 
 /// A rotation.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Turn {
     /// Direction of the axis, three entries, by the right-hand rule; not given in two dimensions, where it is z.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Datum;
+use super::{Datum, Turn};
 
 /// Shape of a rigid foundation. It may move as a whole: its points and centres may depend on time.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -18,6 +18,9 @@ pub(in crate::case) enum Obstacle {
         /// Configuration of the body in which distances and normals are evaluated.
         #[serde(default)]
         geometry: Geometry,
+        /// Rotation of the obstacle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turning: Option<Turning>,
     },
     /// A ball, or a socket if `inside` is true; a disc in two dimensions.
     Sphere {
@@ -32,6 +35,9 @@ pub(in crate::case) enum Obstacle {
         /// Configuration of the body in which distances and normals are evaluated.
         #[serde(default)]
         geometry: Geometry,
+        /// Rotation of the obstacle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turning: Option<Turning>,
     },
     /// An infinite cylinder, or a bore if `inside` is true; a disc in two dimensions.
     Cylinder {
@@ -49,6 +55,9 @@ pub(in crate::case) enum Obstacle {
         /// Configuration of the body in which distances and normals are evaluated.
         #[serde(default)]
         geometry: Geometry,
+        /// Rotation of the obstacle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turning: Option<Turning>,
     },
     /// The region below the wavy surface n·(x − p) = amplitude · cos(2π d·(x − p)/wavelength).
     Wave {
@@ -66,6 +75,34 @@ pub(in crate::case) enum Obstacle {
         /// Configuration of the body in which distances and normals are evaluated.
         #[serde(default)]
         geometry: Geometry,
+        /// Rotation of the obstacle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turning: Option<Turning>,
+    },
+    /// A solid from a file: its boundary in a mesh file, or in space a closed surface of triangles (STL).
+    File {
+        /// Path of the file, relative to the case file: `.stl`, or a mesh file of a body in as many dimensions.
+        file: String,
+        /// Factor of the coordinates of the file: 0.001 if it is in mm.
+        #[serde(default = "one")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        scale: f64,
+        /// Rotation of the solid about the origin of the file, before it is moved; it does not change with time.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turn: Option<Turn>,
+        /// Where the origin of the file comes to lie in m, one entry per component, numbers or expressions in t;
+        /// default: the origin.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        origin: Vec<Datum>,
+        /// Whether the body is inside the surface.
+        #[serde(default)]
+        inside: bool,
+        /// Configuration of the body in which distances and normals are evaluated.
+        #[serde(default)]
+        geometry: Geometry,
+        /// Rotation of the obstacle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turning: Option<Turning>,
     },
     /// The zero level of a function of x, y, z, t.
     Surface {
@@ -75,7 +112,44 @@ pub(in crate::case) enum Obstacle {
         /// Configuration of the body in which distances and normals are evaluated.
         #[serde(default)]
         geometry: Geometry,
+        /// Rotation of the obstacle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turning: Option<Turning>,
     },
+}
+
+impl Obstacle {
+    /// What every shape has.
+    pub fn common(&self) -> (Geometry, Option<&Turning>) {
+        match self {
+            Obstacle::Plane { geometry, turning, .. }
+            | Obstacle::Sphere { geometry, turning, .. }
+            | Obstacle::Cylinder { geometry, turning, .. }
+            | Obstacle::Wave { geometry, turning, .. }
+            | Obstacle::File { geometry, turning, .. }
+            | Obstacle::Surface { geometry, turning, .. } => (*geometry, turning.as_ref()),
+        }
+    }
+}
+
+/// Rotation of an obstacle. Friction sees the velocity ω × r of its surface, also where the place of the surface does
+/// not change, as of a roller about its axis or a plane about its normal.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Turning {
+    /// Angle in rad, a number, an expression in t or a table in time.
+    pub angle: Datum,
+    /// Direction of the axis, three entries, by the right-hand rule; not given in two dimensions, where it is z.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axis: Vec<f64>,
+    /// A point of the axis in m, one entry per component, numbers or expressions in t; default: `point`, `center` or
+    /// `origin` of the obstacle, and with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<Vec<Datum>>,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// Configuration of the body in which distances and normals are evaluated.

@@ -21,10 +21,13 @@ pub(in crate::case) struct Probe {
     /// Name of the side; of a reaction also of an edge or of points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
+    /// Name of the contact whose points are read, in the place of `on` or besides `at`, where a side has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact: Option<String>,
     /// Name of the region.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<String>,
-    /// Reduction of the values on the side or in the region.
+    /// Reduction of the values on the side, of the contact or in the region.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub take: Option<Over>,
 }

@@ -31,10 +31,13 @@ pub(in crate::case) enum Check {
         /// Name of the side.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         on: Option<String>,
+        /// Name of the contact whose points are read, in the place of `on` or besides `at`, where a side has several.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        contact: Option<String>,
         /// Name of the region.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         region: Option<String>,
-        /// Reduction of the values on the side or in the region.
+        /// Reduction of the values on the side, of the contact or in the region.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         take: Option<super::Over>,
         /// The time in s.

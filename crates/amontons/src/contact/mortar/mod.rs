@@ -132,6 +132,19 @@ pub fn mean_facet(mesh: &Mesh, set: &FacetSet) -> f64 {
     (0..facets.len()).map(|facet| facets.measure(facet)).sum::<f64>() / facets.len().max(1) as f64
 }
 
+/// The boundary of the bodies of a mesh as flat facets by their corners: segments in the plane, triangles in space,
+/// seen from outside as [`obstacle::Facets`](super::obstacle::Facets) takes them.
+#[must_use]
+pub fn surface_of(mesh: &Mesh) -> Vec<Vec<Point>> {
+    let boundary = mesh.boundary();
+    let facets = Facets::new(mesh, &mesh.points, &boundary, &[Image::SELF]);
+    let cut = |corners: &[Point]| match corners {
+        &[a, b, c, d] => vec![vec![a, b, c], vec![a, c, d]],
+        other => vec![other.to_vec()],
+    };
+    facets.parts().iter().flat_map(|part| cut(&part.corners)).collect()
+}
+
 /// The share of the first side that the second faces, from 0 to 1, and the same the other way round.
 #[must_use]
 pub fn covered_shares(sides: &Sides) -> [f64; 2] {

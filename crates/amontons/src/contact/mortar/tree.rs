@@ -1,82 +1,25 @@
-//! A tree of spheres around the parts of a side: those that may meet something are found without a look at each part.
+//! The tree of spheres around the parts of a side: those that may meet something are found without a look at each part.
 
+use super::super::spheres::Spheres;
 use super::part::Part;
-use crate::tensor::{Point, length};
-
-/// Parts in a leaf at the most.
-const LEAF: usize = 6;
-/// Relative round-off of a radius.
-const ROUND_OFF: f64 = 1e-9;
+use crate::tensor::Point;
 
 /// The tree over the parts of a side.
 pub(super) struct Tree<'p> {
     parts: &'p [Part],
-    /// Numbers of the parts, those of each sphere together.
-    order: Vec<usize>,
-    /// The whole first.
-    spheres: Vec<Sphere>,
-}
-
-/// A sphere around the parts `from..to` in the order of the tree.
-struct Sphere {
-    centre: Point,
-    radius: f64,
-    from: usize,
-    to: usize,
-    /// The spheres around either half of the parts; none for a leaf.
-    halves: Option<[usize; 2]>,
+    spheres: Spheres,
 }
 
 impl<'p> Tree<'p> {
     pub fn new(parts: &'p [Part]) -> Tree<'p> {
-        let mut tree = Tree { parts, order: (0..parts.len()).collect(), spheres: Vec::new() };
-        tree.add(0, parts.len());
-        tree
-    }
-
-    /// Adds the sphere around some parts and those in it, halved where their centres are spread the widest.
-    fn add(&mut self, from: usize, to: usize) -> usize {
-        let (own, parts) = (&self.order[from..to], self.parts);
-        let along = |c: usize| own.iter().map(move |&part| parts[part].centre[c]);
-        let bounds: [[f64; 2]; 3] = std::array::from_fn(|c| {
-            [along(c).fold(f64::INFINITY, f64::min), along(c).fold(f64::NEG_INFINITY, f64::max)]
-        });
-        let centre: Point = bounds.map(|[least, most]| 0.5 * (least + most));
-        let reach = |part: &Part| length(&std::array::from_fn(|c| part.centre[c] - centre[c])) + part.radius;
-        let radius = own.iter().map(|&part| reach(&parts[part])).fold(0.0, f64::max) * (1.0 + ROUND_OFF);
-        let place = self.spheres.len();
-        self.spheres.push(Sphere { centre, radius, from, to, halves: None });
-        if to - from > LEAF {
-            let spread = |c: usize| bounds[c][1] - bounds[c][0];
-            let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
-            let middle = (to - from) / 2;
-            let coordinate = |part: usize| parts[part].centre[axis];
-            // Equal coordinates by number, so that the tree is the same always.
-            self.order[from..to]
-                .select_nth_unstable_by(middle, |&a, &b| coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b)));
-            self.spheres[place].halves = Some([self.add(from, from + middle), self.add(from + middle, to)]);
-        }
-        place
+        Tree { parts, spheres: Spheres::new(parts.len(), &|part| (parts[part].centre, parts[part].radius)) }
     }
 
     /// The parts whose sphere `meets` something, with their numbers, in their order. What meets a sphere must meet
     /// every sphere around it.
     pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<(usize, &'p Part)> {
-        let (mut open, mut found) = (vec![0], Vec::new());
-        while let Some(sphere) = open.pop().map(|place: usize| &self.spheres[place]) {
-            if !meets(&sphere.centre, sphere.radius) {
-                continue;
-            }
-            match sphere.halves {
-                Some(halves) => open.extend(halves),
-                None => found.extend(self.order[sphere.from..sphere.to].iter().copied().filter(|&part| {
-                    let part = &self.parts[part];
-                    meets(&part.centre, part.radius)
-                })),
-            }
-        }
-        found.sort_unstable();
-        found.into_iter().map(|part| (part, &self.parts[part])).collect()
+        let of_part = |part: usize| meets(&self.parts[part].centre, self.parts[part].radius);
+        self.spheres.met(meets, &of_part).into_iter().map(|part| (part, &self.parts[part])).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! A shaft, or the space around a bore.
 
+use super::motion::is_along;
 use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, across, at, keyed, minus, perpendicular, round};
 use crate::field::Field;
 use crate::tensor::Point;
@@ -40,5 +41,8 @@ impl Shape for Cylinder {
     }
     fn fields(&self) -> Vec<(&'static str, &Field)> {
         keyed(CENTER, &self.center)
+    }
+    fn turns_into_itself(&self, axis: &Point, about_place: bool) -> bool {
+        about_place && is_along(&self.axis, axis)
     }
 }

@@ -4,8 +4,12 @@
 //! of it that is nearest, and the gap is the distance there. Both are functions of the place alone, whatever the mesh
 //! of the body is.
 
+mod closest;
 mod cylinder;
 mod descent;
+mod facets;
+mod file;
+mod motion;
 mod plane;
 mod sphere;
 mod surface;
@@ -15,6 +19,9 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 pub use cylinder::Cylinder;
+pub use facets::{Facets, FacetsFault};
+pub use file::File;
+pub use motion::{Motion, Rate, Turning};
 pub use plane::Plane;
 pub use sphere::Sphere;
 pub use surface::Surface;
@@ -31,16 +38,40 @@ pub struct Obstacle {
     /// Whether distances and normals are those at x + u_{n−1}, anew in each step; else they are those at x, for small
     /// displacements.
     pub updated: bool,
+    /// How it turns; none where it does not.
+    pub turning: Option<Turning>,
 }
 
 impl Obstacle {
     /// What is nearest to a point at a time.
     #[must_use]
     pub fn nearest(&self, x: &Point, t: f64) -> Nearest {
-        self.shape.nearest(x, t)
+        let Some(turning) = self.changes_by() else { return self.shape.nearest(x, t) };
+        let turn = turning.at(self.shape.place(t), t);
+        let Nearest { distance, normal } = self.shape.nearest(&turn.before(x), t);
+        Nearest { distance, normal: turn.after(&normal) }
     }
 
-    /// Place of a point that moves with the obstacle: its rate is the velocity of the obstacle.
+    /// The rotation where it changes the place of the surface: not of a ball about its centre, a cylinder about its
+    /// axis, and a plane about its normal.
+    fn changes_by(&self) -> Option<&Turning> {
+        let turning = self.turning.as_ref()?;
+        (!self.shape.turns_into_itself(turning.axis(), turning.is_about_place())).then_some(turning)
+    }
+
+    /// Whether it turns, and its surface stays where it is.
+    #[must_use]
+    pub fn turns_in_place(&self) -> bool {
+        self.turning.is_some() && self.changes_by().is_none()
+    }
+
+    /// Its velocity as a rigid body at a time, `rate` making the rate at that time of a function of time.
+    #[must_use]
+    pub fn motion(&self, t: f64, rate: &Rate) -> Motion {
+        Motion::new(self.turning.as_ref(), &|t| self.shape.place(t), t, rate)
+    }
+
+    /// Place of a point that moves with the obstacle and does not turn.
     #[must_use]
     pub fn place(&self, t: f64) -> Point {
         self.shape.place(t)
@@ -49,13 +80,15 @@ impl Obstacle {
     /// Whether it may move or change its shape.
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
-        self.shape.depends_on_time()
+        let turns = |turning: &Turning| turning.fields().iter().any(|(_, field)| field.depends_on_time());
+        self.shape.depends_on_time() || self.changes_by().is_some_and(turns)
     }
 
     /// The data that may vary in time, by their keys.
     #[must_use]
     pub fn fields(&self) -> Vec<(&'static str, &Field)> {
-        self.shape.fields()
+        let turning = self.turning.iter().flat_map(Turning::fields);
+        self.shape.fields().into_iter().chain(turning).collect()
     }
 }
 
@@ -84,6 +117,15 @@ pub trait Shape: Debug + Send + Sync {
     /// The data that may vary in time, by their keys.
     fn fields(&self) -> Vec<(&'static str, &Field)> {
         Vec::new()
+    }
+    /// Whether a rotation about an axis with this unit vector leaves it where it is: about its place, or about any
+    /// point.
+    fn turns_into_itself(&self, _axis: &Point, _about_place: bool) -> bool {
+        false
+    }
+    /// The least and the largest coordinates of a surface of finite size at a time, m.
+    fn bounds(&self, _t: f64) -> Option<[Point; 2]> {
+        None
     }
     /// Whether what is nearest may change with time.
     fn depends_on_time(&self) -> bool {

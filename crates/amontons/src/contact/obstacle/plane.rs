@@ -1,5 +1,6 @@
 //! A half-space.
 
+use super::motion::is_along;
 use super::{Checks, Nearest, POINT, Point3, Shape, ShapeFaults, at, keyed, minus};
 use crate::field::Field;
 use crate::tensor::{Point, dot};
@@ -32,5 +33,8 @@ impl Shape for Plane {
     }
     fn fields(&self) -> Vec<(&'static str, &Field)> {
         keyed(POINT, &self.point)
+    }
+    fn turns_into_itself(&self, axis: &Point, _about_place: bool) -> bool {
+        is_along(&self.normal, axis)
     }
 }

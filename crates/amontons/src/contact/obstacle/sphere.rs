@@ -35,4 +35,7 @@ impl Shape for Sphere {
     fn fields(&self) -> Vec<(&'static str, &Field)> {
         keyed(CENTER, &self.center)
     }
+    fn turns_into_itself(&self, _axis: &Point, about_place: bool) -> bool {
+        about_place
+    }
 }

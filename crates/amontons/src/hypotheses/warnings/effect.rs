@@ -4,7 +4,7 @@
 
 use super::super::{Finding, FindingId};
 use super::warning;
-use crate::contact::{Contact, ContactPoint};
+use crate::contact::{Contact, ContactPoint, Obstacle};
 use crate::mesh::FacetSet;
 use crate::problem::Problem;
 use crate::tensor::Sym;
@@ -16,7 +16,8 @@ pub(super) fn without_effect(problem: &Problem) -> Vec<Finding> {
     };
     let of_contacts = problem.contacts.iter().enumerate().flat_map(|(side, contact)| {
         let path = problem.contact_path(side);
-        slides_without_friction(&path, contact).into_iter().chain(heats_without_friction(&path, contact))
+        let slides = slides_without_friction(&path, contact).or_else(|| turns_without_friction(&path, contact));
+        slides.into_iter().chain(heats_without_friction(&path, contact))
     });
     velocity_without_inertia(problem).into_iter().chain(of_contacts).map(told).collect()
 }
@@ -44,6 +45,16 @@ fn slides_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
     }
     let message = "without friction and wear nothing depends on the velocity of what the side slides on";
     Some((format!("{path}.foundation_velocity"), message.to_owned(), "give `friction`, or remove the velocity"))
+}
+
+/// A roller that turns about its axis, and a table about its normal, act by friction alone.
+fn turns_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
+    let turns = contact.obstacle.as_ref().is_some_and(Obstacle::turns_in_place);
+    if !turns || !contact.friction.is_frictionless() || contact.wear.is_some() {
+        return None;
+    }
+    let message = "without friction and wear nothing depends on the rotation of an obstacle that stays in its place";
+    Some((format!("{path}.obstacle.turning"), message.to_owned(), "give `friction`, or remove `turning`"))
 }
 
 fn heats_without_friction(path: &str, contact: &Contact) -> Option<Idle> {

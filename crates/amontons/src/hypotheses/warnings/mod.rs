@@ -9,6 +9,7 @@
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
 //! | `rigid-on-rigid` | a rigid part meets a rigid foundation, or another rigid part, by rigid contact | the data |
 //! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep beside the gap between them | the gap of the mesh |
+//! | `obstacle-size` | an obstacle from a file is far larger or smaller than the body | its extent |
 //! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
@@ -34,6 +35,7 @@ mod gaps;
 mod jump;
 mod rigid;
 mod run;
+mod sizes;
 mod supports;
 mod thermal;
 
@@ -69,6 +71,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(rigid::on_rigid(problem));
     findings.extend(gaps::of_pairs(problem));
     findings.extend(gaps::of_obstacles(problem));
+    findings.extend(sizes::of_obstacles(problem));
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));

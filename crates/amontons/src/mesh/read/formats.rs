@@ -19,7 +19,7 @@ pub(super) enum Format {
 const FOREIGN: [(&[&str], &str, &str); 23] = [
     (&["cdb"], ANSYS, OF_ANSYS),
     (&["unv"], UNIVERSAL, OF_UNIVERSAL),
-    (&["stl"], STL, OF_SURFACE),
+    (&["stl"], STL, OF_STL),
     (&["obj"], "a surface of Wavefront (OBJ), without cells inside", OF_SURFACE),
     (&["ply", "off"], "a surface of triangles, without cells inside", OF_SURFACE),
     (&["bdf", "nas", "fem"], NASTRAN, OF_NASTRAN),
@@ -58,6 +58,7 @@ const BY_PARAVIEW: &str = "one unstructured grid; open it in ParaView and save t
 const OF_ANSYS: &str = "a mesh in a format that is read; write it from ANSYS for Abaqus (.inp), or convert it with Python's mapdl-archive to .vtk and with meshio to .vtu";
 const OF_UNIVERSAL: &str = "a mesh in a format that is read; convert it with Gmsh: `gmsh FILE.unv -save -format msh41 -o MESH.msh`, or export .med from Salome";
 const OF_SURFACE: &str = "cells that fill a body; mesh the volume inside, in Gmsh with `Merge`, `Surface Loop` and `Volume`, or mesh the CAD shape";
+const OF_STL: &str = "cells that fill a body; mesh the volume inside, in Gmsh with `Merge`, `Surface Loop` and `Volume`, or mesh the CAD shape; a rigid obstacle may be a surface: `shape = \"file\"` in [contact.obstacle]";
 const OF_NASTRAN: &str =
     "a mesh in a format that is read; convert it with Gmsh: `gmsh FILE.bdf -save -format msh41 -o MESH.msh`";
 const OF_DYNA: &str =
@@ -167,7 +168,7 @@ fn foreign_contents(ending: &str, head: &[u8]) -> Option<(&'static str, &'static
         return Some((STEP, OF_SHAPE));
     }
     if begins(&["SOLID "]) && line(&["FACET NORMAL"]) {
-        return Some((STL, OF_SURFACE));
+        return Some((STL, OF_STL));
     }
     if begins(&["/COM", "/PREP7", "/NOPR", "/BATCH"]) {
         return Some((ANSYS, OF_ANSYS));

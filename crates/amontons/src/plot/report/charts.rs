@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::field::reading;
 use super::pack::Pack;
 use crate::case::Case;
+use crate::contact::names;
 use crate::output::{columns, history_measures};
 use crate::plot::charts::{Chart, Series};
 use crate::plot::color::{Color, LINES};
@@ -101,7 +102,7 @@ fn lines(chart: &Chart) -> Lines<'_> {
 
 /// The contact force on each side, of a run with several.
 fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
-    let of_side = |side: &String| {
+    let of_side = |side: String| {
         let line = |c: usize| {
             let values = run.history.get(&format!("{}@{side}", columns::CONTACT_FORCE.component(c)))?;
             Some((["x", "y", "z"][c].to_owned(), LINES[c], &[][..], values.clone()))
@@ -110,7 +111,7 @@ fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
         let name = format!("contact force on \"{side}\"");
         (!lines.is_empty()).then_some(Lines { name, measure: Measure::Force, stacked: false, all: lines })
     };
-    let sides = run.problem.iter().flat_map(|problem| &problem.contacts).map(|contact| &contact.on);
+    let sides = run.problem.iter().flat_map(|problem| names(&problem.contacts));
     sides.filter_map(of_side)
 }
 

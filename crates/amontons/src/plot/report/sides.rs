@@ -246,7 +246,7 @@ pub(super) fn write(
         let grid = vtu::read(&path)?;
         if at.is_empty() {
             let names = surface_sides(&results.problem.contacts).enumerate();
-            sides = names.map(|(number, side)| Side::new(&grid, side.name, number)).collect();
+            sides = names.map(|(number, side)| Side::new(&grid, &side.name, number)).collect();
         }
         at.push(place);
         sides.iter_mut().try_for_each(|side| side.add(&grid, &path))?;

@@ -1,0 +1,112 @@
+//! A tree of spheres around parts of a surface: those that may meet something, or the one nearest to a point, are found
+//! without a look at each part.
+
+use crate::tensor::{Point, length};
+
+/// Parts in a leaf at the most.
+const LEAF: usize = 6;
+/// Relative round-off of a radius.
+const ROUND_OFF: f64 = 1e-9;
+
+/// The tree over parts that are known by their numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Spheres {
+    /// Numbers of the parts, those of each sphere together.
+    order: Vec<usize>,
+    /// The whole first.
+    all: Vec<Sphere>,
+}
+
+/// A sphere around the parts `from..to` in the order of the tree.
+#[derive(Clone, Debug)]
+struct Sphere {
+    centre: Point,
+    radius: f64,
+    from: usize,
+    to: usize,
+    /// The spheres around either half of the parts; none for a leaf.
+    halves: Option<[usize; 2]>,
+}
+
+impl Spheres {
+    /// The tree over so many parts, with the centre and the radius of a sphere around each.
+    pub fn new(count: usize, around: &dyn Fn(usize) -> (Point, f64)) -> Spheres {
+        let mut tree = Spheres { order: (0..count).collect(), all: Vec::new() };
+        tree.add(0, count, around);
+        tree
+    }
+
+    /// Adds the sphere around some parts and those in it, halved where their centres are spread the widest.
+    fn add(&mut self, from: usize, to: usize, around: &dyn Fn(usize) -> (Point, f64)) -> usize {
+        let own = &self.order[from..to];
+        let along = |c: usize| own.iter().map(move |&part| around(part).0[c]);
+        let bounds: [[f64; 2]; 3] = std::array::from_fn(|c| {
+            [along(c).fold(f64::INFINITY, f64::min), along(c).fold(f64::NEG_INFINITY, f64::max)]
+        });
+        let centre: Point = bounds.map(|[least, most]| 0.5 * (least + most));
+        let reach = |part: usize| {
+            let (own, radius) = around(part);
+            length(&std::array::from_fn(|c| own[c] - centre[c])) + radius
+        };
+        let radius = own.iter().map(|&part| reach(part)).fold(0.0, f64::max) * (1.0 + ROUND_OFF);
+        let place = self.all.len();
+        self.all.push(Sphere { centre, radius, from, to, halves: None });
+        if to - from > LEAF {
+            let spread = |c: usize| bounds[c][1] - bounds[c][0];
+            let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
+            let middle = (to - from) / 2;
+            let coordinate = |part: usize| around(part).0[axis];
+            // Equal coordinates by number, so that the tree is the same always.
+            self.order[from..to]
+                .select_nth_unstable_by(middle, |&a, &b| coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b)));
+            self.all[place].halves = Some([self.add(from, from + middle, around), self.add(from + middle, to, around)]);
+        }
+        place
+    }
+
+    /// The numbers of the parts that may meet something, ascending: those of the leaves whose sphere `meets` it. What
+    /// meets a sphere must meet every sphere around it.
+    pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool, meets_part: &dyn Fn(usize) -> bool) -> Vec<usize> {
+        let (mut open, mut found) = (vec![0], Vec::new());
+        while let Some(sphere) = open.pop().map(|place: usize| &self.all[place]) {
+            if !meets(&sphere.centre, sphere.radius) {
+                continue;
+            }
+            match sphere.halves {
+                Some(halves) => open.extend(halves),
+                None => {
+                    found.extend(self.order[sphere.from..sphere.to].iter().copied().filter(|&part| meets_part(part)));
+                }
+            }
+        }
+        found.sort_unstable();
+        found
+    }
+
+    /// The number of the part that is nearest to a point, by the distances of parts from it; of several the first.
+    pub fn nearest(&self, x: &Point, distance: &dyn Fn(usize) -> f64) -> Option<usize> {
+        let least = |place: usize| {
+            let sphere = &self.all[place];
+            length(&std::array::from_fn(|c| x[c] - sphere.centre[c])) - sphere.radius
+        };
+        let (mut open, mut best): (Vec<usize>, Option<(f64, usize)>) = (vec![0], None);
+        while let Some(place) = open.pop() {
+            if best.is_some_and(|(distance, _)| least(place) > distance) {
+                continue;
+            }
+            let sphere = &self.all[place];
+            if let Some([a, b]) = sphere.halves {
+                // The nearer half last, which is looked at first.
+                open.extend(if least(a) < least(b) { [b, a] } else { [a, b] });
+                continue;
+            }
+            for &part in &self.order[sphere.from..sphere.to] {
+                let here = distance(part);
+                if best.is_none_or(|(distance, number)| here < distance || (here <= distance && part < number)) {
+                    best = Some((here, part));
+                }
+            }
+        }
+        best.map(|(_, part)| part)
+    }
+}
