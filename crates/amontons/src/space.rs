@@ -112,13 +112,7 @@ impl Space {
                 let dof = |c: usize| node as usize * components + c;
                 let x = mesh.points[at as usize];
                 if let Some((body, _)) = rigid_of(&rigid, node) {
-                    if let Some((number, along, scale)) = rigid[body].hold(node, &direction) {
-                        let new = rigid[body].dof(number);
-                        free[new] = false;
-                        part.push(new, x, 1.0 / scale);
-                        let less = |(j, along): (usize, f64)| (new as u32, rigid[body].dof(j) as u32, along / scale);
-                        part.less.extend(along.into_iter().enumerate().map(less));
-                    }
+                    part.hold(&mut rigid[body], (node, x), &direction).into_iter().for_each(|new| free[new] = false);
                 } else if let Some(axes) = axes.get_mut(&node) {
                     if axes.len() < components
                         && let Some((along, rest, scale)) = across(&direction, axes)
@@ -143,13 +137,7 @@ impl Space {
         for link in &links.nodes {
             free[link.node as usize * components..][..components].fill(false);
         }
-        for body in &rigid {
-            let motions: Vec<bool> = (0..body.motions.len()).map(|j| free[body.dof(j)]).collect();
-            for &node in &body.nodes {
-                free[node as usize * components..][..components].fill(false);
-            }
-            motions.into_iter().enumerate().for_each(|(j, is_free)| free[body.dof(j)] = is_free);
-        }
+        rigid.iter().for_each(|body| body.take(&mut free));
         let given = sources(&held, &prescribed);
         Space { components, free, frames, links: links.nodes, rigid, prescribed, held, given }
     }
@@ -320,9 +308,14 @@ impl Space {
     }
 
     /// Some nodes with those after them in whose place the motions of rigid bodies stand.
+    pub fn with_rigid<'s>(&'s self, nodes: &'s [u32]) -> impl Iterator<Item = u32> + 's {
+        nodes.iter().chain(self.rigid.iter().flat_map(RigidNodes::slots)).copied()
+    }
+
+    /// Whether a node is one of a rigid body.
     #[must_use]
-    pub fn with_rigid(&self, nodes: &[u32]) -> Vec<u32> {
-        nodes.iter().chain(self.rigid.iter().flat_map(RigidNodes::slots)).copied().collect()
+    pub fn is_rigid(&self, node: u32) -> bool {
+        rigid_of(&self.rigid, node).is_some()
     }
 
     /// Largest magnitude of the forces at some nodes that are free: those of an equation that is solved.
@@ -395,6 +388,17 @@ impl Prescribed {
     fn new(field: &Field) -> Prescribed {
         let (points, dofs, factors, less) = Default::default();
         Prescribed { field: field.clone(), points, dofs, factors, less }
+    }
+
+    /// Prescribes the value of a node of a rigid body in a direction: the degree of freedom of the motion that it is one
+    /// of, none if it was prescribed before.
+    fn hold(&mut self, body: &mut RigidNodes, (node, x): (u32, Point), direction: &Point) -> Option<usize> {
+        let (number, along, scale) = body.hold(node, direction)?;
+        let new = body.dof(number);
+        self.push(new, x, 1.0 / scale);
+        let less = |(j, along): (usize, f64)| (new as u32, body.dof(j) as u32, along / scale);
+        self.less.extend(along.into_iter().enumerate().map(less));
+        Some(new)
     }
 
     fn push(&mut self, dof: usize, x: Point, factor: f64) {

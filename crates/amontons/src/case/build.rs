@@ -363,6 +363,11 @@ impl Build<'_> {
             let prefix = format!("region[{i}].material");
             let regions: Vec<usize> = number(&region.on).into_iter().collect();
             let material = region.material.as_ref().map(|raw| self.material(raw, &prefix, mesh, &regions));
+            let has_load = !region.body_force.is_empty() || !super::physics::is_zero_datum(&region.heat_source);
+            if region.material.is_none() && !has_load {
+                let expected = "`material`, `body_force` or `heat_source`";
+                self.note(&prefix, At::Missing, "no such key", expected, None);
+            }
             let on = format!("region[{i}].on");
             match mesh.regions.iter().position(|name| *name == region.on) {
                 None => {

@@ -99,6 +99,11 @@ fn is_zero(scalar: &Scalar) -> bool {
     matches!(scalar, Scalar::Number(value) if *value == 0.0)
 }
 
+/// Whether a datum is the number zero.
+pub(super) fn is_zero_datum(datum: &Datum) -> bool {
+    matches!(datum, Datum::Number(value) if *value == 0.0)
+}
+
 /// Whether friction depends on the temperature.
 fn sees_temperature(friction: &Friction) -> bool {
     match friction {
@@ -124,11 +129,10 @@ fn sees_motion(law: &HeatTerm) -> Option<&'static str> {
 
 /// The keys of mechanics of a contact: which, and what they give.
 fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
-    let is_zero = |datum: &Datum| matches!(datum, Datum::Number(value) if *value == 0.0);
     let given = [
         ("normal", contact.normal.is_some(), "a law of contact pressure"),
         ("friction", !matches!(contact.friction, Friction::None), "friction"),
-        ("frictional_heat", !is_zero(&contact.frictional_heat), "heat of friction"),
+        ("frictional_heat", !is_zero_datum(&contact.frictional_heat), "heat of friction"),
         ("wear", contact.wear.is_some(), "wear"),
         ("foundation_velocity", !contact.foundation_velocity.is_empty(), "a velocity of the foundation"),
     ];
@@ -143,8 +147,7 @@ pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     if !matches!(raw.load.heat_source, Datum::Number(value) if value == 0.0) {
         found.push(("load.heat_source".to_owned(), "a heat source"));
     }
-    let is_hot = |region: &raw::Region| !matches!(region.heat_source, Datum::Number(value) if value == 0.0);
-    let heated = raw.region.iter().enumerate().filter(|(_, region)| is_hot(region));
+    let heated = raw.region.iter().enumerate().filter(|(_, region)| !is_zero_datum(&region.heat_source));
     found.extend(heated.map(|(i, _)| (format!("region[{i}].heat_source"), "a heat source")));
     for (i, b) in raw.boundary.iter().enumerate() {
         let given = [

@@ -89,8 +89,11 @@ impl Step<'_> {
     /// What a vector has at the contact nodes, and then at those in whose place the motions of rigid bodies stand.
     pub fn on_contact(&self, values: &[f64]) -> List<f64> {
         let n = self.discrete.mesh.dim;
-        let nodes = self.discrete.v.with_rigid(&self.boundary.nodes).into_iter();
-        nodes.flat_map(|node| values[node as usize * n..(node as usize + 1) * n].iter().copied()).collect()
+        let mut seen = List::with_capacity(self.boundary.nodes.len() * n);
+        for node in self.discrete.v.with_rigid(&self.boundary.nodes) {
+            seen.extend_from_slice(&values[node as usize * n..(node as usize + 1) * n]);
+        }
+        seen
     }
 
     /// |ū| + γ |v|, the sizes of what the displacement is the sum of that strains see.
@@ -320,9 +323,11 @@ impl HalfStep {
         let (contact, components) = (&discrete.boundary.nodes, space.components);
         let system = System::new(backend, &Arc::new(matrix), &Layout::of(&discrete.mesh, space, contact))?;
         let position = system.unknowns().positions(space.free.len());
-        let seen = space.with_rigid(contact).into_iter();
-        let dofs = seen.flat_map(|node| (0..components).map(move |c| node as usize * components + c));
-        let on_contact = dofs.map(|dof| position[dof]).collect();
+        // The motions stand after all nodes, and at no node.
+        let is_motion = |(i, node): (usize, u32)| (node, i >= contact.len() || !space.is_rigid(node));
+        let seen = space.with_rigid(contact).enumerate().map(is_motion);
+        let dofs = seen.flat_map(|(node, is)| (0..components).map(move |c| (node as usize * components + c, is)));
+        let on_contact = dofs.map(|(dof, is)| position[dof].filter(|_| is)).collect();
         Ok(HalfStep { system, on_contact, at: Vec::new() })
     }
 

@@ -212,6 +212,19 @@ impl RigidNodes {
         }
     }
 
+    /// Leaves of the degrees of freedom of the nodes those free that are motions.
+    pub fn take(&self, free: &mut [bool]) {
+        let motions: Vec<bool> =
+            (0..self.motions.len()).map(|j| free.get(self.dof(j)).copied().unwrap_or_default()).collect();
+        for &node in &self.nodes {
+            let own = node as usize * self.components..(node as usize + 1) * self.components;
+            free.get_mut(own).into_iter().for_each(|own| own.fill(false));
+        }
+        for (j, is_free) in motions.into_iter().enumerate() {
+            free.get_mut(self.dof(j)).into_iter().for_each(|free| *free = is_free);
+        }
+    }
+
     /// The directions in which a node may move by the motions that are free, orthonormal.
     #[must_use]
     pub fn free_directions(&self, position: usize) -> Vec<Point> {

@@ -108,7 +108,7 @@ fn faults_are_named() {
         ),
         (
             "",
-            "[[region]]\non = \"high\"\n[[region]]\non = \"high\"",
+            "[[region]]\non = \"high\"\nheat_source = 1\n[[region]]\non = \"high\"\nheat_source = 1",
             "region[1].on: found \"high\" again, expected each region in one [[region]] entry",
         ),
     ] {

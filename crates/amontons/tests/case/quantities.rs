@@ -244,8 +244,9 @@ const UNITS: &[(&str, &str)] = &[
           HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm expression.truncation, HeatTerm radiation.absolute_zero, \
           Initial.temperature, TableData.temperature, Wear archard-temperature.temperature",
     ),
-    ("N", "Boundary.force"),
-    ("N/m³", "Load.body_force"),
+    ("N", "Boundary.force, Rigid.force"),
+    ("N m", "Rigid.moment"),
+    ("N/m³", "Load.body_force, Region.body_force"),
     (
         "Pa",
         "Boundary.pressure, Boundary.traction, Elasticity isotropic.young, \
@@ -280,7 +281,7 @@ const UNITS: &[(&str, &str)] = &[
     ("W/(m² K⁴)", "Heat radiation.constant, HeatTerm radiation.constant"),
     ("W/K", "Foundation.exchange"),
     ("W/m²", "Boundary.heat_inflow"),
-    ("W/m³", "Load.heat_source, Material.coupling"),
+    ("W/m³", "Load.heat_source, Material.coupling, Region.heat_source"),
     ("kg/m³", "Material.density"),
     (
         "m",
@@ -292,13 +293,14 @@ const UNITS: &[(&str, &str)] = &[
           Normal adhesion.release, Obstacle plane.point, Obstacle sphere.center, \
           Obstacle sphere.radius, Obstacle cylinder.center, Obstacle cylinder.radius, \
           Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, Obstacle file.origin, OnCylinder.point, OnCylinder.radius, OnSphere.center, \
-          OnSphere.radius, Probe.at, Turning.about",
+          OnSphere.radius, Probe.at, Rigid.at, Turning.about",
     ),
     (
         "m/s",
         "Contact.foundation_velocity, Friction static-kinetic.decay_speed, Friction slip-rate.speed, \
           Initial.velocity",
     ),
+    ("m/s²", "Load.gravity"),
     (
         "rad",
         "Block.angle, Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Facing.angle, Mesh ring.angle, \

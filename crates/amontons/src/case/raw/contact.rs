@@ -1,7 +1,8 @@
 //! `[contact]`.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Datum, Geometry, Obstacle};
 
@@ -11,9 +12,15 @@ use super::{Datum, Geometry, Obstacle};
 #[schemars(title = "a table, or an array of tables")]
 pub(in crate::case) enum Contacts {
     /// Of one side.
-    One(Box<Contact>),
+    One(#[serde(deserialize_with = "from_table")] Box<Contact>),
     /// Of several sides.
     Several(Vec<Contact>),
+}
+
+/// A contact from a table: an array without entries is none.
+fn from_table<'de, D: Deserializer<'de>>(raw: D) -> Result<Box<Contact>, D::Error> {
+    let table = toml::Table::deserialize(raw)?;
+    Contact::deserialize(table).map(Box::new).map_err(Error::custom)
 }
 
 impl Contacts {
