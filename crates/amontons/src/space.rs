@@ -22,8 +22,8 @@ use rigid::rigid_of;
 /// methods have components along the axes everywhere.
 ///
 /// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of the other node. The
-/// nodes of a rigid body ([`RigidNodes`]) have the degrees of freedom of its motions, in the place of those of its first
-/// nodes.
+/// nodes of a rigid body ([`RigidNodes`]) have the degrees of freedom of its motions, in the place of those of its
+/// first nodes.
 #[derive(Clone, Debug)]
 pub struct Space {
     /// Components a node.
@@ -82,8 +82,8 @@ impl Space {
     }
 
     /// The same with nodes that follow others, and nodes that move as rigid bodies. What is prescribed at a node that
-    /// follows another one is prescribed at that one; what is prescribed at a node of a rigid body is a condition on its
-    /// motion. No node is one of two bodies, or of a body and one that follows or is followed.
+    /// follows another one is prescribed at that one; what is prescribed at a node of a rigid body is a condition on
+    /// its motion. No node is one of two bodies, or of a body and one that follows or is followed.
     pub fn linked<'a>(
         mesh: &Mesh,
         components: usize,
@@ -137,7 +137,9 @@ impl Space {
         for link in &links.nodes {
             free[link.node as usize * components..][..components].fill(false);
         }
-        rigid.iter().for_each(|body| body.take(&mut free));
+        for body in &rigid {
+            body.take(&mut free);
+        }
         let given = sources(&held, &prescribed);
         Space { components, free, frames, links: links.nodes, rigid, prescribed, held, given }
     }
@@ -157,18 +159,14 @@ impl Space {
     /// The directions in which the value at a node is prescribed.
     pub fn held_directions(&self, node: u32) -> impl Iterator<Item = Point> {
         let leader = leader(&self.links, node);
-        let (axes, is_free) = match rigid_of(&self.rigid, leader) {
-            Some((body, position)) => {
-                let free = self.rigid[body].free_directions(position);
-                let count = free.len();
-                (completed(free, self.components), std::array::from_fn(|c| c < count))
-            }
-            None => {
-                let free = |c: usize| self.free.get(leader as usize * self.components + c).is_none_or(|free| *free);
-                (self.directions(node), std::array::from_fn(free))
-            }
+        let (axes, is_free): ([Point; 3], [bool; 3]) = if let Some((body, position)) = rigid_of(&self.rigid, leader) {
+            let free = self.rigid[body].free_directions(position);
+            let count = free.len();
+            (completed(free, self.components), std::array::from_fn(|c| c < count))
+        } else {
+            let free = |c: usize| self.free.get(leader as usize * self.components + c).is_none_or(|free| *free);
+            (self.directions(node), std::array::from_fn(free))
         };
-        let is_free: [bool; 3] = is_free;
         (0..self.components.min(3)).filter(move |&c| !is_free[c]).map(move |c| axes[c])
     }
 
@@ -375,13 +373,17 @@ impl Space {
 /// From components along the axes to those in frames, and of rigid bodies to those of their motions.
 pub(crate) fn enter(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
     frame::enter(frames, components, values);
-    rigid.iter().for_each(|body| body.enter(values));
+    for body in rigid {
+        body.enter(values);
+    }
 }
 
 /// Back from these to components along the axes.
 pub(crate) fn leave(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
     frame::leave(frames, components, values);
-    rigid.iter().for_each(|body| body.leave(values));
+    for body in rigid {
+        body.leave(values);
+    }
 }
 
 impl Prescribed {
@@ -390,8 +392,8 @@ impl Prescribed {
         Prescribed { field: field.clone(), points, dofs, factors, less }
     }
 
-    /// Prescribes the value of a node of a rigid body in a direction: the degree of freedom of the motion that it is one
-    /// of, none if it was prescribed before.
+    /// Prescribes the value of a node of a rigid body in a direction: the degree of freedom of the motion that it is
+    /// one of, none if it was prescribed before.
     fn hold(&mut self, body: &mut RigidNodes, (node, x): (u32, Point), direction: &Point) -> Option<usize> {
         let (number, along, scale) = body.hold(node, direction)?;
         let new = body.dof(number);

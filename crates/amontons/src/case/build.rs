@@ -56,8 +56,7 @@ pub(super) fn problem(
         densities: BTreeMap::new(),
         has_other_end,
     };
-    build.name(&raw.name);
-    build.step(&raw.time);
+    build.head(&raw);
     let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
     build.dim = mesh.dim;
     build.thickness(raw.thickness, &mut mesh);
@@ -97,8 +96,7 @@ pub(super) fn problem(
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    let OfFile { skipped, .. } = build.of_file;
-    let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped };
+    let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped: build.of_file.skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
@@ -298,6 +296,12 @@ impl Build<'_> {
         }
         // A side cannot be looked up while the mesh that has the sides is unknown.
         (ends_with(path, "on") && self.doubtful.mesh_unknown) || self.doubtful.is_related(path)
+    }
+
+    /// The name and the steps.
+    fn head(&mut self, raw: &raw::Case) {
+        self.name(&raw.name);
+        self.step(&raw.time);
     }
 
     /// The name is that of a folder too.

@@ -10,8 +10,8 @@ pub(super) fn first(problem: &Problem) -> Option<usize> {
     problem.contacts.iter().position(|contact| contact.pair.is_some())
 }
 
-/// The certificate of a problem with pairs or rigid parts: findings on the laws and the data as ever, and no statement where the
-/// traces of one body on a rigid foundation enter.
+/// The certificate of a problem with pairs or rigid parts: findings on the laws and the data as ever, and no statement
+/// where the traces of one body on a rigid foundation enter.
 pub(super) fn certificate(problem: &Problem) -> Certificate {
     let constants = Constants::of_laws(problem);
     let mut findings = judged(problem, &constants);

@@ -89,8 +89,8 @@ pub struct Interface {
 
 impl Interface {
     /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, then by the motions of rigid
-    /// bodies ([`Space::with_rigid`]), the first with the unknown on Γ_C, none where the value is prescribed, the second
-    /// with that value; components are along the directions of the space. `normals` has ν of each point.
+    /// bodies ([`Space::with_rigid`]), the first with the unknown on Γ_C, none where the value is prescribed, the
+    /// second with that value; components are along the directions of the space. `normals` has ν of each point.
     #[must_use]
     pub fn of_vectors(
         boundary: &ContactBoundary,
@@ -328,8 +328,8 @@ struct OnNodes<'a> {
     nodes: &'a [u32],
 }
 
-/// The degrees of freedom that move a contact node, by their numbers in lists by contact node and motion of rigid bodies,
-/// with what they move it by; without a space that of a scalar.
+/// The degrees of freedom that move a contact node, by their numbers in lists by contact node and motion of rigid
+/// bodies, with what they move it by; without a space that of a scalar.
 fn degrees(space: Option<&Space>, nodes: &[u32], node: usize) -> List<(usize, Point)> {
     let Some(space) = space else { return List::filled((node, [1.0, 0.0, 0.0]), 1) };
     let n = space.components;

@@ -105,8 +105,8 @@ impl Graph {
         Graph { start, columns }
     }
 
-    /// The graph in which the nodes of rigid bodies are those in whose place their motions stand: the rows of the others
-    /// have themselves alone.
+    /// The graph in which the nodes of rigid bodies are those in whose place their motions stand: the rows of the
+    /// others have themselves alone.
     #[must_use]
     pub fn rigid(&self, rigid: &[RigidNodes]) -> Graph {
         let body_of = bodies(self.len(), rigid);

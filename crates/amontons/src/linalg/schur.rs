@@ -137,7 +137,8 @@ impl Schur {
         }
     }
 
-    /// The same with a scale for some unknowns, by their number among those that are kept, whose own is round-off of it.
+    /// The same with a scale for some unknowns, by their number among those that are kept, whose own is round-off of
+    /// it.
     #[must_use]
     pub fn with_scale(mut self, of: &[(usize, f64)]) -> Schur {
         for &(unknown, value) in of {

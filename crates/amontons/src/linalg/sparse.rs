@@ -232,9 +232,9 @@ impl BlockMatrix {
         Arc::new(joined)
     }
 
-    /// The matrix Tᵀ A T, T the map from the motions of rigid bodies to the values at their nodes; A itself without such
-    /// bodies. The motions stand in the place of the first nodes, and the rows of the others have their own blocks
-    /// alone; a place without a motion has its own entry on the diagonal.
+    /// The matrix Tᵀ A T, T the map from the motions of rigid bodies to the values at their nodes; A itself without
+    /// such bodies. The motions stand in the place of the first nodes, and the rows of the others have their own
+    /// blocks alone; a place without a motion has its own entry on the diagonal.
     #[must_use]
     pub fn rigid(self: &Arc<BlockMatrix>, rigid: &[RigidNodes]) -> Arc<BlockMatrix> {
         if rigid.is_empty() {
@@ -263,10 +263,11 @@ impl BlockMatrix {
                     }
                     continue;
                 }
-                if i == j && body_of[i].is_some_and(|body| !is_slot(body)) {
-                    if let Some(slot) = joined.graph.slot(i, i as u32) {
-                        joined.values[slot * n * n..][..n * n].copy_from_slice(block);
-                    }
+                if i == j
+                    && body_of[i].is_some_and(|body| !is_slot(body))
+                    && let Some(slot) = joined.graph.slot(i, i as u32)
+                {
+                    joined.values[slot * n * n..][..n * n].copy_from_slice(block);
                 }
                 let columns = of_node(j);
                 for (row, left) in rows.as_ref().unwrap_or(&of_node(i)) {

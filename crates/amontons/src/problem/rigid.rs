@@ -103,7 +103,9 @@ impl ProblemData {
                 faults.push(Fault::new(at, found, "nodes of no other rigid part").hint(hint));
                 continue;
             }
-            nodes.iter().for_each(|&node| owner[node as usize] = Some(i));
+            for &node in &nodes {
+                owner[node as usize] = Some(i);
+            }
             let bodies = parts.iter().filter(|body| nodes.iter().any(|node| body.nodes.binary_search(node).is_ok()));
             if bodies.count() > 1 {
                 let hint = "give each body a rigid part of its own, and join the bodies by a tie";

@@ -88,7 +88,6 @@ pub(super) fn frames(
         // Where the side `with` bears the points, its own motion is the slip.
         let sign = contact.sign();
         let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| rate(of(to) - of(from))));
-        let stays = contact.obstacle.as_ref().is_none_or(|obstacle| !obstacle.depends_on_time());
         for (i, point) in points.iter().enumerate() {
             let [depth, opening] = worn.get(first + i).copied().unwrap_or([0.0, 1.0]);
             let mut frame = Frame {
@@ -104,8 +103,7 @@ pub(super) fn frames(
             if let Some(obstacle) = &contact.obstacle {
                 let u = if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
-                let now = obstacle.nearest(&at, to);
-                let before = if stays { now } else { obstacle.nearest(&at, from) };
+                let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
                 frame.normal = now.normal.map(|c| -c);
                 frame.gap += now.distance + dot(&u, &frame.normal);
                 frame.gap_rate += rate(now.distance - before.distance);

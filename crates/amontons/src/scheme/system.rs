@@ -298,8 +298,8 @@ impl Products {
 #[derive(Debug)]
 pub(super) struct HalfStep {
     pub system: System,
-    /// Unknown of each degree of freedom of the contact nodes, and of the motions of rigid bodies after them, among those
-    /// that are kept, none where prescribed.
+    /// Unknown of each degree of freedom of the contact nodes, and of the motions of rigid bodies after them, among
+    /// those that are kept, none where prescribed.
     pub on_contact: Vec<Option<u32>>,
     /// The temperature that the matrix was factorized anew at; empty where it is that of the start, or does not matter.
     pub at: Vec<f64>,

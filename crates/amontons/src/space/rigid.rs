@@ -56,14 +56,14 @@ impl RigidMotion {
 }
 
 impl RigidNodes {
-    /// The nodes of a set, ascending, with their motions, rotations only if it turns. A body of revolution moves along its
-    /// axis alone.
+    /// The nodes of a set, ascending, with their motions, rotations only if it turns. A body of revolution moves along
+    /// its axis alone.
     #[must_use]
     pub fn new(mesh: &Mesh, nodes: Vec<u32>, turns: bool) -> RigidNodes {
         let places: Vec<Point> =
             nodes.iter().map(|&node| mesh.points.get(node as usize).copied().unwrap_or_default()).collect();
         let mut rigid = RigidNodes { nodes, places, motions: Vec::new(), held: 0, components: mesh.dim };
-        let moves = |motion: &RigidMotion| turns || motion.turn == [0.0; 3];
+        let moves = |motion: &RigidMotion| turns || motion.turn.iter().all(|c| *c == 0.0);
         for motion in rigid.candidates(mesh).into_iter().filter(moves) {
             let size = rigid.product(&motion, &motion).sqrt();
             let mut rest = motion;

@@ -360,9 +360,9 @@ friction = {{ law = "coulomb", coefficient = 0.4 }}
     )
 }
 
-/// A punch that is a rigid region, pressed on a block by a force and a moment: it moves as a rigid body, what presses is
-/// in balance with what is given, and the solution is the same in every direction and by both solvers, whichever side
-/// of the pair bears the points.
+/// A punch that is a rigid region, pressed on a block by a force and a moment: it moves as a rigid body, what presses
+/// is in balance with what is given, and the solution is the same in every direction and by both solvers, whichever
+/// side of the pair bears the points.
 #[test]
 fn a_punch_is_pressed_by_a_force() {
     let mut random = Random(17);

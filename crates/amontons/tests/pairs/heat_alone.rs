@@ -104,8 +104,9 @@ fn gaps_conduct_by_their_width() {
     }
 }
 
-/// A core that makes 5e4 W/m³, a gap of gas and radiation, and a shell. Temperatures of the faces in closed form: P = 2e5 π
-/// W, θ = 300 + P/(2π 2.7·10) + P ln(2.7/2.2)/(2π 34.6) on the shell, and on the core that at which the gap passes P.
+/// A core that makes 5e4 W/m³, a gap of gas and radiation, and a shell. Temperatures of the faces in closed form: P =
+/// 2e5 π W, θ = 300 + P/(2π 2.7·10) + P ln(2.7/2.2)/(2π 34.6) on the shell, and on the core that at which the gap
+/// passes P.
 #[test]
 fn a_wide_gap_conducts_and_radiates() {
     let text = r#"name = "vessel"
@@ -225,7 +226,7 @@ on = "bottom"
 }
 
 fn point_node(problem: &Problem, x: [f64; 3]) -> usize {
-    problem.mesh.points.iter().position(|p| *p == x).expect("a node")
+    problem.mesh.points.iter().position(|p| p.map(f64::to_bits) == x.map(f64::to_bits)).expect("a node")
 }
 
 /// What only mechanics gives is named, a line each.

@@ -8,8 +8,8 @@ use super::Datum;
 /// A side or a region that moves as one rigid body, by small rotations, under a given force and moment: a platen, a
 /// stiff punch, the head of a bolt.
 ///
-/// It moves as it is pushed. Conditions of other sides, and of `[[boundary]]` with `at`, hold it where they are given at
-/// its points: one point in all directions is a hinge.
+/// It moves as it is pushed. Conditions of other sides, and of `[[boundary]]` with `at`, hold it where they are given
+/// at its points: one point in all directions is a hinge.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Rigid {
@@ -23,11 +23,12 @@ pub(in crate::case) struct Rigid {
     /// space; empty for none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moment: Vec<Datum>,
-    /// Where the force acts, coordinates in m; default: the centre of the area of the side, of the volume of the region.
+    /// Where the force acts, coordinates in m; default: the centre of the area of the side, of the volume of the
+    /// region.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub at: Vec<f64>,
-    /// Whether it keeps its direction, as a platen that is guided or that a plane of symmetry cuts: it moves and does not
-    /// turn.
+    /// Whether it keeps its direction, as a platen that is guided or that a plane of symmetry cuts: it moves and does
+    /// not turn.
     #[serde(default)]
     pub guided: bool,
 }
