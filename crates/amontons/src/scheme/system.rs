@@ -325,7 +325,8 @@ impl HalfStep {
         let position = system.unknowns().positions(space.free.len());
         // The motions stand after all nodes, and at no node.
         let is_motion = |(i, node): (usize, u32)| (node, i >= contact.len() || !space.is_rigid(node));
-        let seen = space.with_rigid(contact).enumerate().map(is_motion);
+        let count = if contact.is_empty() { 0 } else { usize::MAX };
+        let seen = space.with_rigid(contact).take(count).enumerate().map(is_motion);
         let dofs = seen.flat_map(|(node, is)| (0..components).map(move |c| (node as usize * components + c, is)));
         let on_contact = dofs.map(|(dof, is)| position[dof].filter(|_| is)).collect();
         Ok(HalfStep { system, on_contact, at: Vec::new() })
