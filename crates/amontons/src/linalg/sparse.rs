@@ -255,9 +255,9 @@ impl BlockMatrix {
         };
         for i in 0..self.graph.len() {
             let is_slot = |body: u32| rigid[body as usize].slots().contains(&(i as u32));
-            let rows = body_of[i].map(|_| of_node(i));
+            let rows = of_node(i);
             for (j, block) in self.row(i) {
-                if rows.is_none() && body_of[j].is_none() {
+                if body_of[i].is_none() && body_of[j].is_none() {
                     if let Some(slot) = joined.graph.slot(i, j as u32) {
                         joined.values[slot * n * n..][..n * n].copy_from_slice(block);
                     }
@@ -270,7 +270,7 @@ impl BlockMatrix {
                     joined.values[slot * n * n..][..n * n].copy_from_slice(block);
                 }
                 let columns = of_node(j);
-                for (row, left) in rows.as_ref().unwrap_or(&of_node(i)) {
+                for (row, left) in &rows {
                     let along: Vec<f64> = (0..n).map(|c| (0..n).map(|r| left[r] * block[r * n + c]).sum()).collect();
                     for (column, right) in &columns {
                         let Some(slot) = joined.graph.slot(row / n, (column / n) as u32) else { continue };

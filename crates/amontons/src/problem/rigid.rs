@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::boundary::unknown;
 use super::{Fault, ProblemData};
 use crate::field::Field;
+use crate::mesh::Mesh;
 use crate::mesh::defects::components;
-use crate::mesh::{Mesh, link_of};
 use crate::space::{RigidNodes, Space};
 use crate::tensor::{Point, dot, length};
 
@@ -85,9 +85,15 @@ impl ProblemData {
     /// Rigid parts exist, are parts of one body each, and share no node; what is prescribed and what acts on them is
     /// that of a rigid body.
     pub(super) fn check_rigid(&self, faults: &mut Vec<Fault>) {
+        // Nodes that are none are told of elsewhere.
+        if self.rigid.is_empty() || self.mesh.check_nodes().is_err() {
+            return;
+        }
         let known = faults.len();
         let mut owner = vec![None; self.mesh.points.len()];
-        let parts = if self.rigid.is_empty() { Vec::new() } else { components(&self.mesh) };
+        let parts = components(&self.mesh);
+        let links = self.links();
+        let cut: BTreeSet<u32> = links.nodes.iter().flat_map(|link| [link.node, link.to]).collect();
         for (i, part) in self.rigid.iter().enumerate() {
             let at = format!("rigid[{i}].on");
             let nodes = part.nodes(&self.mesh);
@@ -97,14 +103,15 @@ impl ProblemData {
                 faults.push(unknown(at, &part.on, "sides and regions", &names));
                 continue;
             }
-            if let Some(other) = nodes.iter().find_map(|&node| owner[node as usize]) {
+            let owner_of = |node: &u32| owner.get(*node as usize).copied().flatten();
+            if let Some(other) = nodes.iter().find_map(owner_of) {
                 let found = format!("\"{}\", which has nodes of rigid[{other}]", part.on);
                 let hint = "give both one name (`union` in [[side]]): bodies that share a node move as one";
                 faults.push(Fault::new(at, found, "nodes of no other rigid part").hint(hint));
                 continue;
             }
             for &node in &nodes {
-                owner[node as usize] = Some(i);
+                owner.get_mut(node as usize).into_iter().for_each(|owner| *owner = Some(i));
             }
             let bodies = parts.iter().filter(|body| nodes.iter().any(|node| body.nodes.binary_search(node).is_ok()));
             if bodies.count() > 1 {
@@ -113,17 +120,14 @@ impl ProblemData {
                 faults.push(Fault::new(at, found, "a side or a region of one body").hint(hint));
                 continue;
             }
-            let links = self.links();
-            let followed =
-                |node: &u32| link_of(&links.nodes, *node).is_some() || links.nodes.iter().any(|link| link.to == *node);
-            if nodes.iter().any(followed) {
+            if nodes.iter().any(|node| cut.contains(node)) {
                 let found = format!("\"{}\", which has nodes of a cut of a sector", part.on);
                 faults.push(Fault::new(at, found, "nodes away from the cuts of cyclic sectors"));
                 continue;
             }
             self.check_load_of(i, part, faults);
         }
-        if faults.len() == known && !self.rigid.is_empty() && self.mesh.check_nodes().is_ok() {
+        if faults.len() == known {
             self.check_prescribed_motion(faults);
         }
     }
@@ -147,15 +151,29 @@ impl ProblemData {
                 faults.push(Fault::new(path, found, "a number or an expression in t: the force of the whole body"));
             }
         }
+        self.check_work_of(number, part, faults);
+    }
+
+    /// A force and a moment do work along some motion of the part that they act on.
+    fn check_work_of(&self, number: usize, part: &RigidPart, faults: &mut Vec<Fault>) {
+        let dim = self.mesh.dim;
         let body = RigidNodes::new(&self.mesh, part.nodes(&self.mesh), part.turns);
-        let does_nothing = |moment: Point| body.work(&[0.0; 3], &[0.0; 3], &moment).iter().all(|work| *work == 0.0);
-        let axis =
-            |c: usize| -> Point { std::array::from_fn(|d| f64::from(u8::from(d == if dim == 3 { c } else { 2 }))) };
-        if part.moment.iter().enumerate().any(|(c, field)| !field.is_zero() && does_nothing(axis(c))) {
+        let at = part.at.or_else(|| part.centre(&self.mesh)).unwrap_or_default();
+        let axis = |c: usize| -> Point { std::array::from_fn(|d| f64::from(u8::from(c == d))) };
+        let about = |c: usize| axis(if dim == 3 { c } else { 2 });
+        let idle = |force: Point, moment: Point| body.work(&at, &force, &moment).iter().all(|work| *work == 0.0);
+        let acts = |fields: &[Field], c: usize| fields.get(c).is_some_and(|field| !field.is_zero());
+        if (0..dim).any(|c| acts(&part.force, c) && idle(axis(c), [0.0; 3])) {
+            let found = format!("a force on \"{}\" in a direction in which it does not move", part.on);
+            let hint = "a rigid part of a body of revolution moves along the axis alone";
+            let expected = "a force that moves the part";
+            faults.push(Fault::new(format!("rigid[{number}].force"), found, expected).hint(hint));
+        }
+        if (0..3).any(|c| acts(&part.moment, c) && idle([0.0; 3], about(c))) {
             let found = format!("a moment on \"{}\", which has no motion about its axis", part.on);
             let hint = "nodes on a line do not turn about it, and neither a point nor a part that is `guided` turns";
-            faults
-                .push(Fault::new(format!("rigid[{number}].moment"), found, "a moment that turns the part").hint(hint));
+            let expected = "a moment that turns the part";
+            faults.push(Fault::new(format!("rigid[{number}].moment"), found, expected).hint(hint));
         }
     }
 

@@ -14,6 +14,9 @@ use crate::tensor::{Point, dot, length};
 /// Share of a motion, less what other motions have of it, that is none: that of nodes on a line about the line.
 const NOTHING: f64 = 1e-6;
 
+/// Most motions without strain: three translations and three rotations.
+const MOTIONS: usize = 6;
+
 /// Nodes that move as one rigid body.
 #[derive(Clone, Debug)]
 pub struct RigidNodes {
@@ -136,39 +139,40 @@ impl RigidNodes {
     /// The forces at the nodes that do the work Q, node-major.
     #[must_use]
     pub fn forces(&self, work: &[f64]) -> Vec<Point> {
-        let at = |i: usize| {
-            self.at(i).zip(work).fold([0.0; 3], |sum: Point, (m, q)| std::array::from_fn(|c| sum[c] + q * m[c]))
-        };
-        (0..self.nodes.len()).map(at).collect()
+        (0..self.nodes.len()).map(|i| self.sum(i, work)).collect()
     }
 
     /// q of the values at the nodes, in their place; zero elsewhere on the nodes.
     pub fn enter(&self, values: &mut [f64]) {
         let n = self.components;
-        let mut q = vec![0.0; self.motions.len()];
+        let mut q = [0.0; MOTIONS];
         for (i, &node) in self.nodes.iter().enumerate() {
             let Some(at) = values.get_mut(node as usize * n..(node as usize + 1) * n) else { continue };
             let v: Point = std::array::from_fn(|c| at.get(c).copied().unwrap_or_default());
             at.fill(0.0);
             q.iter_mut().zip(self.at(i)).for_each(|(q, m)| *q += dot(&m, &v));
         }
-        for (j, q) in q.into_iter().enumerate() {
-            if let Some(value) = values.get_mut(self.dof(j)) {
-                *value = q;
-            }
+        for (j, q) in q.into_iter().enumerate().take(self.motions.len()) {
+            values.get_mut(self.dof(j)).into_iter().for_each(|value| *value = q);
         }
     }
 
     /// The values at the nodes of q, which stands in its place.
     pub fn leave(&self, values: &mut [f64]) {
-        let q: Vec<f64> =
-            (0..self.motions.len()).map(|j| values.get(self.dof(j)).copied().unwrap_or_default()).collect();
         let n = self.components;
-        for (force, &node) in self.forces(&q).iter().zip(&self.nodes) {
-            if let Some(at) = values.get_mut(node as usize * n..(node as usize + 1) * n) {
-                at.iter_mut().zip(force).for_each(|(value, c)| *value = *c);
-            }
+        let entry = |j: usize| values.get(self.dof(j)).copied().filter(|_| j < self.motions.len());
+        let q: [f64; MOTIONS] = std::array::from_fn(|j| entry(j).unwrap_or_default());
+        for (i, &node) in self.nodes.iter().enumerate() {
+            let u = self.sum(i, &q);
+            let at = values.get_mut(node as usize * n..(node as usize + 1) * n);
+            at.into_iter().flatten().zip(u).for_each(|(value, c)| *value = c);
         }
+    }
+
+    /// Σ_j q_j m_j at a node.
+    fn sum(&self, position: usize, q: &[f64]) -> Point {
+        let add = |sum: Point, (m, q): (Point, &f64)| std::array::from_fn(|c| sum[c] + q * m[c]);
+        self.at(position).zip(q).fold([0.0; 3], add)
     }
 
     /// Prescribes the value of a node in a direction: which of the motions is prescribed by it, what of the value the
