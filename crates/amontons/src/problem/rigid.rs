@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::boundary::unknown;
 use super::{Fault, ProblemData};
 use crate::field::Field;
-use crate::mesh::Mesh;
 use crate::mesh::defects::components;
+use crate::mesh::{Mesh, cross};
 use crate::space::{RigidNodes, Space};
 use crate::tensor::{Point, dot, length};
 
@@ -169,7 +169,16 @@ impl ProblemData {
             let expected = "a force that moves the part";
             faults.push(Fault::new(format!("rigid[{number}].force"), found, expected).hint(hint));
         }
-        if (0..3).any(|c| acts(&part.moment, c) && idle([0.0; 3], about(c))) {
+        let about_line = |t: f64| {
+            let value = |fields: &[Field], c: usize| fields.get(c).map_or(0.0, |field| field.value(&at, t));
+            let centre = body.motions.first().map_or(at, |motion| motion.centre);
+            let arm = std::array::from_fn(|c| at[c] - centre[c]);
+            let by_force = cross(&arm, &std::array::from_fn(|c| value(&part.force, c)));
+            let moment: Point = std::array::from_fn(|c| value(&part.moment, c) + by_force[c]);
+            body.line.is_some_and(|line| dot(&moment, &line).abs() > SAME * length(&moment))
+        };
+        let is_idle = (0..3).any(|c| acts(&part.moment, c) && idle([0.0; 3], about(c)));
+        if is_idle || [0.0, 0.37 * self.end, self.end].into_iter().any(about_line) {
             let found = format!("a moment on \"{}\", which has no motion about its axis", part.on);
             let hint = "nodes on a line do not turn about it, and neither a point nor a part that is `guided` turns";
             let expected = "a moment that turns the part";

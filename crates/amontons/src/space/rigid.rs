@@ -28,6 +28,8 @@ pub struct RigidNodes {
     pub motions: Vec<RigidMotion>,
     /// How many of them are prescribed.
     pub held: usize,
+    /// The line on which the nodes lie in space, about which no motion turns them; none where they do not.
+    pub line: Option<Point>,
     /// Components of a node.
     components: usize,
 }
@@ -65,7 +67,7 @@ impl RigidNodes {
     pub fn new(mesh: &Mesh, nodes: Vec<u32>, turns: bool) -> RigidNodes {
         let places: Vec<Point> =
             nodes.iter().map(|&node| mesh.points.get(node as usize).copied().unwrap_or_default()).collect();
-        let mut rigid = RigidNodes { nodes, places, motions: Vec::new(), held: 0, components: mesh.dim };
+        let mut rigid = RigidNodes { nodes, places, motions: Vec::new(), held: 0, line: None, components: mesh.dim };
         let moves = |motion: &RigidMotion| turns || motion.turn.iter().all(|c| *c == 0.0);
         for motion in rigid.candidates(mesh).into_iter().filter(moves) {
             let size = rigid.product(&motion, &motion).sqrt();
@@ -81,7 +83,25 @@ impl RigidNodes {
                 rigid.motions.push(rest.sum(1.0 / left, 0.0, &rest));
             }
         }
+        if turns && mesh.dim == 3 && rigid.motions.len() + 1 == MOTIONS {
+            rigid.leave_line();
+        }
         rigid
+    }
+
+    /// Takes off the motions of nodes on a line their rotations about it, which move no node: moments about the line do
+    /// no work.
+    fn leave_line(&mut self) {
+        let centre = self.motions.first().map_or([0.0; 3], |motion| motion.centre);
+        let arm = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - centre[c]) };
+        let Some(farthest) = self.places.iter().map(arm).max_by(|a, b| length(a).total_cmp(&length(b))) else { return };
+        let size = length(&farthest);
+        let line = farthest.map(|c| c / size);
+        for motion in &mut self.motions {
+            let along = dot(&motion.turn, &line);
+            motion.turn = std::array::from_fn(|c| motion.turn[c] - along * line[c]);
+        }
+        self.line = Some(line);
     }
 
     /// Motions along the axes, and about axes through the centre of the nodes.
@@ -269,6 +289,43 @@ mod tests {
         let pairs = (0..n).flat_map(|j| (0..n).map(move |l| (j, l)));
         let product = |(j, l): (usize, usize)| rigid.product(&rigid.motions[j], &rigid.motions[l]) - unit(j, l);
         pairs.map(|pair| product(pair).abs()).fold(0.0, f64::max)
+    }
+
+    /// The forces at the nodes have the resultant and the moment of what they stand for, by statics; of nodes on a line
+    /// but for the moment about it.
+    #[test]
+    fn forces_have_their_resultant_and_moment() -> Result<(), crate::mesh::MeshError> {
+        let mut mesh = Mesh::box_([1.0, 0.5, 0.7], [2, 2, 2], crate::mesh::Elements::Q1)?;
+        mesh.points.iter_mut().for_each(|x| *x = [0.6 * x[0] - 0.8 * x[1] + 30.0, 0.8 * x[0] + 0.6 * x[1], x[2] - 9.0]);
+        let cross = |a: &Point, b: &Point| -> Point { cross(a, b) };
+        let all: Vec<u32> = mesh.facets["top"].node_list();
+        let first = mesh.points[all[0] as usize];
+        let line: Vec<u32> = all
+            .iter()
+            .copied()
+            .filter(|&node| {
+                let arm: Point = std::array::from_fn(|c| mesh.points[node as usize][c] - first[c]);
+                length(&cross(&arm, &[0.6, 0.8, 0.0])) < 1e-12
+            })
+            .collect();
+        assert_eq!((all.len(), line.len()), (9, 3));
+        for (nodes, is_line) in [(all, false), (line, true)] {
+            let body = RigidNodes::new(&mesh, nodes, true);
+            assert!(off(&body) < 1e-12 && body.line.is_some() == is_line);
+            let (at, force, moment) = ([29.0, 2.0, -8.5], [0.3, -1.1, 0.7], [0.2, 0.5, -0.4]);
+            let forces = body.forces(&body.work(&at, &force, &moment));
+            let mut left = [force, moment];
+            for (node, f) in body.nodes.iter().zip(&forces) {
+                let arm: Point = std::array::from_fn(|c| mesh.points[*node as usize][c] - at[c]);
+                let moment = cross(&arm, f);
+                left = [[0, 1, 2].map(|c| left[0][c] - f[c]), [0, 1, 2].map(|c| left[1][c] - moment[c])];
+            }
+            let about = body.line.unwrap_or_default();
+            // What is not borne is the moment about the line, of the force as well.
+            let beside = cross(&left[1], &about);
+            assert!(length(&left[0]) < 1e-12 && length(&if is_line { beside } else { left[1] }) < 1e-12, "{left:?}");
+        }
+        Ok(())
     }
 
     /// Motions stay orthonormal while directions are prescribed, far from the origin, too; what is prescribed moves no

@@ -114,6 +114,25 @@ fn pair(name: &'static str, dim: usize, elements: [Elements; 2], laws: &str) -> 
     Case { name, mesh, template: upper + &lower + &contact("upper_bottom", &laws) }
 }
 
+/// A case whose body is not held on top but pressed there by a rigid side, or is rigid as a whole: `on` is the side or
+/// the region, and gravity acts besides.
+fn rigid(name: &'static str, on: &str, case: Case) -> Case {
+    let (held, load, gravity) = match case.mesh.dim {
+        2 if case.mesh.axisymmetric => ("<m|0; 0>", "force = <N|0; -3*T>", "<m/s2|0; -0.3*T>"),
+        2 => ("<m|0; 0>", "force = <N/m|0.3*T; -3*T>\nmoment = <a:N|0.2*T>\nat = <x|0.6; 0.7>", "<m/s2|0.2*T; -0.3*T>"),
+        _ => (
+            "<m|0; 0; 0>",
+            "force = <N|0.2*T; -2*T; 0.1*T>\nmoment = <a:Nm|0.05*T; 0.02*T; 0.1*T>\nat = <x|0.6; 0.7; 0.35>",
+            "<m/s2|0.2*T; -0.3*T; 0.1*T>",
+        ),
+    };
+    let free = case.template.replacen(&format!("displacement = {held}\n"), "", 1);
+    assert!(free.len() < case.template.len(), "a body that is held");
+    let template =
+        free.replacen("[load]\n", &format!("[[rigid]]\non = \"{on}\"\n{load}\n[load]\ngravity = {gravity}\n"), 1);
+    Case { name, template, ..case }
+}
+
 /// A case with coefficients of body and contact that vary in space, and those of friction and conductance in time.
 fn graded(name: &'static str, case: Case) -> Case {
     let changes = [
@@ -239,6 +258,16 @@ pub fn all() -> Vec<Case> {
         "by an iteration: sides that slide",
         "-0.003*T*(1 + X)",
         iterated("", space("", Elements::P1, [6, 5, 5], laws)),
+    ));
+    all.push(self::rigid("a rigid side, P1 in the plane", "top", plane("", Elements::P1, STRAIN, laws)));
+    all.push(self::rigid("a rigid side, hexahedra", "top", space("", Elements::Q1, [3, 2, 2], held)));
+    all.push(self::rigid("a rigid side of revolution, Q2", "top", revolution("", Elements::Q2, laws)));
+    let bodies = [Elements::P1, Elements::Q1];
+    all.push(self::rigid("a rigid body on another one (P1 on Q1)", "upper", pair("", 2, bodies, rigid)));
+    all.push(self::rigid("a rigid body on another one, updated", "upper", pair("", 2, bodies, &updated)));
+    all.push(iterated(
+        "by an iteration: a rigid side on another body (Q1)",
+        self::rigid("", "upper_top", pair("", 3, [Elements::Q1; 2], soft)),
     ));
     all.push(sector("sectors, quadrilaterals", 2, Elements::Q1, laws));
     all.push(sector("sectors, quadratic triangles", 2, Elements::P2, held));

@@ -107,6 +107,10 @@ impl Frame {
             "s" => [0.0, 0.0, 1.0, 0.0],
             "K" => [0.0, 0.0, 0.0, 1.0],
             "m/s" => [1.0, 0.0, -1.0, 0.0],
+            "m/s2" => [1.0, 0.0, -2.0, 0.0],
+            "N/m" => [0.0, 1.0, -2.0, 0.0],
+            "N" => [1.0, 1.0, -2.0, 0.0],
+            "Nm" => [2.0, 1.0, -2.0, 0.0],
             "s/m" => [-1.0, 0.0, 1.0, 0.0],
             "kg/m3" => [-3.0, 1.0, 0.0, 0.0],
             "Pa" => [-1.0, 1.0, -2.0, 0.0],
@@ -165,8 +169,8 @@ impl Frame {
     }
 
     /// A template in this frame. In it `<unit|a>` is a number or an expression in X, Y, Z, T, `<unit|a; b>` a vector,
-    /// `<unit|a, b; c, d>` a matrix, `<unit|a, b>` a list, `<v:unit|a>` a vector in one dimension, and `<x|a; b>` a
-    /// place.
+    /// `<unit|a, b; c, d>` a matrix, `<unit|a, b>` a list, `<v:unit|a>` a vector in one dimension, `<a:unit|a>` the
+    /// moment of a plane body, `<a:unit|a; b; c>` one in space, and `<x|a; b>` a place.
     pub fn text(&self, template: &str) -> String {
         let mut out = String::new();
         let mut rest = template;
@@ -183,6 +187,17 @@ impl Frame {
     fn token(&self, unit: &str, data: &str) -> String {
         if let Some(unit) = unit.strip_prefix("v:") {
             return format!("[{}]", self.datum(&[(self.unit(unit) * self.q[0][0], data)]));
+        }
+        if let Some(unit) = unit.strip_prefix("a:") {
+            // A mirror turns moments round.
+            let sense = if self.is_mirror() { -1.0 } else { 1.0 };
+            if !data.contains(';') {
+                return format!("[{}]", self.datum(&[(sense * self.unit(unit), data)]));
+            }
+            let parts: Vec<&str> = data.split(';').collect();
+            let of = |i: usize, j: usize| sense * self.unit(unit) * self.q[i][j];
+            let factors = |i: usize| parts.iter().enumerate().map(|(j, part)| (of(i, j), *part)).collect::<Vec<_>>();
+            return format!("[{}]", (0..3).map(|i| self.datum(&factors(i))).collect::<Vec<_>>().join(", "));
         }
         let size = if unit == "x" { self.length } else { self.unit(unit) };
         let rows: Vec<Vec<&str>> = data.split(';').map(|row| row.split(',').collect()).collect();
