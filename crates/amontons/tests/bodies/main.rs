@@ -16,6 +16,7 @@ mod far;
 mod loads;
 mod points;
 mod reactions;
+mod rigid_meets;
 mod rigid_motion;
 mod rigid_parts;
 mod rollers;
