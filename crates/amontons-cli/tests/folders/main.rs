@@ -7,4 +7,5 @@ mod common;
 mod fields_format;
 mod folder;
 mod resume;
+mod resume_tool;
 mod verify_folder;

@@ -26,6 +26,7 @@ mod memory;
 mod owned;
 mod packed;
 mod probe;
+mod probe_place;
 mod quantity;
 mod reaction;
 mod recovery;
@@ -69,7 +70,8 @@ pub(crate) use packed::FILE as PACKED;
 pub use packed::FieldsFormat;
 #[cfg(feature = "case")]
 pub(crate) use packed::StoredFields;
-pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
+pub use probe::ProbeSet;
+pub use probe_place::{Probe, ProbeError, ProbePlace, Take};
 pub use quantity::{Base, Quantity, Selection, quantities};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use shown::{Lives, Shown, Table, shown};

@@ -166,19 +166,17 @@ fn halved_steps_of_a_rigid_mass_are_whole_or_none() {
     assert!(interrupted > 10 && made > 10, "{interrupted} interruptions, {made} steps");
 }
 
-/// A rigid part that touches a cut of a sector is refused; one that does not is solved, and the ring as a whole does the
-/// same: one of eight sectors whose rigid inner side is pulled along the axis.
-#[test]
-fn sectors_keep_their_cuts() {
-    let text = |on: &str| {
-        format!(
-            r#"name = "sector"
+/// A ring of the given angle that is held outside, and what is said of it.
+fn ring(angle: f64, around: usize, more: &str) -> String {
+    format!(
+        r#"name = "ring"
 units = "dimensionless"
 [mesh]
 kind = "ring"
 radii = [1, 2]
-angle = 0.7853981633974483
-n = [4, 4]
+angle = {angle:?}
+n = [4, {around}]
+elements = "Q1"
 [time]
 end = 1.0
 steps = 1
@@ -188,15 +186,45 @@ elasticity = {{ law = "isotropic", young = 10, poisson = 0.3, stress_state = "pl
 [[boundary]]
 on = "outer"
 displacement = [0, 0]
-[[cyclic]]
-sides = ["start", "end"]
-[[rigid]]
-on = "{on}"
-force = [1, 0]
+{more}
 "#
+    )
+}
+
+/// A rigid piece of the inner side in the middle of each of two quarters of a half ring; or of the first of them, whose
+/// cuts meet each other turned by a quarter. A force along the side and a moment act on each.
+fn pieces(quarters: usize) -> String {
+    let of = |quarter: usize| {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_4 + quarter as f64 * std::f64::consts::FRAC_PI_2).sin_cos();
+        format!(
+            "[[side]]\nname = \"piece{quarter}\"\nof = [\"inner\"]\non = {{ near = {{ point = [{cos:?}, {sin:?}], distance = 0.45 }} }}\n\
+             [[rigid]]\non = \"piece{quarter}\"\nforce = [{:?}, {:?}]\nmoment = [0.05]\n",
+            -0.2 * sin + 0.1 * cos,
+            0.2 * cos + 0.1 * sin
         )
     };
-    let said = told(&Source::new("case.toml", text("inner")), &[]);
+    (0..quarters).map(of).collect()
+}
+
+/// One quarter of a ring whose cuts are joined has what each quarter of the whole ring has, with a rigid piece in each;
+/// a rigid part that touches the cuts is refused.
+#[test]
+fn a_sector_has_rigid_parts_away_from_its_cuts() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let joined = "[[cyclic]]\nsides = [\"start\", \"end\"]\n";
+    let sector = problem(&ring(quarter, 8, &(joined.to_owned() + &pieces(1))));
+    let whole = problem(&ring(4.0 * quarter, 32, &pieces(4)));
+    let [one, all] = [&sector, &whole].map(|problem| solve(problem).states.pop().expect("a state"));
+    let most = one.u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    assert!(most > 1e-3, "{most}");
+    for (i, x) in sector.mesh.points.iter().enumerate() {
+        let near = |y: &&[f64; 3]| (0..2).all(|c| (x[c] - y[c]).abs() < 1e-9);
+        let other = whole.mesh.points.iter().position(|y| near(&y)).expect("the same node");
+        let off = (0..2).map(|c| (one.u[2 * i + c] - all.u[2 * other + c]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-11 * most.max(1.0), "{x:?}: {off}");
+    }
+    let text = ring(quarter, 8, &format!("{joined}[[rigid]]\non = \"inner\"\nforce = [1, 0]"));
+    let said = told(&Source::new("case.toml", text), &[]);
     let expected = "rigid[0].on: found \"inner\", which has nodes of a cut of a sector, expected nodes away from the cuts of cyclic sectors";
     assert!(said.contains(expected) && said.lines().count() == 1, "{said}");
 }

@@ -72,6 +72,13 @@ fn last(memory: &Memory) -> &State {
     memory.states.last().expect("a state")
 }
 
+/// A step without inertia of an elastic body; `flat` is the stress state of a plane one.
+fn statics(young: f64, poisson: f64, flat: &str) -> String {
+    format!(
+        "[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\nelasticity = {{ law = \"isotropic\", young = {young:?}, poisson = {poisson:?}{flat} }}"
+    )
+}
+
 /// A cantilever of length 2 and height 1 (and depth 1), E = 1000, ν = 0, held at its left end. The right end is rigid.
 fn cantilever(dim: usize, rigid: &str) -> String {
     let (mesh, flat, held) = if dim == 3 {
@@ -88,19 +95,15 @@ fn cantilever(dim: usize, rigid: &str) -> String {
 units = "dimensionless"
 [mesh]
 {mesh}
-[time]
-end = 1.0
-steps = 1
-[material]
-density = 0
-elasticity = {{ law = "isotropic", young = 1000, poisson = 0{flat} }}
+{}
 [[boundary]]
 on = "left"
 displacement = {held}
 [[rigid]]
 on = "right"
 {rigid}
-"#
+"#,
+        statics(1000.0, 0.0, flat)
     )
 }
 
@@ -217,12 +220,7 @@ units = "dimensionless"
 [mesh]
 kind = "blocks"
 {mesh}
-[time]
-end = 1.0
-steps = 1
-[material]
-density = 0
-elasticity = {{ law = "isotropic", young = 1000, poisson = 0.3{flat} }}
+{}
 [[rigid]]
 on = "block"
 force = {force}
@@ -230,7 +228,8 @@ at = {at}
 [contact]
 on = "block_bottom"
 {more}
-"#
+"#,
+        statics(1000.0, 0.3, flat)
     )
 }
 
@@ -337,12 +336,7 @@ kind = "blocks"
 blocks = [
 {blocks}
 ]
-[time]
-end = 1.0
-steps = 1
-[material]
-density = 0
-elasticity = {{ law = "isotropic", young = 20, poisson = 0.3{flat} }}
+{}
 [[boundary]]
 on = "base_bottom"
 displacement = {held}
@@ -356,7 +350,8 @@ with = "base_top"
 nonmortar = "{bearing}"
 normal = {{ law = "signorini" }}
 friction = {{ law = "coulomb", coefficient = 0.4 }}
-"#
+"#,
+        statics(20.0, 0.3, flat)
     )
 }
 

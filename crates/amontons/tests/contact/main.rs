@@ -10,6 +10,7 @@ mod column;
 mod common;
 
 mod energy;
+mod facets;
 mod features;
 mod foundations;
 mod gap_pressure;
@@ -18,6 +19,7 @@ mod impact;
 mod laws;
 mod limits;
 mod several;
+mod shapes;
 mod sliding_out;
 mod softening;
 mod stuck_indentation;

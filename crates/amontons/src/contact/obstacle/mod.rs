@@ -312,7 +312,3 @@ fn round(from: &Point, radius: f64, inside: bool, otherwise: Point) -> Nearest {
     // A hollow one has its matter outside.
     if inside { Nearest { distance: -distance, normal: normal.map(|c| -c) } } else { Nearest { distance, normal } }
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and some numbers are exact")]
-mod tests;

@@ -1,17 +1,30 @@
 //! Every shape against formulas, searches along its surface, and the differences of its distance.
+#![allow(clippy::float_cmp, reason = "some numbers are exact")]
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use super::*;
-use crate::expression::Expression;
+use amontons::contact::Obstacle;
+use amontons::contact::obstacle::{Cylinder, Nearest, Plane, Shape, ShapeFault, ShapeFaults, Sphere, Surface, Wave};
+use amontons::expression::Expression;
+use amontons::field::Field;
+use amontons::tensor::{Point, dot, length};
 
-/// Numbers in [0, 1) that are the same in every run (Knuth's linear congruence).
-struct Random(u64);
+use crate::common::Random as Numbers;
+
+type Point3 = [Field; 3];
+
+/// Numbers and places that are the same in every run.
+struct Random(Numbers);
 
 impl Random {
+    fn new(seed: u64) -> Random {
+        Random(Numbers(seed))
+    }
+
+    /// In [0, 1).
     fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        0.5 + 0.5 * self.0.number()
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -22,6 +35,14 @@ impl Random {
     fn point(&mut self, dim: usize, size: f64) -> Point {
         [0, 1, 2].map(|c| if c < dim { self.between(-size, size) } else { 0.0 })
     }
+}
+
+fn plus(a: &Point, factor: f64, b: &Point) -> Point {
+    std::array::from_fn(|c| a[c] + factor * b[c])
+}
+
+fn minus(a: &Point, b: &Point) -> Point {
+    plus(a, -1.0, b)
 }
 
 fn fixed(p: Point) -> Point3 {
@@ -59,7 +80,7 @@ fn least(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn planes_by_the_formula_of_hesse() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for dim in [2, 3] {
         for _ in 0..50 {
             let (normal, p, x) = (random.point(dim, 1.0), random.point(dim, 5.0), random.point(dim, 5.0));
@@ -77,7 +98,7 @@ fn planes_by_the_formula_of_hesse() {
 
 #[test]
 fn balls_and_sockets_by_the_radius() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     for dim in [2, 3] {
         for _ in 0..50 {
             let (c, x, radius) = (random.point(dim, 2.0), random.point(dim, 5.0), random.between(0.1, 3.0));
@@ -96,7 +117,7 @@ fn balls_and_sockets_by_the_radius() {
 
 #[test]
 fn cylinders_by_the_cross_product() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..50 {
         let (c, x, axis, radius) =
             (random.point(3, 2.0), random.point(3, 5.0), random.point(3, 1.0), random.between(0.1, 3.0));
@@ -128,7 +149,7 @@ fn cylinders_by_the_cross_product() {
 /// Shallow and steep waves, near and far, above and below, in phase and out of it.
 #[test]
 fn waves_by_a_search_along_them() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     for round in 0..300 {
         let wavelength = random.between(0.2, 3.0);
         let amplitude = wavelength * random.between(-1.0, 1.0) * [0.02, 0.3, 1.5][round % 3];
@@ -162,7 +183,7 @@ fn waves_by_a_search_along_them() {
 /// perpendicular.
 #[test]
 fn waves_in_space_are_those_in_their_plane() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let (p, n, d) = ([0.1, 0.2, 0.3], [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0], [1.0 / 3.0, 2.0 / 3.0, -2.0 / 3.0]);
     let leaning = plus(&d.map(|c| 5.0 * c), 3.0, &n);
     let wave = Wave::new(fixed(p), n.map(|c| 7.0 * c), leaning, 0.3, 1.1).unwrap();
@@ -184,7 +205,7 @@ fn waves_in_space_are_those_in_their_plane() {
 fn an_ellipse_by_a_search_along_it() {
     let ellipse = surface("x^2/4 + y^2 - 1");
     let round = surface("x^2/4 + y^2 + z^2 - 1");
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let mut points: Vec<Point> = (0..200).map(|_| random.point(2, 3.0)).collect();
     points.extend([
         [0.0, 0.0, 0.0],
@@ -219,7 +240,7 @@ fn an_ellipse_by_a_search_along_it() {
 /// units.
 #[test]
 fn levels_give_the_distances_of_the_shapes_that_they_are() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let ball = Sphere::new(fixed([0.2, -0.1, 0.3]), 1.5, false).unwrap();
     let wave = Wave::new(fixed([0.0; 3]), [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], 0.05, 1.0).unwrap();
     let plane = Plane::new(fixed([0.0, 0.25, 0.0]), [3.0, 4.0, 0.0]).unwrap();
@@ -250,7 +271,7 @@ fn levels_give_the_distances_of_the_shapes_that_they_are() {
 /// The distance is the true one to the rounding of coordinates, however small it is.
 #[test]
 fn distances_next_to_a_level_are_true_to_round_off() {
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     for text in ["x^2 + y^2 - 1", "(x^2 + y^2)^3 - 1", "sqrt(x^2 + y^2) - 1"] {
         let level = surface(text);
         for exponent in 1..=16 {
@@ -273,7 +294,7 @@ fn edges_of_a_level() {
         ("max(abs(0.8*x + 0.6*y), 3*abs(0.8*y - 0.6*x)) - 1", 2, [1.0, 1.0 / 3.0, 1.0]),
         ("max(abs(0.8*x + 0.6*y), abs(0.8*y - 0.6*x), 2*abs(z)) - 1", 3, [1.0, 1.0, 0.5]),
     ];
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     for (text, dim, half) in boxes {
         let level = surface(text);
         for _ in 0..300 {
@@ -297,7 +318,7 @@ fn edges_of_a_level() {
 #[test]
 fn the_nearer_of_two_parts() {
     let level = surface("min((x + 2)^2 + y^2 - 1, 0.05*((x - 2)^2 + y^2 - 1))");
-    let (mut random, mut misled) = (Random(11), 0);
+    let (mut random, mut misled) = (Random::new(11), 0);
     for _ in 0..1000 {
         let x = random.point(2, 4.0);
         let [left, right] = [-2.0, 2.0].map(|c| (x[0] - c).hypot(x[1]));
@@ -336,7 +357,7 @@ fn normals_are_gradients_of_distances() {
         ("ellipse", Arc::new(surface("x^2/4 + y^2 - 0.1")), 2),
         ("quartic", Arc::new(surface("x^4 + y^4 + 2*z^4 - 0.5 + 0.1*x*y")), 3),
     ];
-    let mut random = Random(10);
+    let mut random = Random::new(10);
     for (name, shape, dim) in shapes {
         let points: Vec<Point> = (0..20)
             .map(|_| random.point(dim, 1.0))
