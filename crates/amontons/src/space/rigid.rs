@@ -3,7 +3,7 @@
 //! The displacement of such nodes is u(x_i) = Σ_j q_j m_j(x_i), m_j the motions without strain, m(x) = s + ω × (x − c)
 //! with small rotations. The m_j are orthonormal over the nodes, Σ_i m_j(x_i)·m_l(x_i) = δ_jl: then q_j = Σ_i
 //! m_j(x_i)·u_i of a displacement, and the forces f_i at the nodes do the work Q_j = Σ_i m_j(x_i)·f_i along them. The
-//! same map takes displacements to q and forces to Q.
+//! same map takes displacements to q, in m, and forces to Q, in N. They stand for the unknowns of (4.1) at these nodes.
 //!
 //! What is prescribed at a node in a direction d is one equation for q, Σ_j d·m_j(x_i) q_j = u_D. The first of the m_j
 //! are the directions of these equations, so that q_j is prescribed there and free beyond.
