@@ -10,7 +10,8 @@ fn problem(text: &str) -> Problem {
     case::parse(&Source::new("rigid.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).problem
 }
 
-/// A rectangle from (1, 0) on, 1 wide and 1.5 high, of E = 1000 and ν = 0, held along y below, with these lines besides.
+/// A rectangle from (1, 0) on, 1 wide and 1.5 high, of E = 1000 and ν = 0, held along y below, with these lines
+/// besides.
 fn column(mesh: &str, flat: &str, more: &str) -> String {
     format!(
         r#"name = "column"
@@ -120,8 +121,8 @@ fn a_rigid_pad_wears_evenly() {
 
 const FALLS: &str = "{ law = \"softening\", stiffness = 100, peak = 1, softening = 25, residual = 0.2 }";
 
-/// The mass that is pressed through a layer which gives way (benchmark `snap-through-softening-layer`), as a rigid body:
-/// the closed form at t = 0.8, with the order of the scheme.
+/// The mass that is pressed through a layer which gives way (benchmark `snap-through-softening-layer`), as a rigid
+/// body: the closed form at t = 0.8, with the order of the scheme.
 #[test]
 fn a_rigid_mass_snaps_through() {
     let (t1, t2) = ((-0.25f64).acos() / 10.0, 0.567_597_9);
