@@ -157,6 +157,9 @@ impl RunError {
             RunError::Step { source: StepError::Driven { .. }, .. } => {
                 "give the body a support or a spring along this motion, friction that is strong enough, or a density, with which it moves; or correct the load"
             }
+            RunError::Step { source: StepError::Untightened { .. }, .. } => {
+                "both parts of the bolt bear on the joint or are held, so that it is stretched as they are drawn together; and the joint bears the force"
+            }
             RunError::Step { source: StepError::NotConverged { slides: true, .. }, .. } => {
                 "no point of a body that contact alone holds sticks: where the load is more than friction bears, it slides or turns without resistance; give the body a support, a spring, friction that is strong enough or a density, with which it moves; if it is not, try more steps (time.steps)"
             }

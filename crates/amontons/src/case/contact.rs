@@ -9,8 +9,8 @@ use super::place::At;
 use super::raw::{self, Datum};
 use super::side_facts::SideFacts;
 use crate::contact::{
-    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Quadrature,
-    Signorini, Sum, WearLaw,
+    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Preload,
+    Quadrature, Signorini, Sum, WearLaw,
 };
 use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
@@ -58,6 +58,10 @@ impl Build<'_> {
             wear: raw.wear.map(|wear| self.wear(path, &wear, &sites)),
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), &obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
+            preload: raw.preload.map(|preload| Preload {
+                force: self.field(&format!("{path}.preload.force"), &preload.force, &[]),
+                until: preload.until,
+            }),
             on: raw.on.clone(),
             name: raw.name,
             pair,

@@ -135,6 +135,7 @@ fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
         ("frictional_heat", !is_zero_datum(&contact.frictional_heat), "heat of friction"),
         ("wear", contact.wear.is_some(), "wear"),
         ("foundation_velocity", !contact.foundation_velocity.is_empty(), "a velocity of the foundation"),
+        ("preload", contact.preload.is_some(), "a preload"),
     ];
     let laws = contact.heat.clone().terms().0;
     let seen = laws.iter().find_map(sees_motion).map(|what| ("heat", what));

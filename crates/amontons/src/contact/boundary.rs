@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::mortar::{Image, Mortar, MortarRow, Share};
 use super::{
-    FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw,
+    FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, Preload,
+    WearLaw,
 };
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
@@ -61,6 +62,8 @@ pub struct Contact {
     /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it
     /// moves by the gap. Of a pair it is a velocity of the side `with` besides that of its body.
     pub foundation_velocity: Vec<Field>,
+    /// The tension to which the section of a tie is tightened; none where nothing draws its sides together.
+    pub preload: Option<Preload>,
 }
 
 impl Contact {
@@ -83,6 +86,7 @@ impl Contact {
             wear: None,
             wear_fraction: 1.0,
             foundation_velocity: Vec::new(),
+            preload: None,
         }
     }
 
@@ -191,7 +195,8 @@ impl Contact {
     /// Whether the gap of the body at rest may change.
     #[must_use]
     pub fn gap_depends_on_time(&self) -> bool {
-        self.gap.depends_on_time() || self.obstacle.as_ref().is_some_and(Obstacle::depends_on_time)
+        let moves = self.obstacle.as_ref().is_some_and(Obstacle::depends_on_time);
+        self.gap.depends_on_time() || moves || self.preload.is_some()
     }
 }
 

@@ -16,6 +16,7 @@ mod names;
 mod normal;
 pub mod obstacle;
 mod pair;
+mod preload;
 mod spheres;
 mod table;
 mod wear;
@@ -41,6 +42,7 @@ pub use normal::{
 };
 pub use obstacle::Obstacle;
 pub use pair::{Geometry, Pair, Supports};
+pub use preload::Preload;
 pub use table::{PiecewiseLinear, TableFault};
 pub use wear::{Archard, WearLaw};
 pub use worn::{Worn, WornSides};

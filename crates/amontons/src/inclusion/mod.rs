@@ -36,6 +36,7 @@ mod newton;
 mod normal;
 mod passed;
 mod point;
+mod preload;
 mod rule;
 mod settle;
 mod solve;
@@ -46,6 +47,7 @@ pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use loose::{Loose, Undetermined};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use passed::Passed;
+pub use preload::Section;
 pub use rule::Rule;
 
 use crate::contact::Status;
@@ -89,6 +91,13 @@ pub enum Failure {
     Linear(SolveError),
     /// Loads drive rigid motions that nothing resists.
     Driven(Vec<Undetermined>),
+    /// A section that is tightened does not bear its force, however far its sides are drawn together.
+    Untightened {
+        /// The section.
+        section: Section,
+        /// What it bears, N per unit of thickness in two dimensions.
+        reached: f64,
+    },
 }
 
 impl From<NotConverged> for Failure {

@@ -184,6 +184,12 @@ pub struct ContactSummary {
     /// and `friction`, which is negative where friction heats the side. Of one contact.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub heat_passed: BTreeMap<String, f64>,
+    /// Tension of the section of a bolt, N: N/m in the plane; of one contact with a preload.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tension: Option<f64>,
+    /// By how much its sides are drawn together, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn: Option<f64>,
     /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation_temperature: Option<f64>,
@@ -198,14 +204,8 @@ impl ContactSummary {
     pub fn new(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> ContactSummary {
         let Snapshot { problem, discretization, state, .. } = *now;
         let (dim, several) = (problem.mesh.dim, problem.contacts.len() > 1);
-        let points = || {
-            discretization
-                .boundary
-                .points
-                .iter()
-                .enumerate()
-                .filter(|(_, point)| side.is_none_or(|side| point.contact == side))
-        };
+        let all = &discretization.boundary.points;
+        let points = || all.iter().enumerate().filter(|(_, point)| side.is_none_or(|side| point.contact == side));
         let weight = |i: usize, point: &PointOnBoundary| contact.weights.get(i).copied().unwrap_or(point.weight);
         let sign = |point: &PointOnBoundary| problem.contacts.get(point.contact).map_or(1.0, Contact::sign);
         let states = || {
@@ -231,6 +231,7 @@ impl ContactSummary {
         };
         let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
         let [wear_volume, wear_max] = worn_off(now, contact, side);
+        let [tension, drawn] = tightened(now, one, &mut states());
         let volumes = one.and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let moves = problem.physics.has_mechanics();
@@ -253,10 +254,23 @@ impl ContactSummary {
             wear_volumes: volumes.unwrap_or_default(),
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
             heat_passed: passed(one.and_then(|(side, _)| state.surface.passed.get(side))),
+            tension,
+            drawn,
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
             sides: sides.into_iter().enumerate().map(of_contact).collect(),
         }
     }
+}
+
+/// The tension of a section with a preload, and by how much its sides are drawn together.
+fn tightened(
+    now: &Snapshot,
+    of: Option<(usize, &Contact)>,
+    states: &mut dyn Iterator<Item = (Weighted, &PointState)>,
+) -> [Option<f64>; 2] {
+    let Some((side, _)) = of.filter(|(_, contact)| contact.preload.is_some()) else { return [None; 2] };
+    let pressing: f64 = states.map(|(point, s)| point.weight * s.pressure).sum();
+    [Some(0.0 - pressing), now.state.surface.drawn.get(side).copied()]
 }
 
 /// Heat that has passed a contact, by what it passes by.

@@ -202,7 +202,15 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
     let volumes: Vec<String> = volumes.collect();
     lines.extend((contact.wear_max > 0.0 && !volumes.is_empty()).then(|| row("of this", &volumes.join(", "))));
     lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
+    lines.extend(tightened(contact, units));
     lines
+}
+
+/// The tension of a bolt, and by how much its section is drawn together.
+fn tightened(contact: &ContactSummary, units: Units) -> Option<Row> {
+    let [tension, drawn] = [(contact.tension?, Measure::Force), (contact.drawn?, Measure::Length)]
+        .map(|(value, of)| units.write(value, of));
+    Some(row("tension", &format!("{tension}, drawn together by {drawn}")))
 }
 
 /// The heat through a contact of bodies at rest.

@@ -219,7 +219,7 @@ fn unit(c: usize) -> Point {
 ///
 /// # Errors
 /// The number and the normal of the first facet that is not in the plane of the first one.
-fn plane_of(mesh: &Mesh, set: &FacetSet) -> Result<Point, (usize, Point)> {
+pub(super) fn plane_of(mesh: &Mesh, set: &FacetSet) -> Result<Point, (usize, Point)> {
     const FLAT: f64 = 1e-6;
     const ROUND_OFF: f64 = 1e-12;
     let mut normals: Vec<(usize, f64, Point)> = Vec::new();
@@ -301,6 +301,7 @@ impl ProblemData {
             self.check_pair(side, &path, faults);
             self.check_once(side, &path, faults);
             self.check_turning(contact, &path, faults);
+            self.check_preload(contact, &path, faults);
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {

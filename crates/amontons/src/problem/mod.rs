@@ -10,6 +10,7 @@ mod cyclic;
 mod data;
 mod loads;
 mod pairs;
+mod preload;
 pub use pairs::with_supports;
 mod physics;
 mod range;

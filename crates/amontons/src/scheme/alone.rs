@@ -25,7 +25,7 @@ pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> 
 
 /// The contact points of bodies at rest: r = −g, and no traction.
 fn across_gaps(step: &Step) -> List<PointState> {
-    let frames = frames(step.problem, step.boundary, &step.old.u, &[], [step.old.t, step.t]);
+    let frames = frames(step.problem, step.boundary, &step.old.u, (&[], &[]), [step.old.t, step.t]);
     let at_rest = |frame: &Frame| PointState {
         normal: frame.normal,
         penetration: 0.0 - frame.gap,

@@ -408,7 +408,7 @@ impl Made {
             multipliers: mechanics.multipliers,
             branches: mechanics.branches,
             carried: mechanics.carried,
-            surface: old.surface.after(step, &mechanics.states, &heat.exchange),
+            surface: old.surface.after(step, &mechanics.states, &heat.exchange, mechanics.given.drawn),
             ledger,
             counts,
             temperatures: old.temperatures,
@@ -496,7 +496,7 @@ impl Scheme for BackwardEuler {
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, boundary, &u, &[], [0.0, 0.0]);
+        let foundation = frames(&self.problem, boundary, &u, (&[], &[]), [0.0, 0.0]);
         for (point, frame) in boundary.points.iter().zip(foundation) {
             let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::system::Step;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Worn};
 use crate::discretization::Discretization;
-use crate::inclusion::{Exchange, Frame, Passed, PointState};
+use crate::inclusion::{Exchange, Frame, Passed, PointState, Section};
 use crate::list::List;
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
@@ -23,6 +23,8 @@ pub struct Accumulated {
     pub foundation: List<Option<f64>>,
     /// Heat that has passed each contact since the start, J.
     pub passed: List<Passed>,
+    /// δ, by which the sides of each contact with a preload are drawn together, m; zero elsewhere.
+    pub drawn: List<f64>,
 }
 
 impl Accumulated {
@@ -42,11 +44,18 @@ impl Accumulated {
             friction_work: List::filled(0.0, n),
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
             passed: List::filled(Passed::default(), problem.contacts.len()),
+            drawn: List::filled(0.0, problem.contacts.len()),
         }
     }
 
-    /// After a step.
-    pub(super) fn after(&self, step: &Step, states: &[PointState], exchange: &Exchange) -> Accumulated {
+    /// After a step that has drawn the sides of the contacts together by these lengths.
+    pub(super) fn after(
+        &self,
+        step: &Step,
+        states: &[PointState],
+        exchange: &Exchange,
+        drawn: List<f64>,
+    ) -> Accumulated {
         let Step { contacts, discrete, boundary, k, .. } = *step;
         let mut wear: List<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
         let depths: List<f64> = states.iter().map(|state| state.wear).collect();
@@ -58,7 +67,8 @@ impl Accumulated {
         let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
-        Accumulated { wear, worn, friction_work, foundation: exchange.foundation.clone(), passed: passed.collect() }
+        let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
+        Accumulated { wear, worn, friction_work, foundation, passed, drawn }
     }
 }
 
@@ -67,12 +77,13 @@ impl Accumulated {
 /// Without an obstacle ν is that of the body and g(x, t) the datum. An obstacle has the distance δ and the normal n at
 /// the nearest point of its surface to x, or to x + u_{n−1} where it is followed: with ν = −n,
 /// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` has the depth worn off at each point
-/// and by how much the gap opens per depth that wears off; it is empty where nothing wears.
+/// and by how much the gap opens per depth that wears off, `drawn` by how much the sides of each contact are drawn
+/// together; they are empty where nothing wears or is drawn.
 pub(super) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
     u: &[f64],
-    worn: &[[f64; 2]],
+    (worn, drawn): (&[[f64; 2]], &[f64]),
     [from, to]: [f64; 2],
 ) -> List<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
@@ -111,7 +122,7 @@ pub(super) fn frames(
                 let moves = moves.map_or([0.0; 3], |motion| motion.at(&foot));
                 frame.velocity = std::array::from_fn(|c| frame.velocity[c] + moves[c]);
             }
-            frame.gap += depth;
+            frame.gap += depth + drawn.get(side).copied().unwrap_or(0.0);
             let along = dot(&frame.velocity, &frame.normal);
             frame.velocity = std::array::from_fn(|c| frame.velocity[c] - along * frame.normal[c]);
             frames.push(frame);
@@ -130,6 +141,15 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> List<Point> {
 }
 
 impl Step<'_> {
+    /// The sections that are tightened in the step.
+    pub(super) fn sections(&self) -> Vec<Section> {
+        let of = |(contact, of): (usize, &Contact)| {
+            let force = of.preload.as_ref()?.force_in([self.old.t, self.t])?;
+            Some(Section { contact, force })
+        };
+        self.problem.contacts.iter().enumerate().filter_map(of).collect()
+    }
+
     /// The depth worn off at each contact point, and by how much its gap opens per depth that wears off; empty where
     /// nothing wears.
     pub(super) fn worn(&self) -> List<[f64; 2]> {
@@ -167,7 +187,7 @@ pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], 
         let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);
         [first.at(x), mean.at(x)]
     };
-    let frames = frames(problem, boundary, u, &[], [0.0, 0.0]);
+    let frames = frames(problem, boundary, u, (&[], &[]), [0.0, 0.0]);
     let points = boundary.points.iter().zip(&frames);
     points
         .map(|(point, frame)| {

@@ -9,7 +9,9 @@ use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, over_blocks, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
-use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule, Solved, Undetermined};
+use crate::inclusion::{
+    Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule, Section, Solved, Undetermined,
+};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::list::{Lent, List};
 use crate::tensor::Point;
@@ -85,6 +87,8 @@ pub(super) struct Given {
     temperature: List<f64>,
     /// What the loads do along the rigid motions that nothing but contact holds.
     loads: Vec<[f64; 2]>,
+    /// δ of each contact, by which its sides are drawn together, m: with what the step has added the gaps of `frames`.
+    pub drawn: List<f64>,
 }
 
 impl Given {
@@ -94,10 +98,32 @@ impl Given {
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: step.on_contact(&Given::prescribed(step, w)),
-            frames: frames(problem, boundary, &old.u, &step.worn(), [old.t, t]),
+            frames: frames(problem, boundary, &old.u, (&step.worn(), &old.surface.drawn), [old.t, t]),
             temperature: List::new(),
             loads: Vec::new(),
+            drawn: old.surface.drawn.clone(),
         }
+    }
+
+    /// Draws the sides of sections together by these lengths more.
+    fn draw(&mut self, step: &Step, more: &[(Section, f64)]) {
+        for (Section { contact, .. }, length) in more {
+            self.drawn.get_mut(*contact).into_iter().for_each(|drawn| *drawn += length);
+            let of_all = step.boundary.points.iter().zip(self.frames.iter_mut());
+            for (_, frame) in of_all.filter(|(point, _)| point.contact == *contact) {
+                *frame = frame.drawn(*length, step.rule.gamma);
+            }
+        }
+    }
+
+    /// The same with the sides of sections drawn together by these lengths more.
+    fn drawn(&self, step: &Step, more: &[(Section, f64)]) -> Cow<'_, Given> {
+        if more.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut given = self.clone();
+        given.draw(step, more);
+        Cow::Owned(given)
     }
 
     /// The same as bodies see it that move with rigid velocities W; `v` has the velocities less W.
@@ -109,6 +135,7 @@ impl Given {
             frames: step.seen_from(&self.frames, rigid),
             temperature: self.temperature.clone(),
             loads: self.loads.clone(),
+            drawn: self.drawn.clone(),
         }
     }
 
@@ -213,7 +240,7 @@ impl Mechanics {
         let warmed = discrete.warmed(theta);
         let Begun { mut now, load, given } =
             from.map_or_else(|| Begun::new(step, &warmed), |from| Begun::from(step, from, &warmed));
-        let equation = Equation::new(step, load, given, (theta, warmed))?;
+        let mut equation = Equation::new(step, load, given, (theta, warmed))?;
         let (mut newton, mut passes) = (0, 0);
         let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
         // K_u is a matrix of the temperature.
@@ -229,6 +256,7 @@ impl Mechanics {
             let settled = equation.settle(half, &now, beside)?;
             newton += settled.iterations;
             passes += 1;
+            equation.given.draw(step, &settled.drawn);
             let next = if is_linear {
                 let states = settled.found.states.clone();
                 rayon::join(|| equation.expand(half, &now, settled), || beside.with_rest(&states)).0?
@@ -355,28 +383,34 @@ impl<'a> Equation<'a> {
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
         let relative = step.apart.map(|_| self.given.relative(step, &now.rigid, &now.w));
-        let on_boundary = relative.as_ref().unwrap_or(&self.given).on_boundary(step, on_contact);
+        let given = relative.as_ref().unwrap_or(&self.given);
+        let on_boundary = given.on_boundary(step, on_contact);
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
         let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-        let Solved { iterations, loose, held, .. } = system
+        let sections = step.sections();
+        let (Solved { iterations, loose, held, .. }, drawn) = system
             .settle(&mut x, &now.w, |condensed, r| {
                 let contact = || {
                     let Some(on_boundary) = &on_boundary else {
                         let (x, iterations) = without_contact(condensed, r, &guess)?;
-                        return Ok((x, Solved { iterations, ..Solved::default() }));
+                        return Ok((x, (Solved { iterations, ..Solved::default() }, Vec::new())));
                     };
-                    let mut solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
-                    Ok((std::mem::take(&mut solved.x), solved))
+                    let (mut solved, drawn) =
+                        on_boundary.solve_tightened(condensed, [r, &guess], &mut multipliers, &sections)?;
+                    Ok((std::mem::take(&mut solved.x), (solved, drawn)))
                 };
                 rayon::join(contact, || beside.with_contact()).0
             })
             .map_err(|why| step.failed("mechanics", why))?;
         let increments = &x[system.unknowns().interior..];
         let kept: List<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
+        let drawn: Vec<(Section, f64)> = sections.into_iter().zip(drawn).collect();
+        let given = given.drawn(step, &drawn);
+        let on_boundary = given.on_boundary(step, on_contact);
         let states = on_boundary.map_or_else(List::new, |of| of.states(system.condensed(), &kept, &multipliers));
         let forces = if held.is_empty() { held } else { system.unknowns().forces(&held, now.w.len()) };
-        Ok(Settled { x, found: Found { multipliers, states, hold: Hold { loose, forces } }, iterations })
+        Ok(Settled { x, found: Found { multipliers, states, hold: Hold { loose, forces } }, iterations, drawn })
     }
 
     /// The backward sweep, and what is left of (4.1) with the velocity that it makes.
@@ -587,6 +621,8 @@ struct Settled {
     found: Found,
     /// Newton iterations on Γ_C.
     iterations: usize,
+    /// By how much sections were drawn together, m.
+    drawn: Vec<(Section, f64)>,
 }
 
 /// What was found on Γ_C.

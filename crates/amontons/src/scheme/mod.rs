@@ -239,6 +239,22 @@ pub enum StepError {
         /// The motions in words.
         motions: String,
     },
+    /// A section bears no such tension, however far its sides are drawn together.
+    #[error(
+        "step {step} (t = {t:.6e}): {contact}.preload: the section bears {reached:.6e} N, expected {force:.6e} N: nothing holds its sides apart as they are drawn together"
+    )]
+    Untightened {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// Dotted path of the contact in the case file.
+        contact: String,
+        /// The tension asked for and that reached, N per unit of thickness in two dimensions.
+        force: f64,
+        /// That reached.
+        reached: f64,
+    },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
     #[error(
         "step {step} (t = {t:.6e}): {part} leaves a relative residual of {residual:.3e}, expected below {accepted:.0e}"
@@ -355,6 +371,7 @@ impl StepError {
         match self {
             StepError::NotConverged { .. }
             | StepError::Driven { .. }
+            | StepError::Untightened { .. }
             | StepError::Residual { .. }
             | StepError::Coupling { .. }
             | StepError::Uncovered { .. }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::apart::Apart;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, Rule, Undetermined};
+use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, Rule, Section, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
@@ -191,6 +191,10 @@ impl Step<'_> {
             Failure::Driven(driven) => {
                 let motions = self.motions(&driven).join("; ");
                 StepError::Driven { step: self.n, t: self.t, motions }
+            }
+            Failure::Untightened { section: Section { contact, force }, reached } => {
+                let contact = self.problem.contact_path(contact);
+                StepError::Untightened { step: self.n, t: self.t, contact, force, reached }
             }
         }
     }

@@ -244,7 +244,7 @@ const UNITS: &[(&str, &str)] = &[
           HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm expression.truncation, HeatTerm radiation.absolute_zero, \
           Initial.temperature, TableData.temperature, Wear archard-temperature.temperature",
     ),
-    ("N", "Boundary.force, Rigid.force"),
+    ("N", "Boundary.force, Preload.force, Rigid.force"),
     ("N m", "Rigid.moment"),
     ("N/m³", "Load.body_force, Region.body_force"),
     (
@@ -308,7 +308,7 @@ const UNITS: &[(&str, &str)] = &[
     ),
     (
         "s",
-        "Branch.time, Check probe.time, Check history.time, Checkpoint.seconds, TableData.time, \
+        "Branch.time, Check probe.time, Check history.time, Checkpoint.seconds, Preload.until, TableData.time, \
           TableData.times, Time.end, Viscosity carreau.time",
     ),
     ("s/m", "Normal hunt-crossley.damping"),

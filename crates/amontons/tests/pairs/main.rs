@@ -16,6 +16,7 @@ mod mortar;
 mod orders;
 mod patch;
 mod physics;
+mod preload;
 mod press_fit;
 mod scan;
 mod stacks;

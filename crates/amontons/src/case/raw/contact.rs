@@ -128,6 +128,21 @@ pub(in crate::case) struct Contact {
     /// Wear law; wear increases the gap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wear: Option<Wear>,
+    /// Tension to which the section of a bolt is tightened and then left to itself; the contact is a tie.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preload: Option<Preload>,
+}
+
+/// The preload of a bolt that is cut at a section and tied there.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Preload {
+    /// Tension of the section in N, per unit of thickness in two dimensions, while it is tightened: a number, an
+    /// expression in t or a table in time.
+    pub force: Datum,
+    /// Time in s up to which the section is tightened; after that its sides stay where they are on each other.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub until: f64,
 }
 
 /// A foundation with one temperature, heated through the contact and by friction.
