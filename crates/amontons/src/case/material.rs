@@ -86,7 +86,7 @@ impl Builder<'_, '_, '_> {
             self.check_steady(&conductivity, &heat_capacity);
             conductivity
         });
-        let prony = self.prony(&raw.prony, &elasticity);
+        let prony = self.prony(raw, &elasticity, state);
         let density = self.number("density", raw.density.clone().map(Into::into).as_ref());
         self.build.densities.insert(self.prefix.to_owned(), density.clone());
         Material {
@@ -242,8 +242,8 @@ impl Builder<'_, '_, '_> {
         (fields, elasticity::viscous_law(raw, Shape { body: dim, dim, state }))
     }
 
-    fn prony(&mut self, raw: &[raw::Branch], elasticity: &Law) -> Option<Prony> {
-        if raw.is_empty() {
+    fn prony(&mut self, raw: &raw::Material, elasticity: &Law, state: StressState) -> Option<Prony> {
+        if raw.prony.is_empty() {
             return None;
         }
         if elasticity.graded().is_some_and(|law| !law.temperatures().is_empty()) {
@@ -251,15 +251,16 @@ impl Builder<'_, '_, '_> {
             self.note("prony", "branches besides an elasticity over the temperature".to_owned(), expected, None);
             return None;
         }
-        let mut pairs = Vec::new();
-        for (i, branch) in raw.iter().enumerate() {
+        let mut branches = Vec::new();
+        for (i, branch) in raw.prony.iter().enumerate() {
             let ratio = self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio.clone().into()));
             let time = self.number(&format!("prony[{i}].time"), Some(&branch.time.clone().into()));
-            pairs.push((ratio, time));
+            let law = if branch.deviatoric { self.shear(i, raw, elasticity, state)? } else { Arc::clone(elasticity) };
+            branches.push((law, ratio, time));
         }
-        let varies = elasticity.graded().is_some() || pairs.iter().any(|(g, tau)| g.varies() || tau.varies());
+        let varies = elasticity.graded().is_some() || branches.iter().any(|(_, g, tau)| g.varies() || tau.varies());
         let points = if varies { self.sites.points() } else { &[] };
-        match Prony::varying(elasticity, &pairs, points) {
+        match Prony::varying(&branches, points) {
             Ok(prony) => Some(prony),
             Err(error) => {
                 let refusal = elasticity::refusal(&error);
@@ -267,6 +268,29 @@ impl Builder<'_, '_, '_> {
                 None
             }
         }
+    }
+
+    /// What an isotropic 𝓔 makes of the deviator of a strain, for a branch.
+    fn shear(&mut self, branch: usize, raw: &raw::Material, elasticity: &Law, state: StressState) -> Option<Law> {
+        let dim = self.dim();
+        let refused = if !matches!(raw.elasticity, Some(Elasticity::Isotropic { .. })) {
+            Some(("a deviatoric branch of an elasticity that is not isotropic", "`law = \"isotropic\"`"))
+        } else if dim == 1 {
+            Some(("a deviatoric branch on a line", "a body in the plane, of revolution or in space"))
+        } else if dim == 2 && state == StressState::PlaneStress {
+            let found = "a deviatoric branch in plane stress, where the thickness follows the relaxation";
+            Some((found, "plane strain, a body of revolution or in space, or a branch of the whole 𝓔"))
+        } else {
+            None
+        };
+        if let Some((found, expected)) = refused {
+            self.note(&format!("prony[{branch}].deviatoric"), found.to_owned(), expected, None);
+            return None;
+        }
+        Some(match elasticity.graded() {
+            Some(graded) => Arc::new(graded.map(move |law, x| Arc::new(Isotropic::deviatoric(dim, law, x)))),
+            None => Arc::new(Isotropic::deviatoric(dim, elasticity.as_ref(), &[0.0; 3])),
+        })
     }
 
     /// A line has one axis only that the axes of its material can be turned to.

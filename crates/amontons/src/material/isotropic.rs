@@ -33,6 +33,14 @@ impl Isotropic {
         Isotropic::new(dim, first, second, dim == 2 && state == StressState::PlaneStrain)
     }
 
+    /// 2μ ξ^D, the part of an isotropic law at a point that resists changes of shape, in the plane, in plane strain, or
+    /// in space: μ is that of the law.
+    #[must_use]
+    pub fn deviatoric(dim: usize, law: &dyn TensorLaw, x: &Point) -> Isotropic {
+        let twice = law.tangent(x, &Sym::ZERO).0[2][2];
+        Isotropic::lame(dim, -twice / 3.0, twice, StressState::PlaneStrain)
+    }
+
     fn new(dim: usize, lambda: f64, c: f64, out_of_plane: bool) -> Isotropic {
         Isotropic { dim, lambda, map: SymMap::isotropic(dim, lambda, c), out_of_plane }
     }

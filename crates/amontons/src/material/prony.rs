@@ -183,18 +183,17 @@ impl Prony {
         Ok(prony)
     }
 
-    /// Branches 𝓖_i = g_i(x) 𝓔 by pairs (g_i, τ_i) of which some vary in space, with their bounds over points; see
-    /// [`Prony::ratios`].
+    /// Branches 𝓖_i = g_i(x) 𝓔_i by triples (𝓔_i, g_i, τ_i) of which some vary in space, with their bounds over points;
+    /// 𝓔_i is 𝓔 or what it makes of deviators ([`super::Isotropic::deviatoric`]). See [`Prony::ratios`].
     ///
     /// # Errors
     /// As [`Prony::ratios`], at one of the points.
     pub fn varying(
-        elasticity: &Arc<dyn TensorLaw>,
-        pairs: &[(Coefficient<f64>, Coefficient<f64>)],
+        branches: &[(Arc<dyn TensorLaw>, Coefficient<f64>, Coefficient<f64>)],
         points: &[Point],
     ) -> Result<Prony, LawError> {
         let mut prony = Prony { terms: Vec::new() };
-        for (ratio, time) in pairs {
+        for (elasticity, ratio, time) in branches {
             let [least, most] = bounds(time, points);
             let branch = if let Some(ratio) = ratio.constant().filter(|_| elasticity.graded().is_none()) {
                 Prony::ratios(elasticity.as_ref(), &[(ratio, least)])?

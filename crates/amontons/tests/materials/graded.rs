@@ -88,7 +88,10 @@ fn regions_are_what_functions_with_jumps_are() {
             let material = &mut data.materials[0];
             material.elasticity = Arc::new(law);
             let pairs = [(0.5.into(), Coefficient::varying(move |x| 0.3 * at(x))), (1.0.into(), 0.1.into())];
-            material.prony = Some(Prony::varying(&material.elasticity, &pairs, &points).unwrap());
+            material.prony = Some(
+                Prony::varying(&pairs.map(|(ratio, time)| (Arc::clone(&material.elasticity), ratio, time)), &points)
+                    .unwrap(),
+            );
             material.viscosity = Arc::new(Graded::elastic(&points, move |x| Arc::new(viscous(at(x)))));
             material.density = Coefficient::varying(at);
             material.heat_capacity = Coefficient::varying(move |x| 2.0 * at(x));

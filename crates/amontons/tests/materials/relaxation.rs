@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::common::{case, changed, checked, largest, paper, rod, solve};
+use crate::common::{case, changed, checked, largest, paper, rod, solve, told};
+use amontons::case::{self as cases, Source};
 use amontons::field::Coefficient;
 use amontons::material::{Dilatation, Isotropic, Prony, StressState, TensorLaw};
 use amontons::mesh::{Diagonal, Elements, Mesh};
@@ -87,7 +88,9 @@ fn creep(mesh: Mesh, steps: usize) -> Problem {
         let law: Arc<dyn TensorLaw> = Arc::new(Isotropic::elastic(mesh.dim, 2.0, 0.0, StressState::PlaneStrain));
         let pairs = [(RATIO.into(), Coefficient::varying(time_at))];
         let material = &mut data.materials[0];
-        material.prony = Some(Prony::varying(&law, &pairs, &mesh.sites(None)).unwrap());
+        material.prony = Some(
+            Prony::varying(&pairs.map(|(ratio, time)| (Arc::clone(&law), ratio, time)), &mesh.sites(None)).unwrap(),
+        );
         material.viscosity = Arc::new(Isotropic::lame(mesh.dim, 0.0, 0.0, StressState::PlaneStrain));
         material.elasticity = law;
         for condition in &mut data.boundary {
@@ -205,7 +208,10 @@ fn a_function_of_one_value_is_that_value() {
                 let pairs = [(1.5.into(), time), (0.5.into(), 0.2.into())];
                 let material = &mut data.materials[0];
                 material.dilatation = dilatation;
-                material.prony = Some(Prony::varying(&law, &pairs, &data.mesh.sites(None)).unwrap());
+                material.prony = Some(
+                    Prony::varying(&pairs.map(|(ratio, time)| (Arc::clone(&law), ratio, time)), &data.mesh.sites(None))
+                        .unwrap(),
+                );
                 material.viscosity = Arc::new(Isotropic::lame(dim, 0.3, 0.5, StressState::PlaneStrain));
                 material.elasticity = law;
                 for tensor in [&mut material.expansion, &mut material.coupling, &mut material.conductivity] {
@@ -245,8 +251,116 @@ fn a_function_of_one_value_is_that_value() {
 fn a_time_that_is_not_positive_somewhere_is_refused() {
     let law: Arc<dyn TensorLaw> = Arc::new(Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
     let points = [[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]];
-    let with = |time: fn(&Point) -> f64| Prony::varying(&law, &[(1.0.into(), Coefficient::varying(time))], &points);
+    let with = |time: fn(&Point) -> f64| {
+        Prony::varying(&[(Arc::clone(&law), 1.0.into(), Coefficient::varying(time))], &points)
+    };
     assert!(with(|x| x[0] - 0.5).is_err() && with(|x| x[0] / x[0]).is_err());
     let prony = with(|x| 1.0 + x[0]).unwrap();
     assert_eq!((prony.branches()[0].times(), prony.at(&points[1]).branches()[0].time), ([1.0, 2.0], 1.5));
+}
+
+/// A body of K = 4 and a shear modulus of 0.5, with a branch of 1.5 that relaxes in 0.4 s, under these tractions.
+fn block(mesh: &str, held: &[&str], loads: &str, steps: usize) -> String {
+    // E = 9 K G/(3 K + G), ν = (3 K − 2 G)/(6 K + 2 G).
+    let (bulk, shear) = (4.0, 0.5);
+    let (young, poisson) =
+        (9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear));
+    let flat = if mesh.contains("rectangle") && !mesh.contains("axisymmetric") {
+        ", stress_state = \"plane-strain\""
+    } else {
+        ""
+    };
+    let held: String =
+        held.iter().map(|on| format!("[[boundary]]\non = \"{on}\"\nnormal_displacement = 0\n")).collect();
+    format!(
+        "name = \"creep\"\nunits = \"dimensionless\"\n[mesh]\n{mesh}\n[time]\nend = 1.0\nsteps = {steps}\n[material]\ndensity = 0\n\
+         elasticity = {{ law = \"isotropic\", young = {young:?}, poisson = {poisson:?}{flat} }}\n\
+         prony = [{{ ratio = 3, time = 0.4, deviatoric = true }}]\n{held}{loads}"
+    )
+}
+
+fn parsed(text: &str) -> Problem {
+    cases::parse(&Source::new("creep.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).problem
+}
+
+const BOX: (&str, [&str; 3]) =
+    ("kind = \"box\"\nsize = [1.0, 2.0, 1.5]\nn = [1, 2, 1]\nelements = \"Q1\"", ["left", "bottom", "back"]);
+const DISC: (&str, [&str; 1]) =
+    ("kind = \"rectangle\"\naxisymmetric = true\nsize = [1.0, 2.0]\nn = [2, 2]\nelements = \"Q1\"", ["bottom"]);
+const STRIP: (&str, [&str; 2]) =
+    ("kind = \"rectangle\"\nsize = [1.0, 2.0]\nn = [2, 2]\nelements = \"Q1\"", ["left", "bottom"]);
+
+/// A deviatoric branch creeps in shear and not in volume: under a tension σ the strain along it is σ/(9K) + σ J(t)/3,
+/// J = 1/G∞ − (1/G∞ − 1/G₀) exp(−t G∞/(τ G₀)), of first order in k; in plane strain with σ/(9K)·… of ε₃₃ = 0.
+#[test]
+fn a_deviatoric_branch_creeps_in_shear() {
+    let (bulk, long, short, time, sigma) = (4.0, 0.5, 2.0, 0.4, 0.2);
+    let creep = 1.0 / long - (1.0 / long - 1.0 / short) * f64::exp(-long / (time * short));
+    let exact = 2.0 * sigma * (1.0 / (9.0 * bulk) + creep / 3.0);
+    let loads = format!("[[boundary]]\non = \"top\"\npressure = {:?}\n", -sigma);
+    for (mesh, held) in [(BOX.0, &BOX.1[..]), (DISC.0, &DISC.1)] {
+        let errors = [32, 64, 128].map(|steps| {
+            let problem = parsed(&block(mesh, held, &loads, steps));
+            let state = last(&problem);
+            assert!(state.ledger.relative_closing_error().abs() < 1e-11);
+            let node = problem.mesh.facets["top"].node_list()[0] as usize;
+            (state.u[node * problem.mesh.dim + 1] - exact).abs()
+        });
+        for pair in errors.windows(2) {
+            assert!(((pair[0] / pair[1]).log2() - 1.0).abs() < 0.1, "{errors:?}");
+        }
+        assert!(errors[2] < 5e-3 * exact, "{errors:?}");
+    }
+}
+
+/// Under the same pressure on all sides nothing creeps: ε = −p/(3K) at once and for ever. In plane strain the same holds
+/// where the sides move as they like: the in-plane strains follow the branch, as σ₃₃ does, and are those of the
+/// instantaneous and the long-term moduli at the start and the end.
+#[test]
+fn a_deviatoric_branch_bears_pressure_without_creep() {
+    let all = |sides: &[&str]| -> String {
+        sides.iter().map(|on| format!("[[boundary]]\non = \"{on}\"\npressure = 0.3\n")).collect()
+    };
+    for (mesh, held, loads) in
+        [(BOX.0, &BOX.1[..], all(&["right", "top", "front"])), (DISC.0, &DISC.1, all(&["right", "top"]))]
+    {
+        let problem = parsed(&block(mesh, held, &loads, 6));
+        let memory = solve(&problem);
+        let node = problem.mesh.facets["top"].node_list()[0] as usize;
+        for state in memory.states.iter().skip(1) {
+            let u = state.u[node * problem.mesh.dim + 1];
+            assert!((u + 2.0 * 0.3 / 12.0).abs() < 1e-13, "{u}");
+        }
+    }
+    // Plane strain: u_y of a tension by E/(1 − ν²) of K and G at once and in the end.
+    let strained = |shear: f64| {
+        let (young, poisson) = (36.0 * shear / (12.0 + shear), (12.0 - 2.0 * shear) / (24.0 + 2.0 * shear));
+        2.0 * 0.2 * (1.0 - poisson * poisson) / young
+    };
+    let loads = "[[boundary]]\non = \"top\"\npressure = -0.2\n";
+    let text = block(STRIP.0, &STRIP.1, loads, 1);
+    for (end, shear) in [("1e-9", 2.0), ("1e9", 0.5)] {
+        let problem = parsed(&text.replace("end = 1.0", &format!("end = {end}")));
+        let node = problem.mesh.facets["top"].node_list()[0] as usize;
+        let u = last(&problem).u[node * 2 + 1];
+        assert!((u / strained(shear) - 1.0).abs() < 1e-7, "{u}, expected {}", strained(shear));
+    }
+}
+
+/// Where a branch cannot act on deviators alone, that is said.
+#[test]
+fn faults_of_deviatoric_branches_are_named() {
+    let text = block(STRIP.0, &STRIP.1, "", 1);
+    for (old, new, expected) in [
+        ("plane-strain", "plane-stress", "material.prony[0].deviatoric: found a deviatoric branch in plane stress"),
+        ("deviatoric = true", "deviatoric = 1", "material.prony[0].deviatoric: found 1, expected true or false"),
+        (
+            "kind = \"rectangle\"\nsize = [1.0, 2.0]\nn = [2, 2]\nelements = \"Q1\"",
+            "kind = \"interval\"\nsize = 1.0\nn = 2",
+            "material.prony[0].deviatoric: found a deviatoric branch on a line",
+        ),
+    ] {
+        let said = told(&Source::new("case.toml", text.replace(old, new)), &[]);
+        assert!(said.contains(expected), "{said}");
+    }
 }

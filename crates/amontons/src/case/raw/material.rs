@@ -316,6 +316,9 @@ pub(in crate::case) struct Branch {
     /// Relaxation time in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub time: Steady,
+    /// Whether the branch resists changes of shape alone: the stress deviator relaxes or creeps, the pressure does not.
+    #[serde(default)]
+    pub deviatoric: bool,
 }
 
 /// How the dilatation (change of volume) of a cell is computed.

@@ -28,8 +28,7 @@ pub(in crate::case) use contact::{
 pub(in crate::case) use cyclic::Cyclic;
 pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Scalar, Steady, TableData};
 pub(in crate::case) use material::{
-    Branch, Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor,
-    Viscosity,
+    Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor, Viscosity,
 };
 pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh, Turn};
 pub(in crate::case) use obstacle::{Geometry, Obstacle, Turning};
