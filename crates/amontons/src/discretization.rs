@@ -4,7 +4,7 @@ mod relaxation;
 
 use std::sync::{Arc, OnceLock};
 
-use crate::contact::{ContactBoundary, WornSides};
+use crate::contact::{ContactBoundary, Ways, WornSides};
 use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
@@ -68,6 +68,8 @@ pub struct Discretization {
     pub outside: OnceLock<FacetSet>,
     /// The sides of pairs that wear.
     pub worn: WornSides,
+    /// The ways of fluids along contact points.
+    pub ways: Ways,
 }
 
 /// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
@@ -197,6 +199,7 @@ impl Discretization {
             q_h,
             dilatation: problem.dilatation(),
             worn: WornSides::new(&mesh, &problem.contacts, &boundary, &v.links),
+            ways: Ways::new(&mesh, &problem.contacts, &boundary),
             boundary,
             outside: OnceLock::new(),
             v,

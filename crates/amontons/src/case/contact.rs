@@ -9,8 +9,8 @@ use super::place::At;
 use super::raw::{self, Datum};
 use super::side_facts::SideFacts;
 use crate::contact::{
-    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Preload,
-    Quadrature, Signorini, Sum, WearLaw,
+    Contact, ContactBoundary, Fluid, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw,
+    Preload, Quadrature, Signorini, Sum, WearLaw,
 };
 use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
@@ -58,6 +58,12 @@ impl Build<'_> {
             wear: raw.wear.map(|wear| self.wear(path, &wear, &sites)),
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), &obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
+            fluid: raw.fluid.map(|fluid| Fluid {
+                pressure: self.field(&format!("{path}.fluid.pressure"), &fluid.pressure, &points),
+                from: fluid.from,
+                to: fluid.to,
+                sealed_above: fluid.sealed_above,
+            }),
             preload: raw.preload.map(|preload| Preload {
                 force: self.field(&format!("{path}.preload.force"), &preload.force, &[]),
                 until: preload.until,

@@ -136,6 +136,7 @@ fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
         ("wear", contact.wear.is_some(), "wear"),
         ("foundation_velocity", !contact.foundation_velocity.is_empty(), "a velocity of the foundation"),
         ("preload", contact.preload.is_some(), "a preload"),
+        ("fluid", contact.fluid.is_some(), "a fluid"),
     ];
     let laws = contact.heat.clone().terms().0;
     let seen = laws.iter().find_map(sees_motion).map(|what| ("heat", what));

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::mortar::{Image, Mortar, MortarRow, Share};
 use super::{
-    FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, Preload,
-    WearLaw,
+    Fluid, FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair,
+    Preload, WearLaw,
 };
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
@@ -64,6 +64,8 @@ pub struct Contact {
     pub foundation_velocity: Vec<Field>,
     /// The tension to which the section of a tie is tightened; none where nothing draws its sides together.
     pub preload: Option<Preload>,
+    /// A fluid that enters where the contact is open; none where there is none.
+    pub fluid: Option<Fluid>,
 }
 
 impl Contact {
@@ -87,6 +89,7 @@ impl Contact {
             wear_fraction: 1.0,
             foundation_velocity: Vec::new(),
             preload: None,
+            fluid: None,
         }
     }
 

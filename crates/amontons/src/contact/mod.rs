@@ -6,6 +6,7 @@
 
 mod arrays;
 mod boundary;
+mod fluid;
 mod foundation;
 mod friction;
 mod graded;
@@ -25,6 +26,7 @@ mod worn;
 pub(crate) use arrays::arrays;
 pub use arrays::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, CONTACT_INPUTS};
 pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Side};
+pub use fluid::{Fluid, Leak, Ways, Wet};
 pub use foundation::LumpedFoundation;
 pub use friction::{
     Bound, Capped, Cone, Coulomb, FrictionFormula, FrictionLaw, Frictionless, NoSlip, Orthotropic, StaticKinetic,

@@ -131,6 +131,8 @@ findings! {
     NoContact = "no-contact", Warning, Mechanics;
     /// A contact that few points of a side bear.
     FewPoints = "few-points", Warning, Mechanics;
+    /// A fluid that comes through a contact.
+    Leak = "leak", Warning, Mechanics;
     /// Energy of motion that the scheme takes.
     SchemeShare = "scheme-share", Warning, Mechanics;
     /// A stiffness and a density that no material has together.

@@ -402,6 +402,10 @@ impl Checkpoint {
         same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
         same("contacts", self.state.surface.passed.len(), problem.contacts.len())?;
         same("contacts", self.state.surface.drawn.len(), problem.contacts.len())?;
+        let wet = &self.state.surface.wet;
+        let of_fluids = |count: usize| if discretization.ways.is_empty() { 0 } else { count };
+        same("points that may be wet", wet.points.len(), of_fluids(points))?;
+        same("contacts that may leak", wet.leaks.len(), of_fluids(problem.contacts.len()))?;
         same("steps", self.state.step, self.state.step.min(problem.steps))
     }
 }

@@ -1,7 +1,7 @@
 //! How far a run went: strain, temperatures beyond those of the data, penetration beside the cells.
 
 use super::{Snapshot, cell_values, largest_strain, nodal_stress};
-use crate::contact::{Contact, ContactPoint};
+use crate::contact::{Contact, ContactPoint, Leak};
 use crate::hypotheses::warnings::{Figures, Penetration};
 use crate::material::{Constants, Material};
 use crate::model::cell_heights;
@@ -33,6 +33,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         steps: state.step,
         contact_steps: state.counts.contact_steps,
         few: few(last),
+        leak: leak(last),
         scheme: [state.ledger.scheme_dissipation, state.ledger.kinetic, state.ledger.turned_over],
         von_mises: cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).fold(0.0, f64::max),
         recovered: recovered(last),
@@ -58,6 +59,14 @@ fn recovered(last: &Snapshot) -> Option<(f64, Point)> {
     let all = stresses.regions.iter().flatten().map(|(node, stress)| (stress.von_mises(), *node));
     let (most, node) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some((most, *problem.mesh.points.get(node as usize)?))
+}
+
+/// The contact that a fluid came through first, and the narrowest place on its way.
+fn leak(last: &Snapshot) -> Option<(usize, Leak, Point)> {
+    let leaks = last.state.surface.wet.leaks.iter().enumerate();
+    let (side, leak) =
+        leaks.filter_map(|(side, leak)| Some((side, (*leak)?))).min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
+    Some((side, leak, last.discretization.boundary.points.get(leak.narrowest)?.x))
 }
 
 /// The contact of which the fewest points bear a traction while others are open, and how many do.

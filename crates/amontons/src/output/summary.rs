@@ -190,6 +190,12 @@ pub struct ContactSummary {
     /// By how much its sides are drawn together, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn: Option<f64>,
+    /// Area that a fluid wets, as `area` in m²; of one contact with a fluid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wet_area: Option<f64>,
+    /// When the fluid came through the contact first, s; none as long as it has not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub leaks_since: Option<f64>,
     /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation_temperature: Option<f64>,
@@ -256,10 +262,21 @@ impl ContactSummary {
             heat_passed: passed(one.and_then(|(side, _)| state.surface.passed.get(side))),
             tension,
             drawn,
+            wet_area: one.and_then(|(side, of)| wet(now, contact, (side, of))),
+            leaks_since: one.and_then(|(side, _)| Some((*state.surface.wet.leaks.get(side)?)?.t)),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
             sides: sides.into_iter().enumerate().map(of_contact).collect(),
         }
     }
+}
+
+/// The area that a fluid wets.
+fn wet(now: &Snapshot, contact: &ContactReport, (side, of): (usize, &Contact)) -> Option<f64> {
+    of.fluid.as_ref()?;
+    let wet = now.state.surface.wet.points.iter().enumerate().filter(|(_, wet)| **wet);
+    let points = wet.filter_map(|(i, _)| Some((i, now.discretization.boundary.points.get(i)?)));
+    let own = points.filter(|(_, point)| point.contact == side);
+    Some(sum(&mut own.map(|(i, point)| contact.weights.get(i).copied().unwrap_or(point.weight))))
 }
 
 /// The tension of a section with a preload, and by how much its sides are drawn together.

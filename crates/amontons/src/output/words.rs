@@ -203,7 +203,15 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
     lines.extend((contact.wear_max > 0.0 && !volumes.is_empty()).then(|| row("of this", &volumes.join(", "))));
     lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
     lines.extend(tightened(contact, units));
+    lines.extend(wet(contact, units));
     lines
+}
+
+/// What a fluid wets, and since when it comes through.
+fn wet(contact: &ContactSummary, units: Units) -> Option<Row> {
+    let area = units.write(contact.wet_area?, Measure::Area);
+    let leaks = contact.leaks_since.map(|t| format!(", comes through since t = {}", units.write(t, Measure::Time)));
+    Some(row("fluid", &format!("wets {area}{}", leaks.unwrap_or_default())))
 }
 
 /// The tension of a bolt, and by how much its section is drawn together.

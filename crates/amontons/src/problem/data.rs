@@ -148,6 +148,8 @@ impl ProblemData {
             );
             let surroundings = contact.foundation_heat.iter().map(|foundation| &foundation.surroundings);
             all.extend(surroundings.map(|field| datum("foundation.surroundings".to_owned(), Role::Temperature, field)));
+            let pressure = contact.fluid.iter().map(|fluid| &fluid.pressure);
+            all.extend(pressure.map(|field| datum("fluid.pressure".to_owned(), Role::Traction, field)));
             let force = contact.preload.iter().map(|preload| &preload.force);
             all.extend(force.map(|field| datum("preload.force".to_owned(), Role::Force, field)));
             let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());

@@ -8,6 +8,7 @@ mod check;
 mod choices;
 mod cyclic;
 mod data;
+mod fluid;
 mod loads;
 mod pairs;
 mod preload;

@@ -75,6 +75,8 @@ fn no_heat(step: &Step) -> Heat {
 /// u = w = 0 and no forces.
 fn no_mechanics(step: &Step) -> Mechanics {
     let zero = || List::filled(0.0, step.old.u.len());
+    let mut given = Given::default();
+    given.drawn.clone_from(&step.old.surface.drawn);
     Mechanics {
         u: zero(),
         w: zero(),
@@ -82,6 +84,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         rigid: List::new(),
         relative: None,
         carried: step.old.carried.clone(),
+        wet: Vec::new(),
         multipliers: step.old.multipliers.clone(),
         branches: step.old.branches.clone(),
         relaxing: List::new(),
@@ -91,7 +94,6 @@ fn no_mechanics(step: &Step) -> Mechanics {
         sweeps: 0,
         residual: 0.0,
         scale: 0.0,
-        load: step.discrete.f.at(step.t),
         theta: step.old.theta.clone(),
         thermal: zero(),
         mass_w: zero(),
@@ -99,7 +101,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         a_w: zero(),
         b_w: zero(),
         hold: Hold::default(),
-        given: Given::default(),
+        given,
         force: [0.0; 3],
         reactions: List::new(),
         support_work: 0.0,

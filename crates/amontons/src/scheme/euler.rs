@@ -408,7 +408,12 @@ impl Made {
             multipliers: mechanics.multipliers,
             branches: mechanics.branches,
             carried: mechanics.carried,
-            surface: old.surface.after(step, &mechanics.states, &heat.exchange, mechanics.given.drawn),
+            surface: old.surface.after(
+                step,
+                &mechanics.states,
+                &heat.exchange,
+                (mechanics.given.drawn, &mechanics.wet),
+            ),
             ledger,
             counts,
             temperatures: old.temperatures,

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::fluid;
 use super::system::Step;
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Worn};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Wet, Worn};
 use crate::discretization::Discretization;
 use crate::inclusion::{Exchange, Frame, Passed, PointState, Section};
 use crate::list::List;
@@ -25,6 +26,8 @@ pub struct Accumulated {
     pub passed: List<Passed>,
     /// δ, by which the sides of each contact with a preload are drawn together, m; zero elsewhere.
     pub drawn: List<f64>,
+    /// Where fluids are.
+    pub wet: Wet,
 }
 
 impl Accumulated {
@@ -45,16 +48,17 @@ impl Accumulated {
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
             passed: List::filled(Passed::default(), problem.contacts.len()),
             drawn: List::filled(0.0, problem.contacts.len()),
+            wet: fluid::dry(problem, discrete),
         }
     }
 
-    /// After a step that has drawn the sides of the contacts together by these lengths.
+    /// After a step that has drawn the sides of the contacts together by these lengths, with the points that were wet.
     pub(super) fn after(
         &self,
         step: &Step,
         states: &[PointState],
         exchange: &Exchange,
-        drawn: List<f64>,
+        (drawn, wet): (List<f64>, &[bool]),
     ) -> Accumulated {
         let Step { contacts, discrete, boundary, k, .. } = *step;
         let mut wear: List<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
@@ -68,7 +72,8 @@ impl Accumulated {
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
         let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
-        Accumulated { wear, worn, friction_work, foundation, passed, drawn }
+        let wet = fluid::after(step, &self.wet, wet, states);
+        Accumulated { wear, worn, friction_work, foundation, passed, drawn, wet }
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::apart::{Carried, Rigid, Whole};
 use super::audit::{PowerTerms, Powers};
+use super::fluid::Pools;
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, over_blocks, without_contact};
 use super::{State, StepError};
@@ -42,7 +43,8 @@ pub(super) struct Mechanics {
     /// Residual relative to `scale`, the largest term of the equation.
     pub residual: f64,
     pub scale: f64,
-    pub load: Arc<List<f64>>,
+    /// The contact points that fluids wet.
+    pub wet: Vec<bool>,
     /// The temperature that the half-step was made with, and m(θ, ·) of it.
     pub theta: List<f64>,
     pub thermal: List<f64>,
@@ -238,9 +240,9 @@ impl Mechanics {
         let discrete = step.discrete;
         let is_linear = discrete.is_linear();
         let warmed = discrete.warmed(theta);
-        let Begun { mut now, load, given } =
+        let Begun { mut now, wet, given } =
             from.map_or_else(|| Begun::new(step, &warmed), |from| Begun::from(step, from, &warmed));
-        let mut equation = Equation::new(step, load, given, (theta, warmed))?;
+        let mut equation = Equation::new(step, wet, given, (theta, warmed))?;
         let (mut newton, mut passes) = (0, 0);
         let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
         // K_u is a matrix of the temperature.
@@ -255,6 +257,10 @@ impl Mechanics {
             }
             let settled = equation.settle(half, &now, beside)?;
             newton += settled.iterations;
+            if let Some(pools) = step.spread(&equation.pools, &settled.found.states) {
+                equation.pour(pools);
+                continue;
+            }
             passes += 1;
             equation.given.draw(step, &settled.drawn);
             let next = if is_linear {
@@ -334,7 +340,9 @@ impl Mechanics {
 /// (4.1) in a step: what is known of it before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
+    /// The loads, with the pressure of fluids, and where these are.
     load: Arc<List<f64>>,
+    pools: Pools,
     /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
     warmed: Warmed<'a>,
@@ -346,17 +354,27 @@ impl<'a> Equation<'a> {
     /// With the temperature `theta` in m and in the laws of the body and of contact.
     fn new(
         step: &'a Step,
-        load: Arc<List<f64>>,
+        wet: Vec<bool>,
         mut given: Given,
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_on(step.contacts, theta);
-        given.loads = step.loose.loads(&step.discrete.mesh, &load);
         let numbers = |Frame { gap, gap_rate, normal: n, velocity: v, .. }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<List<f64>>(), "the foundation")?;
-        Ok(Equation { step, load, theta, warmed, thermal: step.discrete.thermal_force(theta), given })
+        let (load, thermal) = (step.discrete.f.at(step.t), step.discrete.thermal_force(theta));
+        let mut equation = Equation { step, load, pools: Pools::default(), theta, warmed, thermal, given };
+        equation.pour(Pools { left: vec![false; wet.len()], wet });
+        Ok(equation)
+    }
+
+    /// Lets fluids be at these contact points.
+    fn pour(&mut self, pools: Pools) {
+        let step = self.step;
+        self.load = step.with_fluid(&step.discrete.f.at(step.t), &pools.wet, &self.given.frames);
+        self.given.loads = step.loose.loads(&step.discrete.mesh, &self.load);
+        self.pools = pools;
     }
 
     /// ρ/δ.
@@ -515,7 +533,7 @@ impl<'a> Equation<'a> {
         end: Balanced,
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
-        let Equation { step, load, theta, thermal, given, .. } = self;
+        let Equation { step, pools, theta, thermal, given, .. } = self;
         let Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work, powers } =
             end;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
@@ -560,7 +578,7 @@ impl<'a> Equation<'a> {
             sweeps,
             residual,
             scale,
-            load,
+            wet: pools.wet,
             theta: copy(theta),
             thermal,
             mass_w: mass_w.into_owned(),
@@ -661,7 +679,7 @@ impl Iterate<'_> {
 /// Where a half-step starts.
 struct Begun<'a> {
     now: Iterate<'a>,
-    load: Arc<List<f64>>,
+    wet: Vec<bool>,
     given: Given,
 }
 
@@ -669,7 +687,6 @@ impl<'a> Begun<'a> {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
     fn new(step: &Step<'a>, warmed: &Warmed) -> Begun<'a> {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
-        let load = discrete.f.at(t);
         let mut w = copy(&old.w);
         let changes = discrete.v.prescribe_rates(t, gamma, bar.u, &mut w);
         let given = Given::new(step, &w);
@@ -692,12 +709,12 @@ impl<'a> Begun<'a> {
             let products = discrete.mechanical_products(&step.deformed(&w), &w, warmed);
             Iterate::new(step, w, multipliers, products)
         };
-        Begun { now, load, given }
+        Begun { now, wet: old.surface.wet.points.clone(), given }
     }
 
     /// At a solution of the same step.
     fn from(step: &Step, m: &'a Mechanics, warmed: &Warmed) -> Begun<'a> {
-        let Mechanics { rigid, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
+        let Mechanics { rigid, multipliers, wet, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         let (w, multipliers) = (List::copied(m.moving()), multipliers.clone());
         let now = if step.discrete.softens() {
             let products = step.discrete.mechanical_products(&m.u, &w, warmed);
@@ -707,7 +724,7 @@ impl<'a> Begun<'a> {
             let (rigid, relaxing, hold) = (rigid.clone(), relaxing.clone(), m.hold.clone());
             Iterate { w, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold }
         };
-        Begun { now, load: Arc::clone(load), given: given.clone() }
+        Begun { now, wet: wet.clone(), given: given.clone() }
     }
 }
 

@@ -6,6 +6,7 @@ mod audit;
 mod coupling;
 mod datum;
 mod euler;
+mod fluid;
 mod foundation;
 mod heat;
 mod ledger;

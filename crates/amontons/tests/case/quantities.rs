@@ -253,7 +253,7 @@ const UNITS: &[(&str, &str)] = &[
           Elasticity orthotropic.shear, Elasticity orthotropic.young, Elasticity anisotropic.voigt, \
           Elasticity von-mises-projection.excess, Elasticity von-mises-projection.young, \
           Elasticity hencky.bulk, Elasticity hencky.shear, Elasticity hencky.shear_infinite, \
-          Friction coulomb.cap, Friction tresca.bound, Friction static-kinetic.cap, \
+          Fluid.pressure, Fluid.sealed_above, Friction coulomb.cap, Friction tresca.bound, Friction static-kinetic.cap, \
           Friction slip-rate.cap, Friction temperature.cap, Friction pressure.cap, \
           Friction pressure.pressure, Friction expression.cap, Normal table.pressure, Normal softening.peak, \
           Normal softening.residual, Normal adhesion.strength",

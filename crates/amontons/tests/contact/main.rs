@@ -12,6 +12,7 @@ mod common;
 mod energy;
 mod facets;
 mod features;
+mod fluid;
 mod foundations;
 mod gap_pressure;
 mod hot_friction;

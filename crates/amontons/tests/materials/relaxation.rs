@@ -313,9 +313,8 @@ fn a_deviatoric_branch_creeps_in_shear() {
     }
 }
 
-/// Under the same pressure on all sides nothing creeps: ε = −p/(3K) at once and for ever. In plane strain the same holds
-/// where the sides move as they like: the in-plane strains follow the branch, as σ₃₃ does, and are those of the
-/// instantaneous and the long-term moduli at the start and the end.
+/// Under the same pressure on all sides nothing creeps: ε = −p/(3K) at once and for ever. In plane strain a tension
+/// strains as the instantaneous and the long-term moduli say at the start and the end.
 #[test]
 fn a_deviatoric_branch_bears_pressure_without_creep() {
     let all = |sides: &[&str]| -> String {

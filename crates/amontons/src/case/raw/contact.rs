@@ -131,6 +131,27 @@ pub(in crate::case) struct Contact {
     /// Tension to which the section of a bolt is tightened and then left to itself; the contact is a tie.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preload: Option<Preload>,
+    /// Fluid that enters where the contact is open, and presses its sides apart there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<Fluid>,
+}
+
+/// A fluid beside a contact, as on the pressure side of a seal.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Fluid {
+    /// Its pressure in Pa, besides the pressure of the sides on each other.
+    pub pressure: Datum,
+    /// Name of the side, edge or points at which it stands before the contact: they meet the side `on` or `with` there.
+    pub from: String,
+    /// Name of the side, edge or points that it should not reach: that it leaks through the contact is told.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub to: String,
+    /// Contact pressure in Pa above which a point keeps it out, as rough faces need it; default: every point that is
+    /// pressed does.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub sealed_above: f64,
 }
 
 /// The preload of a bolt that is cut at a section and tied there.

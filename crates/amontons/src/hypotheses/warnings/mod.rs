@@ -23,6 +23,7 @@
 //! | `undetermined-motion` | no support, contact or load determines a rigid motion | the run |
 //! | `no-contact` | no contact point presses in any step | the run |
 //! | `few-points` | a contact that ends within a side is borne by fewer than four points | the run |
+//! | `leak` | a fluid has come through a contact to where it should not be | the run |
 //! | `scheme-share` | the scheme takes more than 5 % of the energy of a motion | the run |
 //! | `magnitude` | waves in a material are slower or faster than in any | the material |
 //! | `no-effect` | results do not depend on a datum | the data |

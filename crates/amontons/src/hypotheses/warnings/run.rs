@@ -3,6 +3,7 @@
 use super::super::laws::at;
 use super::super::{Finding, FindingId};
 use super::warning;
+use crate::contact::Leak;
 use crate::linalg::PATTERNS;
 use crate::problem::Problem;
 use crate::tensor::Point;
@@ -52,6 +53,8 @@ pub struct Figures {
     pub contact_steps: usize,
     /// The contact of which the fewest points bear a traction at the last step while others are open, and how many do.
     pub few: Option<(usize, usize)>,
+    /// The contact that a fluid came through first, and where: the narrowest place on its way.
+    pub leak: Option<(usize, Leak, Point)>,
     /// What the scheme took of the energy, the kinetic energy at the last step, and all that was turned over.
     pub scheme: [f64; 3],
     /// Largest von Mises stress at the centre of a cell, Pa.
@@ -86,6 +89,7 @@ pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
         undetermined(problem, figures),
         no_contact(problem, figures),
         few_points(problem, figures),
+        leak(problem, figures),
         scheme_share(problem, figures),
         nodal_stress(problem, figures),
         many_systems(figures),
@@ -220,6 +224,27 @@ fn few_points(problem: &Problem, figures: &Figures) -> Option<Finding> {
     );
     let repair = "use facets there that are at most a quarter as long as the contact";
     Some(warning(FindingId::FewPoints, "mesh", [pressed as f64, POINTS as f64], message, repair))
+}
+
+/// `leak`.
+fn leak(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let (side, Leak { t, gap, .. }, x) = figures.leak?;
+    let fluid = problem.contacts.get(side)?.fluid.as_ref()?;
+    let units = problem.units();
+    let narrow = if gap >= 0.0 {
+        format!("past a gap of {} at {}", units.write(gap, Measure::Length), at(&x))
+    } else {
+        format!("past {}, where the sides press by less than `sealed_above`", at(&x))
+    };
+    let message = format!(
+        "the fluid comes from \"{}\" through the contact to \"{}\" at t = {}, {narrow}",
+        fluid.from,
+        fluid.to,
+        units.write(t, Measure::Time)
+    );
+    let place = format!("{}.fluid", problem.contact_path(side));
+    let repair = "press the seal more, or lower the pressure of the fluid";
+    Some(warning(FindingId::Leak, &place, [t, problem.end], message, repair))
 }
 
 /// `scheme-share`: where there is a motion that it could slow down. What the scheme takes of a slow process is that of

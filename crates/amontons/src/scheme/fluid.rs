@@ -1,0 +1,92 @@
+//! Fluids in a step: which contact points they wet, and how they press.
+
+use std::sync::Arc;
+
+use super::system::{Step, difference, on_degrees};
+use crate::contact::{Leak, Wet};
+use crate::discretization::Discretization;
+use crate::inclusion::{Frame, PointState};
+use crate::list::List;
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// The contact points that fluids wet in a step, and those that they have left in it; empty without a fluid.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pools {
+    pub wet: Vec<bool>,
+    pub left: Vec<bool>,
+}
+
+/// No point is wet before the first step.
+pub(super) fn dry(problem: &Problem, discrete: &Discretization) -> Wet {
+    if discrete.ways.is_empty() {
+        return Wet::default();
+    }
+    Wet { points: vec![false; discrete.boundary.points.len()], leaks: vec![None; problem.contacts.len()] }
+}
+
+/// Whether a fluid passes a point in its state; never where there is none.
+fn passes(step: &Step, i: usize, states: &[PointState]) -> bool {
+    let (Some(point), Some(state)) = (step.boundary.points.get(i), states.get(i)) else { return false };
+    let fluid = step.contacts.get(point.contact).and_then(|contact| contact.fluid.as_ref());
+    fluid.is_some_and(|fluid| fluid.passes(point, state.penetration, state.pressure))
+}
+
+impl Step<'_> {
+    /// The loads with the pressure of fluids at the points that are wet: −Σ ω Nᵀ p_f ν besides.
+    pub(super) fn with_fluid(&self, load: &Arc<List<f64>>, wet: &[bool], frames: &[Frame]) -> Arc<List<f64>> {
+        if !wet.contains(&true) {
+            return Arc::clone(load);
+        }
+        let points = self.boundary.points.iter().zip(frames).zip(wet);
+        let pressed = points.map(|((point, frame), wet)| -> Point {
+            let fluid = self.contacts.get(point.contact).and_then(|contact| contact.fluid.as_ref());
+            let pressure = fluid.filter(|_| *wet).map_or(0.0, |fluid| fluid.pressure.value(&point.x, self.t));
+            frame.normal.map(|c| pressure * c)
+        });
+        Arc::new(difference(load, &on_degrees(self.boundary, &self.discrete.v, pressed)))
+    }
+
+    /// Where fluids go on from the points that are wet, in the states that these are in: to those that they reach, else
+    /// out of those that have closed, and of what is cut off behind these. A point is left once in a step; none if
+    /// nothing changes.
+    pub(super) fn spread(&self, pools: &Pools, states: &[PointState]) -> Option<Pools> {
+        let ways = &self.discrete.ways;
+        if ways.is_empty() {
+            return None;
+        }
+        let Pools { wet, left } = pools;
+        let at = |all: &[bool], i: usize| all.get(i).copied().unwrap_or(false);
+        let found = |reached: Vec<Option<usize>>| -> Vec<bool> { reached.iter().map(Option::is_some).collect() };
+        let reached = found(ways.reached(|i| at(wet, i) || passes(self, i, states)));
+        let grown: Vec<bool> = (0..reached.len()).map(|i| at(&reached, i) || at(wet, i)).collect();
+        if grown != *wet {
+            return Some(Pools { wet: grown, left: left.clone() });
+        }
+        let stays = found(ways.reached(|i| at(wet, i) && (passes(self, i, states) || at(left, i))));
+        let leaves = |i: usize| at(wet, i) && !at(&stays, i) && !at(left, i);
+        let left: Vec<bool> = (0..wet.len()).map(|i| at(left, i) || leaves(i)).collect();
+        let kept: Vec<bool> = (0..wet.len()).map(|i| at(wet, i) && !leaves(i)).collect();
+        (kept != *wet).then_some(Pools { wet: kept, left })
+    }
+}
+
+/// What is wet after a step in which these points were: those that have closed hold no fluid in the next one.
+pub(super) fn after(step: &Step, before: &Wet, wet: &[bool], states: &[PointState]) -> Wet {
+    let ways = &step.discrete.ways;
+    if ways.is_empty() {
+        return Wet::default();
+    }
+    let is_wet = |i: usize| wet.get(i).copied().unwrap_or(false);
+    let mut leaks = before.leaks.clone();
+    for way in ways.through(&ways.reached(is_wet)) {
+        let gap = |i: &usize| states.get(*i).map_or(0.0, |state| 0.0 - state.penetration);
+        let Some(narrowest) = way.iter().copied().min_by(|i, j| gap(i).total_cmp(&gap(j))) else { continue };
+        let contact = step.boundary.points.get(narrowest).map_or(usize::MAX, |point| point.contact);
+        if let Some(leak) = leaks.get_mut(contact).filter(|leak| leak.is_none()) {
+            *leak = Some(Leak { t: step.t, narrowest, gap: gap(&narrowest) });
+        }
+    }
+    let left = ways.reached(|i| is_wet(i) && passes(step, i, states));
+    Wet { points: left.iter().map(Option::is_some).collect(), leaks }
+}
