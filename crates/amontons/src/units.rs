@@ -92,8 +92,10 @@ pub enum Measure {
     SurfaceWork,
     /// Force on a body, an integral over a side.
     Force,
-    /// Moment of the tractions on a side about the axis of revolution.
+    /// Moment of the forces on a side about a point or an axis.
     Moment,
+    /// Rotation.
+    Angle,
     /// Energy, work and heat of a body.
     Energy,
     /// Power and heat flow.
@@ -116,9 +118,9 @@ const ROUNDED_UP: f64 = 2.172_02e-4;
 /// The powers of ten between which a unit takes prefixes.
 fn prefixes(symbol: &str) -> [i32; 2] {
     match symbol {
-        // Seconds and kelvins are not counted in thousands, and a prefix of an area or volume would count twice or
+        // Seconds, kelvins and radians are not counted in thousands, and a prefix of an area or volume would count twice or
         // thrice.
-        "s" | "K" => [-12, 0],
+        "s" | "K" | "rad" => [-12, 0],
         "m" | "m/s" => [-12, 3],
         // Nobody counts in millipascals.
         "Pa" => [0, 12],
@@ -162,6 +164,7 @@ impl Units {
             Measure::SurfaceWork => "J/m²",
             Measure::Force => by_extent(["N/m²", "N/m", "N"]),
             Measure::Moment => by_extent(["N m/m²", "N m/m", "N m"]),
+            Measure::Angle => "rad",
             Measure::Energy => by_extent(["J/m²", "J/m", "J"]),
             Measure::Power => by_extent(["W/m²", "W/m", "W"]),
             Measure::Area => by_extent(["m²/m²", "m²/m", "m²"]),

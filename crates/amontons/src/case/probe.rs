@@ -16,6 +16,7 @@ struct Target<'r> {
     contact: Option<&'r String>,
     region: Option<&'r String>,
     take: Option<raw::Over>,
+    about: Option<&'r Vec<f64>>,
 }
 
 impl Build<'_> {
@@ -53,11 +54,13 @@ impl Build<'_> {
                 contact: probe.contact.as_ref(),
                 region: probe.region.as_ref(),
                 take: probe.take,
+                about: probe.about.as_ref(),
             };
             if let Some(place) = self.probe_place(&target, problem)
                 && let Some(quantity) = Quantity::parse(&probe.quantity)
+                && let Ok(about) = self.probe_about(&target, problem.mesh.dim)
             {
-                let read = Probe { name: probe.name.clone(), quantity, place };
+                let read = Probe { name: probe.name.clone(), quantity, place, about };
                 self.check_probe(&target, "quantity", problem, &read);
                 probes.push(read);
             }
@@ -67,7 +70,7 @@ impl Build<'_> {
 
     /// The probe of a check of `[verify]`; none if it has faults.
     pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
-        let raw::Check::Probe { field, at, on, contact, region, take, .. } = check else { return None };
+        let raw::Check::Probe { field, at, on, contact, region, take, about, .. } = check else { return None };
         let target = Target {
             path: format!("verify.check[{i}]"),
             at: at.as_ref(),
@@ -75,9 +78,11 @@ impl Build<'_> {
             contact: contact.as_ref(),
             region: region.as_ref(),
             take: *take,
+            about: about.as_ref(),
         };
         let (place, quantity) = (self.probe_place(&target, problem)?, Quantity::parse(field)?);
-        let probe = Probe { name: describe(field, &place, problem.mesh.dim), quantity, place };
+        let about = self.probe_about(&target, problem.mesh.dim).ok()?;
+        let probe = Probe { name: describe(field, &place, problem.mesh.dim), quantity, place, about };
         self.check_probe(&target, "field", problem, &probe);
         Some(probe)
     }
@@ -126,14 +131,24 @@ impl Build<'_> {
 
     /// A point of the body, or of a contact.
     fn probe_point(&mut self, target: &Target, dim: usize) -> Option<ProbePlace> {
-        let at = target.at?;
-        if at.len() != dim {
-            let found = format!("{} coordinates", at.len());
-            self.note(&format!("{}.at", target.path), At::Value, found, format!("{dim} coordinates"), None);
+        let point = self.probe_coordinates(&format!("{}.at", target.path), target.at?, dim)?;
+        Some(target.contact.map_or(ProbePlace::At(point), |name| ProbePlace::AtContact(point, name.clone())))
+    }
+
+    /// The point about which a moment is taken, if one is given.
+    fn probe_about(&mut self, target: &Target, dim: usize) -> Result<Option<Point>, ()> {
+        let Some(about) = target.about else { return Ok(None) };
+        self.probe_coordinates(&format!("{}.about", target.path), about, dim).map(Some).ok_or(())
+    }
+
+    /// As many coordinates as the body has.
+    fn probe_coordinates(&mut self, path: &str, given: &[f64], dim: usize) -> Option<Point> {
+        if given.len() != dim {
+            let found = format!("{} coordinates", given.len());
+            self.note(path, At::Value, found, format!("{dim} coordinates"), None);
             return None;
         }
-        let point = std::array::from_fn(|c| at.get(c).copied().unwrap_or_default());
-        Some(target.contact.map_or(ProbePlace::At(point), |name| ProbePlace::AtContact(point, name.clone())))
+        Some(std::array::from_fn(|c| given.get(c).copied().unwrap_or_default()))
     }
 
     /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
@@ -178,12 +193,23 @@ impl Build<'_> {
             error @ ProbeError::Resultant(_) => {
                 self.note(&path("take"), At::Value, error.to_string(), "\"integral\": the sum over the nodes", None);
             }
+            error @ ProbeError::OnlyMean(_) => {
+                let expected = "\"mean\": the rotation of the side or region as a whole";
+                self.note(&path("take"), At::Value, error.to_string(), expected, None);
+            }
+            error @ ProbeError::About(_) => {
+                let expected = "`about` of reaction_moment or total_moment";
+                self.note(&path("about"), At::Key, error.to_string(), expected, None);
+            }
             error @ (ProbeError::Component { .. }
             | ProbeError::Normal(_)
             | ProbeError::Contact(_)
             | ProbeError::OfBody(_)
             | ProbeError::Free(..)
             | ProbeError::Absent(_)
+            | ProbeError::Still(..)
+            | ProbeError::Alone(_)
+            | ProbeError::Whole(_)
             | ProbeError::Hoop) => {
                 self.note(&path(quantity), At::Value, error.to_string(), "a quantity that exists there", None);
             }

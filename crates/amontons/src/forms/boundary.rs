@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::element::ShapeTable;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, Graph};
-use crate::mesh::{FacetMap, Mesh};
+use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::{BoundaryCondition, Support};
 use crate::tensor::Point;
 
@@ -17,12 +17,11 @@ fn assemble<'a, K: 'a>(
     mesh: &Mesh,
     graph: &Arc<Graph>,
     components: usize,
-    sides: impl Iterator<Item = (&'a str, &'a K)>,
+    sides: impl Iterator<Item = (&'a FacetSet, &'a K)>,
     coefficient: impl Fn(&K, &FacetMap) -> [Point; 3],
 ) -> Option<BlockMatrix> {
     let mut matrix = None;
-    for (on, given) in sides {
-        let Some(set) = mesh.facets.get(on) else { continue };
+    for (set, given) in sides {
         let matrix = matrix.get_or_insert_with(|| BlockMatrix::zero(graph, components, components));
         for block in &set.blocks {
             let table = ShapeTable::new(block.element, 2 * block.element.degree + 2);
@@ -60,35 +59,43 @@ fn stiffness(support: &Support, map: &FacetMap) -> [Point; 3] {
     }
 }
 
+/// The sides of conditions that have one, with what they have there.
+fn sides<'a, K: 'a>(
+    mesh: &'a Mesh,
+    boundary: &'a [BoundaryCondition],
+    of: fn(&BoundaryCondition) -> Option<&K>,
+) -> impl Iterator<Item = (&'a FacetSet, &'a K)> {
+    boundary.iter().filter_map(move |b| Some((mesh.facets.get(&b.on)?, of(b)?)))
+}
+
 /// ∫ (κ u)·v of the springs at the boundary, whose traction is −κu.
 #[must_use]
 pub fn springs(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
-    assemble(
-        mesh,
-        graph,
-        mesh.dim,
-        boundary.iter().filter_map(|b| Some((b.on.as_str(), b.spring.as_ref()?))),
-        stiffness,
-    )
+    assemble(mesh, graph, mesh.dim, sides(mesh, boundary, |b| b.spring.as_ref()), stiffness)
 }
 
 /// ∫ (κ w)·v of the dashpots at the boundary, whose traction is −κu̇.
 #[must_use]
 pub fn dashpots(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
-    assemble(
-        mesh,
-        graph,
-        mesh.dim,
-        boundary.iter().filter_map(|b| Some((b.on.as_str(), b.dashpot.as_ref()?))),
-        stiffness,
-    )
+    assemble(mesh, graph, mesh.dim, sides(mesh, boundary, |b| b.dashpot.as_ref()), stiffness)
+}
+
+/// [`springs`] and [`dashpots`] on the facets of a set alone.
+pub(crate) fn supports_on(mesh: &Mesh, boundary: &[BoundaryCondition], set: &FacetSet) -> [Option<BlockMatrix>; 2] {
+    let graph = Arc::new(Graph::of_mesh(mesh));
+    let kinds: [fn(&BoundaryCondition) -> Option<&Support>; 2] = [|b| b.spring.as_ref(), |b| b.dashpot.as_ref()];
+    kinds.map(|of| {
+        let common: Vec<(FacetSet, &Support)> =
+            sides(mesh, boundary, of).map(|(side, support)| (set.common(side), support)).collect();
+        let common = common.iter().filter(|(common, _)| !common.is_empty());
+        assemble(mesh, &graph, mesh.dim, common.map(|(common, support)| (common, *support)), stiffness)
+    })
 }
 
 /// ∫ h θ η of the heat exchange −q·ν = h (θ_a − θ); its other part is a load, see [`super::q`].
 #[must_use]
 pub fn convection(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
-    let sides = boundary.iter().filter_map(|b| Some((b.on.as_str(), b.convection.as_ref()?)));
-    assemble(mesh, graph, 1, sides, |convection, map| {
+    assemble(mesh, graph, 1, sides(mesh, boundary, |b| b.convection.as_ref()), |convection, map| {
         [[convection.coefficient.value(&map.position, 0.0), 0.0, 0.0], [0.0; 3], [0.0; 3]]
     })
 }

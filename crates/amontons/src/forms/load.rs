@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::list::List;
-use crate::mesh::{CellMap, FacetMap, Mesh};
+use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{BoundaryCondition, Convection, ProblemData, RegionLoad, RigidPart};
 use crate::space::RigidNodes;
 use crate::tensor::Point;
@@ -130,12 +130,14 @@ fn add_cell_terms(mesh: &Mesh, load: &mut Load, terms: &CellTerms) {
 fn facet_terms(
     mesh: &Mesh,
     load: &mut Load,
-    on: &str,
+    set: &FacetSet,
     field: &Field,
     components: usize,
     direction: impl Fn(&FacetMap) -> Point,
 ) {
-    let Some(set) = mesh.named(on).filter(|_| !field.is_zero()) else { return };
+    if field.is_zero() {
+        return;
+    }
     for block in &set.blocks {
         let table = ShapeTable::new(block.element, data_degree(block.element));
         let mut map = FacetMap::new(mesh, &table);
@@ -220,17 +222,41 @@ pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> L
         cell_terms(mesh, &mut load, field, mesh.dim, c);
     }
     for condition in boundary {
-        for (c, field) in condition.traction.iter().flatten().enumerate() {
-            facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c));
-        }
-        let size = mesh.named(&condition.on).map_or(1.0, |set| mesh.measure(set));
-        for (c, field) in condition.force.iter().flatten().enumerate() {
-            facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c).map(|e| e / size));
-        }
-        if let Some(pressure) = &condition.pressure {
-            facet_terms(mesh, &mut load, &condition.on, pressure, mesh.dim, |map| map.normal.map(|nu| -nu));
+        if let Some(set) = mesh.named(&condition.on) {
+            condition_terms(mesh, &mut load, condition, set);
         }
     }
+    load
+}
+
+/// The terms of a condition on some facets of its side.
+fn condition_terms(mesh: &Mesh, load: &mut Load, condition: &BoundaryCondition, set: &FacetSet) {
+    for (c, field) in condition.traction.iter().flatten().enumerate() {
+        facet_terms(mesh, load, set, field, mesh.dim, |_| unit(c));
+    }
+    let size = mesh.named(&condition.on).map_or(1.0, |set| mesh.measure(set));
+    for (c, field) in condition.force.iter().flatten().enumerate() {
+        facet_terms(mesh, load, set, field, mesh.dim, |_| unit(c).map(|e| e / size));
+    }
+    if let Some(pressure) = &condition.pressure {
+        facet_terms(mesh, load, set, pressure, mesh.dim, |map| map.normal.map(|nu| -nu));
+    }
+}
+
+/// The part of the loads of a problem that is on some facets: of each condition that on the facets of both, and what
+/// acts on rigid parts all of whose nodes are among theirs.
+pub(crate) fn load_on(problem: &ProblemData, set: &FacetSet) -> Load {
+    let (mesh, nodes) = (&problem.mesh, set.node_list());
+    let mut load = Load::new(mesh.points.len() * mesh.dim);
+    for condition in &problem.boundary {
+        let common = mesh.named(&condition.on).map(|of_condition| set.common(of_condition));
+        if let Some(common) = common.filter(|common| !common.is_empty()) {
+            condition_terms(mesh, &mut load, condition, &common);
+        }
+    }
+    let is_in = |node: &u32| nodes.binary_search(node).is_ok();
+    let of_set = problem.rigid.iter().filter(|part| part.nodes(mesh).iter().all(is_in));
+    of_set.for_each(|part| rigid_terms(mesh, &mut load, part));
     load
 }
 
@@ -240,13 +266,12 @@ pub fn q(mesh: &Mesh, heat_source: &Field, boundary: &[BoundaryCondition]) -> Lo
     let mut load = Load::new(mesh.points.len());
     cell_terms(mesh, &mut load, heat_source, 1, 0);
     for condition in boundary {
+        let Some(set) = mesh.named(&condition.on) else { continue };
         if let Some(field) = &condition.heat_inflow {
-            facet_terms(mesh, &mut load, &condition.on, field, 1, |_| unit(0));
+            facet_terms(mesh, &mut load, set, field, 1, |_| unit(0));
         }
         if let Some(Convection { coefficient, ambient }) = &condition.convection {
-            facet_terms(mesh, &mut load, &condition.on, ambient, 1, |map| {
-                [coefficient.value(&map.position, 0.0), 0.0, 0.0]
-            });
+            facet_terms(mesh, &mut load, set, ambient, 1, |map| [coefficient.value(&map.position, 0.0), 0.0, 0.0]);
         }
     }
     load

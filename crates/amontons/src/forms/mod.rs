@@ -37,9 +37,10 @@ use std::sync::Arc;
 
 pub use crate::material::Dilatation;
 pub(crate) use assembly::is_mean;
+pub(crate) use boundary::supports_on;
 pub use boundary::{convection, dashpots, springs};
-pub(crate) use load::data_degree;
 pub use load::{Load, f, mechanical_load, q, thermal_load};
+pub(crate) use load::{data_degree, load_on};
 pub(crate) use points::StrainPoints;
 pub use state::{energy, residual, tangent};
 pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};

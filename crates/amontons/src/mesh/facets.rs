@@ -58,6 +58,18 @@ impl FacetSet {
         self.blocks.iter().all(|block| block.nodes.is_empty())
     }
 
+    /// The facets of this set that another one has, too.
+    #[must_use]
+    pub fn common(&self, other: &FacetSet) -> FacetSet {
+        let key = |(element, nodes): &(&'static Element, &[u32])| facet_key(element, nodes.iter().copied());
+        let known: HashSet<FacetKey> = other.facets().map(|facet| key(&facet)).collect();
+        let mut common = FacetSet::default();
+        for facet in self.facets().filter(|facet| known.contains(&key(facet))) {
+            common.push(facet.0, facet.1.iter().copied());
+        }
+        common
+    }
+
     /// The nodes of the set, each once, ascending.
     #[must_use]
     pub fn node_list(&self) -> Vec<u32> {

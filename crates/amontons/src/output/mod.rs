@@ -8,6 +8,7 @@
 //! What is computed from a state beside the unknowns: [`cell_values`] (strain, stress, heat flux of the cells),
 //! [`nodal_stress`] (stresses recovered at the nodes), and [`ProbeSet`] (numbers at points, over sides and regions).
 
+mod borne;
 mod cells;
 pub mod checkpoint;
 pub mod columns;
@@ -27,6 +28,7 @@ mod owned;
 mod packed;
 mod probe;
 mod probe_place;
+mod probe_take;
 mod quantity;
 mod reaction;
 mod recovery;
@@ -35,6 +37,7 @@ mod shown;
 mod study;
 mod summary;
 mod surface;
+mod turned;
 mod vtu;
 mod words;
 

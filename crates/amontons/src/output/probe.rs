@@ -2,13 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::borne::Borne;
 use super::cells::Tables;
 use super::probe_place::{Probe, ProbeError, ProbePlace, Take};
-use super::quantity::{Base, OnContact, Quantity, Selection};
+use super::probe_take::{faced, on_contact, reduce};
+use super::quantity::{Base, OF_WHOLE, OnContact, Quantity, Selection};
 use super::reaction::Held;
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
+use super::turned::Turned;
 use super::{PointValues, Snapshot};
-use crate::contact::{Contact, ContactBoundary, Shares, Status, names, read, read_vector};
+use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
@@ -32,9 +35,27 @@ struct Prepared {
     take: Option<Take>,
     /// For a quantity of contact.
     contact: OnPoints,
-    /// For a reaction.
-    held: Option<Held>,
+    /// For what is of a side as a whole.
+    whole: Option<Whole>,
     spots: Vec<Spot>,
+}
+
+/// What a side as a whole has.
+#[derive(Debug)]
+enum Whole {
+    Held(Held),
+    Borne(Box<Borne>),
+    Turned(Turned),
+}
+
+impl Whole {
+    fn value(&self, now: &Snapshot) -> Point {
+        match self {
+            Whole::Held(held) => held.resultant(now),
+            Whole::Borne(borne) => borne.value(now),
+            Whole::Turned(turned) => turned.value(now),
+        }
+    }
 }
 
 /// Contact points that a probe reads.
@@ -69,8 +90,8 @@ impl ProbeSet {
         let mesh = &problem.mesh;
         let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
-            let (contact, held, spots) = builder.spots(probe).map_err(|error| (i, error))?;
-            prepared.push(Prepared { quantity: probe.quantity, take: probe.place.take(), contact, held, spots });
+            let (contact, whole, spots) = builder.spots(probe).map_err(|error| (i, error))?;
+            prepared.push(Prepared { quantity: probe.quantity, take: probe.place.take(), contact, whole, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
         let samples: BTreeSet<Sample> =
@@ -110,8 +131,8 @@ impl ProbeSet {
 
 impl Prepared {
     fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
-        if let Some(held) = &self.held {
-            return self.quantity.parts(dim, &held.resultant(now));
+        if let Some(whole) = &self.whole {
+            return self.quantity.parts(dim, &whole.value(now));
         }
         if let Base::Contact(quantity) = self.quantity.base {
             return self.on_points(dim, now, quantity);
@@ -171,53 +192,6 @@ impl Prepared {
     }
 }
 
-/// What has a weight: what nothing faces takes no part in extremes. All of them where nothing has a weight.
-fn faced<T>(all: impl Iterator<Item = (f64, T)>) -> Vec<(f64, T)> {
-    let mut all: Vec<(f64, T)> = all.collect();
-    if all.iter().any(|(weight, _)| *weight != 0.0) {
-        all.retain(|(weight, _)| *weight != 0.0);
-    }
-    all
-}
-
-/// The value at a contact point, a number in the first component; that of a step is not a number at t = 0.
-fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point {
-    let (surface, state) = (&now.state.surface, now.report.and_then(|report| report.contact.states.get(i)));
-    let number = |value: Option<f64>| [value.unwrap_or(f64::NAN), 0.0, 0.0];
-    let vector = |value: Option<Point>| value.unwrap_or([f64::NAN; 3]);
-    match quantity {
-        OnContact::Wear => number(surface.wear.get(i).copied()),
-        OnContact::FrictionWork => number(surface.friction_work.get(i).copied()),
-        OnContact::Pressure => number(state.map(|state| state.pressure)),
-        OnContact::Penetration => number(state.map(|state| state.penetration)),
-        OnContact::Touching => number(state.map(|state| f64::from(u8::from(state.status != Status::Open)))),
-        OnContact::Traction => vector(state.map(|state| state.q.map(|q| 0.0 - q))),
-        OnContact::SlipVelocity => vector(state.map(|state| state.slip)),
-    }
-}
-
-/// Mean, extreme or integral of values with their weights; of a single point its value.
-fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let sums = |values: &mut dyn Iterator<Item = (f64, f64)>| {
-        values.fold((0.0, 0.0), |(w, s), (weight, value)| (w + weight, s + weight * value))
-    };
-    let (mut values, extreme) = (values, |fold: fn(f64, f64) -> f64, values: &mut dyn Iterator<Item = (f64, f64)>| {
-        values
-            .map(|(_, value)| value)
-            .reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { fold(a, b) })
-            .unwrap_or(f64::NAN)
-    });
-    match take {
-        None | Some(Take::Integral) => sums(&mut values).1,
-        Some(Take::Mean) => {
-            let (measure, sum) = sums(&mut values);
-            if measure == 0.0 && sum == 0.0 { 0.0 } else { sum / measure }
-        }
-        Some(Take::Max) => extreme(f64::max, &mut values),
-        Some(Take::Min) => extreme(f64::min, &mut values),
-    }
-}
-
 /// The points of a cell: those of the recovery first, then those of a rule for integrals of what is linear in the
 /// gradients.
 fn points(element: &Element) -> Rule {
@@ -238,8 +212,8 @@ enum Found<'a> {
     Contact(Vec<(usize, f64)>, Vec<usize>),
     /// The depth off a side of a pair.
     Worn,
-    /// Nodes at which values are prescribed.
-    Held(Held),
+    /// What is of a side as a whole.
+    Whole(Whole),
     Point {
         block: usize,
         cell: usize,
@@ -249,8 +223,8 @@ enum Found<'a> {
     Region(usize, Take),
 }
 
-/// What a probe reads: contact points, reactions, or spots in the body.
-type Read = (OnPoints, Option<Held>, Vec<Spot>);
+/// What a probe reads: contact points, a side as a whole, or spots in the body.
+type Read = (OnPoints, Option<Whole>, Vec<Spot>);
 
 /// Prepares probes, each patch of the recovery once.
 struct Builder<'a> {
@@ -299,7 +273,7 @@ impl<'a> Builder<'a> {
                 let worn = if let ProbePlace::On(name, _) = &probe.place { Some(name.clone()) } else { None };
                 return Ok((OnPoints { worn, ..OnPoints::default() }, None, Vec::new()));
             }
-            Found::Held(held) => return Ok((OnPoints::default(), Some(held), Vec::new())),
+            Found::Whole(whole) => return Ok((OnPoints::default(), Some(whole), Vec::new())),
             Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             Found::Side(set, take) => self.on(quantity, set, take),
             Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
@@ -318,9 +292,10 @@ impl<'a> Builder<'a> {
             _ if !(if of_heat { physics.has_heat() } else { physics.has_mechanics() }) => {
                 return Err(ProbeError::Absent(quantity.name()));
             }
+            _ if probe.about.is_some() && !quantity.is_moment() => return Err(ProbeError::About(quantity.name())),
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
             (_, Selection::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
-            (_, Selection::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
+            _ if !quantity.has_component(mesh.dim) => {
                 return Err(ProbeError::Component { name: quantity.name(), dim: mesh.dim });
             }
             _ => {}
@@ -331,6 +306,7 @@ impl<'a> Builder<'a> {
                 Err(ProbeError::OfBody(quantity.name()))
             }
             _ if matches!(quantity.base, Base::Reaction | Base::ReactionHeat) => self.held(probe),
+            _ if OF_WHOLE.contains(&quantity.base) => self.of_whole(probe),
             ProbePlace::Contact(name, _) => self.of_contact(name),
             ProbePlace::AtContact(point, name) => {
                 let only = self.contact(name)?;
@@ -362,7 +338,7 @@ impl<'a> Builder<'a> {
     /// The nodes of a side, an edge or points whose reaction is asked for.
     fn held(&self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, Quantity { base, .. }, name) = (self.mesh, probe.quantity, probe.quantity.name());
-        let prescribed = if base == Base::Reaction { "displacement" } else { "temperature" };
+        let prescribed = if base == Base::ReactionHeat { "temperature" } else { "displacement" };
         let known = || ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect());
         let nodes = match &probe.place {
             ProbePlace::At(point) | ProbePlace::AtContact(point, _) => mesh.nodes_at(point),
@@ -370,7 +346,54 @@ impl<'a> Builder<'a> {
             ProbePlace::On(..) => return Err(ProbeError::Resultant(name)),
             ProbePlace::Region(..) | ProbePlace::Contact(..) => Vec::new(),
         };
-        Held::new(self.problem, base, nodes).map(Found::Held).ok_or(ProbeError::Free(name, prescribed))
+        let about = probe.quantity.is_moment().then(|| self.about(probe));
+        let held = Held::new(self.problem, base, nodes, about).map(Whole::Held);
+        held.map(Found::Whole).ok_or(ProbeError::Free(name, prescribed))
+    }
+
+    /// The point about which the moment of a probe is taken.
+    fn about(&self, probe: &Probe) -> Point {
+        let of_side = |on: &String| {
+            let part = self.problem.rigid.iter().find(|part| part.on == *on);
+            part.and_then(|part| part.at).or_else(|| self.mesh.centre(self.mesh.named(on)?))
+        };
+        let of_place = || match &probe.place {
+            ProbePlace::On(on, _) => of_side(on),
+            ProbePlace::At(point) | ProbePlace::AtContact(point, _) => Some(*point),
+            ProbePlace::Region(..) | ProbePlace::Contact(..) => None,
+        };
+        probe.about.or_else(of_place).unwrap_or_default()
+    }
+
+    /// A moment, what a side bears, or its rotation.
+    fn of_whole(&self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
+        let (mesh, quantity, name) = (self.mesh, probe.quantity, probe.quantity.name());
+        if quantity.is_axial() && (mesh.axisymmetric || mesh.dim == 1) {
+            let body = if mesh.axisymmetric { "a body of revolution" } else { "a body on a line" };
+            return Err(ProbeError::Still(name, body));
+        }
+        let known = || ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect());
+        let whole = match (quantity.base, &probe.place) {
+            (Base::ReactionMoment, _) => return self.held(probe),
+            (Base::Rotation, ProbePlace::On(on, Take::Mean)) => {
+                Turned::of_set(mesh, mesh.named(on).ok_or_else(known)?).map(Whole::Turned)
+            }
+            (Base::Rotation, ProbePlace::Region(region, Take::Mean)) => {
+                let number = mesh.regions.iter().position(|known| known == region);
+                Turned::of_region(mesh, number.ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?)
+                    .map(Whole::Turned)
+            }
+            (Base::Rotation, ProbePlace::On(..) | ProbePlace::Region(..)) => return Err(ProbeError::OnlyMean(name)),
+            (Base::Rotation, _) => None,
+            (_, ProbePlace::On(on, Take::Integral)) => {
+                let set = mesh.named(on).ok_or_else(known)?;
+                let about = quantity.is_moment().then(|| self.about(probe));
+                Some(Whole::Borne(Box::new(Borne::new(self.problem, set, about))))
+            }
+            (_, ProbePlace::On(..)) => return Err(ProbeError::Resultant(name)),
+            _ => return Err(ProbeError::Whole(name)),
+        };
+        whole.map(Found::Whole).ok_or(ProbeError::Alone(name))
     }
 
     /// Means of what is at the points of some contacts, chosen by them and their names, about the vertices of their

@@ -13,6 +13,9 @@ pub struct Probe {
     pub quantity: Quantity,
     /// Where.
     pub place: ProbePlace,
+    /// The point about which a moment is taken, m; none for the place of the rigid part that the side is, where one is
+    /// given, else the centre of the side.
+    pub about: Option<Point>,
 }
 
 /// Where a probe reads.
@@ -101,6 +104,21 @@ pub enum ProbeError {
     /// A reaction has a resultant only.
     #[error("{0} other than its integral")]
     Resultant(String),
+    /// A rotation has a mean only.
+    #[error("{0} other than its mean")]
+    OnlyMean(String),
+    /// A moment or a rotation of a body that does not turn.
+    #[error("{0} in {1}, which does not turn")]
+    Still(String, &'static str),
+    /// The rotation of one point.
+    #[error("{0} of a single point")]
+    Alone(String),
+    /// What a side as a whole bears, elsewhere.
+    #[error("{0} elsewhere than on a side, an edge or points")]
+    Whole(String),
+    /// A point about which no moment is taken.
+    #[error("`about` of {0}")]
+    About(String),
     /// A field that the problem does not solve for.
     #[error("{0}, a field that the case does not solve for")]
     Absent(String),
@@ -115,7 +133,7 @@ impl Probe {
     pub fn measure(&self) -> Option<Measure> {
         let over_side = matches!(self.place, ProbePlace::On(..) | ProbePlace::Contact(..));
         match (self.place.take(), self.quantity.measure()) {
-            (_, measure @ (Measure::Force | Measure::Power)) => Some(measure),
+            (_, measure @ (Measure::Force | Measure::Moment | Measure::Power)) => Some(measure),
             (Some(Take::Integral), Measure::Stress) if over_side => Some(Measure::Force),
             (Some(Take::Integral), Measure::HeatFlux) if over_side => Some(Measure::Power),
             (Some(Take::Integral), Measure::SurfaceWork) if over_side => Some(Measure::Energy),

@@ -31,6 +31,14 @@ pub enum Base {
     HeatFlux,
     /// What a prescribed displacement exerts on the body, N: its integral over a side.
     Reaction,
+    /// The moment of these forces about a point, N m.
+    ReactionMoment,
+    /// All that acts on a side, N: what is prescribed, given loads, supports and contact.
+    TotalForce,
+    /// The moment of these forces about a point, N m.
+    TotalMoment,
+    /// The rotation of the rigid motion that is nearest to the displacements of a side or region, rad.
+    Rotation,
     /// Heat that a prescribed temperature supplies to the body, W: its integral over a side.
     ReactionHeat,
     /// What is known at the contact points only.
@@ -112,8 +120,11 @@ const PRINCIPAL: &[(&str, Selection)] = &[
 ];
 const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 
+/// What acts on a side, or turns with it: known for the side as a whole.
+pub(super) const OF_WHOLE: [Base; 4] = [Base::ReactionMoment, Base::TotalForce, Base::TotalMoment, Base::Rotation];
+
 /// Names with their endings.
-const BASES: [(&str, Base, &[(&str, Selection)]); 19] = [
+const BASES: [(&str, Base, &[(&str, Selection)]); 23] = [
     ("displacement", Base::Displacement, VECTOR),
     ("velocity", Base::Velocity, VECTOR),
     ("temperature", Base::Temperature, NUMBER),
@@ -125,6 +136,10 @@ const BASES: [(&str, Base, &[(&str, Selection)]); 19] = [
     ("hoop", Base::Hoop, NUMBER),
     ("heat_flux", Base::HeatFlux, VECTOR),
     ("reaction", Base::Reaction, NO_NORMAL),
+    ("reaction_moment", Base::ReactionMoment, NO_NORMAL),
+    ("total_force", Base::TotalForce, NO_NORMAL),
+    ("total_moment", Base::TotalMoment, NO_NORMAL),
+    ("rotation", Base::Rotation, NO_NORMAL),
     ("reaction_heat", Base::ReactionHeat, NUMBER),
     ("pressure", Base::Contact(OnContact::Pressure), NUMBER),
     ("penetration", Base::Contact(OnContact::Penetration), NUMBER),
@@ -156,6 +171,10 @@ impl Quantity {
             Base::Hoop => "hoop stress of a body of revolution",
             Base::HeatFlux => "heat flux q = −𝓚∇θ",
             Base::Reaction => "what a prescribed displacement exerts on the body",
+            Base::ReactionMoment => "moment about a point of what a prescribed displacement exerts on the body",
+            Base::TotalForce => "all that acts on a side: what holds it, loads, supports and contact",
+            Base::TotalMoment => "moment about a point of all that acts on a side",
+            Base::Rotation => "rotation of the rigid motion nearest to the displacements",
             Base::ReactionHeat => "heat that a prescribed temperature supplies to the body",
             Base::Contact(OnContact::Pressure) => "contact pressure p_ν",
             Base::Contact(OnContact::Penetration) => "penetration r, negative where the gap is open",
@@ -214,7 +233,9 @@ impl Quantity {
             Base::Contact(OnContact::Pressure | OnContact::Traction) => Measure::Stress,
             Base::Strain | Base::Contact(OnContact::Touching) => Measure::Number,
             Base::HeatFlux => Measure::HeatFlux,
-            Base::Reaction => Measure::Force,
+            Base::Reaction | Base::TotalForce => Measure::Force,
+            Base::ReactionMoment | Base::TotalMoment => Measure::Moment,
+            Base::Rotation => Measure::Angle,
             Base::ReactionHeat => Measure::Power,
             Base::Contact(OnContact::FrictionWork) => Measure::SurfaceWork,
         }
@@ -227,6 +248,9 @@ impl Quantity {
             return vec![""];
         }
         let parts = BASES.iter().find(|(_, base, _)| *base == self.base).map_or(NUMBER, |(.., parts)| parts);
+        if self.is_axial() && dim < 3 {
+            return vec![""];
+        }
         let most = if self.is_vector() { dim } else { usize::MAX };
         let components = parts
             .iter()
@@ -248,15 +272,34 @@ impl Quantity {
                 | Base::Velocity
                 | Base::HeatFlux
                 | Base::Reaction
+                | Base::TotalForce
                 | Base::Contact(OnContact::Traction | OnContact::SlipVelocity)
         )
+    }
+
+    /// Whether it is a moment or a rotation: a vector in space, and about the normal of the plane a number.
+    pub(super) fn is_axial(self) -> bool {
+        matches!(self.base, Base::ReactionMoment | Base::TotalMoment | Base::Rotation)
+    }
+
+    /// Whether it is a moment.
+    pub(super) fn is_moment(self) -> bool {
+        self.measure() == Measure::Moment
+    }
+
+    /// Whether a body in `dim` dimensions has the component that is taken.
+    pub(super) fn has_component(self, dim: usize) -> bool {
+        let Selection::Component(c) = self.part else { return true };
+        if self.is_axial() { dim == 3 || c == 2 } else { !self.is_vector() || c < dim }
     }
 
     /// What is taken of a vector, or of a number in its place.
     pub(super) fn parts(self, dim: usize, v: &Point) -> Vec<f64> {
         let mut out = Vec::new();
-        if self.is_vector() {
+        if self.is_vector() || self.is_axial() && (dim == 3 || self.part != Selection::All) {
             self.of_vector(dim, v, &[0.0; 3], &mut out);
+        } else if self.is_axial() {
+            out.push(v[2]);
         } else {
             out.push(v[0]);
         }
@@ -282,8 +325,9 @@ impl Quantity {
                     _ => out.extend(axes.map(|(value, _)| value)),
                 }
             }
-            // They are known at contact points and at prescribed values only.
+            // They are known at contact points, at prescribed values and of sides as a whole only.
             Base::Contact(_) | Base::Reaction | Base::ReactionHeat => out.push(f64::NAN),
+            Base::ReactionMoment | Base::TotalForce | Base::TotalMoment | Base::Rotation => out.push(f64::NAN),
         }
     }
 
@@ -334,5 +378,7 @@ mod tests {
         assert_eq!(columns("principal", 1), Some(vec!["_1", "_2", "_3"]));
         assert_eq!(columns("von_mises", 3), Some(vec![""]));
         assert_eq!(columns("velocity_y", 3), Some(vec![""]));
+        assert_eq!(columns("rotation", 2), Some(vec![""]));
+        assert_eq!(columns("total_moment", 3), Some(vec!["_x", "_y", "_z"]));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Snapshot;
 use super::quantity::Base;
-use crate::mesh::{leader, link_of};
+use crate::mesh::{Mesh, cross, leader, link_of};
 use crate::problem::ProblemData;
 use crate::space::rigid::rigid_of;
 use crate::space::{RigidNodes, Space};
@@ -12,70 +12,89 @@ use crate::tensor::Point;
 #[derive(Debug)]
 pub(super) struct Held {
     of_heat: bool,
-    /// Each with its direction.
+    /// Each with its direction, or with its moment about a point.
     numbers: Vec<(usize, Point)>,
+}
+
+/// What is summed: forces, or their moments about a point.
+#[derive(Clone, Copy)]
+pub(super) struct Arms<'a> {
+    pub mesh: &'a Mesh,
+    pub about: Option<Point>,
+}
+
+impl Arms<'_> {
+    /// What a force at a node adds to the sum.
+    pub(super) fn of(&self, node: u32, force: &Point) -> Point {
+        let Some(about) = &self.about else { return *force };
+        let x = self.mesh.points.get(node as usize).copied().unwrap_or_default();
+        cross(&std::array::from_fn(|c| x[c] - about[c]), force)
+    }
+
+    /// What the motions of a rigid body that are prescribed bear, each per unit of what it bears.
+    fn of_body(&self, body: &RigidNodes) -> Vec<Point> {
+        let mut sums = vec![[0.0; 3]; body.held];
+        for (i, &node) in body.nodes.iter().enumerate() {
+            for (sum, motion) in sums.iter_mut().zip(body.at(i)) {
+                let more = self.of(node, &motion);
+                *sum = std::array::from_fn(|c| sum[c] + more[c]);
+            }
+        }
+        sums
+    }
 }
 
 /// The resultants of what holds the motions of each rigid body with one of some nodes, per unit of what it bears; empty
 /// for other bodies. None if a body that nothing holds has one of the nodes.
-fn bodies(space: &Space, nodes: &[u32]) -> Option<Vec<Vec<Point>>> {
+fn bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Option<Vec<Vec<Point>>> {
     let of = |body: &RigidNodes| {
         if !nodes.iter().any(|&node| body.position(node).is_some()) {
             return Some(Vec::new());
         }
-        let mut sums = vec![[0.0; 3]; body.held];
-        for i in 0..body.nodes.len() {
-            for (sum, motion) in sums.iter_mut().zip(body.at(i)) {
-                *sum = std::array::from_fn(|c| sum[c] + motion[c]);
-            }
-        }
-        (body.held > 0).then_some(sums)
+        (body.held > 0).then(|| arms.of_body(body))
     };
     space.rigid.iter().map(of).collect()
 }
 
+/// The same of the bodies all of whose nodes are among some.
+fn whole_bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Vec<Vec<Point>> {
+    let is_in = |body: &RigidNodes| body.nodes.iter().all(|node| nodes.binary_search(node).is_ok());
+    space.rigid.iter().map(|body| if is_in(body) { arms.of_body(body) } else { Vec::new() }).collect()
+}
+
+/// Nodes to which those that follow others are taken back, ascending: what is borne at such a node is borne there.
+fn leaders(space: &Space, nodes: &[u32]) -> Vec<u32> {
+    let mut nodes: Vec<u32> = nodes.iter().map(|&node| leader(&space.links, node)).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
 impl Held {
-    /// Of some nodes; none if there is none, or one that no prescribed value: what it bears would be no reaction.
-    pub(super) fn new(problem: &ProblemData, base: Base, mut nodes: Vec<u32>) -> Option<Held> {
+    /// Of some nodes, with the moment about a point if one is given; none if there is none, or one that no prescribed
+    /// value holds: what it bears would be no reaction.
+    pub(super) fn new(problem: &ProblemData, base: Base, nodes: Vec<u32>, about: Option<Point>) -> Option<Held> {
         if nodes.is_empty() {
             return None;
         }
         let of_heat = base == Base::ReactionHeat;
         let space = if of_heat { problem.temperature_space() } else { problem.displacement_space() };
-        // What is borne at a node that follows another one is borne there.
-        for node in &mut nodes {
-            *node = leader(&space.links, *node);
-        }
-        nodes.sort_unstable();
-        nodes.dedup();
-        let bodies = bodies(&space, &nodes)?;
-        let (mut numbers, mut nodes) = (Vec::new(), nodes.into_iter().peekable());
-        let mut number = 0;
-        for (node, free) in (0u32..).zip(space.free.chunks_exact(space.components)) {
-            let is_here = nodes.next_if(|&next| next == node).is_some();
-            if let Some((body, position)) = rigid_of(&space.rigid, node) {
-                // The prescribed motions of a rigid body stand at its first nodes.
-                let first = position * space.components;
-                for j in first..space.rigid[body].held.min(first + space.components) {
-                    numbers.extend(bodies[body].get(j).map(|sum| (number, *sum)));
-                    number += 1;
-                }
-                continue;
-            }
-            if is_here && free.iter().all(|free| *free) {
-                return None;
-            }
-            if link_of(&space.links, node).is_some() {
-                continue;
-            }
-            for (c, _) in free.iter().enumerate().filter(|(_, free)| !**free) {
-                if is_here {
-                    numbers.push((number, space.directions(node)[c]));
-                }
-                number += 1;
-            }
-        }
-        Some(Held { of_heat, numbers })
+        let (nodes, arms) = (leaders(&space, &nodes), Arms { mesh: &problem.mesh, about });
+        let bodies = bodies(&space, &nodes, &arms)?;
+        let is_free = |node: u32| {
+            let first = node as usize * space.components;
+            let free = space.free.get(first..first + space.components);
+            free.is_none_or(|free| free.iter().all(|free| *free)) && rigid_of(&space.rigid, node).is_none()
+        };
+        let is_held = !nodes.iter().any(|&node| is_free(node));
+        is_held.then(|| Held { of_heat, numbers: numbers(&space, &nodes, &bodies, &arms) })
+    }
+
+    /// What holds some nodes as far as something does; rigid bodies count where all of their nodes are among them.
+    pub(super) fn as_far_as_held(problem: &ProblemData, nodes: &[u32], about: Option<Point>) -> Held {
+        let (space, arms) = (problem.displacement_space(), Arms { mesh: &problem.mesh, about });
+        let bodies = whole_bodies(&space, nodes, &arms);
+        Held { of_heat: false, numbers: numbers(&space, &leaders(&space, nodes), &bodies, &arms) }
     }
 
     /// The resultant in a step, N or W per unit of thickness in two dimensions; at t = 0 it is not a number.
@@ -85,4 +104,33 @@ impl Held {
         let value = |i: usize| all.get(i).copied().unwrap_or(f64::NAN);
         std::array::from_fn(|c| self.numbers.iter().map(|&(i, direction)| value(i) * direction[c]).sum())
     }
+}
+
+/// The numbers of what is prescribed at some nodes and for some rigid bodies, each with what one unit of it adds to the
+/// sum.
+fn numbers(space: &Space, nodes: &[u32], bodies: &[Vec<Point>], arms: &Arms) -> Vec<(usize, Point)> {
+    let (mut numbers, mut nodes) = (Vec::new(), nodes.iter().copied().peekable());
+    let mut number = 0;
+    for (node, free) in (0u32..).zip(space.free.chunks_exact(space.components)) {
+        let is_here = nodes.next_if(|&next| next == node).is_some();
+        if let Some((body, position)) = rigid_of(&space.rigid, node) {
+            // The prescribed motions of a rigid body stand at its first nodes.
+            let first = position * space.components;
+            for j in first..space.rigid[body].held.min(first + space.components) {
+                numbers.extend(bodies[body].get(j).map(|sum| (number, *sum)));
+                number += 1;
+            }
+            continue;
+        }
+        if link_of(&space.links, node).is_some() {
+            continue;
+        }
+        for (c, _) in free.iter().enumerate().filter(|(_, free)| !**free) {
+            if is_here {
+                numbers.push((number, arms.of(node, &space.directions(node)[c])));
+            }
+            number += 1;
+        }
+    }
+    numbers
 }

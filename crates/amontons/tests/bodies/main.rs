@@ -14,6 +14,7 @@ mod cyclic;
 mod dimensions;
 mod far;
 mod loads;
+mod moments;
 mod points;
 mod reactions;
 mod rigid_meets;

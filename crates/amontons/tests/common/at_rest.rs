@@ -50,7 +50,7 @@ pub fn options(case: &Case) -> FolderOptions {
 
 /// A probe with the name of its quantity.
 pub fn probe(quantity: &str, place: ProbePlace) -> Probe {
-    Probe { name: quantity.to_owned(), quantity: Quantity::parse(quantity).unwrap(), place }
+    Probe { name: quantity.to_owned(), quantity: Quantity::parse(quantity).unwrap(), place, about: None }
 }
 
 /// Probes read at t = 0.

@@ -40,6 +40,10 @@ pub(in crate::case) enum Check {
         /// Reduction of the values on the side, of the contact or in the region.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         take: Option<super::Over>,
+        /// The point in m about which a moment is taken, one entry per coordinate.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(length(min = 1, max = 3))]
+        about: Option<Vec<f64>>,
         /// The time in s.
         time: f64,
         /// Reference value.

@@ -1,0 +1,54 @@
+//! What is taken of values on Γ_C and of values with weights.
+
+use super::Snapshot;
+use super::probe_place::Take;
+use super::quantity::OnContact;
+use crate::contact::Status;
+use crate::tensor::Point;
+
+/// What has a weight: what nothing faces takes no part in extremes. All of them where nothing has a weight.
+pub(super) fn faced<T>(all: impl Iterator<Item = (f64, T)>) -> Vec<(f64, T)> {
+    let mut all: Vec<(f64, T)> = all.collect();
+    if all.iter().any(|(weight, _)| *weight != 0.0) {
+        all.retain(|(weight, _)| *weight != 0.0);
+    }
+    all
+}
+
+/// The value at a contact point, a number in the first component; that of a step is not a number at t = 0.
+pub(super) fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point {
+    let (surface, state) = (&now.state.surface, now.report.and_then(|report| report.contact.states.get(i)));
+    let number = |value: Option<f64>| [value.unwrap_or(f64::NAN), 0.0, 0.0];
+    let vector = |value: Option<Point>| value.unwrap_or([f64::NAN; 3]);
+    match quantity {
+        OnContact::Wear => number(surface.wear.get(i).copied()),
+        OnContact::FrictionWork => number(surface.friction_work.get(i).copied()),
+        OnContact::Pressure => number(state.map(|state| state.pressure)),
+        OnContact::Penetration => number(state.map(|state| state.penetration)),
+        OnContact::Touching => number(state.map(|state| f64::from(u8::from(state.status != Status::Open)))),
+        OnContact::Traction => vector(state.map(|state| state.q.map(|q| 0.0 - q))),
+        OnContact::SlipVelocity => vector(state.map(|state| state.slip)),
+    }
+}
+
+/// Mean, extreme or integral of values with their weights; of a single point its value.
+pub(super) fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let sums = |values: &mut dyn Iterator<Item = (f64, f64)>| {
+        values.fold((0.0, 0.0), |(w, s), (weight, value)| (w + weight, s + weight * value))
+    };
+    let (mut values, extreme) = (values, |fold: fn(f64, f64) -> f64, values: &mut dyn Iterator<Item = (f64, f64)>| {
+        values
+            .map(|(_, value)| value)
+            .reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { fold(a, b) })
+            .unwrap_or(f64::NAN)
+    });
+    match take {
+        None | Some(Take::Integral) => sums(&mut values).1,
+        Some(Take::Mean) => {
+            let (measure, sum) = sums(&mut values);
+            if measure == 0.0 && sum == 0.0 { 0.0 } else { sum / measure }
+        }
+        Some(Take::Max) => extreme(f64::max, &mut values),
+        Some(Take::Min) => extreme(f64::min, &mut values),
+    }
+}
