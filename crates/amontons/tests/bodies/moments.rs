@@ -37,7 +37,7 @@ fn values(problem: &Problem, probes: &[Probe]) -> (Vec<f64>, Memory) {
         }
     }
     let set = ProbeSet::new(problem, probes).unwrap_or_else(|(i, error)| panic!("{}: {error}", probes[i].name));
-    let (mut last, mut memory) = (Last(set, Vec::new()), Memory::new());
+    let (mut last, mut memory) = (Last(set, Vec::new()), Memory::new().reports());
     run(problem, &settings(), &mut [&mut last, &mut memory]).unwrap();
     assert_eq!(last.1.len(), last.0.columns().len());
     (last.1, memory)
@@ -500,4 +500,26 @@ fn faults_of_moments_and_rotations() {
         told(&Source::new("body.toml", text), &[]),
         "body.toml:21:12: probe[0].quantity: found total_moment in a body of revolution, which does not turn, expected a quantity that exists there"
     );
+}
+
+/// What a seal bears on its face is its load, the pressure of the bodies and that of the fluid together, with its
+/// moment about the place of the force: nothing turns it but the guide.
+#[test]
+fn a_fluid_is_part_of_what_a_side_bears() {
+    let problem = crate::common::case("crates/amontons/benchmarks/seal-with-fluid.toml", &[]).problem;
+    let probes = [probe("total_force", "bottom", None), probe("total_moment", "bottom", Some([0.0; 3]))];
+    let (values, memory) = values(&problem, &probes);
+    close(&[values[0], values[1], 0.0], &[0.0, 0.6, 0.0], 0.6, "the force");
+    // By hand: each point with what presses there, c r or p_f.
+    let depth = -memory.states.last().unwrap().u[1];
+    let moment: f64 = problem
+        .contact_boundary()
+        .points
+        .iter()
+        .map(|point| {
+            let r = depth - 0.02 * point.x[0];
+            point.weight * point.x[0] * if r > 0.0 { 100.0 * r } else { 0.25 }
+        })
+        .sum();
+    assert!((values[2] - moment).abs() < 1e-9 * moment, "{} instead of {moment}", values[2]);
 }
