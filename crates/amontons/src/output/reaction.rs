@@ -2,7 +2,7 @@
 
 use super::Snapshot;
 use super::quantity::Base;
-use crate::mesh::{Mesh, cross, leader, link_of};
+use crate::mesh::{FacetSet, Mesh, cross, leader, link_of};
 use crate::problem::ProblemData;
 use crate::space::rigid::rigid_of;
 use crate::space::{RigidNodes, Space};
@@ -90,11 +90,14 @@ impl Held {
         is_held.then(|| Held { of_heat, numbers: numbers(&space, &nodes, &bodies, &arms) })
     }
 
-    /// What holds some nodes as far as something does; rigid bodies count where all of their nodes are among them.
-    pub(super) fn as_far_as_held(problem: &ProblemData, nodes: &[u32], about: Option<Point>) -> Held {
+    /// What conditions on facets of a set hold; rigid bodies count where all of their nodes are on it.
+    pub(super) fn on(problem: &ProblemData, set: &FacetSet, about: Option<Point>) -> Held {
         let (space, arms) = (problem.displacement_space(), Arms { mesh: &problem.mesh, about });
-        let bodies = whole_bodies(&space, nodes, &arms);
-        Held { of_heat: false, numbers: numbers(&space, &leaders(&space, nodes), &bodies, &arms) }
+        let bodies = whole_bodies(&space, &set.node_list(), &arms);
+        let holding = problem.boundary.iter().filter(|b| b.displacement.is_some() || b.normal_displacement.is_some());
+        let sets = holding.filter_map(|condition| problem.mesh.named(&condition.on));
+        let nodes: Vec<u32> = sets.flat_map(|held| set.common(held).node_list()).collect();
+        Held { of_heat: false, numbers: numbers(&space, &leaders(&space, &nodes), &bodies, &arms) }
     }
 
     /// The resultant in a step, N or W per unit of thickness in two dimensions; at t = 0 it is not a number.

@@ -37,7 +37,7 @@ fn values(problem: &Problem, probes: &[Probe]) -> (Vec<f64>, Memory) {
         }
     }
     let set = ProbeSet::new(problem, probes).unwrap_or_else(|(i, error)| panic!("{}: {error}", probes[i].name));
-    let (mut last, mut memory) = (Last(set, Vec::new()), Memory::new());
+    let (mut last, mut memory) = (Last(set, Vec::new()), Memory::new().reports());
     run(problem, &settings(), &mut [&mut last, &mut memory]).unwrap();
     assert_eq!(last.1.len(), last.0.columns().len());
     (last.1, memory)
