@@ -142,8 +142,8 @@ pub enum Command {
     },
     /// Show what a mesh has: regions, sides, sizes, the quality of its cells
     Mesh {
-        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK), or a
-        /// case, whose mesh is shown with the sides that it names
+        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med and .mail (Code_Aster, Salome), .e (Exodus) or .vtu
+        /// (VTK), or a case, whose mesh is shown with the sides that it names
         file: PathBuf,
         /// Draw the sides, each in its colour, into NAME.svg and NAME.png
         #[arg(long, value_name = "NAME")]

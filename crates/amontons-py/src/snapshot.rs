@@ -85,9 +85,9 @@ impl Snapshot {
     fn field_names(&self) -> Vec<&'static str> {
         let physics = self.problem.physics;
         let of_mechanics = ["displacement", "velocity", "stress", "strain", "von_mises"];
-        let of_heat = ["temperature", "heat_flux"];
         let mechanics = of_mechanics.into_iter().filter(|_| physics.has_mechanics());
-        mechanics.chain(of_heat.into_iter().filter(|_| physics.has_heat())).collect()
+        let temperature = physics.has_temperature().then_some("temperature");
+        mechanics.chain(temperature).chain(physics.has_heat().then_some("heat_flux")).collect()
     }
 
     /// A field as an array without a copy: of the nodes or of the cells.

@@ -196,6 +196,12 @@ impl Space {
         is_same(factor * first.value(&x, 0.0), other * second.value(&y, 0.0))
     }
 
+    /// Which of the prescriptions gives the value of a prescribed degree of freedom, by its number among these.
+    #[must_use]
+    pub fn prescription_of(&self, number: usize) -> Option<usize> {
+        self.given.get(number).map(|(prescription, _)| *prescription)
+    }
+
     /// The field that prescribes the value at a node in a direction, where it is taken, and its factor.
     fn source(&self, node: u32, direction: &Point) -> Option<(&Field, Point, f64)> {
         let (node, direction) = match link_of(&self.links, node) {

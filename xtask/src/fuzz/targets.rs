@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
 use amontons::expression::Expression;
-use amontons::mesh::{self, MeshFileError, Read, exodus, gmsh, med, vtu};
+use amontons::mesh::{self, MeshFileError, Read, exodus, gmsh, mail, med, vtu};
 use amontons::output::{Checkpoint, Folder, FolderOptions};
 use amontons::plot;
 use amontons::run::{self, Settings};
@@ -105,6 +105,7 @@ pub fn names() -> Vec<&'static str> {
         "contents",
         "vtu",
         "med",
+        "mail",
         "exodus",
         "checkpoint",
         "results",
@@ -129,6 +130,7 @@ enum Kind {
     Contents,
     Vtu,
     Med,
+    Mail,
     Exodus,
     Checkpoint {
         case: Box<Case>,
@@ -167,6 +169,7 @@ impl Target {
             "contents" => (Kind::Contents, ["inp", "msh", "vtu"].into_iter().flat_map(meshes).collect()),
             "vtu" => (Kind::Vtu, meshes("vtu")),
             "med" => (Kind::Med, meshes("med")),
+            "mail" => (Kind::Mail, meshes("mail")),
             "exodus" => (Kind::Exodus, meshes("e")),
             "checkpoint" => {
                 let (folder, case) = small_run(name, SMALL)?;
@@ -231,6 +234,9 @@ impl Target {
             Kind::Med => {
                 ["ENS_MAA\0", "NOE\0", "COO\0", "GRO\0", "H20\0", "TREE", "SNOD", "HEAP"].map(str::to_owned).to_vec()
             }
+            Kind::Mail => ["FINSF\n", "FIN\n", "COOR_3D\n", "HEXA27\n", "GROUP_MA NOM=", "NBLIGE=9", "%", " = "]
+                .map(str::to_owned)
+                .to_vec(),
             Kind::Exodus => {
                 ["CDF\x01", "CDF\x05", "coordx\0", "eb_prop1", "connect1", "side_ss1", "elem_type", "HEX20\0"]
                     .map(str::to_owned)
@@ -277,6 +283,7 @@ impl Target {
             Kind::Contents => told(including("mesh.dat", bytes).map(|read| read.mesh.cell_count())),
             Kind::Vtu => told(vtu::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Med => told(med::parse(bytes).map(|mesh| mesh.cell_count())),
+            Kind::Mail => told(mail::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Exodus => told(exodus::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Checkpoint { case, folder } => checkpoint(case, folder, bytes),
             Kind::Results { folder, files, sound } => results(folder, files, sound, bytes),

@@ -13,8 +13,13 @@ struct Term {
     factors: [Option<(f64, Option<String>)>; 3],
 }
 
-/// The table `[load]` of the case, empty where nothing acts.
-pub fn load(model: &Model, units: Units, dim: usize, notes: &mut Notes) -> Result<String, Fault> {
+/// The table `[load]` of the case, with the temperature that is given; empty where nothing acts.
+pub fn load(
+    model: &Model,
+    units: Units,
+    (dim, temperature): (usize, Option<String>),
+    notes: &mut Notes,
+) -> Result<String, Fault> {
     let mut terms = Vec::new();
     let (mut heat, mut from) = (None, Vec::new());
     for (volume, track, source) in &model.conditions.volume {
@@ -50,7 +55,10 @@ pub fn load(model: &Model, units: Units, dim: usize, notes: &mut Notes) -> Resul
     if let Some(heat) = heat {
         text += &format!("heat_source = {}\n", heat.text(units.time, None));
     }
-    let head = format!("\n[load]                               # {}\n", from.join(", "));
+    text += &temperature.unwrap_or_default();
+    let comment =
+        if from.is_empty() { String::new() } else { format!("                               # {}", from.join(", ")) };
+    let head = format!("\n[load]{comment}\n");
     Ok(if text.is_empty() { text } else { head + &text })
 }
 

@@ -367,14 +367,15 @@ impl Conditions {
         Ok(true)
     }
 
-    /// `*TEMPERATURE`: one temperature of all nodes.
+    /// `*TEMPERATURE`: one temperature of all nodes. Temperatures node by node are no function of the place.
     fn temperature(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
-        let found = whole_field(card, scene.mesh, 1)?;
-        let value = found.ok_or_else(|| {
-            let expected = "one temperature of all nodes; for a field, let the case compute it from its heat";
-            Fault::new(&card.place, "temperatures that differ, or not of all nodes", expected)
-        })?;
-        self.field.set(scene.event(card, value), false);
+        match whole_field(card, scene.mesh, 1)? {
+            Some(value) => self.field.set(scene.event(card, value), false),
+            None => {
+                let why = "temperatures that differ from node to node are not taken: give `temperature` in [load] as an expression or as data of a mesh file";
+                scene.notes.add(&card.place, "*TEMPERATURE", why, Matter::Answer);
+            }
+        }
         Ok(())
     }
 

@@ -37,8 +37,8 @@ pub struct Material {
 pub struct Context {
     pub units: Units,
     pub physics: Physics,
-    /// Whether temperatures are prescribed by `*TEMPERATURE` alone, so that conduction only spreads them.
-    pub spread: bool,
+    /// Whether temperatures are those of `*TEMPERATURE` alone, without heat.
+    pub warmed: bool,
     pub inertia: bool,
     pub stress_state: Option<&'static str>,
     pub dim: usize,
@@ -154,7 +154,7 @@ impl Material {
             }
         }
         if context.physics.mechanics
-            && context.physics.heat
+            && (context.physics.heat || context.warmed)
             && let Some(expansion) = &self.expansion
         {
             entries.push((
@@ -191,7 +191,6 @@ impl Material {
                 entries.push(("conductivity".into(), format!("[{}]", rows.join(", ")), Some(table.place.clone())));
             }
             Some(table) => entries.push(one("conductivity", table, context, factor)),
-            None if context.spread => entries.push(("conductivity".into(), "1.0".into(), None)),
             None => return Err(missing("CONDUCTIVITY")),
         }
         Ok(())

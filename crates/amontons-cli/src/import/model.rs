@@ -68,8 +68,6 @@ pub struct Model {
     pub physics: Physics,
     pub large: bool,
     pub forces: Vec<Force>,
-    /// The side of the whole boundary, for a temperature of all nodes.
-    pub everywhere: Option<String>,
 }
 
 /// A deck that is being read.
@@ -326,8 +324,6 @@ impl Reading {
             self.notes.add(&step.place, "*STEP", why, Matter::Answer);
         }
         let forces = grouped(&self.conditions, &self.mesh, &mut self.sides);
-        let everywhere = (!self.conditions.field.0.is_empty())
-            .then(|| self.sides.nodes(&self.mesh, "all-nodes", &self.mesh.all_nodes()));
         let time = TimeLine::of(self.steps, &mut self.notes);
         let physics = Physics {
             mechanics: procedures.iter().any(|procedure| procedure.mechanics),
@@ -339,7 +335,6 @@ impl Reading {
             physics,
             inertia: self.inertia,
             forces,
-            everywhere,
             sides: self.sides,
             materials: self.materials,
             orientations: self.orientations,

@@ -12,7 +12,7 @@ use super::deck::{Fault, Place};
 use super::material::Context;
 use super::model::{Model, Section};
 use super::notes::{Matter, Notes};
-use super::time::{Physics, Track};
+use super::time::Track;
 use super::units::{number, quoted};
 
 /// Most probes of reactions that are written.
@@ -56,7 +56,7 @@ pub fn case(
     let writing = Writing::new(model, read, units);
     let mut text = writing.frame(names)?;
     text += &writing.materials()?;
-    text += &body::load(model, writing.context.units, read.mesh.dim, notes)?;
+    text += &body::load(model, writing.context.units, (read.mesh.dim, writing.temperature()), notes)?;
     if writing.context.physics.mechanics && writing.context.physics.heat {
         text +=
             "\n[scheme]\ncoupling = \"monolithic\"              # mechanics sees the temperatures of its own step\n";
@@ -114,8 +114,8 @@ fn one_line(text: &str) -> String {
 impl<'a> Writing<'a> {
     fn new(model: &'a Model, read: &'a Read, units: DeckUnits) -> Writing<'a> {
         let expands = model.materials.iter().any(super::material::Material::expands);
-        let spread = model.physics.mechanics && !model.physics.heat && !model.conditions.field.0.is_empty() && expands;
-        let heat = model.physics.heat || spread;
+        let heat = model.physics.heat;
+        let warmed = model.physics.mechanics && !heat && !model.conditions.field.0.is_empty() && expands;
         let initial = model.conditions.initial.unwrap_or(0.0);
         let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
         let stress_state = match read.plane {
@@ -125,12 +125,12 @@ impl<'a> Writing<'a> {
         };
         let context = Context {
             units: units.into(),
-            physics: Physics { heat, ..model.physics },
-            spread,
+            physics: model.physics,
+            warmed,
             inertia: model.inertia,
             stress_state,
             dim: read.mesh.dim,
-            shift: if model.physics.mechanics && heat && expands { initial } else { 0.0 },
+            shift: if model.physics.mechanics && (heat || warmed) && expands { initial } else { 0.0 },
             initial,
         };
         Writing { model, read, context }
@@ -229,7 +229,7 @@ impl<'a> Writing<'a> {
 
     fn boundaries(&self, notes: &mut Notes) -> String {
         let mut text = String::new();
-        let Context { units, dim, shift, .. } = self.context;
+        let Context { units, dim, .. } = self.context;
         for entry in &self.model.conditions.entries {
             text += &self.boundary(entry, notes);
         }
@@ -243,14 +243,14 @@ impl<'a> Writing<'a> {
             text += &format!("\n[[boundary]]                         # {}{each}\n", force.from);
             text += &format!("on = {}\nforce = [{}]\n", quoted(&force.on), components.join(", "));
         }
-        if self.context.spread
-            && let Some(on) = &self.model.everywhere
-        {
-            let field = self.history(&self.model.conditions.field, (self.context.initial, true)).mapped(1.0, -shift);
-            text += "\n[[boundary]]                         # *TEMPERATURE of all nodes\n";
-            text += &format!("on = {}\ntemperature = {}\n", quoted(on), field.text(units.time, None));
-        }
         text
+    }
+
+    /// The temperature that the deck gives, as an entry of `[load]`.
+    fn temperature(&self) -> Option<String> {
+        let Context { units, shift, initial, warmed, .. } = self.context;
+        let field = || self.history(&self.model.conditions.field, (initial, true)).mapped(1.0, -shift);
+        warmed.then(|| format!("temperature = {}   # *TEMPERATURE\n", field().text(units.time, None)))
     }
 
     fn history(&self, track: &Track, begin: (f64, bool)) -> super::time::History {

@@ -170,6 +170,29 @@ fn expansion_counts_from_the_initial_temperature() {
     let strain = 1.6e-5 * 200.0 - 1.1e-5 * 100.0;
     let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
     assert_near(found[0], 0.02 * strain, 2e-3);
+    // The temperature is given: nothing conducts, and it grows over the step as it does in the deck.
+    let case = read(&folder.path().join("deck.toml"));
+    assert!(case.contains("temperature = { times = [0.0, 1.0], values = [0.0, 100.0] }   # *TEMPERATURE\n"), "{case}");
+    assert!(!case.contains("conductivity") && !case.contains("[initial]"), "{case}");
+}
+
+/// `*TEMPERATURE` by an amplitude, half way up at half of the time; node by node it is told and not taken.
+#[test]
+fn temperatures_that_are_given_follow_their_amplitude() {
+    let deck = |lines: &str| {
+        cubes(&format!(
+            "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n*EXPANSION\n1e-5\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n\
+             *TIE, NAME=BOND\nUNDER, OVER\n*AMPLITUDE, NAME=RISE\n0., 0., 1., 0.5\n\
+             *BOUNDARY\nFIX, 3\n1, 1, 2\n2, 2\n*STEP\n*STATIC\n*TEMPERATURE{lines}\n*END STEP\n"
+        ))
+    };
+    let (folder, _) = imported(&deck(", AMPLITUDE=RISE\nNALL, 100."));
+    let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
+    assert_near(*found.last().expect("a step"), 0.02 * 50.0 * 1e-5, 1e-9);
+    let (folder, told) = imported(&deck("\n1, 100.\n2, 80."));
+    let why = "*TEMPERATURE: temperatures that differ from node to node are not taken: give `temperature` in [load] as an expression or as data of a mesh file [the answer differs]";
+    assert!(told.contains(why), "{told}");
+    assert!(!read(&folder.path().join("deck.toml")).contains("temperature ="));
 }
 
 /// Parts of which each has a set of the same name, materials in a file that the deck includes, a tie, and two steps.

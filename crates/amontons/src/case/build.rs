@@ -63,6 +63,7 @@ pub(super) fn problem(
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
     let region_loads = build.region_loads(&raw, &mesh);
+    let temperature = build.temperature(&raw, &mesh);
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     build.places(&mut raw.boundary, &mut mesh);
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
@@ -80,6 +81,7 @@ pub(super) fn problem(
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         region_loads,
+        temperature,
         cyclic: build.cyclic(raw.cyclic),
         rigid: build.rigid(raw.rigid),
         boundary,
@@ -367,9 +369,11 @@ impl Build<'_> {
             let prefix = format!("region[{i}].material");
             let regions: Vec<usize> = number(&region.on).into_iter().collect();
             let material = region.material.as_ref().map(|raw| self.material(raw, &prefix, mesh, &regions));
-            let has_load = !region.body_force.is_empty() || !super::physics::is_zero_datum(&region.heat_source);
+            let has_load = !region.body_force.is_empty()
+                || !super::physics::is_zero_datum(&region.heat_source)
+                || region.temperature.is_some();
             if region.material.is_none() && !has_load {
-                let expected = "`material`, `body_force` or `heat_source`";
+                let expected = "`material`, `body_force`, `heat_source` or `temperature`";
                 self.note(&prefix, At::Missing, "no such key", expected, None);
             }
             let on = format!("region[{i}].on");

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::nearest::nearest;
 use super::path::Path;
-use super::physics::{of_heat, of_mechanics};
+use super::physics::{is_warmed, of_heat, of_mechanics};
 use super::place::{At, Finding};
 use super::raw::{self, Coefficient, Elasticity, Expansion, Steady, Tensor};
 
@@ -61,7 +61,10 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
         [!of_mechanics(raw).is_empty(), !of_heat(raw).is_empty()],
         |[moves, conducts], [also_moves, also_conducts]| [moves || also_moves, conducts || also_conducts],
     );
-    let equations = [moves || !conducts, conducts || !moves];
+    // A temperature that is given takes the place of the heat equation.
+    let is_warmed = is_warmed(raw);
+    let equations = [moves || !conducts || is_warmed, (conducts || !moves) && !is_warmed];
+    let expands = equations[0] && (equations[1] || is_warmed);
     let own = raw.region.iter_mut().enumerate();
     let own = own.filter_map(|(i, region)| Some((format!("region[{i}].material"), region.material.as_mut()?)));
     for (prefix, material) in std::iter::once(("material".to_owned(), &mut raw.material)).chain(own) {
@@ -77,7 +80,7 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
             continue;
         };
         if let Some(known) = materials().get(name) {
-            known.complete(material, equations);
+            known.complete(material, equations, expands);
             continue;
         }
         let names: Vec<&str> = materials().keys().map(String::as_str).collect();
@@ -85,13 +88,13 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
         let hint = near.unwrap_or_else(|| "`amontons materials` lists them".to_owned());
         note("base", format!("\"{}\"", name.escape_debug()), "the name of a material".to_owned(), Some(hint));
         // A stand-in, so that nothing else is said to be missing.
-        materials().values().take(1).for_each(|known| known.complete(material, equations));
+        materials().values().take(1).for_each(|known| known.complete(material, equations, expands));
     }
 }
 
 impl KnownMaterial {
-    /// Fills in the keys of the equations, mechanics and heat, that are left out.
-    fn complete(&self, material: &mut raw::Material, [mechanics, heat]: [bool; 2]) {
+    /// Fills in the keys of the equations, mechanics and heat, that are left out, and that of the expansion.
+    fn complete(&self, material: &mut raw::Material, [mechanics, heat]: [bool; 2], expands: bool) {
         let number = Coefficient::Number;
         if mechanics {
             material.density.get_or_insert(Steady::Number(self.density));
@@ -106,7 +109,7 @@ impl KnownMaterial {
             material.heat_capacity.get_or_insert(number(self.density * self.specific_heat));
             material.conductivity.get_or_insert(Tensor::Multiple(number(self.conductivity)));
         }
-        if mechanics && heat && material.expansion.is_none() {
+        if expands && material.expansion.is_none() {
             material.expansion_coefficient.get_or_insert(Expansion::Isotropic(number(self.expansion_coefficient)));
         }
     }

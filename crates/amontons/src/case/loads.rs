@@ -1,11 +1,21 @@
-//! Gravity, and the loads of regions.
+//! Gravity, the loads of regions, and a temperature that is given.
+
+use std::collections::BTreeSet;
 
 use super::build::Build;
 use super::place::At;
 use super::raw;
 use crate::field::Field;
 use crate::mesh::Mesh;
-use crate::problem::RegionLoad;
+use crate::problem::{GivenTemperature, RegionLoad};
+use crate::tensor::Point;
+
+/// The nodes of a region.
+fn nodes_of(mesh: &Mesh, region: usize) -> Vec<Point> {
+    let blocks = mesh.blocks.iter().filter(|block| block.region == region);
+    let nodes: BTreeSet<u32> = blocks.flat_map(|block| block.nodes.iter().copied()).collect();
+    nodes.into_iter().filter_map(|node| mesh.points.get(node as usize).copied()).collect()
+}
 
 impl Build<'_> {
     /// What acts on single regions: their own loads, and gravity by their densities.
@@ -34,6 +44,26 @@ impl Build<'_> {
             }
             let acts = !load.body_force.is_empty() || load.gravity.is_some() || !load.heat_source.is_zero();
             all.extend(acts.then_some(load));
+        }
+        all
+    }
+
+    /// The temperature that is given, by region and in the rest of the body.
+    pub fn temperature(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<GivenTemperature> {
+        let mut all = Vec::new();
+        for (i, own) in raw.region.iter().enumerate() {
+            let number = mesh.regions.iter().position(|name| *name == own.on);
+            let key = format!("region[{i}].temperature");
+            if let (Some(datum), Some(region)) = (&own.temperature, number) {
+                let nodes = nodes_of(mesh, region);
+                let field = self.field(&key, datum, &nodes);
+                all.push(GivenTemperature { region: Some(region), field, key });
+            }
+        }
+        if let Some(datum) = &raw.load.temperature {
+            let key = "load.temperature".to_owned();
+            let field = self.field(&key, datum, &mesh.points);
+            all.push(GivenTemperature { region: None, field, key });
         }
         all
     }

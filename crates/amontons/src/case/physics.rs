@@ -24,7 +24,10 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     };
     let conducts = |m: &raw::Material| m.heat_capacity.is_some() || m.conductivity.is_some() || coupled(m);
     let [mechanics, heat] = [materials.iter().any(|(_, m)| moves(m)), materials.iter().any(|(_, m)| conducts(m))];
+    let is_warmed = is_warmed(raw) && mechanics;
+    let heat = heat && !is_warmed;
     let physics = match (mechanics, heat) {
+        (true, _) if is_warmed => Physics::Warmed,
         (true, false) => Physics::Mechanics,
         (false, true) => Physics::Heat,
         (true, true) => Physics::Coupled,
@@ -58,6 +61,10 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     }
     let (others, hint) = match physics {
         Physics::Coupled => return physics,
+        Physics::Warmed => {
+            beside_temperature(raw, &materials, findings);
+            return physics;
+        }
         Physics::Mechanics => (of_heat(raw), "remove it, or give material.heat_capacity and material.conductivity"),
         Physics::Heat => (of_mechanics(raw), "remove it, or give material.density and material.elasticity"),
     };
@@ -73,6 +80,33 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
         .hint(Some(hint.to_owned()))
     }));
     physics
+}
+
+/// Whether a temperature is given in the place of the heat equation.
+pub(super) fn is_warmed(raw: &raw::Case) -> bool {
+    raw.load.temperature.is_some() || raw.region.iter().any(|region| region.temperature.is_some())
+}
+
+/// Keys of the heat equation beside a temperature that is given. Friction and wear may depend on it.
+fn beside_temperature(raw: &raw::Case, materials: &[(String, &raw::Material)], findings: &mut Vec<Finding>) {
+    let sees_only = |key: &str| key.ends_with(".friction") || key.ends_with(".wear");
+    let mut others = of_heat(raw);
+    others.retain(|(key, _)| !sees_only(key));
+    for (prefix, m) in materials {
+        let given = [
+            ("heat_capacity", m.heat_capacity.is_some(), "a heat capacity"),
+            ("conductivity", m.conductivity.is_some(), "a conductivity"),
+            ("coupling", m.coupling.is_some(), "heat of the deformation"),
+        ];
+        let given = given.into_iter().filter(|(_, is, _)| *is);
+        others.extend(given.map(|(key, _, what)| (format!("{prefix}.{key}"), what)));
+    }
+    findings.extend(others.into_iter().map(|(key, found)| {
+        let expected = "no key of the heat equation: the temperature is known at all places and times";
+        let hint = "remove it, or remove the temperature, for which heat is then solved";
+        Finding::new(path(&key), At::Value, format!("{found} beside a temperature that is given"), expected)
+            .hint(Some(hint.to_owned()))
+    }));
 }
 
 fn path(text: &str) -> Path {
@@ -196,6 +230,10 @@ pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let loaded = raw.region.iter().enumerate().filter(|(_, region)| !region.body_force.is_empty());
     found.extend(loaded.map(|(i, _)| (format!("region[{i}].body_force"), "a body force")));
     found.extend((0..raw.rigid.len()).map(|i| (format!("rigid[{i}]"), "a rigid part")));
+    let warmed = raw.region.iter().enumerate().filter(|(_, region)| region.temperature.is_some());
+    let warmed = warmed.map(|(i, _)| format!("region[{i}].temperature"));
+    let warmed = warmed.chain(raw.load.temperature.as_ref().map(|_| "load.temperature".to_owned()));
+    found.extend(warmed.map(|key| (key, "a temperature that is given")));
     for (i, b) in raw.boundary.iter().enumerate() {
         let given = [
             ("displacement", b.displacement.is_some(), "a displacement"),

@@ -58,14 +58,18 @@ impl FacetSet {
         self.blocks.iter().all(|block| block.nodes.is_empty())
     }
 
-    /// The facets of this set that another one has, too.
+    /// The facets of another set that this one has, too, and its edges and points that lie on facets of this one.
     #[must_use]
     pub fn common(&self, other: &FacetSet) -> FacetSet {
         let key = |(element, nodes): &(&'static Element, &[u32])| facet_key(element, nodes.iter().copied());
-        let known: HashSet<FacetKey> = other.facets().map(|facet| key(&facet)).collect();
+        let known: HashSet<FacetKey> = self.facets().map(|facet| key(&facet)).collect();
+        let (nodes, dim) = (self.node_list(), self.facets().map(|(element, _)| element.dim()).max().unwrap_or(0));
+        let is_on = |of: &[u32]| of.iter().all(|node| nodes.binary_search(node).is_ok());
         let mut common = FacetSet::default();
-        for facet in self.facets().filter(|facet| known.contains(&key(facet))) {
-            common.push(facet.0, facet.1.iter().copied());
+        for facet in other.facets() {
+            if known.contains(&key(&facet)) || facet.0.dim() < dim && is_on(facet.1) {
+                common.push(facet.0, facet.1.iter().copied());
+            }
         }
         common
     }

@@ -13,6 +13,7 @@ pub mod gmsh;
 pub mod inp;
 mod locator;
 mod locus;
+pub mod mail;
 pub mod med;
 mod quality;
 mod read;

@@ -34,7 +34,7 @@ impl Borne {
         });
         let [springs, dashpots] = forms::supports_on(mesh, &problem.boundary, set);
         Borne {
-            held: Held::as_far_as_held(problem, set, about),
+            held: Held::on(problem, set, about),
             about,
             load: forms::load_on(problem, set),
             springs,

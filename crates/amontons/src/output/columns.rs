@@ -355,7 +355,7 @@ impl PointRow<'_> {
             .map_or(self.number, |&node| node as usize)
     }
 
-    /// Without heat the body has no temperature.
+    /// Without heat nothing flows, and what a body faces has no temperature.
     fn of_heat(&self, value: f64) -> Option<f64> {
         self.now.problem.physics.has_heat().then_some(value)
     }
@@ -379,7 +379,9 @@ columns! { OnContact:
     TRACTION = on_contact("traction", Measure::Stress, |row| row.state.q.map(|q| 0.0 - q));
     SLIP_VELOCITY = on_contact("slip_velocity", Measure::Velocity, |row| row.state.slip);
     STATUS = text("status", |row| row.state.status.name().to_owned());
-    TEMPERATURE = optional("temperature", Measure::Temperature, |row| row.of_heat(row.temperature));
+    TEMPERATURE = optional("temperature", Measure::Temperature, |row| {
+        row.now.problem.physics.has_temperature().then_some(row.temperature)
+    });
     HEAT_FLUX = optional("heat_flux", Measure::HeatFlux, |row| row.of_heat(row.flux));
     WEIGHT = number("weight", Measure::Area, |row| row.weight);
     WEAR = number("wear", Measure::Length, |row| row.kept(&row.now.state.surface.wear));

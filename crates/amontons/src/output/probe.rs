@@ -286,12 +286,14 @@ impl<'a> Builder<'a> {
     fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
         let on_side = matches!(probe.place, ProbePlace::On(..) | ProbePlace::Contact(..));
-        let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux | Base::ReactionHeat);
         let physics = self.problem.physics;
+        let is_solved = match quantity.base {
+            Base::Temperature => physics.has_temperature(),
+            Base::HeatFlux | Base::ReactionHeat => physics.has_heat(),
+            _ => physics.has_mechanics(),
+        };
         match (quantity.base, quantity.part) {
-            _ if !(if of_heat { physics.has_heat() } else { physics.has_mechanics() }) => {
-                return Err(ProbeError::Absent(quantity.name()));
-            }
+            _ if !is_solved => return Err(ProbeError::Absent(quantity.name())),
             _ if probe.about.is_some() && !quantity.is_moment() => return Err(ProbeError::About(quantity.name())),
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
             (_, Selection::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),

@@ -2,8 +2,8 @@
 
 use super::Snapshot;
 use super::quantity::Base;
-use crate::mesh::{Mesh, cross, leader, link_of};
-use crate::problem::ProblemData;
+use crate::mesh::{FacetSet, Mesh, cross, leader, link_of};
+use crate::problem::{BoundaryCondition, ProblemData};
 use crate::space::rigid::rigid_of;
 use crate::space::{RigidNodes, Space};
 use crate::tensor::Point;
@@ -87,14 +87,23 @@ impl Held {
             free.is_none_or(|free| free.iter().all(|free| *free)) && rigid_of(&space.rigid, node).is_none()
         };
         let is_held = !nodes.iter().any(|&node| is_free(node));
-        is_held.then(|| Held { of_heat, numbers: numbers(&space, &nodes, &bodies, &arms) })
+        is_held.then(|| Held { of_heat, numbers: numbers(&space, &nodes, &bodies, &arms, |_| true) })
     }
 
-    /// What holds some nodes as far as something does; rigid bodies count where all of their nodes are among them.
-    pub(super) fn as_far_as_held(problem: &ProblemData, nodes: &[u32], about: Option<Point>) -> Held {
-        let (space, arms) = (problem.displacement_space(), Arms { mesh: &problem.mesh, about });
-        let bodies = whole_bodies(&space, nodes, &arms);
-        Held { of_heat: false, numbers: numbers(&space, &leaders(&space, nodes), &bodies, &arms) }
+    /// What conditions on facets of a set hold, each in its own directions: at a node of two sides it counts for that
+    /// for which the value is prescribed. Rigid bodies count where all of their nodes are on the set.
+    pub(super) fn on(problem: &ProblemData, set: &FacetSet, about: Option<Point>) -> Held {
+        let mesh = &problem.mesh;
+        let (space, arms, nodes) = (problem.displacement_space(), Arms { mesh, about }, set.node_list());
+        let bodies = whole_bodies(&space, &nodes, &arms);
+        let is_on = |on: &str| mesh.named(on).is_some_and(|held| !set.common(held).is_empty());
+        let of_condition = |b: &BoundaryCondition| vec![is_on(&b.on); b.prescriptions(mesh).len()];
+        let on: Vec<bool> = problem.boundary.iter().flat_map(of_condition).collect();
+        // What the axis of a sector holds is a condition on no side.
+        let counts =
+            |number: usize| space.prescription_of(number).is_none_or(|given| on.get(given).copied().unwrap_or(true));
+        let numbers = numbers(&space, &leaders(&space, &nodes), &bodies, &arms, counts);
+        Held { of_heat: false, numbers }
     }
 
     /// The resultant in a step, N or W per unit of thickness in two dimensions; at t = 0 it is not a number.
@@ -106,9 +115,15 @@ impl Held {
     }
 }
 
-/// The numbers of what is prescribed at some nodes and for some rigid bodies, each with what one unit of it adds to the
-/// sum.
-fn numbers(space: &Space, nodes: &[u32], bodies: &[Vec<Point>], arms: &Arms) -> Vec<(usize, Point)> {
+/// The numbers of what is prescribed at some nodes, if it counts, and for some rigid bodies, each with what one unit of
+/// it adds to the sum.
+fn numbers(
+    space: &Space,
+    nodes: &[u32],
+    bodies: &[Vec<Point>],
+    arms: &Arms,
+    counts: impl Fn(usize) -> bool,
+) -> Vec<(usize, Point)> {
     let (mut numbers, mut nodes) = (Vec::new(), nodes.iter().copied().peekable());
     let mut number = 0;
     for (node, free) in (0u32..).zip(space.free.chunks_exact(space.components)) {
@@ -126,7 +141,7 @@ fn numbers(space: &Space, nodes: &[u32], bodies: &[Vec<Point>], arms: &Arms) -> 
             continue;
         }
         for (c, _) in free.iter().enumerate().filter(|(_, free)| !**free) {
-            if is_here {
+            if is_here && counts(number) {
                 numbers.push((number, arms.of(node, &space.directions(node)[c])));
             }
             number += 1;

@@ -31,7 +31,7 @@ pub(super) fn demand(
     };
     let [at_nodes, in_cells] = fields.iter().map(count).fold([0.0; 2], |[nodes, cells], [n, c]| [nodes + n, cells + c]);
     let mechanics = if physics.has_mechanics() { [7.0, 1.0] } else { [0.0; 2] };
-    let heat = if physics.has_heat() { 1.0 } else { 0.0 };
+    let heat = if physics.has_temperature() { 1.0 } else { 0.0 };
     // Places, and of each cell its offset, its type and its region.
     let numbers = nodes * (3.0 + mechanics[0] + heat + at_nodes) + cells * (mechanics[1] + in_cells);
     let grid = 8.0 * (numbers + of_cells as f64) + 13.0 * cells;

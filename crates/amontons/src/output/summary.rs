@@ -440,8 +440,8 @@ impl Final {
             displacement_min: of_motion(by_component(&state.u, dim, f64::INFINITY, f64::min)),
             displacement_max: of_motion(by_component(&state.u, dim, f64::NEG_INFINITY, f64::max)),
             velocity_max: of_motion(by_component(&state.w, dim, f64::NEG_INFINITY, f64::max)),
-            temperature_min: state.theta.iter().copied().reduce(f64::min).filter(|_| physics.has_heat()),
-            temperature_max: state.theta.iter().copied().reduce(f64::max).filter(|_| physics.has_heat()),
+            temperature_min: state.theta.iter().copied().reduce(f64::min).filter(|_| physics.has_temperature()),
+            temperature_max: state.theta.iter().copied().reduce(f64::max).filter(|_| physics.has_temperature()),
             von_mises_max: physics.has_mechanics().then(von_mises),
             strain_max: physics.has_mechanics().then_some(figures.strain),
             undershoot: figures.outside[0].filter(|_| physics.has_heat()),
@@ -451,7 +451,9 @@ impl Final {
                 displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
                 displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, state.deformation())),
                 velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
-                temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
+                temperature_l2: physics
+                    .has_temperature()
+                    .then(|| discretization.norm(&discretization.mass, &state.theta)),
             },
             contact: report
                 .filter(|_| physics.has_mechanics() || !problem.contacts.is_empty())

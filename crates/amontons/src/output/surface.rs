@@ -50,7 +50,7 @@ static FIELDS: [Field; 11] = [
     field("traction", Measure::Stress, ALWAYS, Value::Vector(|node| node.mean.traction)),
     field("slip_velocity", Measure::Velocity, ALWAYS, Value::Vector(|node| node.mean.slip)),
     field("status", Measure::Number, ALWAYS, Value::Code(Node::status)),
-    field("temperature", Measure::Temperature, Physics::has_heat, Value::Scalar(|node| node.temperature)),
+    field("temperature", Measure::Temperature, Physics::has_temperature, Value::Scalar(|node| node.temperature)),
     field("heat_flux", Measure::HeatFlux, Physics::has_heat, Value::Scalar(|node| node.mean.flux)),
     field("wear", Measure::Length, ALWAYS, Value::Scalar(|node| node.mean.wear)),
     field("friction_work", Measure::SurfaceWork, ALWAYS, Value::Scalar(|node| node.mean.work)),

@@ -141,7 +141,7 @@ fn at_points<'a>(now: &Snapshot<'a>, fields: &[OutputField], recovery: Option<&S
         point.push(Array::reals("displacement", 3, in_space(&state.u)));
         point.push(Array::reals("velocity", 3, in_space(&state.w)));
     }
-    if physics.has_heat() {
+    if physics.has_temperature() {
         point.push(Array::reals("temperature", 1, &*state.theta));
     }
     if let Some(recovery) = recovery {

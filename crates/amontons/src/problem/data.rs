@@ -96,6 +96,7 @@ impl ProblemData {
                 all.extend(fields.into_iter().map(|(key, field)| body(key, role, field)));
             }
         }
+        all.extend(self.temperature_data());
         for (i, part) in self.rigid.iter().enumerate() {
             for (key, role, fields) in [("force", Role::Force, &part.force), ("moment", Role::Other, &part.moment)] {
                 let fields = fields.iter().enumerate();

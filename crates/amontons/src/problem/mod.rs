@@ -17,6 +17,7 @@ mod physics;
 mod range;
 mod rigid;
 mod tables;
+mod temperature;
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -32,6 +33,7 @@ pub use physics::Physics;
 pub use rigid::RigidPart;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
+pub use temperature::GivenTemperature;
 
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::field::Field;
@@ -158,6 +160,9 @@ pub struct ProblemData {
     pub heat_source: Field,
     /// Body forces and heat sources of regions, which add to those of the whole body.
     pub region_loads: Vec<RegionLoad>,
+    /// The temperature that is given where [`Physics::Warmed`] has no equation for it: of a node in several regions that
+    /// of the first entry, and of the others that of the entry of the whole body.
+    pub temperature: Vec<GivenTemperature>,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,
     /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to
@@ -246,6 +251,7 @@ impl ProblemData {
             body_force: Vec::new(),
             heat_source: Field::ZERO,
             region_loads: Vec::new(),
+            temperature: Vec::new(),
             boundary: Vec::new(),
             cyclic: Vec::new(),
             rigid: Vec::new(),

@@ -9,6 +9,8 @@ pub enum Physics {
     Coupled,
     /// (4.1) alone: no temperature.
     Mechanics,
+    /// (4.1) at a temperature that is given: [`ProblemData::temperature`](super::ProblemData::temperature).
+    Warmed,
     /// (4.2) alone: no displacement. Contacts exchange heat across their gaps at rest, without pressure.
     Heat,
 }
@@ -23,6 +25,12 @@ impl Physics {
     /// Whether (4.2) is solved for the temperature.
     #[must_use]
     pub fn has_heat(self) -> bool {
+        matches!(self, Physics::Coupled | Physics::Heat)
+    }
+
+    /// Whether there is a temperature, solved for or given.
+    #[must_use]
+    pub fn has_temperature(self) -> bool {
         self != Physics::Mechanics
     }
 }

@@ -83,12 +83,15 @@ impl ProblemData {
 
     /// The tables of the materials cover the initial temperature.
     pub(super) fn check_tables(&self, faults: &mut Vec<Fault>) {
-        let theta = self.initial.temperature.values(&self.mesh.points, 0.0);
+        let theta = self.first_temperature();
         if let Some(Uncovered { key, range: [first, last], theta, at }) = self.uncovered(&theta) {
             let found = format!("the temperature {theta:?} at {}", self.mesh.place(&at));
             let expected = format!("temperatures from {first:?} to {last:?}, which {key} covers");
-            let fault = Fault::new("initial.temperature", found, expected);
-            faults.push(fault.hint("extend the table, or give another initial temperature"));
+            let (path, hint) = match self.temperature.first() {
+                Some(given) => (given.key.as_str(), "extend the table, or give another temperature"),
+                None => ("initial.temperature", "extend the table, or give another initial temperature"),
+            };
+            faults.push(Fault::new(path, found, expected).hint(hint));
         }
     }
 }

@@ -1,4 +1,5 @@
-//! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero.
+//! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero, or
+//! at the temperature that is given.
 
 use super::audit::Powers;
 use super::coupling::Made;
@@ -10,10 +11,15 @@ use super::{CouplingReport, StepError};
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Exchange, Frame, PointState};
 use crate::list::List;
+use crate::problem::Physics;
 
-/// Solves (4.1) without a temperature.
+/// Solves (4.1) without a temperature, or with that which is given at t_n.
 pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
-    Ok(made(Mechanics::solve(step, half, &step.old.theta, None, &mut ())?, no_heat(step)))
+    let theta: List<f64> = match step.problem.physics {
+        Physics::Warmed => step.problem.given_temperature(step.t).into(),
+        _ => List::filled(0.0, step.old.theta.len()),
+    };
+    Ok(made(Mechanics::solve(step, half, &theta, None, &mut ())?, no_heat(step, theta)))
 }
 
 /// Solves (4.2) of bodies that do not move. They exchange heat across their gaps at rest, and nothing presses.
@@ -45,17 +51,16 @@ fn made(mechanics: Mechanics, heat: Heat) -> Made {
     Made { mechanics, heat, report: CouplingReport { passes: 1, ..CouplingReport::default() }, iterations, sweeps }
 }
 
-/// θ = 0 and no heat that moves.
-fn no_heat(step: &Step) -> Heat {
+/// A temperature, and no heat that moves.
+fn no_heat(step: &Step, theta: List<f64>) -> Heat {
     let (zero, points) = (List::filled(0.0, step.old.theta.len()), step.boundary.points.len());
     Heat {
-        theta: zero.clone(),
         mass_theta: zero.clone(),
         d_theta: zero.clone(),
         supply: step.discrete.q_h.at(step.t),
         coupling: zero,
         exchange: Exchange {
-            temperature: List::filled(0.0, points),
+            temperature: step.boundary.scalars_on(step.contacts, &theta),
             opposite: List::filled(0.0, points),
             flux: List::filled(Flux::default(), points),
             rubbed: List::filled(0.0, points),
@@ -69,6 +74,7 @@ fn no_heat(step: &Step) -> Heat {
         residual: 0.0,
         scale: 0.0,
         amounts: Amounts::default(),
+        theta,
     }
 }
 

@@ -19,7 +19,7 @@ use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::inclusion::{Loose, Multipliers, PointState, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::list::{Keeping, List};
-use crate::problem::{Problem, with_supports};
+use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
 use crate::tensor;
 
@@ -175,8 +175,7 @@ impl BackwardEuler {
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
     ) -> Result<BackwardEuler, SetupError> {
-        let (k, initial) = (problem.k(), std::slice::from_ref(&problem.initial.temperature));
-        let start = discrete.q.interpolate(&discrete.mesh, initial, 0.0);
+        let (k, start) = (problem.k(), first_temperature(problem, discrete));
         let systems = Systems::factorize(problem, discrete, (k, &start), backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
@@ -453,6 +452,14 @@ impl Made {
     }
 }
 
+/// θ₀ at the nodes: initial data, or the temperature that is given.
+fn first_temperature(problem: &Problem, discrete: &Discretization) -> Vec<f64> {
+    match problem.physics {
+        Physics::Warmed => problem.given_temperature(0.0),
+        _ => discrete.q.interpolate(&discrete.mesh, std::slice::from_ref(&problem.initial.temperature), 0.0),
+    }
+}
+
 /// Krylov iterations of both half-steps so far.
 fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> usize {
     mechanics.into_iter().chain(heat).map(|half| half.system.iterations()).sum()
@@ -487,7 +494,7 @@ impl Scheme for BackwardEuler {
         let (mesh, data) = (&self.discrete.mesh, &self.problem.initial);
         let u = self.discrete.v.interpolate(mesh, &data.displacement, 0.0);
         let w = self.discrete.v.interpolate(mesh, &data.velocity, 0.0);
-        let theta = self.discrete.q.interpolate(mesh, std::slice::from_ref(&data.temperature), 0.0);
+        let theta = first_temperature(&self.problem, &self.discrete);
         for (values, name) in [(&u, "displacement"), (&w, "velocity"), (&theta, "temperature")] {
             if values.iter().any(|v| !v.is_finite()) {
                 return Err(SetupError::Initial(name));
@@ -508,7 +515,8 @@ impl Scheme for BackwardEuler {
                 * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
-        let heat_content = c * self.discrete.stored_heat(&theta).iter().sum::<f64>();
+        let stores = self.problem.physics.has_heat();
+        let heat_content = if stores { c * self.discrete.stored_heat(&theta).iter().sum::<f64>() } else { 0.0 };
         let heat_foundation: f64 = self
             .problem
             .contacts

@@ -421,7 +421,7 @@ regions! {
     region_twice: format!("[[region]]\non = \"stiff\"\n{STEEL}[[region]]\non = \"stiff\"\n{STEEL}"),
         "body.toml:30:6: region[1].on: found \"stiff\" again, expected each region in one [[region]] entry";
     region_without_a_material: "[[region]]\non = \"stiff\"\n",
-        "body.toml:19:1: region[0].material: found no such key, expected `material`, `body_force` or `heat_source`";
+        "body.toml:19:1: region[0].material: found no such key, expected `material`, `body_force`, `heat_source` or `temperature`";
     faulty_region: format!("[[region]]\non = \"stiff\"\n{}", STEEL.replace("young = 40.0", "young = -40.0")),
         "body.toml:27:43: region[0].material.elasticity.young: found -40.0, expected a number > 0 (Young's modulus E in Pa)";
     region_with_a_negative_conductivity: format!("[[region]]\non = \"stiff\"\n{}", STEEL.replace("conductivity = 3.0", "conductivity = -3.0")),

@@ -6,6 +6,7 @@
 mod common;
 
 mod body;
+mod given;
 mod graded;
 mod physics;
 mod relaxation;

@@ -54,7 +54,6 @@ fn files_of_other_programs_are_named() {
         ("a.STP", "", "(STEP)", "gmsh FILE -3"),
         ("a.msh", "(0 \"fluent\")\n(2 3)\n", "Fluent", "meshio convert"),
         ("a.inp", "4 1 0 0 0\n1 0 0 0\n", "AVS", "meshio convert"),
-        ("a.mail", "TITRE\n", "Code_Aster", "MED"),
         ("a.frd", "    1C\n", "results of CalculiX", "input file"),
     ];
     for (name, text, what, how) in files {

@@ -17,6 +17,7 @@ mod files;
 mod formats;
 mod gmsh_tags;
 mod hostile;
+mod mail;
 mod med;
 mod messages;
 mod writer;

@@ -160,7 +160,7 @@ fn files_are_named_in_their_faults() {
     let other = mesh::read(std::path::Path::new("pad.part")).expect_err("a fault").to_string();
     assert_eq!(
         other,
-        "pad.part: the extension is \"part\", expected .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+        "pad.part: the extension is \"part\", expected .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .mail (Code_Aster), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
     );
 }
 

@@ -77,10 +77,10 @@ fn every_block_of_the_guides_is_a_case() {
         ("coming-from.md", (0, 1)),
         ("contact.md", (1, 14)),
         ("large.md", (0, 1)),
-        ("loads.md", (0, 5)),
+        ("loads.md", (0, 6)),
         ("materials.md", (0, 6)),
         ("meshes.md", (0, 6)),
-        ("results.md", (0, 2)),
+        ("results.md", (0, 3)),
         ("runs.md", (0, 1)),
         ("two-bodies.md", (0, 5)),
     ];

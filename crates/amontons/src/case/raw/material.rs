@@ -20,6 +20,9 @@ pub(in crate::case) struct Region {
     /// Heat source in the region in W/m³, which adds to that of `[load]`.
     #[serde(default)]
     pub heat_source: Datum,
+    /// Temperature θ in K that is given in the region at all times, in the place of that of `[load]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Datum>,
 }
 
 /// Material: σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜 (2.1), q = −𝓚∇θ (2.2).

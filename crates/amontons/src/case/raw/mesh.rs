@@ -106,7 +106,8 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         axisymmetric: bool,
     },
-    /// A mesh file of Gmsh (.msh), Abaqus or CalculiX (.inp), Code_Aster or Salome (.med), Exodus (.e) or VTK (.vtu).
+    /// A mesh file of Gmsh (.msh), Abaqus or CalculiX (.inp), Code_Aster or Salome (.med, .mail), Exodus (.e) or VTK
+    /// (.vtu).
     /// Its sides and regions are those of the file.
     #[schemars(extend("x-implied-by" = "file"))]
     File {

@@ -160,6 +160,11 @@ pub(in crate::case) struct Load {
     /// Heat source q₀ in W/m³.
     #[serde(default)]
     pub heat_source: Datum,
+    /// Temperature θ in K that is given at all times, in the place of the heat equation.
+    ///
+    /// Materials then need no `heat_capacity` and `conductivity`, and no other key of heat may stand beside it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Datum>,
 }
 
 /// State at t = 0: (2.11). The expressions do not use t.

@@ -2,11 +2,14 @@
 //!
 //! Loads on a side that is held in their direction, and heat into one whose temperature is prescribed, are faults.
 
+use std::sync::Arc;
+
 use super::super::{Finding, FindingId};
 use super::warning;
 use crate::contact::{Contact, ContactPoint, Obstacle};
+use crate::material::{Material, TensorLaw, depends_on_temperature};
 use crate::mesh::FacetSet;
-use crate::problem::Problem;
+use crate::problem::{Physics, Problem};
 use crate::tensor::Sym;
 
 /// `no-effect`: data that results do not depend on, one finding per datum.
@@ -19,7 +22,8 @@ pub(super) fn without_effect(problem: &Problem) -> Vec<Finding> {
         let slides = slides_without_friction(&path, contact).or_else(|| turns_without_friction(&path, contact));
         slides.into_iter().chain(heats_without_friction(&path, contact))
     });
-    velocity_without_inertia(problem).into_iter().chain(of_contacts).map(told).collect()
+    let of_body = velocity_without_inertia(problem).into_iter().chain(temperature_without_expansion(problem));
+    of_body.chain(of_contacts).map(told).collect()
 }
 
 /// Where it stands, what it means, and what to do.
@@ -35,6 +39,20 @@ fn velocity_without_inertia(problem: &Problem) -> Option<Idle> {
     let repair =
         "give material.density, or leave inertia on; prescribe a displacement that depends on t to drive the body";
     Some(("initial.velocity".to_owned(), message.to_owned(), repair))
+}
+
+/// A temperature that is given acts by expansion, by laws that depend on it, and by friction and wear.
+fn temperature_without_expansion(problem: &Problem) -> Option<Idle> {
+    let expands = |m: &Material| {
+        let is_fixed = |law: &Arc<dyn TensorLaw>| !depends_on_temperature(law.as_ref());
+        m.expansion.constant() != Some(Sym::ZERO) || !is_fixed(&m.elasticity) || !is_fixed(&m.viscosity)
+    };
+    let given = problem.temperature.first().filter(|_| problem.physics == Physics::Warmed)?;
+    if problem.materials.iter().any(expands) || !problem.contacts.is_empty() {
+        return None;
+    }
+    let message = "no material expands and no law depends on the temperature that is given: it changes nothing";
+    Some((given.key.clone(), message.to_owned(), "give material.expansion_coefficient, or remove the temperature"))
 }
 
 /// Friction, and wear by what slides, are all that a sliding foundation acts by.

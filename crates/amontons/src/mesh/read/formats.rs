@@ -12,11 +12,12 @@ pub(super) enum Format {
     Input,
     Grid,
     Med,
+    Mail,
     Exodus,
 }
 
 /// Endings of files with what they are and how a mesh is made of them.
-const FOREIGN: [(&[&str], &str, &str); 23] = [
+const FOREIGN: [(&[&str], &str, &str); 22] = [
     (&["cdb"], ANSYS, OF_ANSYS),
     (&["unv"], UNIVERSAL, OF_UNIVERSAL),
     (&["stl"], STL, OF_STL),
@@ -39,7 +40,6 @@ const FOREIGN: [(&[&str], &str, &str); 23] = [
     (&["odb"], "results of Abaqus", OF_RESULTS),
     (&["cas"], FLUENT, BY_MESHIO),
     (&["mdpa"], "a mesh of Kratos", BY_MESHIO),
-    (&["mail"], "a text mesh of Code_Aster", OF_ASTER),
 ];
 
 const ANSYS: &str = "a mesh of ANSYS Mechanical APDL (CDB)";
@@ -67,12 +67,10 @@ const OF_SHAPE: &str =
     "a mesh; mesh the shape with Gmsh: `gmsh FILE -3 -o MESH.msh`, with physical groups for regions and sides";
 const OF_COMSOL: &str =
     "a mesh in a format that is read; export it from COMSOL for Nastran, and convert that with Gmsh";
-const OF_ASTER: &str =
-    "a mesh in a format that is read; write it from Code_Aster as MED: `IMPR_RESU(FORMAT='MED', RESU=_F(MAILLAGE=…))`";
 const OF_RESULTS: &str = "the mesh; read the input file (.inp) of the computation";
 
 /// The formats that are read, for messages.
-pub(super) const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
+pub(super) const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .mail (Code_Aster), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
 
 impl Format {
     /// The format of a file with this ending, in small letters: its contents count where they are unmistakable.
@@ -100,6 +98,7 @@ impl Format {
             "inp" => Format::Input,
             "vtu" => Format::Grid,
             "med" => Format::Med,
+            "mail" => Format::Mail,
             "e" | "exo" | "g" => Format::Exodus,
             _ => return None,
         })

@@ -5,6 +5,7 @@
 //! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d, or volumes | physical groups of dimension d − 1, or surfaces |
 //! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces, sets of elements on the boundary, and node sets |
 //! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`](crate::mesh::med)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
+//! | `.mail` | Code_Aster, as text ([`mail`](crate::mesh::mail)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
 //! | `.e`, `.exo`, `.g` | Exodus: Cubit, MOOSE, SIERRA ([`exodus`](crate::mesh::exodus)) | blocks of dimension d | side sets, blocks of dimension d − 1 and node sets |
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
@@ -36,7 +37,7 @@ pub(super) use serendipity::{complete_data, completed, of_vtk};
 const LONGEST: u64 = 4 << 30;
 
 /// Extensions of the formats that are read, in small letters.
-pub const EXTENSIONS: [&str; 7] = ["msh", "inp", "vtu", "med", "e", "exo", "g"];
+pub const EXTENSIONS: [&str; 8] = ["msh", "inp", "vtu", "med", "mail", "e", "exo", "g"];
 
 /// What the elements of a plane mesh say of the direction that they lack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -174,6 +175,7 @@ pub fn parse_file(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Re
         Format::Input => super::inp::read(name, bytes, include),
         Format::Grid => super::vtu::read(bytes),
         Format::Med => super::med::read(bytes),
+        Format::Mail => super::mail::read(bytes),
         Format::Exodus => super::exodus::read(bytes),
     }
 }

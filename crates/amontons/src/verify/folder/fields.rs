@@ -82,7 +82,7 @@ impl Fields {
             take("displacement", &mut state.u, self.vector("displacement"));
             take("velocity", &mut state.w, self.vector("velocity"));
         }
-        if problem.physics.has_heat() {
+        if problem.physics.has_temperature() {
             take("temperature", &mut state.theta, self.scalar("temperature").map(<[f64]>::to_vec));
         }
     }

@@ -1,0 +1,350 @@
+//! Meshes of Code_Aster as texts (`.mail`), as its document U3.01.00 describes them.
+//!
+//! A file is a sequence of blocks that begin with a keyword and end with `FINSF`, and ends with `FIN`: the nodes by
+//! their names (`COOR_3D`), the cells of each type (`HEXA20`), and groups of cells and nodes (`GROUP_MA`, `GROUP_NO`).
+//! Words are separated by blanks and commas, and `%` begins a comment. The keyword may have parameters, of which `NOM`
+//! names a group, and `NBLIGE` says how many lines the head of the block has.
+//!
+//! Groups become regions, sides, edges and points as those of [`med`](super::med) do. Code_Aster numbers the nodes of a
+//! cell as VTK does, but for the middles of edges of hexahedra and prisms, of which those that rise come before those
+//! above, and for the faces of a hexahedron of 27 nodes.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::Mesh;
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, Read, of_vtk};
+use crate::tensor::Point;
+
+/// The types of cells: name in the file, dimension, nodes, type of VTK; 0 for one that is not read.
+const TYPES: [(&str, usize, usize, u8); 20] = [
+    ("POI1", 0, 1, 1),
+    ("SEG2", 1, 2, 3),
+    ("SEG3", 1, 3, 21),
+    ("SEG4", 1, 4, 0),
+    ("TRIA3", 2, 3, 5),
+    ("TRIA6", 2, 6, 22),
+    ("TRIA7", 2, 7, 0),
+    ("QUAD4", 2, 4, 9),
+    ("QUAD8", 2, 8, 23),
+    ("QUAD9", 2, 9, 28),
+    ("TETRA4", 3, 4, 10),
+    ("TETRA10", 3, 10, 24),
+    ("PYRAM5", 3, 5, 14),
+    ("PYRAM13", 3, 13, 27),
+    ("PENTA6", 3, 6, 13),
+    ("PENTA15", 3, 15, 26),
+    ("PENTA18", 3, 18, 32),
+    ("HEXA8", 3, 8, 12),
+    ("HEXA20", 3, 20, 25),
+    ("HEXA27", 3, 27, 29),
+];
+/// The places of the middles of a hexahedron's edges and faces in the order of VTK: below, above, rising; −x, +x, −y,
+/// +y, −z, +z; and of the cell.
+const HEXAHEDRON: [usize; 19] = [8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26];
+/// The same of the edges of a prism.
+const PRISM: [usize; 9] = [6, 7, 8, 12, 13, 14, 9, 10, 11];
+/// What may begin a block.
+const KEYWORDS: &str = "TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN";
+
+/// Reads a mesh from the bytes of a `.mail` file: cells → blocks in the order in which types and groups are met.
+///
+/// # Errors
+/// When the bytes are no mesh of one body; the error names the line.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    read(bytes).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut lines = Lines::new(&text);
+    let mut file = File::default();
+    while let Some((line, words)) = lines.next() {
+        let Some(first) = words.first() else { continue };
+        if first.eq_ignore_ascii_case("FIN") {
+            return file.loose()?.into_read(FilePosition::Line);
+        }
+        file.take(&Section::of(line, words, &mut lines)?)?;
+    }
+    Err(syntax(lines.number.max(1), "the end of the file", "FIN, which ends a mesh of Code_Aster; it may be truncated"))
+}
+
+fn syntax(line: usize, found: impl Into<String>, expected: impl Into<String>) -> MeshFileError {
+    MeshFileError::Syntax { at: FilePosition::Line(line), found: found.into(), expected: expected.into() }
+}
+
+/// A word of the file as a message has it.
+fn quoted(word: &str) -> String {
+    format!("{:?}", word.chars().take(40).collect::<String>())
+}
+
+/// The lines that have words, by their numbers.
+struct Lines<'t> {
+    text: std::str::Lines<'t>,
+    /// Number of the last line.
+    number: usize,
+}
+
+impl<'t> Lines<'t> {
+    fn new(text: &'t str) -> Lines<'t> {
+        Lines { text: text.lines(), number: 0 }
+    }
+
+    /// The words of the next line that has some. An equals sign is a word of its own.
+    fn next(&mut self) -> Option<(usize, Vec<&'t str>)> {
+        loop {
+            let text = self.text.next()?;
+            self.number += 1;
+            let text = text.split('%').next().unwrap_or_default();
+            let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+            let words: Vec<&str> = words.flat_map(at_equals).collect();
+            if !words.is_empty() {
+                return Some((self.number, words));
+            }
+        }
+    }
+}
+
+/// `NOM=A` in three words.
+fn at_equals(word: &str) -> impl Iterator<Item = &str> {
+    word.split_inclusive('=')
+        .flat_map(|part| match part.strip_suffix('=') {
+            Some(name) => [name, "="],
+            None => [part, ""],
+        })
+        .filter(|part| !part.is_empty())
+}
+
+/// A block: its keyword with line and parameters, and its words with their lines.
+struct Section<'t> {
+    line: usize,
+    keyword: String,
+    parameters: BTreeMap<String, &'t str>,
+    words: Vec<(usize, &'t str)>,
+}
+
+impl<'t> Section<'t> {
+    /// The block whose keyword is the first of some words, to its end.
+    fn of(line: usize, words: Vec<&'t str>, lines: &mut Lines<'t>) -> Result<Section<'t>, MeshFileError> {
+        let keyword = words.first().copied().unwrap_or_default().to_ascii_uppercase();
+        let is_known = ["TITRE", "COOR_1D", "COOR_2D", "COOR_3D", "GROUP_MA", "GROUP_NO"].contains(&keyword.as_str())
+            || TYPES.iter().any(|(name, ..)| *name == keyword);
+        if !is_known {
+            return Err(syntax(line, quoted(words.first().copied().unwrap_or_default()), KEYWORDS));
+        }
+        let mut section = Section { line, keyword, parameters: BTreeMap::new(), words: Vec::new() };
+        // Behind the keyword stand the first words of the block, in further lines of the head remarks.
+        let others = section.head(words.get(1..).unwrap_or_default());
+        section.words.extend(others.into_iter().map(|word| (line, word)));
+        let of_head = section.parameters.get("NBLIGE").and_then(|count| count.parse::<usize>().ok()).unwrap_or(1);
+        let mut number = 1;
+        while let Some((line, words)) = lines.next() {
+            number += 1;
+            if words.first().is_some_and(|word| word.eq_ignore_ascii_case("FINSF")) {
+                return Ok(section);
+            }
+            if number <= of_head {
+                section.head(&words);
+            } else {
+                section.words.extend(words.into_iter().map(|word| (line, word)));
+            }
+        }
+        let found = format!("the end of the file in the block {} of line {line}", section.keyword);
+        Err(syntax(lines.number, found, "FINSF, which ends a block; it may be truncated"))
+    }
+
+    /// Takes the parameters of a line of the head; what else it has.
+    fn head(&mut self, words: &[&'t str]) -> Vec<&'t str> {
+        let (mut at, mut others) = (0, Vec::new());
+        while let Some(&word) = words.get(at) {
+            match (words.get(at + 1), words.get(at + 2)) {
+                (Some(&"="), Some(&value)) => {
+                    self.parameters.insert(word.to_ascii_uppercase(), value);
+                    at += 3;
+                }
+                _ => {
+                    others.push(word);
+                    at += 1;
+                }
+            }
+        }
+        others
+    }
+}
+
+/// A cell of the file.
+struct Cell<'t> {
+    line: usize,
+    /// Its place in [`TYPES`].
+    kind: usize,
+    nodes: Vec<&'t str>,
+    groups: BTreeSet<String>,
+}
+
+/// What the blocks say.
+#[derive(Default)]
+struct File<'t> {
+    points: Vec<Point>,
+    nodes: HashMap<&'t str, u32>,
+    /// Line of the coordinates.
+    given: Option<usize>,
+    cells: Vec<Cell<'t>>,
+    of_name: HashMap<&'t str, usize>,
+    /// Groups of cells and of nodes, with the lines and names of their members.
+    groups: Vec<(String, Vec<(usize, &'t str)>)>,
+    node_groups: Vec<(String, Vec<(usize, &'t str)>)>,
+}
+
+impl<'t> File<'t> {
+    fn take(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
+        match section.keyword.as_str() {
+            "TITRE" => Ok(()),
+            "COOR_1D" => self.coordinates(section, 1),
+            "COOR_2D" => self.coordinates(section, 2),
+            "COOR_3D" => self.coordinates(section, 3),
+            "GROUP_MA" | "GROUP_NO" => self.group(section),
+            _ => self.cells(section),
+        }
+    }
+
+    /// Nodes: a name and as many coordinates as the space has dimensions.
+    fn coordinates(&mut self, section: &Section<'t>, dim: usize) -> Result<(), MeshFileError> {
+        if let Some(before) = self.given.replace(section.line) {
+            let found = format!("{} after the coordinates of line {before}", section.keyword);
+            return Err(syntax(section.line, found, "the coordinates of all nodes in one block"));
+        }
+        for entry in section.words.chunks(dim + 1) {
+            let Some((&(line, name), values)) = entry.split_first() else { continue };
+            let mut x = [0.0; 3];
+            for (c, x) in x.iter_mut().enumerate().take(dim) {
+                let Some(&(line, word)) = values.get(c) else {
+                    let found = format!("{c} coordinates of the node {}", quoted(name));
+                    return Err(syntax(line, found, format!("{dim} coordinates")));
+                };
+                *x = real(word).ok_or_else(|| {
+                    let found = format!("{} as a coordinate of the node {}", quoted(word), quoted(name));
+                    syntax(line, found, "a finite number")
+                })?;
+            }
+            if self.nodes.insert(name, self.points.len() as u32).is_some() {
+                return Err(syntax(
+                    line,
+                    format!("the node {} again", quoted(name)),
+                    "a name of its own for each node",
+                ));
+            }
+            self.points.push(x);
+        }
+        Ok(())
+    }
+
+    /// Cells of one type: a name and the names of the nodes.
+    fn cells(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
+        let found = TYPES.iter().enumerate().find(|(_, (name, ..))| *name == section.keyword);
+        let Some((kind, &(code, _, nodes, vtk))) = found else { return Ok(()) };
+        if vtk == 0 && !section.words.is_empty() {
+            let known: Vec<&str> = TYPES.iter().filter(|(.., vtk)| *vtk > 0).map(|(name, ..)| *name).collect();
+            let at = FilePosition::Line(section.line);
+            return Err(MeshFileError::Element { at, found: code.to_owned(), known: known.join(", ") });
+        }
+        for entry in section.words.chunks(nodes + 1) {
+            let Some((&(line, name), of_cell)) = entry.split_first() else { continue };
+            if of_cell.len() < nodes {
+                let found = format!("{} nodes of the cell {}", of_cell.len(), quoted(name));
+                return Err(syntax(line, found, format!("{nodes} nodes of a {code}")));
+            }
+            if self.of_name.insert(name, self.cells.len()).is_some() {
+                return Err(syntax(
+                    line,
+                    format!("the cell {} again", quoted(name)),
+                    "a name of its own for each cell",
+                ));
+            }
+            let nodes = of_cell.iter().map(|(_, node)| *node).collect();
+            self.cells.push(Cell { line, kind, nodes, groups: BTreeSet::new() });
+        }
+        Ok(())
+    }
+
+    /// A group, whose name is a parameter or the first word.
+    fn group(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
+        let (name, members) = match (section.parameters.get("NOM"), section.words.split_first()) {
+            (Some(name), _) => (*name, section.words.as_slice()),
+            (None, Some(((_, name), rest))) => (*name, rest),
+            (None, None) => {
+                let found = format!("a {} without a name", section.keyword);
+                return Err(syntax(section.line, found, "its name, and the names of what it holds"));
+            }
+        };
+        let groups = if section.keyword == "GROUP_MA" { &mut self.groups } else { &mut self.node_groups };
+        groups.push((name.to_owned(), members.to_vec()));
+        Ok(())
+    }
+
+    /// The mesh with names resolved.
+    fn loose(mut self) -> Result<Loose, MeshFileError> {
+        for (name, members) in std::mem::take(&mut self.groups) {
+            for (line, member) in members {
+                let cell = self.of_name.get(member).and_then(|&cell| self.cells.get_mut(cell));
+                let cell = cell.ok_or_else(|| {
+                    let found = format!("the cell {} in the group {}", quoted(member), quoted(&name));
+                    syntax(line, found, "a cell of the file")
+                })?;
+                cell.groups.insert(name.clone());
+            }
+        }
+        let mut node_sets: BTreeMap<String, BTreeSet<u32>> = BTreeMap::new();
+        for (name, members) in std::mem::take(&mut self.node_groups) {
+            let nodes = members.iter().map(|&(line, node)| self.node(line, node));
+            let nodes: BTreeSet<u32> = nodes.collect::<Result<_, _>>()?;
+            node_sets.entry(name).or_default().extend(nodes);
+        }
+        let mut tags: BTreeMap<(usize, String), i64> = BTreeMap::new();
+        let mut index: HashMap<(usize, BTreeSet<i64>), usize> = HashMap::new();
+        let mut blocks: Vec<LooseBlock> = Vec::new();
+        for cell in &self.cells {
+            let Some(&(name, dim, nodes, vtk)) = TYPES.get(cell.kind) else { continue };
+            let tag = |group: &String| {
+                let next = tags.len() as i64;
+                *tags.entry((dim, group.clone())).or_insert(next)
+            };
+            let groups: BTreeSet<i64> = cell.groups.iter().map(tag).collect();
+            let block = *index.entry((cell.kind, groups.clone())).or_insert_with(|| {
+                let kind = Kind { name, dim, nodes, element: of_vtk(vtk).map(|(element, _)| element) };
+                blocks.push(LooseBlock { kind, groups, at: cell.line, nodes: Vec::new(), numbers: Vec::new() });
+                blocks.len() - 1
+            });
+            for local in 0..nodes {
+                let name = cell.nodes.get(place(nodes, local)).copied().unwrap_or_default();
+                let node = self.node(cell.line, name)?;
+                blocks.get_mut(block).into_iter().for_each(|block| block.nodes.push(node));
+            }
+        }
+        let names = tags.into_iter().map(|((dim, name), tag)| ((dim, tag), name)).collect();
+        let node_sets = node_sets.into_iter().map(|(name, nodes)| NodeSet { name, nodes }).collect();
+        Ok(Loose { points: self.points, blocks, names, node_sets, ..Loose::default() })
+    }
+
+    fn node(&self, line: usize, name: &str) -> Result<u32, MeshFileError> {
+        self.nodes.get(name).copied().ok_or_else(|| {
+            let expected = format!("the name of one of the {} nodes of the file", self.points.len());
+            syntax(line, format!("the node {}", quoted(name)), expected)
+        })
+    }
+}
+
+/// A finite number, with an exponent by E or D.
+fn real(word: &str) -> Option<f64> {
+    let value = word.parse().or_else(|_| word.replace(['D', 'd'], "E").parse::<f64>());
+    value.ok().filter(|value: &f64| value.is_finite())
+}
+
+/// The place in the file of a node of a cell with so many, by its place in VTK.
+fn place(nodes: usize, local: usize) -> usize {
+    let of = match nodes {
+        20 | 27 => local.checked_sub(8).and_then(|middle| HEXAHEDRON.get(middle)),
+        15 | 18 => local.checked_sub(6).and_then(|middle| PRISM.get(middle)),
+        _ => None,
+    };
+    of.copied().unwrap_or(local)
+}
