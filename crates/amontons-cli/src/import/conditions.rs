@@ -369,12 +369,11 @@ impl Conditions {
 
     /// `*TEMPERATURE`: one temperature of all nodes. Temperatures node by node are no function of the place.
     fn temperature(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
-        match whole_field(card, scene.mesh, 1)? {
-            Some(value) => self.field.set(scene.event(card, value), false),
-            None => {
-                let why = "temperatures that differ from node to node are not taken: give `temperature` in [load] as an expression or as data of a mesh file";
-                scene.notes.add(&card.place, "*TEMPERATURE", why, Matter::Answer);
-            }
+        if let Some(value) = whole_field(card, scene.mesh, 1)? {
+            self.field.set(scene.event(card, value), false);
+        } else {
+            let why = "temperatures that differ from node to node are not taken: give `temperature` in [load] as an expression or as data of a mesh file";
+            scene.notes.add(&card.place, "*TEMPERATURE", why, Matter::Answer);
         }
         Ok(())
     }

@@ -313,7 +313,7 @@ fn coefficient(table: &Table, column: usize, context: &Context, factor: f64) -> 
     if points.iter().all(|point| point.1.total_cmp(&first).is_eq()) {
         return number(first);
     }
-    if !context.physics.heat {
+    if !context.physics.heat && !context.warmed {
         return number(at(&points, context.initial));
     }
     over_temperature(&points, context.shift)

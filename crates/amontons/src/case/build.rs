@@ -60,10 +60,8 @@ pub(super) fn problem(
     let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
     build.dim = mesh.dim;
     build.thickness(raw.thickness, &mut mesh);
-    let physics = physics(&raw, &mut build.findings);
-    let materials = build.materials(&raw, &mesh);
-    let region_loads = build.region_loads(&raw, &mesh);
-    let temperature = build.temperature(&raw, &mesh);
+    let (physics, materials) = (physics(&raw, &mut build.findings), build.materials(&raw, &mesh));
+    let (region_loads, temperature) = (build.region_loads(&raw, &mesh), build.temperature(&raw, &mesh));
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     build.places(&mut raw.boundary, &mut mesh);
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();

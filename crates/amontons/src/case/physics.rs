@@ -43,22 +43,7 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
             return Physics::Coupled;
         }
     };
-    for (prefix, material) in &materials {
-        if mechanics {
-            let needs_density = raw.time.inertia || !raw.load.gravity.is_empty();
-            needs(prefix, "density", material.density.is_some() || !needs_density, findings);
-            needs(prefix, "elasticity", material.elasticity.is_some(), findings);
-        }
-        if heat {
-            needs(prefix, "heat_capacity", material.heat_capacity.is_some(), findings);
-            needs(prefix, "conductivity", material.conductivity.is_some(), findings);
-        }
-    }
-    let lacking = |(_, contact): &(String, &raw::Contact)| mechanics && contact.normal.is_none();
-    for (prefix, _) in raw.contact.iter().flat_map(raw::Contacts::each).filter(lacking) {
-        let expected = "a table (law of the contact pressure p_ν (2.8))";
-        findings.push(Finding::new(path(&format!("{prefix}.normal")), At::Missing, "no such key", expected));
-    }
+    required(raw, &materials, [mechanics, heat], findings);
     let (others, hint) = match physics {
         Physics::Coupled => return physics,
         Physics::Warmed => {
@@ -82,6 +67,31 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     physics
 }
 
+/// Notes what the equations need and a case does not give.
+fn required(
+    raw: &raw::Case,
+    materials: &[(String, &raw::Material)],
+    [mechanics, heat]: [bool; 2],
+    findings: &mut Vec<Finding>,
+) {
+    for (prefix, material) in materials {
+        if mechanics {
+            let needs_density = raw.time.inertia || !raw.load.gravity.is_empty();
+            needs(prefix, "density", material.density.is_some() || !needs_density, findings);
+            needs(prefix, "elasticity", material.elasticity.is_some(), findings);
+        }
+        if heat {
+            needs(prefix, "heat_capacity", material.heat_capacity.is_some(), findings);
+            needs(prefix, "conductivity", material.conductivity.is_some(), findings);
+        }
+    }
+    let lacking = |(_, contact): &(String, &raw::Contact)| mechanics && contact.normal.is_none();
+    for (prefix, _) in raw.contact.iter().flat_map(raw::Contacts::each).filter(lacking) {
+        let expected = "a table (law of the contact pressure p_ν (2.8))";
+        findings.push(Finding::new(path(&format!("{prefix}.normal")), At::Missing, "no such key", expected));
+    }
+}
+
 /// Whether a temperature is given in the place of the heat equation.
 pub(super) fn is_warmed(raw: &raw::Case) -> bool {
     raw.load.temperature.is_some() || raw.region.iter().any(|region| region.temperature.is_some())
@@ -89,7 +99,7 @@ pub(super) fn is_warmed(raw: &raw::Case) -> bool {
 
 /// Keys of the heat equation beside a temperature that is given. Friction and wear may depend on it.
 fn beside_temperature(raw: &raw::Case, materials: &[(String, &raw::Material)], findings: &mut Vec<Finding>) {
-    let sees_only = |key: &str| key.ends_with(".friction") || key.ends_with(".wear");
+    let sees_only = |key: &str| key.rsplit('.').next().is_some_and(|last| ["friction", "wear"].contains(&last));
     let mut others = of_heat(raw);
     others.retain(|(key, _)| !sees_only(key));
     for (prefix, m) in materials {

@@ -217,6 +217,9 @@ impl<'a> Body<'a> {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
         let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;
+        if heat_acts && let Some(given) = problem.temperature.first() {
+            return Some(("a temperature that is given expands the body", given.key.clone()));
+        }
         if heat_acts
             && let Some(i) = problem.boundary.iter().position(|b| {
                 [&b.temperature, &b.heat_inflow].into_iter().flatten().any(|field| !field.is_zero())

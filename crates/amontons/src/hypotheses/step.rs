@@ -288,7 +288,8 @@ pub(super) fn holds_the_body(
 /// Whether θ_n acts on w_n in the same step by expansion or by moduli, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
     let softens = || problem.materials.iter().any(Material::laws_depend_on_temperature);
-    problem.coupling != Coupling::Staggered && (largest_norm(problem, |m| &m.expansion) > 0.0 || softens())
+    let is_solved = problem.physics.has_heat() && problem.coupling != Coupling::Staggered;
+    is_solved && (largest_norm(problem, |m| &m.expansion) > 0.0 || softens())
 }
 
 /// A part of the laws that the condition does not cover, and its place.

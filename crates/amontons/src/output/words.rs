@@ -31,7 +31,10 @@ impl Summary {
     /// The results for reading, names and texts: what was asked for first, then how it was computed.
     #[must_use]
     pub fn rows(&self) -> Vec<(String, String)> {
-        let (mechanics, heat) = (!self.last.displacement_min.is_empty(), self.last.temperature_min.is_some());
+        let mechanics = !self.last.displacement_min.is_empty();
+        // A temperature that is given has no balance of heat.
+        let is_balanced = self.unknowns.temperature > 0 || self.energy.heat_turned_over > 0.0;
+        let heat = self.last.temperature_min.is_some() && (is_balanced || !mechanics);
         let mut rows = self.of_contact();
         rows.extend(self.of_fields());
         rows.extend(extent(self.units, mechanics));

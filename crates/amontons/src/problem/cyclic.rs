@@ -1,6 +1,7 @@
 //! Sectors that are repeated about an axis.
 
 use super::boundary::unknown;
+use super::temperature::entries;
 use super::{Fault, ProblemData};
 use crate::mesh::{Cyclic, Link, Links, NotCyclic};
 use crate::space::Prescription;
@@ -102,6 +103,7 @@ impl ProblemData {
                 faults.extend(clash.map(|link| self.clash(format!("boundary[{i}].{key}"), link)));
             }
         }
+        self.check_temperature_on(links, faults);
         let initial = &self.initial;
         let temperature = std::slice::from_ref(&initial.temperature);
         for (key, fields, is_vector) in [
@@ -115,6 +117,21 @@ impl ProblemData {
             let clash = links.iter().find(|link| self.clashes(&given, link, is_vector));
             faults.extend(clash.map(|link| self.clash(format!("initial.{key}"), link)));
         }
+    }
+
+    /// A temperature that is given is the same on both sides of a sector.
+    fn check_temperature_on(&self, links: &[Link], faults: &mut Vec<Fault>) {
+        let of = entries(&self.mesh, &self.temperature);
+        let entry = |node: u32| of.get(node as usize).copied().flatten();
+        let clash = links.iter().find_map(|link| {
+            let Some(number) = entry(link.node) else { return Some((entry(link.to)?, link)) };
+            let field = &self.temperature.get(number)?.field;
+            let given = [Prescription { on: "", direction: [1.0, 0.0, 0.0], field }];
+            let clashes = entry(link.to) != Some(number) || self.clashes(&given, link, false);
+            clashes.then_some((number, link))
+        });
+        let key = |number: usize| self.temperature.get(number).map(|given| given.key.clone()).unwrap_or_default();
+        faults.extend(clash.map(|(number, link)| self.clash(key(number), link)));
     }
 
     /// Whether prescriptions at a node that follows are not those at the node that it follows, turned, at some time:

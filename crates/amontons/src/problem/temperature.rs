@@ -16,7 +16,7 @@ pub struct GivenTemperature {
 }
 
 /// The entry that holds at each node: that of a region before that of the body, of several regions the first.
-fn entries(mesh: &Mesh, given: &[GivenTemperature]) -> Vec<Option<usize>> {
+pub(super) fn entries(mesh: &Mesh, given: &[GivenTemperature]) -> Vec<Option<usize>> {
     let common = given.iter().position(|entry| entry.region.is_none());
     let mut of = vec![common; mesh.points.len()];
     for (number, entry) in given.iter().enumerate().rev() {

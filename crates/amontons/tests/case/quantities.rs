@@ -242,7 +242,7 @@ const UNITS: &[(&str, &str)] = &[
           Heat radiation.foundation_temperature, Heat sum.foundation_temperature, \
           HeatTerm constant.truncation, HeatTerm ramp.truncation, HeatTerm power.truncation, \
           HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm expression.truncation, HeatTerm radiation.absolute_zero, \
-          Initial.temperature, TableData.temperature, Wear archard-temperature.temperature",
+          Initial.temperature, Load.temperature, Region.temperature, TableData.temperature, Wear archard-temperature.temperature",
     ),
     ("N", "Boundary.force, Preload.force, Rigid.force"),
     ("N m", "Rigid.moment"),
@@ -286,14 +286,14 @@ const UNITS: &[(&str, &str)] = &[
     (
         "m",
         "Automatic.distance, Block.height, Block.origin, Block.radii, Block.size, Boundary.at, Boundary.displacement, Boundary.normal_displacement, \
-          Check probe.at, Contact.gap, Cyclic.center, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
+          Check probe.about, Check probe.at, Contact.gap, Cyclic.center, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
           HeatTerm ramp.width, HeatTerm gap.roughness, InBox.from, InBox.to, InPlane.point, Initial.displacement, Mesh rectangle.origin, \
           Mesh rectangle.size, Mesh interval.size, Mesh box.size, Mesh disc.radius, Mesh ring.radii, \
           Mesh cylinder.height, Mesh cylinder.radii, Near.distance, Near.point, Normal table.penetration, Normal expression.begin, Normal stop.depth, \
           Normal adhesion.release, Obstacle plane.point, Obstacle sphere.center, \
           Obstacle sphere.radius, Obstacle cylinder.center, Obstacle cylinder.radius, \
           Obstacle wave.amplitude, Obstacle wave.point, Obstacle wave.wavelength, Obstacle file.origin, OnCylinder.point, OnCylinder.radius, OnSphere.center, \
-          OnSphere.radius, Probe.at, Rigid.at, Turning.about",
+          OnSphere.radius, Probe.about, Probe.at, Rigid.at, Turning.about",
     ),
     (
         "m/s",

@@ -404,7 +404,7 @@ fn faults_of_a_temperature_that_is_given() {
     let fault = |rest: &str, says: &str| {
         let text = bar("plane-stress", rest);
         let found = told(&Source::new("given.toml", text), &[]);
-        let place = found.splitn(4, ':').nth(3).map(str::trim).unwrap_or(&found);
+        let place = found.splitn(4, ':').nth(3).map_or(found.as_str(), str::trim);
         assert_eq!(place, says, "{found}");
     };
     let beside = "expected no key of the heat equation: the temperature is known at all places and times; remove it, or remove the temperature, for which heat is then solved";
@@ -485,8 +485,44 @@ normal_displacement = 0
 "#,
     );
     let memory = solve(&case.problem);
-    let node = case.problem.mesh.points.iter().position(|x| *x == [2.0, 1.0, 1.0]).expect("a node");
+    let node = case.problem.mesh.points.iter().position(|x| x.iter().sum::<f64>() > 3.999).expect("a node");
     let alpha = case::materials()["steel-s235"].expansion_coefficient;
     let u = at(last(&memory), 3, node);
     assert!((u[0] - 2.0 * 50.0 * alpha).abs() < 1e-12 && (u[1] - 50.0 * alpha).abs() < 1e-12, "{u:?}");
+}
+
+/// A temperature is the same along both cuts of a sector that is repeated about an axis.
+#[test]
+fn sectors_have_a_temperature_that_turns_with_them() {
+    let told = |temperature: &str| {
+        let text = format!(
+            r#"name = "ring"
+[mesh]
+kind = "ring"
+radii = [1.0, 2.0]
+angle = 1.5707963267948966
+n = [2, 4]
+[time]
+end = 1.0
+steps = 1
+inertia = false
+[material]
+expansion_coefficient = 1e-5
+elasticity = {{ law = "isotropic", young = 1e9, poisson = 0.3, stress_state = "plane-stress" }}
+[[cyclic]]
+sides = ["start", "end"]
+[[boundary]]
+on = "inner"
+spring = 1e6
+[load]
+temperature = "{temperature}"
+"#
+        );
+        told(&Source::new("ring.toml", text), &[])
+    };
+    assert_eq!(told("10*t*(x^2 + y^2)"), "no fault");
+    assert_eq!(
+        told("10*t*(x^2 + 2*y^2)"),
+        "ring.toml:20:15: load.temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same on both sides of the sector; the body is repeated about its axis: what is given in one sector is given in every other, turned"
+    );
 }

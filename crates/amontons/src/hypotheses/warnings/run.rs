@@ -112,6 +112,9 @@ fn strain(figures: &Figures) -> Option<Finding> {
 }
 
 fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    if !problem.physics.has_heat() {
+        return None;
+    }
     let [low, high] = figures.temperature;
     let sides = [(figures.outside[0], "below", low), (figures.outside[1], "above", high)];
     let (by, which, extreme) = sides
