@@ -64,7 +64,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
         if first.eq_ignore_ascii_case("FIN") {
             return file.loose()?.into_read(FilePosition::Line);
         }
-        file.take(&Section::of(line, words, &mut lines)?)?;
+        file.take(&Section::of(line, &words, &mut lines)?)?;
     }
     Err(syntax(lines.number.max(1), "the end of the file", "FIN, which ends a mesh of Code_Aster; it may be truncated"))
 }
@@ -125,7 +125,7 @@ struct Section<'t> {
 
 impl<'t> Section<'t> {
     /// The block whose keyword is the first of some words, to its end.
-    fn of(line: usize, words: Vec<&'t str>, lines: &mut Lines<'t>) -> Result<Section<'t>, MeshFileError> {
+    fn of(line: usize, words: &[&'t str], lines: &mut Lines<'t>) -> Result<Section<'t>, MeshFileError> {
         let keyword = words.first().copied().unwrap_or_default().to_ascii_uppercase();
         let is_known = ["TITRE", "COOR_1D", "COOR_2D", "COOR_3D", "GROUP_MA", "GROUP_NO"].contains(&keyword.as_str())
             || TYPES.iter().any(|(name, ..)| *name == keyword);
@@ -157,15 +157,12 @@ impl<'t> Section<'t> {
     fn head(&mut self, words: &[&'t str]) -> Vec<&'t str> {
         let (mut at, mut others) = (0, Vec::new());
         while let Some(&word) = words.get(at) {
-            match (words.get(at + 1), words.get(at + 2)) {
-                (Some(&"="), Some(&value)) => {
-                    self.parameters.insert(word.to_ascii_uppercase(), value);
-                    at += 3;
-                }
-                _ => {
-                    others.push(word);
-                    at += 1;
-                }
+            if let (Some(&"="), Some(&value)) = (words.get(at + 1), words.get(at + 2)) {
+                self.parameters.insert(word.to_ascii_uppercase(), value);
+                at += 3;
+            } else {
+                others.push(word);
+                at += 1;
             }
         }
         others
@@ -250,6 +247,12 @@ impl<'t> File<'t> {
         for entry in section.words.chunks(nodes + 1) {
             let Some((&(line, name), of_cell)) = entry.split_first() else { continue };
             if of_cell.len() < nodes {
+                // Where a node is missing before, the name of the next cell stands in its place.
+                let mut of_cells = section.words.chunks(nodes + 1).flat_map(|entry| entry.iter().skip(1));
+                let unknown = of_cells.find(|(_, node)| !self.nodes.is_empty() && !self.nodes.contains_key(node));
+                if let Some(&(line, node)) = unknown {
+                    return self.node(line, node).map(|_| ());
+                }
                 let found = format!("{} nodes of the cell {}", of_cell.len(), quoted(name));
                 return Err(syntax(line, found, format!("{nodes} nodes of a {code}")));
             }

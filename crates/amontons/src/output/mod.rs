@@ -39,6 +39,7 @@ mod summary;
 mod surface;
 mod turned;
 mod vtu;
+mod whole;
 mod words;
 
 use std::io;

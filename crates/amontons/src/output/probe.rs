@@ -2,14 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::borne::Borne;
 use super::cells::Tables;
 use super::probe_place::{Probe, ProbeError, ProbePlace, Take};
 use super::probe_take::{faced, on_contact, reduce};
 use super::quantity::{Base, OF_WHOLE, OnContact, Quantity, Selection};
-use super::reaction::Held;
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
-use super::turned::Turned;
+use super::whole::Whole;
 use super::{PointValues, Snapshot};
 use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
 use crate::convergence::Locator;
@@ -38,24 +36,6 @@ struct Prepared {
     /// For what is of a side as a whole.
     whole: Option<Whole>,
     spots: Vec<Spot>,
-}
-
-/// What a side as a whole has.
-#[derive(Debug)]
-enum Whole {
-    Held(Held),
-    Borne(Box<Borne>),
-    Turned(Turned),
-}
-
-impl Whole {
-    fn value(&self, now: &Snapshot) -> Point {
-        match self {
-            Whole::Held(held) => held.resultant(now),
-            Whole::Borne(borne) => borne.value(now),
-            Whole::Turned(turned) => turned.value(now),
-        }
-    }
 }
 
 /// Contact points that a probe reads.
@@ -307,8 +287,7 @@ impl<'a> Builder<'a> {
             ProbePlace::Contact(..) | ProbePlace::AtContact(..) if !of_contact => {
                 Err(ProbeError::OfBody(quantity.name()))
             }
-            _ if matches!(quantity.base, Base::Reaction | Base::ReactionHeat) => self.held(probe),
-            _ if OF_WHOLE.contains(&quantity.base) => self.of_whole(probe),
+            _ if OF_WHOLE.contains(&quantity.base) => Whole::new(self.problem, probe).map(Found::Whole),
             ProbePlace::Contact(name, _) => self.of_contact(name),
             ProbePlace::AtContact(point, name) => {
                 let only = self.contact(name)?;
@@ -335,67 +314,6 @@ impl<'a> Builder<'a> {
                 Ok(Found::Region(region, *take))
             }
         }
-    }
-
-    /// The nodes of a side, an edge or points whose reaction is asked for.
-    fn held(&self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
-        let (mesh, Quantity { base, .. }, name) = (self.mesh, probe.quantity, probe.quantity.name());
-        let prescribed = if base == Base::ReactionHeat { "temperature" } else { "displacement" };
-        let known = || ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect());
-        let nodes = match &probe.place {
-            ProbePlace::At(point) | ProbePlace::AtContact(point, _) => mesh.nodes_at(point),
-            ProbePlace::On(on, Take::Integral) => mesh.named(on).ok_or_else(known)?.node_list(),
-            ProbePlace::On(..) => return Err(ProbeError::Resultant(name)),
-            ProbePlace::Region(..) | ProbePlace::Contact(..) => Vec::new(),
-        };
-        let about = probe.quantity.is_moment().then(|| self.about(probe));
-        let held = Held::new(self.problem, base, nodes, about).map(Whole::Held);
-        held.map(Found::Whole).ok_or(ProbeError::Free(name, prescribed))
-    }
-
-    /// The point about which the moment of a probe is taken.
-    fn about(&self, probe: &Probe) -> Point {
-        let of_side = |on: &String| {
-            let part = self.problem.rigid.iter().find(|part| part.on == *on);
-            part.and_then(|part| part.at).or_else(|| self.mesh.centre(self.mesh.named(on)?))
-        };
-        let of_place = || match &probe.place {
-            ProbePlace::On(on, _) => of_side(on),
-            ProbePlace::At(point) | ProbePlace::AtContact(point, _) => Some(*point),
-            ProbePlace::Region(..) | ProbePlace::Contact(..) => None,
-        };
-        probe.about.or_else(of_place).unwrap_or_default()
-    }
-
-    /// A moment, what a side bears, or its rotation.
-    fn of_whole(&self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
-        let (mesh, quantity, name) = (self.mesh, probe.quantity, probe.quantity.name());
-        if quantity.is_axial() && (mesh.axisymmetric || mesh.dim == 1) {
-            let body = if mesh.axisymmetric { "a body of revolution" } else { "a body on a line" };
-            return Err(ProbeError::Still(name, body));
-        }
-        let known = || ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect());
-        let whole = match (quantity.base, &probe.place) {
-            (Base::ReactionMoment, _) => return self.held(probe),
-            (Base::Rotation, ProbePlace::On(on, Take::Mean)) => {
-                Turned::of_set(mesh, mesh.named(on).ok_or_else(known)?).map(Whole::Turned)
-            }
-            (Base::Rotation, ProbePlace::Region(region, Take::Mean)) => {
-                let number = mesh.regions.iter().position(|known| known == region);
-                Turned::of_region(mesh, number.ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?)
-                    .map(Whole::Turned)
-            }
-            (Base::Rotation, ProbePlace::On(..) | ProbePlace::Region(..)) => return Err(ProbeError::OnlyMean(name)),
-            (Base::Rotation, _) => None,
-            (_, ProbePlace::On(on, Take::Integral)) => {
-                let set = mesh.named(on).ok_or_else(known)?;
-                let about = quantity.is_moment().then(|| self.about(probe));
-                Some(Whole::Borne(Box::new(Borne::new(self.problem, set, about))))
-            }
-            (_, ProbePlace::On(..)) => return Err(ProbeError::Resultant(name)),
-            _ => return Err(ProbeError::Whole(name)),
-        };
-        whole.map(Found::Whole).ok_or(ProbeError::Alone(name))
     }
 
     /// Means of what is at the points of some contacts, chosen by them and their names, about the vertices of their

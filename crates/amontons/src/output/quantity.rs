@@ -120,8 +120,9 @@ const PRINCIPAL: &[(&str, Selection)] = &[
 ];
 const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 
-/// What acts on a side, or turns with it: known for the side as a whole.
-pub(super) const OF_WHOLE: [Base; 4] = [Base::ReactionMoment, Base::TotalForce, Base::TotalMoment, Base::Rotation];
+/// What holds or loads a side, or turns with it: known for the side as a whole.
+pub(super) const OF_WHOLE: [Base; 6] =
+    [Base::Reaction, Base::ReactionHeat, Base::ReactionMoment, Base::TotalForce, Base::TotalMoment, Base::Rotation];
 
 /// Names with their endings.
 const BASES: [(&str, Base, &[(&str, Selection)]); 23] = [

@@ -73,13 +73,13 @@ fn leaders(space: &Space, nodes: &[u32]) -> Vec<u32> {
 impl Held {
     /// Of some nodes, with the moment about a point if one is given; none if there is none, or one that no prescribed
     /// value holds: what it bears would be no reaction.
-    pub(super) fn new(problem: &ProblemData, base: Base, nodes: Vec<u32>, about: Option<Point>) -> Option<Held> {
+    pub(super) fn new(problem: &ProblemData, base: Base, nodes: &[u32], about: Option<Point>) -> Option<Held> {
         if nodes.is_empty() {
             return None;
         }
         let of_heat = base == Base::ReactionHeat;
         let space = if of_heat { problem.temperature_space() } else { problem.displacement_space() };
-        let (nodes, arms) = (leaders(&space, &nodes), Arms { mesh: &problem.mesh, about });
+        let (nodes, arms) = (leaders(&space, nodes), Arms { mesh: &problem.mesh, about });
         let bodies = bodies(&space, &nodes, &arms)?;
         let is_free = |node: u32| {
             let first = node as usize * space.components;

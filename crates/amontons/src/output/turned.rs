@@ -6,7 +6,7 @@
 use super::Snapshot;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh, cross};
-use crate::tensor::{Point, Sym, dot};
+use crate::tensor::{Point, Sym, dot, length};
 
 /// Share of the largest inertia that is none: that of points on a line about the line.
 const NOTHING: f64 = 1e-12;
@@ -77,14 +77,14 @@ impl Turned {
             }
             let square = dot(&r, &r);
             let of_point = |i: usize, j: usize| if i == j { square - r[i] * r[j] } else { -r[i] * r[j] };
-            inertia = inertia + *weight * Sym::from_fn(3, of_point);
+            inertia += *weight * Sym::from_fn(3, of_point);
         }
         // In the plane nothing turns about another axis than its normal.
         let all = if mesh.dim == 3 { inertia.principal_axes() } else { [(inertia.get(2, 2), [0.0, 0.0, 1.0]); 3] };
         let largest = all.iter().fold(0.0, |most: f64, (value, _)| most.max(*value));
         let count = if mesh.dim == 3 { 3 } else { 1 };
         let axes: Vec<_> = all.into_iter().take(count).filter(|(value, _)| *value > NOTHING * largest).collect();
-        let nodes = (0u32..).zip(arms).filter(|(_, arm)| *arm != [0.0; 3]).collect();
+        let nodes = (0u32..).zip(arms).filter(|(_, arm)| length(arm) > 0.0).collect();
         (!axes.is_empty()).then_some(Turned { nodes, axes })
     }
 

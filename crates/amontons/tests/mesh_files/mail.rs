@@ -241,8 +241,9 @@ fn faults_have_their_line() {
         (
             "   N5 N4\nM2",
             "   N5\nM2",
-            "line 16: found 3 nodes of the cell \"NODE_WITH_A_LONG_NAME_24\", expected 4 nodes of a QUAD4",
+            "line 16: found the node \"M2\", expected the name of one of the 6 nodes of the file",
         ),
+        ("N6 N5\n", "N6\n", "line 16: found 3 nodes of the cell \"M2\", expected 4 nodes of a QUAD4"),
         ("S3 N4 N1", "S1 N4 N1", "line 20: found the cell \"S1\" again, expected a name of its own for each cell"),
         (
             "S1 S2\nFINSF",
@@ -285,7 +286,7 @@ fn faults_have_their_line() {
     let cut = &PLATE[..PLATE.find("M2 N2").expect("a cell")];
     assert_eq!(
         refusal("mail", cut.as_bytes()).expect("a refusal").to_string(),
-        "line 14: found the end of the file in the block QUAD4 of line 12, expected FINSF, which ends a block; it may be truncated"
+        "line 15: found the end of the file in the block QUAD4 of line 12, expected FINSF, which ends a block; it may be truncated"
     );
     let cut = &PLATE[..PLATE.find("GROUP_MA").expect("a group")];
     assert_eq!(

@@ -1,0 +1,99 @@
+//! What a side as a whole has: what holds it, all that acts on it, and its rotation.
+
+use super::Snapshot;
+use super::borne::Borne;
+use super::probe_place::{Probe, ProbeError, ProbePlace, Take};
+use super::quantity::{Base, Quantity};
+use super::reaction::Held;
+use super::turned::Turned;
+use crate::mesh::Mesh;
+use crate::problem::ProblemData;
+use crate::tensor::Point;
+
+/// A quantity of a side, an edge, points or a region as a whole.
+#[derive(Debug)]
+pub(super) enum Whole {
+    Held(Held),
+    Borne(Box<Borne>),
+    Turned(Turned),
+}
+
+/// The error of a name that the mesh does not have.
+fn unknown(mesh: &Mesh) -> ProbeError {
+    ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect())
+}
+
+/// The point about which the moment of a probe is taken.
+fn about(problem: &ProblemData, probe: &Probe) -> Point {
+    let mesh = &problem.mesh;
+    let of_side = |on: &String| {
+        let part = problem.rigid.iter().find(|part| part.on == *on);
+        part.and_then(|part| part.at).or_else(|| mesh.centre(mesh.named(on)?))
+    };
+    let of_place = || match &probe.place {
+        ProbePlace::On(on, _) => of_side(on),
+        ProbePlace::At(point) | ProbePlace::AtContact(point, _) => Some(*point),
+        ProbePlace::Region(..) | ProbePlace::Contact(..) => None,
+    };
+    probe.about.or_else(of_place).unwrap_or_default()
+}
+
+impl Whole {
+    /// What a probe reads.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    pub(super) fn new(problem: &ProblemData, probe: &Probe) -> Result<Whole, ProbeError> {
+        let (mesh, quantity, name) = (&problem.mesh, probe.quantity, probe.quantity.name());
+        if quantity.is_axial() && (mesh.axisymmetric || mesh.dim == 1) {
+            let body = if mesh.axisymmetric { "a body of revolution" } else { "a body on a line" };
+            return Err(ProbeError::Still(name, body));
+        }
+        let about = quantity.is_moment().then(|| about(problem, probe));
+        match (quantity.base, &probe.place) {
+            (Base::Reaction | Base::ReactionHeat | Base::ReactionMoment, _) => held(problem, probe, about),
+            (Base::Rotation, _) => turned(mesh, probe)?.map(Whole::Turned).ok_or(ProbeError::Alone(name)),
+            (_, ProbePlace::On(on, Take::Integral)) => {
+                let set = mesh.named(on).ok_or_else(|| unknown(mesh))?;
+                Ok(Whole::Borne(Box::new(Borne::new(problem, set, about))))
+            }
+            (_, ProbePlace::On(..)) => Err(ProbeError::Resultant(name)),
+            _ => Err(ProbeError::Whole(name)),
+        }
+    }
+
+    /// The vector, or a number in its place.
+    pub(super) fn value(&self, now: &Snapshot) -> Point {
+        match self {
+            Whole::Held(held) => held.resultant(now),
+            Whole::Borne(borne) => borne.value(now),
+            Whole::Turned(turned) => turned.value(now),
+        }
+    }
+}
+
+/// The nodes of a side, an edge or points whose reaction is asked for.
+fn held(problem: &ProblemData, probe: &Probe, about: Option<Point>) -> Result<Whole, ProbeError> {
+    let (mesh, Quantity { base, .. }, name) = (&problem.mesh, probe.quantity, probe.quantity.name());
+    let prescribed = if base == Base::ReactionHeat { "temperature" } else { "displacement" };
+    let nodes = match &probe.place {
+        ProbePlace::At(point) | ProbePlace::AtContact(point, _) => mesh.nodes_at(point),
+        ProbePlace::On(on, Take::Integral) => mesh.named(on).ok_or_else(|| unknown(mesh))?.node_list(),
+        ProbePlace::On(..) => return Err(ProbeError::Resultant(name)),
+        ProbePlace::Region(..) | ProbePlace::Contact(..) => Vec::new(),
+    };
+    Held::new(problem, base, &nodes, about).map(Whole::Held).ok_or(ProbeError::Free(name, prescribed))
+}
+
+/// The side or the region whose rotation is asked for; none of a single point.
+fn turned(mesh: &Mesh, probe: &Probe) -> Result<Option<Turned>, ProbeError> {
+    match &probe.place {
+        ProbePlace::On(on, Take::Mean) => Ok(Turned::of_set(mesh, mesh.named(on).ok_or_else(|| unknown(mesh))?)),
+        ProbePlace::Region(region, Take::Mean) => {
+            let number = mesh.regions.iter().position(|known| known == region);
+            Ok(Turned::of_region(mesh, number.ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?))
+        }
+        ProbePlace::On(..) | ProbePlace::Region(..) => Err(ProbeError::OnlyMean(probe.quantity.name())),
+        ProbePlace::At(_) | ProbePlace::AtContact(..) | ProbePlace::Contact(..) => Ok(None),
+    }
+}
