@@ -118,8 +118,8 @@ const ROUNDED_UP: f64 = 2.172_02e-4;
 /// The powers of ten between which a unit takes prefixes.
 fn prefixes(symbol: &str) -> [i32; 2] {
     match symbol {
-        // Seconds, kelvins and radians are not counted in thousands, and a prefix of an area or volume would count twice or
-        // thrice.
+        // Seconds, kelvins and radians are not counted in thousands, and a prefix of an area or volume would count
+        // twice or thrice.
         "s" | "K" | "rad" => [-12, 0],
         "m" | "m/s" => [-12, 3],
         // Nobody counts in millipascals.

@@ -160,8 +160,8 @@ pub struct ProblemData {
     pub heat_source: Field,
     /// Body forces and heat sources of regions, which add to those of the whole body.
     pub region_loads: Vec<RegionLoad>,
-    /// The temperature that is given where [`Physics::Warmed`] has no equation for it: of a node in several regions that
-    /// of the first entry, and of the others that of the entry of the whole body.
+    /// The temperature that is given where [`Physics::Warmed`] has no equation for it: of a node in several regions
+    /// that of the first entry, and of the others that of the entry of the whole body.
     pub temperature: Vec<GivenTemperature>,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,

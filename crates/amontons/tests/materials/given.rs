@@ -198,8 +198,8 @@ displacement = ["free", 0]
     assert!((found + expected).abs() < 1e-6 * expected.abs(), "{found:e} and {expected:e}");
 }
 
-/// A block that heat presses onto a foundation with friction, by the heat equation or by its solution θ = 10 t + 60 t x.
-/// Its modulus and its friction depend on the temperature.
+/// A block that heat presses onto a foundation with friction, by the heat equation or by its solution θ = 10 t +
+/// 60 t x. Its modulus and its friction depend on the temperature.
 fn pressed(given: bool) -> Problem {
     let warm = if given {
         "[load]\ntemperature = \"10*t + 60*t*x\"\n"

@@ -225,6 +225,53 @@ fn a_ring_of_curved_triangles_is_the_same() {
     assert_same(&sorted(&read(&(text + "FINSF\nFIN\n"))), &sorted(&expected));
 }
 
+/// What is replaced in the plate, by what, and what is told.
+const FAULTS: &[(&str, &str, &str)] = &[
+    ("1.D0", "1.X0", "line 7: found \"1.X0\" as a coordinate of the node \"N2\", expected a finite number"),
+    ("1.D0", "inf", "line 7: found \"inf\" as a coordinate of the node \"N2\", expected a finite number"),
+    ("N6 2 1.\n", "N6 2\n", "line 10: found 1 coordinates of the node \"N6\", expected 2 coordinates"),
+    ("N4 0 1 N5", "N2 0 1 N5", "line 9: found the node \"N2\" again, expected a name of its own for each node"),
+    ("N5 N4\n", "N5 N9\n", "line 14: found the node \"N9\", expected the name of one of the 6 nodes of the file"),
+    (
+        "   N5 N4\nM2",
+        "   N5\nM2",
+        "line 16: found the node \"M2\", expected the name of one of the 6 nodes of the file",
+    ),
+    ("N6 N5\n", "N6\n", "line 16: found 3 nodes of the cell \"M2\", expected 4 nodes of a QUAD4"),
+    ("S3 N4 N1", "S1 N4 N1", "line 20: found the cell \"S1\" again, expected a name of its own for each cell"),
+    (
+        "S1 S2\nFINSF",
+        "S1 S7\nFINSF",
+        "line 32: found the cell \"S7\" in the group \"LOW\", expected a cell of the file",
+    ),
+    ("CORNER N6", "CORNER N8", "line 43: found the node \"N8\", expected the name of one of the 6 nodes of the file"),
+    (
+        "GROUP_NO\nCORNER N6\n",
+        "GROUP_NO\n",
+        "line 42: found a GROUP_NO without a name, expected its name, and the names of what it holds",
+    ),
+    (
+        "POI1\n",
+        "POINT\n",
+        "line 22: found \"POINT\", expected TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN",
+    ),
+    (
+        "seg2\nS1 N1 N2  S2 N2 NODE_WITH_A_LONG_NAME_24\n",
+        "SEG4\nS1 N1 N2 N4 N5\n",
+        "line 18: found element type SEG4, expected one of POI1, SEG2, SEG3, TRIA3, TRIA6, QUAD4, QUAD8, QUAD9, TETRA4, TETRA10, PYRAM5, PYRAM13, PENTA6, PENTA15, PENTA18, HEXA8, HEXA20, HEXA27; try elements of the first order",
+    ),
+    (
+        "POI1\n",
+        "COOR_2D\n",
+        "line 22: found COOR_2D after the coordinates of line 5, expected the coordinates of all nodes in one block",
+    ),
+    (
+        "FIN\nwhat",
+        "what",
+        "line 45: found \"what\", expected TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN",
+    ),
+];
+
 #[test]
 fn faults_have_their_line() {
     let told = |old: &str, new: &str| {
@@ -232,57 +279,13 @@ fn faults_have_their_line() {
         refusal("mail", PLATE.replacen(old, new, 1).as_bytes())
             .map_or_else(|| "read".to_owned(), |error| error.to_string())
     };
-    for (old, new, says) in [
-        ("1.D0", "1.X0", "line 7: found \"1.X0\" as a coordinate of the node \"N2\", expected a finite number"),
-        ("1.D0", "inf", "line 7: found \"inf\" as a coordinate of the node \"N2\", expected a finite number"),
-        ("N6 2 1.\n", "N6 2\n", "line 10: found 1 coordinates of the node \"N6\", expected 2 coordinates"),
-        ("N4 0 1 N5", "N2 0 1 N5", "line 9: found the node \"N2\" again, expected a name of its own for each node"),
-        ("N5 N4\n", "N5 N9\n", "line 14: found the node \"N9\", expected the name of one of the 6 nodes of the file"),
-        (
-            "   N5 N4\nM2",
-            "   N5\nM2",
-            "line 16: found the node \"M2\", expected the name of one of the 6 nodes of the file",
-        ),
-        ("N6 N5\n", "N6\n", "line 16: found 3 nodes of the cell \"M2\", expected 4 nodes of a QUAD4"),
-        ("S3 N4 N1", "S1 N4 N1", "line 20: found the cell \"S1\" again, expected a name of its own for each cell"),
-        (
-            "S1 S2\nFINSF",
-            "S1 S7\nFINSF",
-            "line 32: found the cell \"S7\" in the group \"LOW\", expected a cell of the file",
-        ),
-        (
-            "CORNER N6",
-            "CORNER N8",
-            "line 43: found the node \"N8\", expected the name of one of the 6 nodes of the file",
-        ),
-        (
-            "GROUP_NO\nCORNER N6\n",
-            "GROUP_NO\n",
-            "line 42: found a GROUP_NO without a name, expected its name, and the names of what it holds",
-        ),
-        (
-            "POI1\n",
-            "POINT\n",
-            "line 22: found \"POINT\", expected TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN",
-        ),
-        (
-            "seg2\nS1 N1 N2  S2 N2 NODE_WITH_A_LONG_NAME_24\n",
-            "SEG4\nS1 N1 N2 N4 N5\n",
-            "line 18: found element type SEG4, expected one of POI1, SEG2, SEG3, TRIA3, TRIA6, QUAD4, QUAD8, QUAD9, TETRA4, TETRA10, PYRAM5, PYRAM13, PENTA6, PENTA15, PENTA18, HEXA8, HEXA20, HEXA27; try elements of the first order",
-        ),
-        (
-            "POI1\n",
-            "COOR_2D\n",
-            "line 22: found COOR_2D after the coordinates of line 5, expected the coordinates of all nodes in one block",
-        ),
-        (
-            "FIN\nwhat",
-            "what",
-            "line 45: found \"what\", expected TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN",
-        ),
-    ] {
-        assert_eq!(told(old, new), says);
+    for (old, new, says) in FAULTS {
+        assert_eq!(told(old, new), *says);
     }
+}
+
+#[test]
+fn files_that_are_cut_or_empty_are_told() {
     let cut = &PLATE[..PLATE.find("M2 N2").expect("a cell")];
     assert_eq!(
         refusal("mail", cut.as_bytes()).expect("a refusal").to_string(),
