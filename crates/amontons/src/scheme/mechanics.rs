@@ -340,7 +340,8 @@ impl Mechanics {
 /// (4.1) in a step: what is known of it before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
-    /// The loads, with the pressure of fluids, and where these are.
+    /// The loads, without and with the pressure of fluids, and where these are.
+    dry: Arc<List<f64>>,
     load: Arc<List<f64>>,
     pools: Pools,
     /// The temperature of the body, its laws there, and m(θ, ·).
@@ -363,8 +364,9 @@ impl<'a> Equation<'a> {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<List<f64>>(), "the foundation")?;
-        let (load, thermal) = (step.discrete.f.at(step.t), step.discrete.thermal_force(theta));
-        let mut equation = Equation { step, load, pools: Pools::default(), theta, warmed, thermal, given };
+        let (dry, thermal) = (step.discrete.f.at(step.t), step.discrete.thermal_force(theta));
+        let (load, pools) = (Arc::clone(&dry), Pools::default());
+        let mut equation = Equation { step, dry, load, pools, theta, warmed, thermal, given };
         equation.pour(Pools { left: vec![false; wet.len()], wet });
         Ok(equation)
     }
@@ -372,7 +374,7 @@ impl<'a> Equation<'a> {
     /// Lets fluids be at these contact points.
     fn pour(&mut self, pools: Pools) {
         let step = self.step;
-        self.load = step.with_fluid(&step.discrete.f.at(step.t), &pools.wet, &self.given.frames);
+        self.load = step.with_fluid(&self.dry, &pools.wet, &self.given.frames);
         self.given.loads = step.loose.loads(&step.discrete.mesh, &self.load);
         self.pools = pools;
     }

@@ -523,3 +523,42 @@ fn a_fluid_is_part_of_what_a_side_bears() {
         .sum();
     assert!((values[2] - moment).abs() < 1e-9 * moment, "{} instead of {moment}", values[2]);
 }
+
+/// A quarter of a symmetric body: one side is held in x, the other in y, and both at their corner. Each bears what its
+/// own condition holds there.
+#[test]
+fn at_a_corner_each_side_bears_its_own_component() {
+    let case = parse(
+        r#"name = "quarter"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [1.0, 1.0]
+n = [3, 3]
+[time]
+end = 1.0
+steps = 1
+inertia = false
+[material]
+elasticity = { law = "isotropic", young = 10, poisson = 0.3, stress_state = "plane-strain" }
+[[boundary]]
+on = "left"
+normal_displacement = 0
+[[boundary]]
+on = "bottom"
+displacement = ["free", "0.01*x"]
+[[boundary]]
+on = "right"
+traction = [0.3, 0]
+[[boundary]]
+on = "top"
+traction = [0, "0.1*x"]
+"#,
+    );
+    let probes = ["left", "bottom"].map(|side| probe("total_force", side, None));
+    let (found, _) = values(&case.problem, &probes);
+    let expected = [-0.3, 0.0, 0.0, -0.05];
+    for (f, e) in found.iter().zip(&expected) {
+        assert!((f - e).abs() < 1e-11, "{found:?} instead of {expected:?}");
+    }
+}
