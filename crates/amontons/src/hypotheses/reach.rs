@@ -314,10 +314,13 @@ fn is_graded(m: &Material) -> bool {
         || [&m.expansion, &m.coupling, &m.conductivity].into_iter().any(Coefficient::varies)
 }
 
-/// Whether a foundation does no work on the body: it does not move, and its pressure does not fall.
+/// Whether a foundation does no work on the body: it does not move, its pressure does not fall, and no fluid is there.
 fn at_rest(contact: &Contact) -> bool {
     let falls = |x: &Point| contact.normal.least_slope(x, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
-    !contact.gap_depends_on_time() && contact.foundation_velocity.iter().all(Field::is_zero) && !falls(&[0.0; 3])
+    contact.fluid.is_none()
+        && !contact.gap_depends_on_time()
+        && contact.foundation_velocity.iter().all(Field::is_zero)
+        && !falls(&[0.0; 3])
 }
 
 /// G at each contact point.

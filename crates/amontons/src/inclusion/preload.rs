@@ -22,6 +22,8 @@ use crate::list::List;
 /// round-off is larger.
 const ROUND_OFF: f64 = 1e-13;
 const ACCEPTED: f64 = 1e-9;
+/// Least share of its force by which the tension of a section is changed for a difference: far above the round-off.
+const SHARE: f64 = 1e-3;
 /// Share of the stiffness of a section below which nothing resists its closing yet.
 const RESISTS: f64 = 1e-9;
 /// Most doublings of a length, halvings of a step, and steps.
@@ -193,9 +195,8 @@ impl Tries<'_> {
         let n = now.drawn.len();
         let (mut slopes, mut best) = (Mat::<f64>::zeros(n, n), None::<Tried>);
         for j in 0..n {
-            let lack = self.lacks(&now)[j];
-            let lack = if lack == 0.0 { self.sections[j].force.abs().max(now.size[j]) } else { lack };
-            let mut change = lack / stiffness[j];
+            let (lack, size) = (self.lacks(&now)[j], self.sections[j].force.abs().max(now.size[j]));
+            let mut change = lack.abs().max(SHARE * size).copysign(lack) / stiffness[j];
             for doubling in 0..=DOUBLINGS {
                 let mut drawn = now.drawn.clone();
                 drawn[j] += change;

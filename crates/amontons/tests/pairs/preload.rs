@@ -240,6 +240,17 @@ fn a_resumed_run_is_the_same() {
             again = other.step(&again).expect("a step").0;
             assert!(state.u.iter().zip(again.u.iter()).all(|(a, b)| a.to_bits() == b.to_bits()));
             assert_eq!(state.surface.drawn, again.surface.drawn);
+            let boundary = problem.contact_boundary();
+            let tension = |contact: usize| -> f64 {
+                let own =
+                    boundary.points.iter().zip(&state.multipliers.p).filter(|(point, _)| point.contact == contact);
+                own.map(|(point, p)| 0.0 - point.weight * p).sum()
+            };
+            // One force changes from step to step, the other one stays.
+            if state.t < 1.0 + 1e-9 {
+                let off = [tension(1) - 5.0 * (1.5 * state.t).sin(), tension(2) - 3.0];
+                assert!(off.iter().all(|off| off.abs() < 1e-9), "t = {}: {off:?}", state.t);
+            }
         }
     }
 }
