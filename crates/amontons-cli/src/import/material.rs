@@ -100,7 +100,7 @@ impl Material {
         Ok(true)
     }
 
-    /// Branches that relax shear and volume alike, which is what a case has.
+    /// Branches that relax shear and volume alike.
     fn viscoelastic(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         let mut rows = Vec::new();
         for line in &card.data {
@@ -109,7 +109,7 @@ impl Material {
         let alike = rows.iter().all(|[g, k, time]| (g - k).abs() <= 1e-6 * g.abs() && *time > 0.0 && *g > 0.0);
         let sum: f64 = rows.iter().map(|row| row[0]).sum();
         if card.word("TIME").as_deref() != Some("PRONY") || !alike || rows.is_empty() || sum >= 1.0 {
-            let why = "branches of a case relax shear and volume alike: *VISCOELASTIC, TIME=PRONY with equal g and k";
+            let why = "taken are branches that relax shear and volume alike, TIME=PRONY with equal g and k: write `prony` with `deviatoric = true` for shear alone";
             notes.add(&card.place, "*VISCOELASTIC", why, Matter::Answer);
             return Ok(true);
         }
@@ -124,6 +124,11 @@ impl Material {
 
     pub fn expands(&self) -> bool {
         self.expansion.as_ref().is_some_and(|table| table.rows.iter().any(|row| row.0.iter().any(|a| *a != 0.0)))
+    }
+
+    /// Whether its mechanics depends on the temperature: it expands, or its moduli are a table over it.
+    pub fn sees_temperature(&self) -> bool {
+        self.expands() || self.elastic.as_ref().is_some_and(|table| table.rows.len() > 1)
     }
 
     /// Conductivity, in the units of the deck.

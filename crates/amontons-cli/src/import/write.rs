@@ -115,7 +115,8 @@ impl<'a> Writing<'a> {
     fn new(model: &'a Model, read: &'a Read, units: DeckUnits) -> Writing<'a> {
         let expands = model.materials.iter().any(super::material::Material::expands);
         let heat = model.physics.heat;
-        let warmed = model.physics.mechanics && !heat && !model.conditions.field.0.is_empty() && expands;
+        let sees = model.materials.iter().any(super::material::Material::sees_temperature);
+        let warmed = model.physics.mechanics && !heat && !model.conditions.field.0.is_empty() && sees;
         let initial = model.conditions.initial.unwrap_or(0.0);
         let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
         let stress_state = match read.plane {

@@ -195,6 +195,19 @@ fn temperatures_that_are_given_follow_their_amplitude() {
     assert!(!read(&folder.path().join("deck.toml")).contains("temperature ="));
 }
 
+/// Moduli over the temperature see it where nothing expands: E of 210 and 150 GPa at 20 and 120, here at 70.
+#[test]
+fn moduli_see_a_temperature_that_is_given() {
+    let (folder, _) = imported(&cubes(
+        "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0., 20.\n150000., 0., 120.\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=BOND\nUNDER, OVER\n\
+         *INITIAL CONDITIONS, TYPE=TEMPERATURE\nNALL, 20.\n*BOUNDARY\nFIX, 3\n1, 1, 2\n2, 2\n\
+         *STEP\n*STATIC\n*TEMPERATURE\nNALL, 70.\n*DLOAD\n2, P2, 18.\n*END STEP\n",
+    ));
+    let found = probed(folder.path(), "displacement_z", "[0, 0, 0.02]");
+    assert_near(*found.last().expect("a step"), -0.02 * 18.0 / 180_000.0, 1e-9);
+}
+
 /// Parts of which each has a set of the same name, materials in a file that the deck includes, a tie, and two steps.
 #[test]
 fn parts_keep_their_materials() {

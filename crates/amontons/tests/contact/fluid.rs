@@ -151,7 +151,8 @@ fn closed_points_keep_the_fluid_out() {
 #[test]
 fn a_fluid_between_bodies_presses_both() {
     let (force, pressure) = (0.6, 0.25);
-    for bears in ["seal_bottom", "base_top"] {
+    let ways = ["", "geometry = \"updated\"\n", "friction = { law = \"coulomb\", coefficient = 0.3 }\n"];
+    for (bears, more) in ["seal_bottom", "base_top"].into_iter().flat_map(|side| ways.map(|more| (side, more))) {
         for n in [[40, 40], [48, 31]] {
             let text = seal(2, 1, force, "")
                 .replace(
@@ -165,7 +166,7 @@ fn a_fluid_between_bodies_presses_both() {
                 .replace("on = \"body\"", "on = \"seal\"")
                 .replace(
                     "on = \"bottom\"",
-                    &format!("on = \"seal_bottom\"\nwith = \"base_top\"\nnonmortar = \"{bears}\"\nfluid = {{ pressure = {pressure}, from = \"seal_right\" }}"),
+                    &format!("on = \"seal_bottom\"\nwith = \"base_top\"\nnonmortar = \"{bears}\"\n{more}fluid = {{ pressure = {pressure}, from = \"seal_right\" }}"),
                 );
             let text = text
                 + "[[rigid]]\non = \"base\"\nguided = true\n[[boundary]]\non = \"base_bottom\"\nspring = [50, 50]\n";
@@ -176,7 +177,7 @@ fn a_fluid_between_bodies_presses_both() {
             assert!((at("base_bottom") + force / 50.0).abs() < 1e-9, "{}", at("base_bottom"));
             let depth = depth(force, pressure);
             let found = at("base_top") - at("seal_bottom");
-            assert!((found - depth).abs() < 0.02 * depth, "{bears} {n:?}: {found}, {depth}");
+            assert!((found - depth).abs() < 0.02 * depth, "{bears} {more} {n:?}: {found}, {depth}");
             assert!(state.ledger.relative_closing_error() < 1e-10);
         }
     }

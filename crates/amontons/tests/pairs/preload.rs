@@ -219,6 +219,24 @@ fn a_kept_section_is_a_tie_with_a_gap() {
     }
 }
 
+/// Bolts that warm up after they were tightened lose α ΔT L k_b k_c/(k_b + k_c) of their tension: 5e-3 · 800 = 4 of 10.
+#[test]
+fn bolts_that_warm_up_lose_tension() {
+    let bolts = section("left", "5", false, "") + &section("right", "5", true, "");
+    let text =
+        joint(2, &bolts, "guided = true").replacen("density = 0\n", "density = 0\nexpansion_coefficient = 1e-4\n", 1)
+            + "[load]\ntemperature = \"if(t < 1.5, 0, 50)\"\n";
+    let problem = problem(&text);
+    let memory = solve(&problem);
+    let found = forces(&memory, &problem);
+    for (step, bolt) in [(1, 10.0), (2, 6.0), (4, 6.0)] {
+        let [clamp, left, right, ..] = found[step][..] else { panic!("three contacts") };
+        let off = [clamp - bolt, left + bolt / 2.0, right + bolt / 2.0];
+        assert!(off.iter().all(|off| off.abs() < 1e-9), "{step}: {off:?}");
+    }
+    assert!(memory.states[4].ledger.relative_closing_error() < 1e-10);
+}
+
 /// A run that goes on from a state while a bolt is tightened, and after that, has the same bits.
 #[test]
 fn a_resumed_run_is_the_same() {
