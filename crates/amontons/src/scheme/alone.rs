@@ -4,8 +4,9 @@
 use super::audit::Powers;
 use super::coupling::Made;
 use super::foundation::frames;
+use super::given::Given;
 use super::heat::{Amounts, Begun, Heat};
-use super::mechanics::{Given, Hold, Mechanics};
+use super::mechanics::{Hold, Mechanics};
 use super::system::{HalfStep, Step};
 use super::{CouplingReport, StepError};
 use crate::contact::{Flux, Status};

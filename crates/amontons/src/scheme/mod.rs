@@ -8,6 +8,7 @@ mod datum;
 mod euler;
 mod fluid;
 mod foundation;
+mod given;
 mod heat;
 mod ledger;
 mod mechanics;

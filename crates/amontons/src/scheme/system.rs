@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::apart::Apart;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, Rule, Section, Undetermined};
+use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, PointState, Rule, Section, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
@@ -362,6 +362,21 @@ pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: imp
     let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
     sum
+}
+
+/// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
+pub(super) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, List<f64>) {
+    let Step { discrete, boundary, .. } = *step;
+    let force =
+        |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
+    let mut resultant = [0.0; 3];
+    for (point, state) in boundary.points.iter().zip(states) {
+        let weight = point.weight * step.contacts[point.contact].sign();
+        for (sum, force) in resultant.iter_mut().zip(force(state)) {
+            *sum -= weight * force;
+        }
+    }
+    (resultant, on_degrees(boundary, &discrete.v, states.iter().map(force)))
 }
 
 /// Of numbers for each block of the vectors, the largest of the first and the sums of the others.

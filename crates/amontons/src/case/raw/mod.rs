@@ -6,6 +6,7 @@
 
 mod boundary;
 mod contact;
+mod contact_loads;
 mod cyclic;
 mod data;
 mod material;
@@ -22,9 +23,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::case) use boundary::{Boundary, Support};
-pub(in crate::case) use contact::{
-    Automatic, Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear,
-};
+pub(in crate::case) use contact::{Automatic, Contact, Contacts, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
+pub(in crate::case) use contact_loads::{Fluid, Foundation, Preload};
 pub(in crate::case) use cyclic::Cyclic;
 pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Scalar, Steady, TableData};
 pub(in crate::case) use material::{

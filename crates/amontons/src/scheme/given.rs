@@ -1,0 +1,154 @@
+//! What the contact points are given in a mechanical half-step.
+
+use std::borrow::Cow;
+
+use super::apart::Rigid;
+use super::foundation::frames;
+use super::system::{HalfStep, Step};
+use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointState, Section};
+use crate::linalg::SolveError;
+use crate::list::{Lent, List};
+
+/// Prescribed motion relative to the displacement of its node that is round-off.
+const NO_MOTION: f64 = 16.0 * f64::EPSILON;
+
+/// What is known on Γ_C before the half-step is solved.
+#[derive(Clone, Default)]
+pub(super) struct Given {
+    u_bar: List<f64>,
+    w_prescribed: List<f64>,
+    /// The foundation at the contact points.
+    pub frames: List<Frame>,
+    /// The temperature that the half-step is made with, at the contact points on the side `on`.
+    pub temperature: List<f64>,
+    /// What the loads do along the rigid motions that nothing but contact holds.
+    pub loads: Vec<[f64; 2]>,
+    /// δ of each contact, by which its sides are drawn together, m: with what the step has added the gaps of `frames`.
+    pub drawn: List<f64>,
+}
+
+impl Given {
+    /// At the prescribed values in `w`; without a temperature.
+    pub fn new(step: &Step, w: &[f64]) -> Given {
+        let Step { problem, discrete, boundary, old, bar, t, .. } = *step;
+        Given {
+            u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
+            w_prescribed: step.on_contact(&Given::prescribed(step, w)),
+            frames: frames(problem, boundary, &old.u, (&step.worn(), &old.surface.drawn), [old.t, t]),
+            temperature: List::new(),
+            loads: Vec::new(),
+            drawn: old.surface.drawn.clone(),
+        }
+    }
+
+    /// The same at another temperature of the contact points.
+    pub fn at(self, temperature: List<f64>) -> Given {
+        Given { temperature, ..self }
+    }
+
+    /// Draws the sides of sections together by these lengths more.
+    pub fn draw(&mut self, step: &Step, more: &[(Section, f64)]) {
+        for (Section { contact, .. }, length) in more {
+            self.drawn.get_mut(*contact).into_iter().for_each(|drawn| *drawn += length);
+            let of_all = step.boundary.points.iter().zip(self.frames.iter_mut());
+            for (_, frame) in of_all.filter(|(point, _)| point.contact == *contact) {
+                *frame = frame.drawn(*length, step.rule.gamma);
+            }
+        }
+    }
+
+    /// The same with the sides of sections drawn together by these lengths more.
+    pub fn drawn(&self, step: &Step, more: &[(Section, f64)]) -> Cow<'_, Given> {
+        if more.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut given = self.clone();
+        given.draw(step, more);
+        Cow::Owned(given)
+    }
+
+    /// The same as bodies see it that move with rigid velocities W; `v` has the velocities less W.
+    pub fn relative(&self, step: &Step, rigid: &[Rigid], v: &[f64]) -> Given {
+        let Step { discrete, boundary, .. } = *step;
+        Given {
+            u_bar: boundary.restricted(discrete.mesh.dim, step.deformation_before()),
+            w_prescribed: step.on_contact(&Given::prescribed(step, v)),
+            frames: step.seen_from(&self.frames, rigid),
+            temperature: self.temperature.clone(),
+            loads: self.loads.clone(),
+            drawn: self.drawn.clone(),
+        }
+    }
+
+    /// The velocities in the directions of the degrees of freedom. What is prescribed there and is the round-off of the
+    /// displacements that it is the difference of is no motion, along which a point would slip.
+    fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Lent<'v, f64> {
+        let (space, gamma) = (&step.discrete.v, step.rule.gamma);
+        let mut directed = space.in_frames(w);
+        for frame in &space.frames {
+            let dofs = frame.node as usize * space.components..(frame.node as usize + 1) * space.components;
+            let size = dofs.clone().fold(0.0, |size: f64, i| size.max(w[i].abs()).max((step.bar.u[i] / gamma).abs()));
+            for i in dofs.filter(|&i| !space.free[i] && directed[i].abs() <= NO_MOTION * size).collect::<List<_>>() {
+                directed.to_mut()[i] = 0.0;
+            }
+        }
+        directed
+    }
+
+    /// The problem on Γ_C; none without contact.
+    pub fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
+        if step.problem.contacts.is_empty() {
+            return None;
+        }
+        Some(MechanicalStep {
+            contacts: step.contacts,
+            boundary: step.boundary,
+            unknown,
+            space: &step.discrete.v,
+            dim: step.discrete.mesh.dim,
+            rule: step.rule,
+            u_bar: &self.u_bar,
+            w_prescribed: &self.w_prescribed,
+            frames: &self.frames,
+            temperature: &self.temperature,
+            is_repeated: step.apart.is_some(),
+            may_be_halved: step.may_be_halved,
+            pulse: step.pulse,
+            loose: step.loose,
+            loads: &self.loads,
+        })
+    }
+
+    /// Whether there is one solution between w_{n−1} and a velocity, as far as laws that fall are concerned.
+    pub fn is_unique(
+        &self,
+        step: &Step,
+        half: &mut HalfStep,
+        w: &[f64],
+        multipliers: &Multipliers,
+    ) -> Result<bool, SolveError> {
+        self.is_unique_between(step, half, [&step.old.w, w], multipliers)
+    }
+
+    /// The same between two velocities.
+    pub fn is_unique_between(
+        &self,
+        step: &Step,
+        half: &mut HalfStep,
+        ends: [&[f64]; 2],
+        multipliers: &Multipliers,
+    ) -> Result<bool, SolveError> {
+        let [from, to] = ends.map(|w| half.system.kept_of(w));
+        let HalfStep { system, on_contact, .. } = half;
+        self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
+            on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
+        })
+    }
+
+    /// The states of the contact points.
+    pub fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> List<PointState> {
+        self.on_boundary(step, &half.on_contact).map_or_else(List::new, |on_boundary| {
+            on_boundary.states(half.system.condensed(), &half.system.kept_of(w), multipliers)
+        })
+    }
+}
