@@ -157,7 +157,10 @@ impl RunError {
             RunError::Step { source: StepError::Driven { .. }, .. } => {
                 "give the body a support or a spring along this motion, friction that is strong enough, or a density, with which it moves; or correct the load"
             }
-            RunError::Step { source: StepError::Untightened { .. }, .. } => {
+            RunError::Step { source: StepError::Unborne { at, .. }, .. } if at.ends_with("obstacle.load") => {
+                "the obstacle meets the body along the direction of its load; the body is held against it; and the force is not that of a pull, which only a law with adhesion bears"
+            }
+            RunError::Step { source: StepError::Unborne { .. }, .. } => {
                 "both parts of the bolt bear on the joint or are held, so that it is stretched as they are drawn together; and the joint bears the force"
             }
             RunError::Step { source: StepError::NotConverged { slides: true, .. }, .. } => {

@@ -7,7 +7,7 @@ use super::place::At;
 use super::raw::{self, Datum};
 use super::solid::FromFile;
 use crate::contact::obstacle::{
-    Cylinder, File, Obstacle, Plane, Point3, Shape, ShapeFaults, Sphere, Surface, Turning, Wave,
+    Cylinder, File, Obstacle, ObstacleLoad, Plane, Point3, Shape, ShapeFaults, Sphere, Surface, Turning, Wave,
 };
 use crate::field::Field;
 use crate::tensor::Point;
@@ -15,13 +15,28 @@ use crate::tensor::Point;
 impl Build<'_> {
     /// The obstacle at `path`, none of a faulty one; `points` are those that may touch it.
     pub fn obstacle(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Obstacle> {
-        let (geometry, turning) = raw.common();
+        let (geometry, turning, load) = raw.common();
         let has_place = !matches!(raw, raw::Obstacle::Surface { .. });
         let turning = turning.map(|turning| self.turning(path, turning, has_place));
+        let load = load.and_then(|load| self.load(path, load));
         let shape = self.shape_of(path, raw, points)?;
         let updated = geometry == raw::Geometry::Updated;
-        // A rotation that is faulty is noted.
-        Some(Obstacle { shape, updated, turning: turning.flatten() })
+        // A rotation and a load that are faulty are noted.
+        Some(Obstacle { shape, updated, turning: turning.flatten(), load })
+    }
+
+    /// The force on an obstacle.
+    fn load(&mut self, path: &str, raw: &raw::ObstacleLoad) -> Option<ObstacleLoad> {
+        let at = format!("{path}.load");
+        let force = self.field(&format!("{at}.force"), &raw.force, &[[0.0; 3]]);
+        let direction = self.direction(&at, "direction", &raw.direction)?;
+        match ObstacleLoad::new(force, direction, raw.mass) {
+            Ok(load) => Some(load),
+            Err(faults) => {
+                self.shape_faults(path, faults);
+                None
+            }
+        }
     }
 
     fn shape_of(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Arc<dyn Shape>> {

@@ -181,6 +181,7 @@ fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
         ("foundation_velocity", !contact.foundation_velocity.is_empty(), "a velocity of the foundation"),
         ("preload", contact.preload.is_some(), "a preload"),
         ("fluid", contact.fluid.is_some(), "a fluid"),
+        ("obstacle.load", contact.obstacle.as_ref().is_some_and(|of| of.common().2.is_some()), "a load of an obstacle"),
     ];
     let laws = contact.heat.clone().terms().0;
     let seen = laws.iter().find_map(sees_motion).map(|what| ("heat", what));

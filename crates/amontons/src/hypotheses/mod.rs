@@ -185,7 +185,7 @@ pub struct Certificate {
 /// have the same findings.
 #[must_use]
 pub fn are_affordable(problem: &Problem) -> bool {
-    if !problem.physics.has_mechanics() || pairs::first(problem).is_some() || !problem.rigid.is_empty() {
+    if !problem.physics.has_mechanics() || pairs::are_beyond(problem) {
         return true;
     }
     let mesh = &problem.mesh;
@@ -244,7 +244,7 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
 
 /// [`certificate`] of a problem with these forms, which are made only where a verdict needs them.
 fn certificate_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) -> Result<Certificate, SolveError> {
-    if pairs::first(problem).is_some() || !problem.rigid.is_empty() {
+    if pairs::are_beyond(problem) {
         return Ok(pairs::certificate(problem));
     }
     let discrete = &forms();
@@ -277,7 +277,7 @@ fn advice_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>, certifi
     if !problem.physics.has_mechanics() {
         return Vec::new();
     }
-    if pairs::first(problem).is_some() || !problem.rigid.is_empty() {
+    if pairs::are_beyond(problem) {
         let message = "the number of steps that ensures one solution is proved for one body on a rigid foundation";
         return vec![pairs::not_covered(problem, FindingId::TimeStep, message)];
     }

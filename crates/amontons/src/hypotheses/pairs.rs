@@ -10,8 +10,19 @@ pub(super) fn first(problem: &Problem) -> Option<usize> {
     problem.contacts.iter().position(|contact| contact.pair.is_some())
 }
 
-/// The certificate of a problem with pairs or rigid parts: findings on the laws and the data as ever, and no statement
-/// where the traces of one body on a rigid foundation enter.
+/// Whether the theory of one body on a given foundation says nothing of the solution: of pairs, rigid parts, and
+/// obstacles under a load.
+pub(super) fn are_beyond(problem: &Problem) -> bool {
+    first(problem).is_some() || !problem.rigid.is_empty() || loaded(problem).is_some()
+}
+
+/// The first contact whose obstacle has a load.
+fn loaded(problem: &Problem) -> Option<usize> {
+    problem.contacts.iter().position(|contact| contact.obstacle.as_ref().is_some_and(|of| of.load.is_some()))
+}
+
+/// The certificate of a problem with pairs, rigid parts or obstacles under a load: findings on the laws and the data as
+/// ever, and no statement where the traces of one body on a given foundation enter.
 pub(super) fn certificate(problem: &Problem) -> Certificate {
     let constants = Constants::of_laws(problem);
     let mut findings = judged(problem, &constants);
@@ -48,8 +59,14 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     Some(Finding::new(FindingId::Pairs, status, told.join("; "), &problem.contact_path(first)))
 }
 
-/// A finding on which the theory makes no statement because of a pair or a rigid part.
+/// A finding on which the theory makes no statement because of a pair, a rigid part or an obstacle under a load.
 pub(super) fn not_covered(problem: &Problem, id: FindingId, message: &str) -> Finding {
+    let of_load = loaded(problem).filter(|_| first(problem).is_none() && problem.rigid.is_empty());
+    if let Some(number) = of_load {
+        let message = format!("the obstacle moves as its load and the body say: {message} whose place is given");
+        let place = format!("{}.obstacle.load", problem.contact_path(number));
+        return Finding::new(id, FindingStatus::NotCovered, message, &place);
+    }
     let Some(number) = first(problem) else {
         let parts: Vec<String> = problem.rigid.iter().map(|part| format!("\"{}\"", part.on)).collect();
         let message = format!("{} moves as a rigid body: {message} that deforms everywhere", parts.join(" and "));

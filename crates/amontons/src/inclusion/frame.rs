@@ -20,14 +20,6 @@ pub struct Frame {
     pub opening: f64,
 }
 
-impl Frame {
-    /// The foundation drawn by a length towards the body along −ν within a step of this γ: the gap takes it up.
-    #[must_use]
-    pub fn drawn(&self, length: f64, gamma: f64) -> Frame {
-        Frame { gap: self.gap + length, gap_rate: self.gap_rate + length / gamma, ..*self }
-    }
-}
-
 /// State of one contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointState {

@@ -26,6 +26,7 @@
 //! | `loose`, `settle` | rigid motions that contact leaves free, and what holds them |
 
 mod descent;
+mod drive;
 mod frame;
 mod friction;
 mod heat;
@@ -36,18 +37,19 @@ mod newton;
 mod normal;
 mod passed;
 mod point;
-mod preload;
+
 mod rule;
 mod settle;
 mod solve;
 
+pub use drive::{Drive, Drives};
 pub use frame::{Frame, PointDerivative, PointState, PointTangent};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use loose::{Loose, Undetermined};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use passed::Passed;
-pub use preload::Section;
+
 pub use rule::Rule;
 
 use crate::contact::Status;
@@ -91,10 +93,10 @@ pub enum Failure {
     Linear(SolveError),
     /// Loads drive rigid motions that nothing resists.
     Driven(Vec<Undetermined>),
-    /// A section that is tightened does not bear its force, however far its sides are drawn together.
-    Untightened {
-        /// The section.
-        section: Section,
+    /// A contact that is driven does not bear its force, however far what is beyond it moves.
+    Unborne {
+        /// The contact.
+        drive: Drive,
         /// What it bears, N per unit of thickness in two dimensions.
         reached: f64,
     },

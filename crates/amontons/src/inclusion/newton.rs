@@ -15,6 +15,8 @@ use crate::pulse::Pulse;
 /// the residual has to fall by, and the least that is asked for at once.
 const SHARE: f64 = 0.1;
 const ENOUGH: f64 = 1e-5;
+/// Residual that is none, N: below it numbers lose digits, and no residual is small beside the largest term.
+const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// A nonsmooth term on Γ_C: laws at contact points with multipliers.
 pub(super) trait Term {
@@ -183,7 +185,7 @@ impl<T: Term> Evaluation<T> {
         } else {
             0.0
         };
-        let tight = TOLERANCE * scale;
+        let tight = (TOLERANCE * scale).max(NOTHING);
         let tolerance = if residual > tight {
             let noise = |x: &[f64], laws: &T::Laws, residual: f64| -> Result<f64, SolveError> {
                 Ok(right.round_off(condensed, x, residual)?.max(f64::EPSILON * term.round_off(x, laws)))

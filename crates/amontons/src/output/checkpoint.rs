@@ -38,7 +38,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 16;
+const VERSION: u32 = 17;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -401,7 +401,7 @@ impl Checkpoint {
         same("volumes worn off", worn.volumes.len(), problem.contacts.len())?;
         same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
         same("contacts", self.state.surface.passed.len(), problem.contacts.len())?;
-        same("contacts", self.state.surface.drawn.len(), problem.contacts.len())?;
+        same("contacts", self.state.surface.advance.len(), problem.contacts.len())?;
         let wet = &self.state.surface.wet;
         let of_fluids = |count: usize| if discretization.ways.is_empty() { 0 } else { count };
         same("points that may be wet", wet.points.len(), of_fluids(points))?;

@@ -192,6 +192,8 @@ columns! { History:
     HEAT_SURROUNDINGS = number("heat_surroundings", Measure::Energy, |row| row.ledger.heat_surroundings);
     PARTS = number("parts", Measure::Number, |row| row.report.parts as f64);
     CONTACT_CENTER = vector("contact_center", Measure::Length, |row| vector(&row.contact.center));
+    OBSTACLE_DISPLACEMENT =
+        optional("obstacle_displacement", Measure::Length, |row| row.contact.obstacle_displacement);
     FOUNDATION_TEMPERATURE = optional("foundation_temperature", Measure::Temperature, |row| row.foundation);
     MODULUS_WORK = number("modulus_work", Measure::Energy, |row| row.ledger.modulus_work);
     HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
@@ -271,14 +273,16 @@ fn turning(problem: &ProblemData) -> Option<&'static Column<History>> {
     problem.turns().then_some(&CONTACT_MOMENT).or_else(|| in_space.then_some(&CONTACT_MOMENTS))
 }
 
-/// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
-/// contacts.
+/// The columns of a contact: the temperature of a foundation that warms up, how far an obstacle under a load has moved,
+/// and the others where there are several contacts.
 fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static Column<History>> + use<> {
     let warms_up = problem.contacts.get(side).is_some_and(|contact| contact.foundation_heat.is_some());
     let several = problem.contacts.len() > 1;
     let foundation = warms_up.then_some(&FOUNDATION_TEMPERATURE as &'static Column<History>);
+    let is_loaded = problem.contacts.get(side).and_then(|contact| contact.obstacle.as_ref()?.load.as_ref()).is_some();
+    let moved = is_loaded.then_some(&OBSTACLE_DISPLACEMENT as &'static Column<History>);
     let turning = turning(problem).filter(|_| several);
-    foundation.into_iter().chain(if several { OF_SIDE } else { &[] }.iter().copied()).chain(turning)
+    foundation.into_iter().chain(moved).chain(if several { OF_SIDE } else { &[] }.iter().copied()).chain(turning)
 }
 
 /// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own,
@@ -486,14 +490,19 @@ fn quoted(name: &str) -> String {
 }
 
 /// The name of a side in the header of a table, which is read up to the next comma.
-fn in_header(name: &str) -> String {
+pub(crate) fn in_header(name: &str) -> String {
     name.replace(|c: char| c.is_control() || matches!(c, ',' | '"'), "_")
 }
 
 /// Every column that `history.csv` can have, in space; those of sides without the name of the side.
 pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
     let mut all: Vec<&Column<History>> = OF_STEP.iter().chain(OF_PAIRS).copied().collect();
-    all.extend([&CONTACT_MOMENT as &Column<History>, &CONTACT_MOMENTS, &FOUNDATION_TEMPERATURE]);
+    all.extend([
+        &CONTACT_MOMENT as &Column<History>,
+        &CONTACT_MOMENTS,
+        &FOUNDATION_TEMPERATURE,
+        &OBSTACLE_DISPLACEMENT,
+    ]);
     all.into_iter().flat_map(|column| column.shown(Table::History))
 }
 

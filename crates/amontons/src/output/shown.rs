@@ -153,7 +153,7 @@ const fn norm(key: &'static str, value: fn(&Final) -> Option<f64>) -> Figure {
 }
 
 /// The figures of the last good step. Those of contact stand for each side, too, below `final.contact.sides`.
-pub(super) static FIGURES: [Figure; 28] = [
+pub(super) static FIGURES: [Figure; 29] = [
     figure("final.displacement_min", Measure::Length, Lives::Node, Vector(|last| &last.displacement_min)),
     figure("final.displacement_max", Measure::Length, Lives::Node, Vector(|last| &last.displacement_max)),
     figure("final.velocity_max", Measure::Velocity, Lives::Node, Vector(|last| &last.velocity_max)),
@@ -187,6 +187,12 @@ pub(super) static FIGURES: [Figure; 28] = [
     figure("final.contact.wear_max", Measure::Length, Lives::Point, OfContact(|c| Some(c.wear_max))),
     figure("final.contact.wear_volume", Measure::Volume, Lives::Whole, OfContact(|c| Some(c.wear_volume))),
     figure(
+        "final.contact.obstacle_displacement",
+        Measure::Length,
+        Lives::Whole,
+        OfContact(|c| c.obstacle_displacement),
+    ),
+    figure(
         "final.contact.foundation_temperature",
         Measure::Temperature,
         Lives::Whole,
@@ -201,7 +207,7 @@ pub(super) fn placed(key: &str, text: &str) -> String {
 }
 
 /// What values are, by their names without components; of the summary by the last part of the key.
-const MEANINGS: [(&str, &str); 83] = [
+const MEANINGS: [(&str, &str); 84] = [
     ("step", "number of the step"),
     ("t", "time"),
     ("kinetic", "kinetic energy at t"),
@@ -241,6 +247,7 @@ const MEANINGS: [(&str, &str); 83] = [
     ("heat_surroundings", "heat that foundations have given to their surroundings"),
     ("parts", "parts that the step was made in: 1, or more of a halved one"),
     ("contact_center", "where the pressure acts, Σ ω p x/Σ ω p"),
+    ("obstacle_displacement", "δ, by which an obstacle has moved along its load"),
     ("foundation_temperature", "θ_F of a foundation with a heat capacity"),
     ("modulus_work", "work of moduli and contact stiffnesses that change with time or temperature"),
     ("heat_pairs", "heat that has crossed pairs since the start"),

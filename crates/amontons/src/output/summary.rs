@@ -190,6 +190,9 @@ pub struct ContactSummary {
     /// By how much its sides are drawn together, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn: Option<f64>,
+    /// By how much an obstacle has moved along the direction of its load, m; of one contact with such an obstacle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle_displacement: Option<f64>,
     /// Area that a fluid wets, as `area` in m²; of one contact with a fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wet_area: Option<f64>,
@@ -262,6 +265,7 @@ impl ContactSummary {
             heat_passed: passed(one.and_then(|(side, _)| state.surface.passed.get(side))),
             tension,
             drawn,
+            obstacle_displacement: one.and_then(|(side, of)| moved(now, (side, of))),
             wet_area: one.and_then(|(side, of)| wet(now, contact, (side, of))),
             leaks_since: one.and_then(|(side, _)| Some((*state.surface.wet.leaks.get(side)?)?.t)),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
@@ -287,7 +291,13 @@ fn tightened(
 ) -> [Option<f64>; 2] {
     let Some((side, _)) = of.filter(|(_, contact)| contact.preload.is_some()) else { return [None; 2] };
     let pressing: f64 = states.map(|(point, s)| point.weight * s.pressure).sum();
-    [Some(0.0 - pressing), now.state.surface.drawn.get(side).copied()]
+    [Some(0.0 - pressing), now.state.surface.advance.get(side).copied()]
+}
+
+/// By how much the obstacle of a contact has moved along its load.
+fn moved(now: &Snapshot, (side, of): (usize, &Contact)) -> Option<f64> {
+    of.obstacle.as_ref()?.load.as_ref()?;
+    now.state.surface.advance.get(side).copied()
 }
 
 /// Heat that has passed a contact, by what it passes by.

@@ -206,6 +206,9 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
     lines.extend((contact.wear_max > 0.0 && !volumes.is_empty()).then(|| row("of this", &volumes.join(", "))));
     lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
     lines.extend(tightened(contact, units));
+    let moved =
+        contact.obstacle_displacement.map(|by| format!("moved by {} along its load", write(by, Measure::Length)));
+    lines.extend(moved.map(|moved| row("obstacle", &moved)));
     lines.extend(wet(contact, units));
     lines
 }

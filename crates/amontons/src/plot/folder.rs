@@ -8,7 +8,7 @@ use super::body::Body;
 use super::run::{History, Rod, Run, Snapshot, Solid, SolidContact};
 use super::surface::Skin;
 use super::table::CsvTable;
-use super::{PlotError, contact, frames, vtu};
+use super::{PlotError, contact, frames, ground, vtu};
 use crate::case::{self, CaseError};
 use crate::contact::names_of_points;
 use crate::output::columns;
@@ -87,6 +87,7 @@ impl Results<'_> {
             (reader.at().iter().map(|&(step, t)| (t, fields_file(step))).collect(), Some(reader))
         };
         let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
+        let problem = ground::found(&problem, &history);
         Ok(Results { folder, problem, history, snapshots, packed })
     }
 

@@ -1,10 +1,14 @@
 //! The foundation as it stands at the time of a picture: obstacles by their exact surface, others by their gap.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use super::body::Body;
-use crate::contact::{Contact, Obstacle};
+use super::run::History;
+use crate::contact::{Contact, Obstacle, names};
+use crate::field::{Field, TimeTable};
 use crate::mesh::FacetSet;
+use crate::output::columns;
 use crate::problem::Problem;
 use crate::tensor::{Point, dot, length};
 
@@ -20,6 +24,24 @@ pub(super) struct Ground {
     pub lines: Vec<Vec<[f64; 2]>>,
     /// A point of the surface and the velocity of the foundation there, m/s, where it moves.
     pub moves: Option<([f64; 2], [f64; 2])>,
+}
+
+/// The problem with obstacles under a load where the history of its run has them.
+pub(super) fn found(problem: &Arc<Problem>, history: &History) -> Arc<Problem> {
+    let is_loaded = |contact: &Contact| contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
+    if !problem.contacts.iter().any(is_loaded) {
+        return Arc::clone(problem);
+    }
+    let sides = names(&problem.contacts);
+    let of = |number: usize| {
+        let side = if sides.len() > 1 { columns::in_header(sides.get(number)?) } else { String::new() };
+        let of_side = |name: &&String| columns::OBSTACLE_DISPLACEMENT.side_of(name) == Some(side.as_str());
+        let (times, moved) = (history.get(columns::TIME.name)?, history.get(history.keys().find(of_side)?)?);
+        let rows = times.iter().zip(moved).filter(|(t, _)| **t > 0.0).map(|(t, moved)| (*t, *moved));
+        let (times, moved) = std::iter::once((0.0, 0.0)).chain(rows).unzip();
+        Some(Field::Table(TimeTable::new(times, moved).ok()?.hold()))
+    };
+    Arc::new(problem.with_found(&of))
 }
 
 /// Whether displacements and gaps of a body can be enlarged alike so that touching points still touch: every side that

@@ -173,6 +173,12 @@ fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart
     if !lines.is_empty() {
         charts.push(chart("temperature of the foundation", Measure::Temperature, lines));
     }
+    let obstacles = history.keys().filter_map(|name| Some((name, columns::OBSTACLE_DISPLACEMENT.side_of(name)?)));
+    let lines: Vec<Series> =
+        obstacles.enumerate().map(|(i, (name, side))| line(side, i, points(history, name))).collect();
+    if !lines.is_empty() {
+        charts.push(chart("obstacle moved along its load", Measure::Length, lines));
+    }
     for (column, quantity) in [
         (columns::CONTACT_AREA, "area of contact"),
         (columns::WEAR_MAX, "largest depth worn off"),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::body::Body;
 use super::run::{History, Rod, Run, Snapshot, Solid};
 use super::surface::Skin;
-use super::{PlotError, contact};
+use super::{PlotError, contact, ground};
 use crate::contact::names_of_points;
 use crate::mesh::Mesh;
 use crate::output::{
@@ -31,6 +31,7 @@ impl Run {
     ) -> Result<Run, PlotError> {
         let mesh = &problem.mesh;
         let sides = names_of_points(&problem.contacts);
+        let problem = &ground::found(problem, &history);
         let mut run = Run {
             name: problem.name.clone(),
             dimension: mesh.dim,

@@ -302,6 +302,7 @@ impl ProblemData {
             self.check_once(side, &path, faults);
             self.check_turning(contact, &path, faults);
             self.check_preload(contact, &path, faults);
+            self.check_obstacle_load(contact, &path, faults);
             self.check_fluid(contact, &path, faults);
         }
         self.check_sides(faults);

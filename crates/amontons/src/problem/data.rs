@@ -153,6 +153,8 @@ impl ProblemData {
             all.extend(pressure.map(|field| datum("fluid.pressure".to_owned(), Role::Traction, field)));
             let force = contact.preload.iter().map(|preload| &preload.force);
             all.extend(force.map(|field| datum("preload.force".to_owned(), Role::Force, field)));
+            let force = contact.obstacle.iter().filter_map(|obstacle| Some(&obstacle.load.as_ref()?.force));
+            all.extend(force.map(|field| datum("obstacle.load.force".to_owned(), Role::Force, field)));
             let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());
             all.extend(obstacle.map(|(key, field)| datum(format!("obstacle.{key}"), Role::Other, field)));
         }

@@ -8,10 +8,10 @@ mod check;
 mod choices;
 mod cyclic;
 mod data;
+mod drive;
 mod fluid;
 mod loads;
 mod pairs;
-mod preload;
 pub use pairs::with_supports;
 mod physics;
 mod range;
@@ -217,6 +217,18 @@ impl Problem {
     pub(crate) fn interruptible(&self, flag: Option<&Arc<AtomicBool>>) -> Problem {
         let backend = flag.and_then(|flag| self.backend.interruptible(flag));
         Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
+    }
+
+    /// The same problem with obstacles under a load where a run has found them: δ(t) by the number of the contact.
+    #[must_use]
+    pub(crate) fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
+        let mut data = self.0.clone();
+        for (number, contact) in data.contacts.iter_mut().enumerate() {
+            if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {
+                load.found = found(number);
+            }
+        }
+        Problem(data)
     }
 
     /// The same problem with linear systems solved as was decided before.

@@ -32,7 +32,7 @@ pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> 
 
 /// The contact points of bodies at rest: r = −g, and no traction.
 fn across_gaps(step: &Step) -> List<PointState> {
-    let frames = frames(step.problem, step.boundary, &step.old.u, (&[], &[]), [step.old.t, step.t]);
+    let frames = frames(step.problem, step.boundary, &step.old.u, (&[], [&[]; 2]), [step.old.t, step.t]);
     let at_rest = |frame: &Frame| PointState {
         normal: frame.normal,
         penetration: 0.0 - frame.gap,
@@ -83,7 +83,7 @@ fn no_heat(step: &Step, theta: List<f64>) -> Heat {
 fn no_mechanics(step: &Step) -> Mechanics {
     let zero = || List::filled(0.0, step.old.u.len());
     let mut given = Given::default();
-    given.drawn.clone_from(&step.old.surface.drawn);
+    given.advance.clone_from(&step.old.surface.advance);
     Mechanics {
         u: zero(),
         w: zero(),

@@ -411,7 +411,7 @@ impl Made {
                 step,
                 &mechanics.states,
                 &heat.exchange,
-                (mechanics.given.drawn, &mechanics.wet),
+                (mechanics.given.advance, &mechanics.wet),
             ),
             ledger,
             counts,
@@ -508,7 +508,7 @@ impl Scheme for BackwardEuler {
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, boundary, &u, (&[], &[]), [0.0, 0.0]);
+        let foundation = frames(&self.problem, boundary, &u, (&[], [&[]; 2]), [0.0, 0.0]);
         for (point, frame) in boundary.points.iter().zip(foundation) {
             let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight

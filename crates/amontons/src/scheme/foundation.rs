@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::fluid;
+use super::given::Given;
 use super::system::Step;
+use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Wet, Worn};
 use crate::discretization::Discretization;
-use crate::inclusion::{Exchange, Frame, Passed, PointState, Section};
+use crate::inclusion::{Drive, Exchange, Frame, Passed, PointState};
 use crate::list::List;
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
@@ -24,8 +26,11 @@ pub struct Accumulated {
     pub foundation: List<Option<f64>>,
     /// Heat that has passed each contact since the start, J.
     pub passed: List<Passed>,
-    /// δ, by which the sides of each contact with a preload are drawn together, m; zero elsewhere.
-    pub drawn: List<f64>,
+    /// δ of each contact, m: by how much the sides of a section are drawn together, or an obstacle under a load has
+    /// moved along its direction; zero elsewhere.
+    pub advance: List<f64>,
+    /// The mean rate of δ in the last step, m/s.
+    pub advance_rate: List<f64>,
     /// Where fluids are.
     pub wet: Wet,
 }
@@ -47,18 +52,19 @@ impl Accumulated {
             friction_work: List::filled(0.0, n),
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
             passed: List::filled(Passed::default(), problem.contacts.len()),
-            drawn: List::filled(0.0, problem.contacts.len()),
+            advance: List::filled(0.0, problem.contacts.len()),
+            advance_rate: List::filled(0.0, problem.contacts.len()),
             wet: fluid::dry(problem, discrete),
         }
     }
 
-    /// After a step that has drawn the sides of the contacts together by these lengths, with the points that were wet.
+    /// After a step at whose end δ is as given, with the points that were wet.
     pub(super) fn after(
         &self,
         step: &Step,
         states: &[PointState],
         exchange: &Exchange,
-        (drawn, wet): (List<f64>, &[bool]),
+        (advance, wet): (List<f64>, &[bool]),
     ) -> Accumulated {
         let Step { contacts, discrete, boundary, k, .. } = *step;
         let mut wear: List<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
@@ -73,7 +79,9 @@ impl Accumulated {
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
         let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
         let wet = fluid::after(step, &self.wet, wet, states);
-        Accumulated { wear, worn, friction_work, foundation, passed, drawn, wet }
+        let rates = advance.iter().zip(&self.advance).map(|(now, before)| (now - before) / k);
+        let advance_rate = rates.collect();
+        Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, wet }
     }
 }
 
@@ -82,13 +90,13 @@ impl Accumulated {
 /// Without an obstacle ν is that of the body and g(x, t) the datum. An obstacle has the distance δ and the normal n at
 /// the nearest point of its surface to x, or to x + u_{n−1} where it is followed: with ν = −n,
 /// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` has the depth worn off at each point
-/// and by how much the gap opens per depth that wears off, `drawn` by how much the sides of each contact are drawn
-/// together; they are empty where nothing wears or is drawn.
+/// and by how much the gap opens per depth that wears off, `advance` δ of each contact at the start and at the end of
+/// the step; they are empty where nothing wears or δ is zero.
 pub(super) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
     u: &[f64],
-    (worn, drawn): (&[[f64; 2]], &[f64]),
+    (worn, advance): (&[[f64; 2]], [&[f64]; 2]),
     [from, to]: [f64; 2],
 ) -> List<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
@@ -104,6 +112,7 @@ pub(super) fn frames(
         // Where the side `with` bears the points, its own motion is the slip.
         let sign = contact.sign();
         let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| rate(of(to) - of(from))));
+        let [start, end] = advance.map(|all| all.get(side).copied().unwrap_or(0.0));
         for (i, point) in points.iter().enumerate() {
             let [depth, opening] = worn.get(first + i).copied().unwrap_or([0.0, 1.0]);
             let mut frame = Frame {
@@ -119,15 +128,20 @@ pub(super) fn frames(
             if let Some(obstacle) = &contact.obstacle {
                 let u = if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
-                let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
+                let [before, now] = [(from, start), (to, end)].map(|(t, by)| obstacle.nearest_moved(&at, t, by));
                 frame.normal = now.normal.map(|c| -c);
                 frame.gap += now.distance + dot(&u, &frame.normal);
                 frame.gap_rate += rate(now.distance - before.distance);
-                let foot: Point = std::array::from_fn(|c| at[c] - now.distance * now.normal[c]);
+                let along = obstacle.direction();
+                let foot: Point = std::array::from_fn(|c| at[c] - now.distance * now.normal[c] - end * along[c]);
                 let moves = moves.map_or([0.0; 3], |motion| motion.at(&foot));
-                frame.velocity = std::array::from_fn(|c| frame.velocity[c] + moves[c]);
+                let advances = rate(end - start);
+                frame.velocity = std::array::from_fn(|c| frame.velocity[c] + moves[c] + advances * along[c]);
+            } else {
+                frame.gap += end;
+                frame.gap_rate += rate(end - start);
             }
-            frame.gap += depth + drawn.get(side).copied().unwrap_or(0.0);
+            frame.gap += depth;
             let along = dot(&frame.velocity, &frame.normal);
             frame.velocity = std::array::from_fn(|c| frame.velocity[c] - along * frame.normal[c]);
             frames.push(frame);
@@ -146,13 +160,28 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> List<Point> {
 }
 
 impl Step<'_> {
-    /// The sections that are tightened in the step.
-    pub(super) fn sections(&self) -> Vec<Section> {
+    /// The contacts that a force drives in the step, with δ as far as it has grown in it: the sections that are
+    /// tightened, and the obstacles under a load.
+    pub(super) fn drives(&self, given: &Given) -> Vec<Drive> {
+        let k = self.k;
         let of = |(contact, of): (usize, &Contact)| {
-            let force = of.preload.as_ref()?.force_in([self.old.t, self.t])?;
-            Some(Section { contact, force })
+            if let Some(force) = of.preload.as_ref().and_then(|preload| preload.force_in([self.old.t, self.t])) {
+                return Some(Drive { contact, direction: None, force, inertia: [0.0; 2] });
+            }
+            let ObstacleLoad { force, direction, mass, .. } = of.obstacle.as_ref()?.load.as_ref()?;
+            let at = |all: &[f64]| all.get(contact).copied().unwrap_or(0.0);
+            let surface = &self.old.surface;
+            let rate = (at(&given.advance) - at(&surface.advance)) / k - at(&surface.advance_rate);
+            let inertia = [mass * rate / k, mass / (k * k)];
+            Some(Drive { contact, direction: Some(*direction), force: force.value(&[0.0; 3], self.t), inertia })
         };
         self.problem.contacts.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// The mean force at a contact point of what drives a contact, N.
+    pub(super) fn at_points(&self, drive: &Drive) -> f64 {
+        let points = self.boundary.points.iter().filter(|point| point.contact == drive.contact).count();
+        drive.force.abs() / points.max(1) as f64
     }
 
     /// The depth worn off at each contact point, and by how much its gap opens per depth that wears off; empty where
@@ -192,7 +221,7 @@ pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], 
         let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);
         [first.at(x), mean.at(x)]
     };
-    let frames = frames(problem, boundary, u, (&[], &[]), [0.0, 0.0]);
+    let frames = frames(problem, boundary, u, (&[], [&[]; 2]), [0.0, 0.0]);
     let points = boundary.points.iter().zip(&frames);
     points
         .map(|(point, frame)| {

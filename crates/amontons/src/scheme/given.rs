@@ -1,11 +1,9 @@
 //! What the contact points are given in a mechanical half-step.
 
-use std::borrow::Cow;
-
 use super::apart::Rigid;
 use super::foundation::frames;
 use super::system::{HalfStep, Step};
-use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointState, Section};
+use crate::inclusion::{Drive, Frame, MechanicalStep, Multipliers, PointState};
 use crate::linalg::SolveError;
 use crate::list::{Lent, List};
 
@@ -23,8 +21,9 @@ pub(super) struct Given {
     pub temperature: List<f64>,
     /// What the loads do along the rigid motions that nothing but contact holds.
     pub loads: Vec<[f64; 2]>,
-    /// δ of each contact, by which its sides are drawn together, m: with what the step has added the gaps of `frames`.
-    pub drawn: List<f64>,
+    /// δ of each contact, by which a section is drawn together or an obstacle has moved, m: with what the step has
+    /// added, as in `frames`.
+    pub advance: List<f64>,
 }
 
 impl Given {
@@ -34,10 +33,10 @@ impl Given {
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: step.on_contact(&Given::prescribed(step, w)),
-            frames: frames(problem, boundary, &old.u, (&step.worn(), &old.surface.drawn), [old.t, t]),
+            frames: frames(problem, boundary, &old.u, (&step.worn(), [&old.surface.advance; 2]), [old.t, t]),
             temperature: List::new(),
             loads: Vec::new(),
-            drawn: old.surface.drawn.clone(),
+            advance: old.surface.advance.clone(),
         }
     }
 
@@ -46,25 +45,24 @@ impl Given {
         Given { temperature, ..self }
     }
 
-    /// Draws the sides of sections together by these lengths more.
-    pub fn draw(&mut self, step: &Step, more: &[(Section, f64)]) {
-        for (Section { contact, .. }, length) in more {
-            self.drawn.get_mut(*contact).into_iter().for_each(|drawn| *drawn += length);
-            let of_all = step.boundary.points.iter().zip(self.frames.iter_mut());
-            for (_, frame) in of_all.filter(|(point, _)| point.contact == *contact) {
-                *frame = frame.drawn(*length, step.rule.gamma);
-            }
-        }
+    /// The same with each δ grown by these lengths, of these contacts.
+    pub fn advanced(&self, step: &Step, drives: &[Drive], lengths: &[f64]) -> Given {
+        let mut given = self.clone();
+        given.advance(step, drives, lengths);
+        given
     }
 
-    /// The same with the sides of sections drawn together by these lengths more.
-    pub fn drawn(&self, step: &Step, more: &[(Section, f64)]) -> Cow<'_, Given> {
-        if more.is_empty() {
-            return Cow::Borrowed(self);
+    /// Lets each δ grow by these lengths, of these contacts.
+    pub fn advance(&mut self, step: &Step, drives: &[Drive], lengths: &[f64]) {
+        if drives.is_empty() {
+            return;
         }
-        let mut given = self.clone();
-        given.draw(step, more);
-        Cow::Owned(given)
+        for (drive, length) in drives.iter().zip(lengths) {
+            self.advance.get_mut(drive.contact).into_iter().for_each(|advance| *advance += length);
+        }
+        let Step { problem, boundary, old, t, .. } = *step;
+        let advance = [&old.surface.advance, &self.advance].map(|all| &**all);
+        self.frames = frames(problem, boundary, &old.u, (&step.worn(), advance), [old.t, t]);
     }
 
     /// The same as bodies see it that move with rigid velocities W; `v` has the velocities less W.
@@ -76,7 +74,7 @@ impl Given {
             frames: step.seen_from(&self.frames, rigid),
             temperature: self.temperature.clone(),
             loads: self.loads.clone(),
-            drawn: self.drawn.clone(),
+            advance: self.advance.clone(),
         }
     }
 

@@ -12,7 +12,7 @@ use super::system::{
 };
 use super::{State, StepError};
 use crate::discretization::Warmed;
-use crate::inclusion::{Frame, Multipliers, PointDerivative, PointState, Rule, Section, Solved, Undetermined};
+use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Rule, Solved, Undetermined};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::list::List;
 use crate::tensor::Point;
@@ -123,7 +123,8 @@ impl Mechanics {
                 continue;
             }
             passes += 1;
-            equation.given.draw(step, &settled.drawn);
+            let Advanced { drives, lengths } = &settled.advanced;
+            equation.given.advance(step, drives, lengths);
             let next = if is_linear {
                 let states = settled.found.states.clone();
                 rayon::join(|| equation.expand(half, &now, settled), || beside.with_rest(&states)).0?
@@ -256,41 +257,56 @@ impl<'a> Equation<'a> {
         if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
     }
 
+    /// What the contact points are given as the bodies see it that move apart, with δ grown by these lengths.
+    fn seen(&self, now: &Iterate, drives: &[Drive], lengths: &[f64]) -> Cow<'_, Given> {
+        let given = if drives.is_empty() {
+            Cow::Borrowed(&self.given)
+        } else {
+            Cow::Owned(self.given.advanced(self.step, drives, lengths))
+        };
+        if self.step.apart.is_none() { given } else { Cow::Owned(given.relative(self.step, &now.rigid, &now.w)) }
+    }
+
     /// The forward sweep and the contact.
     fn settle(&self, half: &mut HalfStep, now: &Iterate, beside: &mut dyn Beside) -> Result<Settled, StepError> {
         let step = self.step;
         let right = self.right(now);
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
-        let relative = step.apart.map(|_| self.given.relative(step, &now.rigid, &now.w));
-        let given = relative.as_ref().unwrap_or(&self.given);
+        let given = self.seen(now, &[], &[]);
         let on_boundary = given.on_boundary(step, on_contact);
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
         let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-        let sections = step.sections();
-        let (Solved { iterations, loose, held, .. }, drawn) = system
+        let drives = step.drives(&self.given);
+        let frames = |lengths: &[f64]| self.seen(now, &drives, lengths).into_owned().frames;
+        let driven = Drives { all: &drives, frames: &frames };
+        let (Solved { iterations, loose, held, .. }, lengths) = system
             .settle(&mut x, &now.w, |condensed, r| {
                 let contact = || {
                     let Some(on_boundary) = &on_boundary else {
                         let (x, iterations) = without_contact(condensed, r, &guess)?;
                         return Ok((x, (Solved { iterations, ..Solved::default() }, Vec::new())));
                     };
-                    let (mut solved, drawn) =
-                        on_boundary.solve_tightened(condensed, [r, &guess], &mut multipliers, &sections)?;
-                    Ok((std::mem::take(&mut solved.x), (solved, drawn)))
+                    let (mut solved, lengths) =
+                        on_boundary.solve_driven(condensed, [r, &guess], &mut multipliers, &driven)?;
+                    Ok((std::mem::take(&mut solved.x), (solved, lengths)))
                 };
                 rayon::join(contact, || beside.with_contact()).0
             })
             .map_err(|why| step.failed("mechanics", why))?;
         let increments = &x[system.unknowns().interior..];
         let kept: List<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
-        let drawn: Vec<(Section, f64)> = sections.into_iter().zip(drawn).collect();
-        let given = given.drawn(step, &drawn);
+        let given = if drives.is_empty() { given } else { self.seen(now, &drives, &lengths) };
         let on_boundary = given.on_boundary(step, on_contact);
         let states = on_boundary.map_or_else(List::new, |of| of.states(system.condensed(), &kept, &multipliers));
         let forces = if held.is_empty() { held } else { system.unknowns().forces(&held, now.w.len()) };
-        Ok(Settled { x, found: Found { multipliers, states, hold: Hold { loose, forces } }, iterations, drawn })
+        Ok(Settled {
+            x,
+            found: Found { multipliers, states, hold: Hold { loose, forces } },
+            iterations,
+            advanced: Advanced { drives, lengths },
+        })
     }
 
     /// The backward sweep, and what is left of (4.1) with the velocity that it makes.
@@ -344,7 +360,8 @@ impl<'a> Equation<'a> {
         let reaction_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w);
         let support_work = reaction_work.sum::<f64>() + held_work;
         discrete.v.mask(&mut rest);
-        let driven = (inertia * mass_w.max(bar)).max(thermal).max(load);
+        let known = self.step.drives(&self.given).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
+        let driven = (inertia * mass_w.max(bar)).max(thermal).max(known);
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
         let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(driven.max(contact), f64::max);
         let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
@@ -495,14 +512,21 @@ fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6
     load + thermal - inertia * (mass_w - bar) - b_w - a_u
 }
 
+/// By how much the δ of the contacts that are driven have grown.
+struct Advanced {
+    drives: Vec<Drive>,
+    /// Of each, m.
+    lengths: Vec<f64>,
+}
+
 /// A pass whose contact is solved: the increments on Γ_C with what is reduced to the body, and the contact points.
 struct Settled {
     x: List<f64>,
     found: Found,
     /// Newton iterations on Γ_C.
     iterations: usize,
-    /// By how much sections were drawn together, m.
-    drawn: Vec<(Section, f64)>,
+    /// By how much each δ has grown.
+    advanced: Advanced,
 }
 
 /// What was found on Γ_C.
@@ -520,7 +544,7 @@ struct Balanced<'a> {
     states: List<PointState>,
     residual: f64,
     scale: f64,
-    /// The largest of the terms that are known: loads, heat, inertia; and of the contact forces.
+    /// The largest of the terms that are known: loads, what drives contacts, heat, inertia; and of the contact forces.
     driven: f64,
     contact: f64,
     force: Point,

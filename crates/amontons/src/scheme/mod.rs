@@ -241,18 +241,25 @@ pub enum StepError {
         /// The motions in words.
         motions: String,
     },
-    /// A section bears no such tension, however far its sides are drawn together.
+    /// A section bears no such tension however far its sides are drawn together, or a body no such force however far an
+    /// obstacle is pressed in.
     #[error(
-        "step {step} (t = {t:.6e}): {contact}.preload: the section bears {reached:.6e} N, expected {force:.6e} N: nothing holds its sides apart as they are drawn together"
+        "step {step} (t = {t:.6e}): {at}: {}{reached:.6e} N, expected {force:.6e} N: {}",
+        if at.ends_with("preload") { "the section bears " } else { "the body bears " },
+        if at.ends_with("preload") {
+            "nothing holds its sides apart as they are drawn together"
+        } else {
+            "nothing resists the obstacle as it moves along the force"
+        }
     )]
-    Untightened {
+    Unborne {
         /// The step n that failed.
         step: usize,
         /// t_n in s.
         t: f64,
-        /// Dotted path of the contact in the case file.
-        contact: String,
-        /// The tension asked for and that reached, N per unit of thickness in two dimensions.
+        /// Dotted path of the force in the case file.
+        at: String,
+        /// The force asked for, N per unit of thickness in two dimensions.
         force: f64,
         /// That reached.
         reached: f64,
@@ -373,7 +380,7 @@ impl StepError {
         match self {
             StepError::NotConverged { .. }
             | StepError::Driven { .. }
-            | StepError::Untightened { .. }
+            | StepError::Unborne { .. }
             | StepError::Residual { .. }
             | StepError::Coupling { .. }
             | StepError::Uncovered { .. }

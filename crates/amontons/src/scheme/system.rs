@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::apart::Apart;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, PointState, Rule, Section, Undetermined};
+use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, PointState, Rule, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
@@ -192,9 +192,10 @@ impl Step<'_> {
                 let motions = self.motions(&driven).join("; ");
                 StepError::Driven { step: self.n, t: self.t, motions }
             }
-            Failure::Untightened { section: Section { contact, force }, reached } => {
-                let contact = self.problem.contact_path(contact);
-                StepError::Untightened { step: self.n, t: self.t, contact, force, reached }
+            Failure::Unborne { drive, reached } => {
+                let key = if drive.direction.is_some() { "obstacle.load" } else { "preload" };
+                let at = format!("{}.{key}", self.problem.contact_path(drive.contact));
+                StepError::Unborne { step: self.n, t: self.t, at, force: drive.force, reached }
             }
         }
     }

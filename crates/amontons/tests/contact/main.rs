@@ -19,6 +19,7 @@ mod hot_friction;
 mod impact;
 mod laws;
 mod limits;
+mod pressed;
 mod several;
 mod shapes;
 mod sliding_out;

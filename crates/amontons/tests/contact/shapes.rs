@@ -394,7 +394,12 @@ fn normals_are_gradients_of_distances() {
 #[test]
 fn obstacles_move_with_their_data() {
     let path = || [expression("0.5*t"), Field::Constant(2.0), expression("1 - t^2")];
-    let sphere = Obstacle { shape: Arc::new(Sphere::new(path(), 1.0, false).unwrap()), updated: true, turning: None };
+    let sphere = Obstacle {
+        shape: Arc::new(Sphere::new(path(), 1.0, false).unwrap()),
+        updated: true,
+        turning: None,
+        load: None,
+    };
     assert_eq!(sphere.place(2.0), [1.0, 2.0, -3.0]);
     assert_eq!(sphere.nearest(&[1.0, 2.0, 1.0], 2.0), Nearest { distance: 3.0, normal: [0.0, 0.0, 1.0] });
     assert_eq!(
@@ -414,12 +419,16 @@ fn obstacles_move_with_their_data() {
         assert_eq!(shape.fields().len(), 3);
     }
     // A level that falls at a rate of 0.5.
-    let level = Obstacle { shape: Arc::new(surface("y + 0.5*t + x^2*0")), updated: false, turning: None };
+    let level = Obstacle { shape: Arc::new(surface("y + 0.5*t + x^2*0")), updated: false, turning: None, load: None };
     assert_eq!(level.nearest(&[0.3, 1.0, 0.0], 4.0), Nearest { distance: 3.0, normal: [0.0, 1.0, 0.0] });
     assert!(level.place(4.0) == [0.0; 3] && level.fields().is_empty());
-    let at_rest = Obstacle { shape: Arc::new(surface("y + x^2*0")), updated: false, turning: None };
-    let ball =
-        Obstacle { shape: Arc::new(Sphere::new(fixed([0.0; 3]), 1.0, false).unwrap()), updated: false, turning: None };
+    let at_rest = Obstacle { shape: Arc::new(surface("y + x^2*0")), updated: false, turning: None, load: None };
+    let ball = Obstacle {
+        shape: Arc::new(Sphere::new(fixed([0.0; 3]), 1.0, false).unwrap()),
+        updated: false,
+        turning: None,
+        load: None,
+    };
     assert_eq!([&sphere, &level, &at_rest, &ball].map(Obstacle::depends_on_time), [true, true, false, false]);
 }
 

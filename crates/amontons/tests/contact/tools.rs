@@ -48,7 +48,7 @@ fn points_of_an_obstacle_move_as_it_says() {
     for shape in shapes {
         for about in [None, Some(about())] {
             let turning = Turning::new(of("0.4 + 1.3*t - 0.2*t^2"), axis, about.clone()).expect("a rotation");
-            let obstacle = Obstacle { shape: Arc::clone(&shape), updated: false, turning: Some(turning) };
+            let obstacle = Obstacle { shape: Arc::clone(&shape), updated: false, turning: Some(turning), load: None };
             let at = |field: &Field, t: f64| field.value(&[0.0; 3], t);
             let of_body = |t: f64| -> Point {
                 let p: Point = place().each_ref().map(|field| at(field, t));

@@ -178,7 +178,7 @@ fn a_gap_closes_before_the_bolts_bear() {
         }
         let last = memory.states.last().expect("a state");
         assert!(last.ledger.relative_closing_error() < 1e-10);
-        last.surface.drawn.clone()
+        last.surface.advance.clone()
     });
     // The gap, 10/4000 of the clamp and 10/1000 of the bolts.
     for contact in [1, 2] {
@@ -204,7 +204,7 @@ fn a_kept_section_is_a_tie_with_a_gap() {
     let memory = solve(&problem);
     let found = forces(&memory, &problem);
     assert!((found[1][1] + 7.0).abs() < 1e-10 && (found[1][2] + 4.0).abs() < 1e-10, "{:?}", found[1]);
-    let drawn = &memory.states[4].surface.drawn;
+    let drawn = &memory.states[4].surface.advance;
     let tied = changed(&problem, |data| {
         for contact in [1, 2] {
             data.contacts[contact].preload = None;
@@ -257,7 +257,7 @@ fn a_resumed_run_is_the_same() {
             state = scheme.step(&state).expect("a step").0;
             again = other.step(&again).expect("a step").0;
             assert!(state.u.iter().zip(again.u.iter()).all(|(a, b)| a.to_bits() == b.to_bits()));
-            assert_eq!(state.surface.drawn, again.surface.drawn);
+            assert_eq!(state.surface.advance, again.surface.advance);
             let boundary = problem.contact_boundary();
             let tension = |contact: usize| -> f64 {
                 let own =

@@ -31,7 +31,7 @@ pub(in crate::case) use material::{
     Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor, Viscosity,
 };
 pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh, Turn};
-pub(in crate::case) use obstacle::{Geometry, Obstacle, Turning};
+pub(in crate::case) use obstacle::{Geometry, Obstacle, ObstacleLoad, Turning};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use rigid::Rigid;
 pub(in crate::case) use side::{Locus, Side};

@@ -21,6 +21,9 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
+        /// Force that presses the obstacle against the body, which says how far it moves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load: Option<ObstacleLoad>,
     },
     /// A ball, or a socket if `inside` is true; a disc in two dimensions.
     Sphere {
@@ -38,6 +41,9 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
+        /// Force that presses the obstacle against the body, which says how far it moves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load: Option<ObstacleLoad>,
     },
     /// An infinite cylinder, or a bore if `inside` is true; a disc in two dimensions.
     Cylinder {
@@ -58,6 +64,9 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
+        /// Force that presses the obstacle against the body, which says how far it moves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load: Option<ObstacleLoad>,
     },
     /// The region below the wavy surface n·(x − p) = amplitude · cos(2π d·(x − p)/wavelength).
     Wave {
@@ -78,6 +87,9 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
+        /// Force that presses the obstacle against the body, which says how far it moves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load: Option<ObstacleLoad>,
     },
     /// A solid from a file: its boundary in a mesh file, or in space a closed surface of triangles (STL).
     File {
@@ -103,6 +115,9 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
+        /// Force that presses the obstacle against the body, which says how far it moves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load: Option<ObstacleLoad>,
     },
     /// The zero level of a function of x, y, z, t.
     Surface {
@@ -115,19 +130,22 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
+        /// Force that presses the obstacle against the body, which says how far it moves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        load: Option<ObstacleLoad>,
     },
 }
 
 impl Obstacle {
     /// What every shape has.
-    pub fn common(&self) -> (Geometry, Option<&Turning>) {
+    pub fn common(&self) -> (Geometry, Option<&Turning>, Option<&ObstacleLoad>) {
         match self {
-            Obstacle::Plane { geometry, turning, .. }
-            | Obstacle::Sphere { geometry, turning, .. }
-            | Obstacle::Cylinder { geometry, turning, .. }
-            | Obstacle::Wave { geometry, turning, .. }
-            | Obstacle::File { geometry, turning, .. }
-            | Obstacle::Surface { geometry, turning, .. } => (*geometry, turning.as_ref()),
+            Obstacle::Plane { geometry, turning, load, .. }
+            | Obstacle::Sphere { geometry, turning, load, .. }
+            | Obstacle::Cylinder { geometry, turning, load, .. }
+            | Obstacle::Wave { geometry, turning, load, .. }
+            | Obstacle::File { geometry, turning, load, .. }
+            | Obstacle::Surface { geometry, turning, load, .. } => (*geometry, turning.as_ref(), load.as_ref()),
         }
     }
 }
@@ -146,6 +164,22 @@ pub(in crate::case) struct Turning {
     /// `origin` of the obstacle, and with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<Vec<Datum>>,
+}
+
+/// Force that presses an obstacle, which is guided along its direction.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct ObstacleLoad {
+    /// Force in N along `direction`, per unit of thickness in two dimensions: a number, an expression in t or a table
+    /// in time.
+    pub force: Datum,
+    /// Direction in which the force acts and the obstacle moves, one entry per component.
+    pub direction: Vec<f64>,
+    /// Mass of the obstacle in kg, per unit of thickness in two dimensions; without it it is in equilibrium at each
+    /// time.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub mass: f64,
 }
 
 fn one() -> f64 {

@@ -9,6 +9,7 @@ mod cylinder;
 mod descent;
 mod facets;
 mod file;
+mod load;
 mod motion;
 mod plane;
 mod sphere;
@@ -21,6 +22,7 @@ use std::sync::Arc;
 pub use cylinder::Cylinder;
 pub use facets::{Facets, FacetsFault};
 pub use file::File;
+pub use load::ObstacleLoad;
 pub use motion::{Motion, Rate, Turning};
 pub use plane::Plane;
 pub use sphere::Sphere;
@@ -40,15 +42,26 @@ pub struct Obstacle {
     pub updated: bool,
     /// How it turns; none where it does not.
     pub turning: Option<Turning>,
+    /// The force under which it moves besides what its place does; none where its place says where it is.
+    pub load: Option<ObstacleLoad>,
 }
 
 impl Obstacle {
-    /// What is nearest to a point at a time.
+    /// What is nearest to a point at a time, of an obstacle under a load where that has moved it, as far as is known.
     #[must_use]
     pub fn nearest(&self, x: &Point, t: f64) -> Nearest {
-        let Some(turning) = self.changes_by() else { return self.shape.nearest(x, t) };
+        self.nearest_moved(x, t, self.known(t))
+    }
+
+    /// What is nearest to a point at a time, of an obstacle that has moved by a length δ along the direction of its
+    /// load.
+    #[must_use]
+    pub fn nearest_moved(&self, x: &Point, t: f64, along: f64) -> Nearest {
+        let direction = self.direction();
+        let x: Point = std::array::from_fn(|c| x[c] - along * direction[c]);
+        let Some(turning) = self.changes_by() else { return self.shape.nearest(&x, t) };
         let turn = turning.at(self.shape.place(t), t);
-        let Nearest { distance, normal } = self.shape.nearest(&turn.before(x), t);
+        let Nearest { distance, normal } = self.shape.nearest(&turn.before(&x), t);
         Nearest { distance, normal: turn.after(&normal) }
     }
 
@@ -65,23 +78,35 @@ impl Obstacle {
         self.turning.is_some() && self.changes_by().is_none()
     }
 
+    /// The unit vector along which its load moves it; zero without a load.
+    #[must_use]
+    pub fn direction(&self) -> Point {
+        self.load.as_ref().map_or([0.0; 3], |load| load.direction)
+    }
+
+    /// δ as far as it is known.
+    fn known(&self, t: f64) -> f64 {
+        self.load.as_ref().map_or(0.0, |load| load.known(t))
+    }
+
     /// Its velocity as a rigid body at a time, `rate` making the rate at that time of a function of time.
     #[must_use]
     pub fn motion(&self, t: f64, rate: &Rate) -> Motion {
-        Motion::new(self.turning.as_ref(), &|t| self.shape.place(t), t, rate)
+        Motion::new(self.turning.as_ref(), &|t| self.place(t), t, rate)
     }
 
-    /// Place of a point that moves with the obstacle and does not turn.
+    /// Place of a point that moves with the obstacle and does not turn, as far as it is known.
     #[must_use]
     pub fn place(&self, t: f64) -> Point {
-        self.shape.place(t)
+        let (place, along, direction) = (self.shape.place(t), self.known(t), self.direction());
+        std::array::from_fn(|c| place[c] + along * direction[c])
     }
 
     /// Whether it may move or change its shape.
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
         let turns = |turning: &Turning| turning.fields().iter().any(|(_, field)| field.depends_on_time());
-        self.shape.depends_on_time() || self.changes_by().is_some_and(turns)
+        self.load.is_some() || self.shape.depends_on_time() || self.changes_by().is_some_and(turns)
     }
 
     /// The data that may vary in time, by their keys.

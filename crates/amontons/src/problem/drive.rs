@@ -1,8 +1,10 @@
-//! The checks of sections that are tightened.
+//! The checks of what forces drive: sections that are tightened, and obstacles that are pressed on.
 
 use super::boundary::plane_of;
 use super::{Fault, ProblemData};
+use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, Preload};
+use crate::tensor::dot;
 
 impl ProblemData {
     /// A preload is that of a tie across a plane section, and ends after the run has begun.
@@ -36,6 +38,36 @@ impl ProblemData {
             let found = format!("\"{on}\", whose facet {number} has the normal {}", self.mesh.place(&normal));
             let hint = "cut the bolt where its section is plane";
             faults.push(Fault::new(path, found, "a section in one plane").hint(hint));
+        }
+    }
+
+    /// The load of an obstacle is a force on all of it along a line on which its place does not say where it is.
+    pub(super) fn check_obstacle_load(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
+        let Some(obstacle) = &contact.obstacle else { return };
+        let Some(ObstacleLoad { force, direction, mass, .. }) = &obstacle.load else { return };
+        let path = format!("{path}.obstacle.load");
+        if force.depends_on_space() {
+            let (at, found) = (format!("{path}.force"), "an expression in space");
+            let fault = Fault::new(at, found, "a number or an expression in t");
+            faults.push(fault.hint("the force is that on the whole obstacle"));
+        }
+        if !(mass.is_finite() && *mass >= 0.0) {
+            faults.push(Fault::new(format!("{path}.mass"), mass.to_string(), "a mass in kg that is not negative"));
+        }
+        if self.mesh.axisymmetric && (direction[0] != 0.0 || direction[2] != 0.0) {
+            let found = format!("a direction {} beside a body of revolution", self.mesh.place(direction));
+            let hint = "a rigid obstacle of revolution moves along the axis alone, which is y";
+            faults.push(Fault::new(format!("{path}.direction"), found, "a direction along the axis").hint(hint));
+        }
+        let moves = |t: f64| {
+            let [first, now] = [0.0, t].map(|t| obstacle.shape.place(t));
+            let moved = std::array::from_fn(|c| now[c] - first[c]);
+            dot(&moved, direction).abs() > 1e-9 * crate::tensor::length(&moved)
+        };
+        if [0.37 * self.end, self.end].into_iter().any(moves) {
+            let hint = "across that direction it may move as given; along it the force moves it";
+            let found = "an obstacle that is given a motion along the direction of its load";
+            faults.push(Fault::new(path, found, "a place that does not move along the load").hint(hint));
         }
     }
 }

@@ -1,0 +1,47 @@
+//! The force that presses an obstacle against the body.
+
+use super::{Checks, ShapeFaults};
+use crate::field::Field;
+use crate::tensor::Point;
+
+/// What presses an obstacle, which is guided: it keeps its direction and moves along a line as far as the body lets it.
+///
+/// It moves by δ(t) along the unit vector d, besides what its place does, so that
+///
+/// ```text
+///     m δ̈ = F(t) + d·∫ (p ν + q)
+/// ```
+///
+/// with the forces p ν + q of the body on it. Without a mass it is in equilibrium at each time. δ and its rate are zero
+/// at t = 0.
+///
+/// Source: the balance of momentum of a rigid body that is guided along a line.
+#[derive(Clone, Debug)]
+pub struct ObstacleLoad {
+    /// F in N along d, a field of time, per unit of thickness in two dimensions; on the whole ring of a body of
+    /// revolution.
+    pub force: Field,
+    /// d, a unit vector.
+    pub direction: Point,
+    /// m ≥ 0 in kg, per unit of thickness in two dimensions.
+    pub mass: f64,
+    /// δ in m as a run has found it, to show where the obstacle was; none before.
+    pub found: Option<Field>,
+}
+
+impl ObstacleLoad {
+    /// A load along a vector of any length.
+    ///
+    /// # Errors
+    /// When the direction is zero or not finite.
+    pub fn new(force: Field, direction: Point, mass: f64) -> Result<ObstacleLoad, ShapeFaults> {
+        let mut checks = Checks::default();
+        let direction = checks.unit("load.direction", direction);
+        checks.result(ObstacleLoad { force, direction, mass, found: None })
+    }
+
+    /// δ as far as it is known.
+    pub(super) fn known(&self, t: f64) -> f64 {
+        self.found.as_ref().map_or(0.0, |found| found.value(&[0.0; 3], t))
+    }
+}
