@@ -205,6 +205,12 @@ impl Units {
         format!("{} {unit}", Units::digits(value, power, measure)).trim_end().to_owned()
     }
 
+    /// The same of one of several values, of which the largest is `beside`: its round-off is zero.
+    #[must_use]
+    pub fn write_beside(self, value: f64, beside: f64, measure: Measure) -> String {
+        self.write(beyond(value, beside), measure)
+    }
+
     /// The ends of a range in one unit, and the unit: `("-3.2", "12", "µm")`.
     #[must_use]
     pub fn range(self, [low, high]: [f64; 2], measure: Measure) -> (String, String, String) {
@@ -238,11 +244,10 @@ impl Units {
     /// the largest component, is zero.
     #[must_use]
     pub fn vector_beside(self, components: &[f64], beside: f64, measure: Measure) -> String {
-        const ROUND_OFF: f64 = 1e-9;
         let largest = components.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let least = ROUND_OFF * largest.max(beside);
-        let power = if largest < least { 0 } else { self.power(largest, measure) };
-        let number = |v: &f64| Units::digits(if v.abs() < least { 0.0 } else { *v }, power, measure);
+        let most = largest.max(beside);
+        let power = if beyond(largest, most) == 0.0 { 0 } else { self.power(largest, measure) };
+        let number = |v: &f64| Units::digits(beyond(*v, most), power, measure);
         let numbers: Vec<String> = components.iter().map(number).collect();
         format!("({}) {}", numbers.join(", "), self.prefixed(power, measure).unwrap_or_default()).trim_end().to_owned()
     }
@@ -253,6 +258,16 @@ impl Units {
     fn digits(value: f64, power: i32, measure: Measure) -> String {
         significant(value / 10f64.powi(power), Units::DIGITS[usize::from(measure == Measure::Temperature)])
     }
+}
+
+/// Share of the largest of several values that is its round-off, and a value that is none in any unit.
+const ROUND_OFF: f64 = 1e-9;
+const NOTHING: f64 = 1e-290;
+
+/// A value beside others of which the largest is `beside`: zero where it is the round-off of that.
+#[must_use]
+pub fn beyond(value: f64, beside: f64) -> f64 {
+    if value.abs() < (ROUND_OFF * beside).max(NOTHING) { 0.0 } else { value }
 }
 
 /// A number rounded to a number of digits, without trailing zeros.

@@ -33,7 +33,7 @@ impl Build<'_> {
         match ObstacleLoad::new(force, direction, raw.mass) {
             Ok(load) => Some(load),
             Err(faults) => {
-                self.shape_faults(path, faults);
+                self.shape_faults(&at, faults);
                 None
             }
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::shown::placed;
 use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
 use crate::problem::Choice;
-use crate::units::{Extent, Measure, Units};
+use crate::units::{Extent, Measure, Units, beyond};
 
 /// A name and what there is to be said under it.
 type Row = (String, String);
@@ -58,10 +58,11 @@ impl Summary {
         let Some(contact) = self.last.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) else {
             return Vec::new();
         };
-        let beside = contact.sides.values().flat_map(|side| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
-        let mut rows = touching("contact", contact, beside, self.units);
+        let force = contact.sides.values().flat_map(|side| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
+        let stress = self.last.von_mises_max.unwrap_or(0.0).max(contact.pressure_max);
+        let mut rows = touching("contact", contact, [force, stress], self.units);
         for (side, contact) in &contact.sides {
-            rows.extend(touching(&format!("on \"{side}\""), contact, 0.0, self.units));
+            rows.extend(touching(&format!("on \"{side}\""), contact, [0.0, stress], self.units));
         }
         rows
     }
@@ -69,7 +70,8 @@ impl Summary {
     /// The largest values of the fields.
     fn of_fields(&self) -> Vec<Row> {
         let (end, units) = (&self.last, self.units);
-        let up_to = |key: &str, most: f64, measure| placed(key, &format!("up to {}", units.write(most, measure)));
+        let up_to =
+            |key: &str, most: f64, measure| placed(key, &format!("up to {}", units.write_beside(most, 0.0, measure)));
         let of_von_mises = |most| row("von Mises stress", &up_to("final.von_mises_max", most, Measure::Stress));
         let mut rows: Vec<Row> = end.von_mises_max.map(of_von_mises).into_iter().collect();
         rows.extend(end.strain_max.map(|most| row("strain", &up_to("final.strain_max", most, Measure::Number))));
@@ -77,8 +79,10 @@ impl Summary {
             let range = range(units, [min, max], Measure::Temperature);
             rows.push(row("temperature", &placed("final.temperature_max", &range)));
         }
+        let ends = end.displacement_min.iter().chain(&end.displacement_max);
+        let largest = ends.fold(0.0, |largest: f64, end| largest.max(end.abs()));
         for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
-            let range = range(units, [*min, *max], Measure::Length);
+            let range = range(units, [min, max].map(|end| beyond(*end, largest)), Measure::Length);
             rows.push(row(&format!("displacement {axis}"), &placed("final.displacement_max", &range)));
         }
         rows
@@ -151,9 +155,9 @@ fn extent(units: Units, mechanics: bool) -> Option<Row> {
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
 
-/// Contact on one side or on all, whose forces are as large as `beside`, with wear and the temperature of the
+/// Contact on one side or on all, beside forces and stresses as large as these, with wear and the temperature of the
 /// foundation if there are any; between bodies at rest the heat alone.
-fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> Vec<Row> {
+fn touching(name: &str, contact: &ContactSummary, [beside, stress]: [f64; 2], units: Units) -> Vec<Row> {
     let write = |value: f64, measure: Measure| units.write(value, measure);
     if contact.force.is_empty() {
         return at_rest(name, contact, units);
@@ -174,7 +178,10 @@ fn touching(name: &str, contact: &ContactSummary, beside: f64, units: Units) -> 
             "contact force",
             &placed(
                 "final.contact.pressure_max",
-                &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress)),
+                &format!(
+                    "{force}, pressure up to {}",
+                    units.write_beside(contact.pressure_max, stress, Measure::Stress)
+                ),
             ),
         ),
     ];

@@ -36,7 +36,7 @@ impl ObstacleLoad {
     /// When the direction is zero or not finite.
     pub fn new(force: Field, direction: Point, mass: f64) -> Result<ObstacleLoad, ShapeFaults> {
         let mut checks = Checks::default();
-        let direction = checks.unit("load.direction", direction);
+        let direction = checks.unit("direction", direction);
         checks.result(ObstacleLoad { force, direction, mass, found: None })
     }
 
