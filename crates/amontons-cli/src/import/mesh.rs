@@ -171,6 +171,11 @@ impl Mesh {
         names.filter_map(|name| self.spelling(Has::Elements, &format!("{name}.{set}"))).collect()
     }
 
+    /// How often a part is in the assembly.
+    pub fn instances(&self, part: &str) -> usize {
+        self.bodies.iter().filter(|body| body.part.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(part))).count()
+    }
+
     /// The name of the instance of a body, which a deck without parts does not have.
     pub fn instance(&self, body: usize) -> Option<&str> {
         self.bodies.get(body).and_then(|body| body.name.as_deref())

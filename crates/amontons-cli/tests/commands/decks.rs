@@ -303,3 +303,118 @@ fn what_a_case_cannot_do_in_time_is_told() {
     let expected = "line 1: found *INCLUDE of \"round.inp\", which includes this file, expected files that end";
     assert_eq!(stderr(&done), format!("Error: round.inp, {expected}\n"));
 }
+
+/// The two cubes with a reference node; what holds the lower one, and what is said of the rest.
+fn platen(model: &str, step: &str) -> (String, String) {
+    let (folder, said) = imported(&cubes(&format!(
+        "*NODE\n99, 5., 5., 30.\n98, 0., 0., 0.\n*NSET, NSET=UP\n15, 16, 17, 18\n*ELSET, ELSET=UPPER\n2\n\
+         *MATERIAL, NAME=STEEL\n*ELASTIC\n1000., 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=T\nUNDER, OVER\n\
+         {model}*BOUNDARY\nFIX, ENCASTRE\n*STEP\n*STATIC\n{step}*END STEP\n"
+    )));
+    (read(&folder.path().join("deck.toml")), said)
+}
+
+/// The ways to name a rigid part are one table of the case, with what acts on its reference node.
+#[test]
+fn rigid_parts_are_named_in_many_ways() {
+    let ways = [
+        ("*RIGID BODY, NSET=UP, REF NODE=99\n", "UP"),
+        ("*RIGID BODY, NSET=UP, REF NODE=99, ROT NODE=98\n", "UP"),
+        ("*COUPLING, REF NODE=99, SURFACE=LID, CONSTRAINT NAME=C\n*KINEMATIC\n", "LID"),
+        ("*COUPLING, REF NODE=99, SURFACE=LID, CONSTRAINT NAME=C\n*KINEMATIC\n1, 1\n2, 3\n", "LID"),
+        ("*KINEMATIC COUPLING, REF NODE=99\nUP, 1, 3\n", "UP"),
+        ("*KINEMATIC COUPLING, REF NODE=99\n15, 1, 6\n16, 1, 6\n17, 1, 6\n18, 1, 6\n", "rigid-"),
+    ];
+    for (model, on) in ways {
+        let (turning, about) = if model.contains("ROT") { (98, "1") } else { (99, "4") };
+        let step = format!("*CLOAD\n99, 1, 3.\n99, 1, 4.\n{turning}, {about}, 5.\n");
+        let (case, said) = platen(model, &step);
+        assert!(!said.contains("the answer differs"), "{said}");
+        let rigid = case.split("[[rigid]]").nth(1).unwrap_or_else(|| panic!("{model}{case}"));
+        let lines: Vec<&str> = rigid.lines().skip(1).take_while(|line| !line.is_empty()).collect();
+        assert!(lines[0].starts_with(&format!("on = \"{on}")), "{lines:?}");
+        assert_eq!(lines[1], "force = [{ times = [0.0, 1.0], values = [0.0, 7.0] }, 0.0, 0.0]");
+        assert_eq!(lines[2], "at = [0.005, 0.005, 0.03]");
+        assert_eq!(lines[3], "moment = [{ times = [0.0, 1.0], values = [0.0, 0.005] }, 0.0, 0.0]");
+        assert_eq!(lines.len(), 4, "{lines:?}");
+    }
+}
+
+/// A region is rigid as a whole, by its elements or by all of its nodes.
+#[test]
+fn a_rigid_region_is_named_as_such() {
+    let all =
+        ["*RIGID BODY, ELSET=UPPER, REF NODE=99\n", "*NSET, NSET=N, ELSET=UPPER\n*RIGID BODY, NSET=N, REF NODE=99\n"];
+    for model in all {
+        let (case, said) =
+            platen(&format!("*SOLID SECTION, ELSET=UPPER, MATERIAL=STEEL\n{model}"), "*CLOAD\n99, 3, 1.\n");
+        assert!(case.contains("[[rigid]]") && case.contains("\non = \"UPPER\"\nforce"), "{case}");
+        assert!(!said.contains("the answer differs"), "{said}");
+    }
+}
+
+/// What holds a part: all rotations guide it, a reference node at one of its nodes is a hinge; the rest is told.
+#[test]
+fn what_holds_a_rigid_part_is_taken_or_told() {
+    let (free, hinge) = ("*RIGID BODY, NSET=UP, REF NODE=99, ROT NODE=98\n", "*RIGID BODY, NSET=UP, REF NODE=17\n");
+    let coupling = "*COUPLING, REF NODE=99, SURFACE=LID, CONSTRAINT NAME=C\n";
+    let distributing = format!("{coupling}*DISTRIBUTING\n");
+    let some = format!("{coupling}*KINEMATIC\n3, 3\n");
+    let twice = format!("{free}*RIGID BODY, NSET=FIX, REF NODE=99\n");
+    let shared = format!("{free}*RIGID BODY, NSET=TOP\n");
+    let guided = "*BOUNDARY\n98, 1, 3\n99, 1, 1, 2.\n";
+    let taken = "guided = true\n\n[[boundary]]                         # *BOUNDARY line ";
+    let all = [
+        (free, guided, Some(taken), None),
+        (
+            free,
+            "*BOUNDARY\n98, 1, 3\n*CLOAD\n98, 2, 1.\n",
+            Some("guided"),
+            Some("the rotation is held, which takes it [does"),
+        ),
+        (free, "*BOUNDARY\n98, 1, 2\n", None, Some("holds all rotations or none")),
+        (
+            free,
+            "*BOUNDARY\n98, 1, 3\n98, 1, 1, 0.1\n",
+            Some("guided"),
+            Some("the rotation that the deck prescribes is 0"),
+        ),
+        (free, "*BOUNDARY\n99, 1, 3\n", None, Some("turns about a reference node that is none of its nodes")),
+        (free, "*CLOAD\n99, 11, 1.\n", None, Some("*CLOAD in direction 11")),
+        (free, "*END STEP\n*STEP\n*STATIC\n*BOUNDARY\n98, 1, 3\n", Some("guided"), Some("the deck from this step on")),
+        (hinge, "*BOUNDARY\n17, 1, 3\n", Some("displacement = [0.0, 0.0, 0.0]"), None),
+        (&distributing, "", None, Some("*DISTRIBUTING: the nodes are not coupled [the answer differs]")),
+        (&some, "", None, Some("*COUPLING of some directions")),
+        (&twice, "", Some("[[rigid]]"), Some("its reference node is that of another rigid part")),
+        (&shared, "", Some("[[rigid]]"), Some("another rigid part has some of its nodes")),
+        ("*RIGID BODY, NSET=NALL\n", "", None, Some("it is on several bodies")),
+        ("*RIGID BODY, ELSET=SHELLS, REF NODE=99\n", "", None, Some("no node of it belongs to a solid element")),
+        ("*RIGID BODY, ANALYTICAL SURFACE=S, REF NODE=99\n", "", None, Some("the body is not rigid")),
+    ];
+    for (model, step, written, told) in all {
+        let (case, said) = platen(model, step);
+        assert!(written.is_none_or(|text| case.contains(text)), "{model}{step}{case}");
+        assert!(written.is_some() || !case.contains("guided = true"), "{case}");
+        match told {
+            Some(text) => assert!(said.contains(text), "{model}{step}{said}"),
+            None => assert!(!said.contains("the answer differs"), "{model}{step}{said}"),
+        }
+    }
+    let (case, _) = platen(free, guided);
+    assert!(
+        case.contains(
+            "\non = \"UP\"\ndisplacement = [{ times = [0.0, 1.0], values = [0.0, 0.002] }, \"free\", \"free\"]"
+        )
+    );
+    let (case, _) = platen(free, "*END STEP\n*STEP\n*STATIC\n*CLOAD, OP=NEW\n99, 1, 0.\n");
+    assert!(!case.contains("guided = true"), "{case}");
+}
+
+/// OP=NEW takes away the forces that it does not repeat.
+#[test]
+fn forces_on_rigid_parts_are_renewed() {
+    let next = "*CLOAD\n99, 1, 3.\n*END STEP\n*STEP\n*STATIC\n*CLOAD, OP=NEW\n99, 2, 4.\n";
+    let (case, _) = platen("*RIGID BODY, NSET=UP, REF NODE=99\n", next);
+    let expected = "force = [{ times = [0.0, 1.0, 2.0], values = [0.0, 3.0, 0.0] }, { times = [0.0, 1.0, 2.0], values = [0.0, 0.0, 4.0] }, 0.0]";
+    assert!(case.contains(expected), "{case}");
+}
