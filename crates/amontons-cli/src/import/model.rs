@@ -269,8 +269,13 @@ impl Reading {
             "COUPLED TEMPERATURE-DISPLACEMENT" | "UNCOUPLED TEMPERATURE-DISPLACEMENT" => of(true, true, !steady),
             _ => return Ok(false),
         };
-        if card.name == "VISCO" {
+        let relaxes = self.materials.iter().any(Material::relaxes);
+        if card.name == "VISCO" && !relaxes {
             self.notes.keyword(&card.place, "VISCO");
+        }
+        if card.name == "STATIC" && relaxes {
+            let why = "the case relaxes in all steps, Abaqus has the moduli of long times in a static step";
+            self.notes.add(&card.place, "*STATIC", why, Matter::Perhaps);
         }
         let Some(step) = self.steps.last_mut() else {
             return Err(Fault::new(&card.place, format!("*{} outside of a step", card.name), "*STEP before it"));

@@ -57,6 +57,9 @@ pub fn case(
     let writing = Writing::new(model, read, units);
     let mut text = writing.frame(names)?;
     text += &writing.materials()?;
+    for (place, why) in model.materials.iter().filter_map(|material| material.unfit(&writing.context)) {
+        notes.add(place, "*VISCOELASTIC", why, Matter::Answer);
+    }
     text += &body::load(model, writing.context.units, (read.mesh.dim, writing.temperature()), notes)?;
     if writing.context.physics.mechanics && writing.context.physics.heat {
         text +=

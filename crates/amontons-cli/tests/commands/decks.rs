@@ -418,3 +418,89 @@ fn forces_on_rigid_parts_are_renewed() {
     let expected = "force = [{ times = [0.0, 1.0, 2.0], values = [0.0, 3.0, 0.0] }, { times = [0.0, 1.0, 2.0], values = [0.0, 0.0, 4.0] }, 0.0]";
     assert!(case.contains(expected), "{case}");
 }
+
+/// What a cube of E = 100 and ν = 0.25 with branches does under a tension of 1 that is there at once: the strain along
+/// it after each of 100 steps, and what is said.
+fn creeping(elastic: &str, prony: &str) -> (Vec<f64>, String) {
+    let (folder, said) = imported(&format!(
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+         *ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=LOW\n1, 2, 3, 4\n*NSET, NSET=LEFT\n1, 4, 5, 8\n\
+         *NSET, NSET=FRONT\n1, 2, 5, 6\n*SURFACE, NAME=LID\n1, S2\n*AMPLITUDE, NAME=ON\n0., 1., 10., 1.\n\
+         *MATERIAL, NAME=SOFT\n*ELASTIC{elastic}\n100., 0.25\n*VISCOELASTIC, TIME=PRONY\n{prony}\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=SOFT\n*BOUNDARY\nLOW, 3\nLEFT, 1\nFRONT, 2\n*STEP\n*VISCO, CETOL=0.01\n\
+         0.02, 2.\n*DSLOAD, AMPLITUDE=ON\nLID, P, -1.\n*END STEP\n"
+    ));
+    (probed(folder.path(), "displacement_z", "[0, 0, 0.001]").iter().map(|u| 1e3 * u).collect(), said)
+}
+
+/// The strain under a constant tension σ of a body whose shear relaxes from G₀ to G∞ and whose volume has K: σ/(9K) + σ J/3.
+fn creep_in_shear(bulk: f64, short: f64, long: f64, time: f64, t: f64) -> f64 {
+    let compliance = 1.0 / long - (1.0 / long - 1.0 / short) * f64::exp(-t * long / (time * short));
+    1.0 / (9.0 * bulk) + compliance / 3.0
+}
+
+/// Branches of shear alone: the g of Abaqus are parts of the instantaneous modulus, and *ELASTIC has the moduli of long
+/// times, or with MODULI=INSTANTANEOUS those at once.
+#[test]
+fn shear_relaxes_by_its_own_branches() {
+    // E = 100 and ν = 0.25: K = 200/3, G = 40. g = 0.6 of G₀ relaxes in 0.5.
+    let (bulk, shear, g, time) = (200.0 / 3.0, 40.0, 0.6, 0.5);
+    for (elastic, short, long) in [("", shear / (1.0 - g), shear), (", MODULI=INSTANTANEOUS", shear, shear * (1.0 - g))]
+    {
+        let (found, said) = creeping(elastic, "0.6, 0., 0.5");
+        assert!(!said.contains("the answer differs"), "{said}");
+        assert_eq!(found.len(), 100);
+        for step in [1, 25, 100] {
+            // Backward Euler with a step of 0.02 beside a time of 0.5.
+            assert_near(found[step - 1], creep_in_shear(bulk, short, long, time, 0.02 * step as f64), 0.01);
+        }
+        let growth = found[99] - found[0];
+        let exact = creep_in_shear(bulk, short, long, time, 2.0) - creep_in_shear(bulk, short, long, time, 0.02);
+        assert_near(growth, exact, 0.02);
+    }
+}
+
+/// g = k: E relaxes as a whole, and ν is constant. A k below g is a branch of both and one of shear; above g it is told.
+#[test]
+fn branches_of_shear_and_volume_are_taken_apart() {
+    for (elastic, long) in [("", 100.0), (", MODULI=INSTANTANEOUS", 40.0)] {
+        let (found, said) = creeping(elastic, "0.6, 0.6, 0.5");
+        assert!(!said.contains("the answer differs"), "{said}");
+        let short = long / 0.4;
+        let exact = |t: f64| 1.0 / long - (1.0 / long - 1.0 / short) * f64::exp(-t * 0.4 / 0.5);
+        for step in [1, 100] {
+            assert_near(found[step - 1], exact(0.02 * step as f64), 0.01);
+        }
+    }
+    // At once as the instantaneous moduli say: E₀ of K₀ = K/(1 − 0.2) and G₀ = G/(1 − 0.6).
+    let (found, said) = creeping("", "0.6, 0.2, 1e6");
+    assert!(!said.contains("the answer differs"), "{said}");
+    let (bulk, shear) = (200.0 / 3.0 / 0.8, 40.0 / 0.4);
+    assert_near(found[0], 1.0 / (9.0 * bulk) + 1.0 / (3.0 * shear), 1e-5);
+    let (found, said) = creeping("", "0.1, 0.2, 0.5");
+    assert!(
+        said.contains("*VISCOELASTIC: taken are branches whose shear relaxes at least as the volume does"),
+        "{said}"
+    );
+    assert_near(found[0], 0.01, 1e-9);
+}
+
+/// What has no branches of shear alone is told: plane stress, and moduli that are not isotropic.
+#[test]
+fn branches_of_shear_that_a_case_has_not_are_told() {
+    let deck = |kind: &str| {
+        format!(
+            "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE={kind}, ELSET=ALL\n1, 1, 2, 3, 4\n\
+             *NSET, NSET=LOW\n1, 2\n*SURFACE, NAME=LID\n1, S3\n*MATERIAL, NAME=SOFT\n*ELASTIC\n100., 0.25\n\
+             *VISCOELASTIC, TIME=PRONY\n0.6, 0., 0.5\n*SOLID SECTION, ELSET=ALL, MATERIAL=SOFT\n*BOUNDARY\nLOW, 1, 2\n\
+             *STEP\n*STATIC\n*DSLOAD\nLID, P, 1.\n*END STEP\n"
+        )
+    };
+    let (folder, said) = imported(&deck("CPS4"));
+    assert!(said.contains("line 15  *VISCOELASTIC: a case has no branch of shear alone in plane stress"), "{said}");
+    assert!(!read(&folder.path().join("deck.toml")).contains("prony"));
+    let (folder, said) = imported(&deck("CPE4"));
+    let branch = "prony = [{ ratio = 1.5, time = 0.5, deviatoric = true }]";
+    assert!(read(&folder.path().join("deck.toml")).contains(branch) && !said.contains("the answer differs"), "{said}");
+    assert!(said.contains("Abaqus has the moduli of long times in a static step"), "{said}");
+}
