@@ -447,7 +447,7 @@ fn nodes_of(lines: &[&Line], mesh: &Mesh) -> Result<BTreeSet<Node>, Fault> {
     Ok(nodes)
 }
 
-/// Gives what a line says of reference nodes to their rigid parts, and returns the nodes that are left: those of bodies.
+/// Gives what a line says of reference nodes to their rigid parts, and returns those of bodies, which are left.
 fn of_bodies(
     (card, line): (&Card, &Line),
     nodes: &BTreeSet<Node>,

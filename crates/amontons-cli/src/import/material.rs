@@ -133,8 +133,8 @@ impl Material {
         Ok(true)
     }
 
-    /// Branches of a Prony series: g and k are parts of the instantaneous moduli of shear and volume. A branch of a case
-    /// relaxes both alike, or shear alone.
+    /// Branches of a Prony series: g and k are parts of the instantaneous moduli of shear and volume. A branch of a
+    /// case relaxes both alike, or shear alone.
     fn viscoelastic(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         let mut rows = Vec::new();
         for line in &card.data {

@@ -124,10 +124,12 @@ impl Mesh {
         set.entries.push(entry);
     }
 
-    /// The body of numbers without an instance: the only one that has elements.
+    /// The body of numbers without an instance: the only one that has nodes, or the assembly, which may have reference
+    /// nodes of its own.
     fn default_body(&self) -> Option<usize> {
         let mut with = (0..self.bodies.len()).filter(|&body| !self.bodies[body].points.is_empty());
-        with.next().filter(|_| with.next().is_none())
+        let of_assembly = self.bodies.first().is_some_and(|body| body.name.is_none() && !body.points.is_empty());
+        with.next().filter(|_| of_assembly || with.next().is_none())
     }
 
     /// Body and name of something that is called `instance.name`.

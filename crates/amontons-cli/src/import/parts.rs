@@ -154,8 +154,8 @@ impl Writing<'_> {
         text + if guided && !axes.is_empty() { "guided = true\n" } else { "" }
     }
 
-    /// The condition on what is prescribed at the reference node: of the part where it does not turn, else of its node at
-    /// that place. Empty where there is none.
+    /// The condition on what is prescribed at the reference node: of the part where it does not turn, else of its node
+    /// at that place. Empty where there is none.
     fn held(&mut self, part: &Rigid, nodes: &[u32], guided: bool) -> String {
         let dim = self.mesh.dim;
         let axes = 0..dim;

@@ -71,13 +71,11 @@ fn one(card: &Card, name: &str, mesh: &Mesh) -> Result<Node, Fault> {
     let text = card.required(name)?;
     let nodes = mesh.nodes(&card.place, text)?;
     let mut all = nodes.iter();
-    match (all.next(), all.next()) {
-        (Some(node), None) => Ok(*node),
-        _ => {
-            let found = format!("{name}={}, which has {} nodes", text.escape_debug(), nodes.len());
-            Err(Fault::new(&card.place, found, "one node"))
-        }
+    if let (Some(node), None) = (all.next(), all.next()) {
+        return Ok(*node);
     }
+    let found = format!("{name}={}, which has {} nodes", text.escape_debug(), nodes.len());
+    Err(Fault::new(&card.place, found, "one node"))
 }
 
 /// The first and the last direction of a line, from an entry on.

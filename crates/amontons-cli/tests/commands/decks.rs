@@ -410,6 +410,24 @@ fn what_holds_a_rigid_part_is_taken_or_told() {
     assert!(!case.contains("guided = true"), "{case}");
 }
 
+/// A reference point of an assembly has a number of its own, which nodes of instances have, too.
+#[test]
+fn an_assembly_has_its_reference_points() {
+    let (folder, said) = imported(
+        "*PART, NAME=CUBE\n*NODE\n1, 0, 0, 0\n2, 10, 0, 0\n3, 10, 10, 0\n4, 0, 10, 0\n5, 0, 0, 10\n6, 10, 0, 10\n\
+         7, 10, 10, 10\n8, 0, 10, 10\n*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*END PART\n*ASSEMBLY, NAME=A\n\
+         *INSTANCE, NAME=BLOCK, PART=CUBE\n*END INSTANCE\n*NODE\n1, 5., 5., 30.\n*NSET, NSET=POINT\n1,\n\
+         *NSET, NSET=LOW, INSTANCE=BLOCK\n1, 2, 3, 4\n*NSET, NSET=HIGH, INSTANCE=BLOCK\n5, 6, 7, 8\n\
+         *RIGID BODY, REF NODE=POINT, TIE NSET=HIGH\n*END ASSEMBLY\n*MATERIAL, NAME=STEEL\n*ELASTIC\n1000., 0.\n\
+         *BOUNDARY\nLOW, ENCASTRE\n*STEP\n*STATIC\n*BOUNDARY\nPOINT, 4, 6\n*CLOAD\nPOINT, 3, -100.\n*END STEP\n",
+    );
+    assert!(!said.contains("the answer differs"), "{said}");
+    let found = probed(folder.path(), "displacement_z", "[0.01, 0.01, 0.01]");
+    assert_near(found[0], -0.01 / 1000.0, 1e-9);
+    assert!(read(&folder.path().join("deck.toml")).contains("guided = true"));
+}
+
 /// OP=NEW takes away the forces that it does not repeat.
 #[test]
 fn forces_on_rigid_parts_are_renewed() {
@@ -433,7 +451,7 @@ fn creeping(elastic: &str, prony: &str) -> (Vec<f64>, String) {
     (probed(folder.path(), "displacement_z", "[0, 0, 0.001]").iter().map(|u| 1e3 * u).collect(), said)
 }
 
-/// The strain under a constant tension σ of a body whose shear relaxes from G₀ to G∞ and whose volume has K: σ/(9K) + σ J/3.
+/// The strain under a tension of 1 of a body whose shear relaxes from G₀ to G∞ and whose volume has K: 1/(9K) + J/3.
 fn creep_in_shear(bulk: f64, short: f64, long: f64, time: f64, t: f64) -> f64 {
     let compliance = 1.0 / long - (1.0 / long - 1.0 / short) * f64::exp(-t * long / (time * short));
     1.0 / (9.0 * bulk) + compliance / 3.0
@@ -460,7 +478,8 @@ fn shear_relaxes_by_its_own_branches() {
     }
 }
 
-/// g = k: E relaxes as a whole, and ν is constant. A k below g is a branch of both and one of shear; above g it is told.
+/// g = k: E relaxes as a whole, and ν is constant. A k below g is a branch of both and one of shear; above g it is
+/// told.
 #[test]
 fn branches_of_shear_and_volume_are_taken_apart() {
     for (elastic, long) in [("", 100.0), (", MODULI=INSTANTANEOUS", 40.0)] {

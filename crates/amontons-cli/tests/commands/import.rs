@@ -209,7 +209,8 @@ fn a_platen_tilts_under_an_eccentric_force_and_a_moment() {
     }
 }
 
-/// A platen between columns is moved aside and pressed: 12 E I u/L³ with the compliance L/(κ G A) of shear, and F L/(E A).
+/// A platen between columns is moved aside and pressed: 12 E I u/L³ with the compliance L/(κ G A) of shear, and
+/// F L/(E A).
 #[test]
 fn a_coupled_platen_that_is_guided_moves_as_prescribed() {
     let (folder, said) = imported("coupled");
