@@ -5,7 +5,7 @@
 mod common;
 
 use std::fs;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -13,6 +13,10 @@ use std::time::{Duration, Instant};
 
 use common::{amontons, assert_code, output, paper, read, run_paper, stderr, summary};
 use tempfile::tempdir;
+
+/// Bytes that a pipe takes before it is full.
+#[cfg(target_os = "linux")]
+const PIPE: usize = 1 << 16;
 
 /// The program under a limit of the shell.
 fn limited(limit: &str, arguments: &[&str]) -> Output {
@@ -101,6 +105,86 @@ fn signals_of_batch_systems_leave_a_checkpoint() {
         assert_code(&verified, 1);
         assert!(stderr(&verified).contains("the run is interrupted"), "{}", stderr(&verified));
     }
+}
+
+/// A row of points on a layer that softens, which snap through one after the other: the second step takes minutes.
+#[cfg(target_os = "linux")]
+const SNAPPING: &str = r#"name = "snapping"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [100, 1]
+n = [400, 1]
+elements = "Q1"
+[time]
+end = 4
+steps = 4
+inertia = false
+[material]
+elasticity = { law = "isotropic", young = 1, poisson = 0, stress_state = "plane-strain" }
+[[boundary]]
+on = "top"
+displacement = [0, "0.5 - 0.3*t"]
+[contact]
+on = "bottom"
+gap = "0.02*sin(7*x)"
+normal = { law = "softening", stiffness = 3, peak = 0.1, softening = 5, residual = 0.01 }
+[output]
+checkpoint = { steps = 1 }
+"#;
+
+/// The second Ctrl-C ends the program at once, in the middle of a step, even where the first one cannot be told of: the
+/// pipe that takes the messages is full. What was written before is sound, and a run goes on from it.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_second_interrupt_ends_the_program_within_a_step() {
+    let folder = tempdir().expect("a folder");
+    let (file, out) = (folder.path().join("snapping.toml"), folder.path().join("run"));
+    fs::write(&file, SNAPPING).expect("a case");
+    let (case, path) = (file.display().to_string(), out.display().to_string());
+    let (unread, mut full) = std::io::pipe().expect("a pipe");
+    full.write_all(&[b' '; PIPE]).expect("room in the pipe");
+    let mut command = amontons(&["run", &case, "--out", &path, "--no-certificate"]);
+    let mut child = command.stdout(Stdio::null()).stderr(full).spawn().expect("the program starts");
+    let begin = Instant::now();
+    while !out.join("checkpoint/state.bin").exists() {
+        assert!(begin.elapsed() < Duration::from_mins(1), "the run does not start");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let id = child.id().to_string();
+    let interrupt = || assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    interrupt();
+    // It is being told of, and the step goes on.
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(child.try_wait().expect("a state").is_none(), "the first Ctrl-C ends the program");
+    interrupt();
+    let begin = Instant::now();
+    let ended = loop {
+        if let Some(ended) = child.try_wait().expect("a state") {
+            break ended;
+        }
+        if begin.elapsed() > Duration::from_mins(1) {
+            child.kill().expect("the end");
+            panic!("the second Ctrl-C does not end the program");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    drop(unread);
+    assert_eq!((ended.code(), ended.signal()), (Some(130), None));
+    // The second step was not made, and nothing tells of an end in order.
+    let history = read(&out.join("history.csv"));
+    assert!(history.lines().count() == 2 && history.ends_with('\n'), "{history}");
+    assert!(!out.join("summary.json").exists());
+    // The checkpoint is read, and the run goes on until it is interrupted in order.
+    let command = ["resume", &path, "--progress", "json"];
+    let mut child =
+        amontons(&command).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("standard error")).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.contains("\"phase\":\"steps\"")), "the run goes on");
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill").success());
+    let rest: Vec<String> = lines.collect();
+    assert_eq!(child.wait().expect("the end").code(), Some(130), "{rest:?}");
+    assert_eq!((&summary(&out)["outcome"], summary(&out)["steps"].as_u64()), (&"interrupted".into(), Some(1)));
 }
 
 /// A large body that is interrupted leaves a checkpoint without the fields of the last step, which take longer than the

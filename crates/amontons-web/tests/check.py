@@ -9,6 +9,7 @@ import argparse
 import json
 import os
 import sys
+import urllib.parse
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../tests/report"))
 from browser import Browser, Page  # noqa: E402
@@ -85,6 +86,18 @@ def same_numbers(check, of_program):
     for path, value in of_program.items():
         size = max(abs(value), 1e-3)
         check.that(abs(of_page[path] - value) <= AGREE * size, f"{path} is {of_page[path]}, the program has {value}")
+
+
+def licences(check, page):
+    """The foot of the page leads to the licences of its libraries, which are in the file beside it."""
+    name = check.page.value("document.querySelector('footer #licences').getAttribute('href')")
+    beside = os.path.join(os.path.dirname(os.path.abspath(page)), urllib.parse.unquote(name))
+    check.that(os.path.isfile(beside), f"the foot leads to {name}, which is not beside the page")
+    with open(beside, encoding="utf-8") as file:
+        text = file.read()
+    # A library of the page, the standard library, and texts.
+    for part in ("\nfaer ", "\nstd ", "Text 1\n", "Permission is hereby granted"):
+        check.that(part in text, f"the licences lack {part.strip()!r}")
 
 
 def controls(check):
@@ -168,6 +181,7 @@ def main():
             page = Page(browser, options.page, width, 900, dark=dark)
             check = Check(page)
             same_numbers(check, of_program)
+            licences(check, options.page)
             if width == NARROW:
                 narrow(check)
             if options.pictures:

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::deck::{Card, Fault, Line};
 use super::mesh::{Element, Mesh, Node, integer};
 use super::notes::{Matter, Notes};
+use super::rigid::Rigids;
 use super::sides::Sides;
 use super::time::{Event, Track};
 use super::transform::{Local, Transforms};
@@ -68,6 +69,7 @@ pub struct Scene<'a> {
     pub sides: &'a mut Sides,
     pub notes: &'a mut Notes,
     pub transforms: &'a Transforms,
+    pub rigid: &'a mut Rigids,
     pub dim: usize,
     /// Thickness of a plane body, else 1.
     pub thickness: f64,
@@ -133,6 +135,9 @@ impl Conditions {
         match card.name.as_str() {
             "BOUNDARY" | "CLOAD" | "DLOAD" | "DSLOAD" | "FILM" | "SFILM" | "DFLUX" | "DSFLUX" | "CFLUX" => {
                 self.renew(card, scene.step);
+                if card.word("OP").as_deref() == Some("NEW") {
+                    scene.rigid.renew(card, scene.step);
+                }
             }
             _ => {}
         }
@@ -160,7 +165,11 @@ impl Conditions {
             let Some(line) = lines.first() else { continue };
             let name = line.need(0, "a node or a node set")?;
             let Some((dofs, value)) = freedoms(line, scene)? else { continue };
-            let nodes = nodes_of(&lines, scene.mesh)?;
+            let all = nodes_of(&lines, scene.mesh)?;
+            let nodes = of_bodies((card, line), &all, (&dofs, value), scene);
+            if nodes.is_empty() && !all.is_empty() {
+                continue;
+            }
             let targets = if is_number(name) {
                 scene.sides.split(scene.mesh, (None, &format!("nodes-{}", line.place.line)), &nodes)
             } else {
@@ -193,12 +202,17 @@ impl Conditions {
         for line in &card.data {
             let name = line.need(0, "a node or a node set")?;
             let (dof, value) = (integer(line, 1)?, line.value(2, "a node, a direction and a force")?);
+            let nodes = scene.mesh.nodes(&line.place, name)?;
+            let direction = usize::try_from(dof).unwrap_or_default();
+            let nodes = of_bodies((card, line), &nodes, (&[direction], value), scene);
+            if nodes.is_empty() {
+                continue;
+            }
             let Some(axis) = usize::try_from(dof - 1).ok().filter(|axis| *axis < scene.dim) else {
                 let why = "a solid takes forces along its axes";
                 scene.notes.add(&line.place, format!("*CLOAD in direction {dof}"), why, Matter::Answer);
                 continue;
             };
-            let nodes = scene.mesh.nodes(&line.place, name)?;
             let local = scene.transforms.of(&nodes, &line.place)?;
             for node in nodes {
                 let own = local.as_ref().map(|local| local.axes(&scene.mesh.point(node)));
@@ -433,14 +447,43 @@ fn nodes_of(lines: &[&Line], mesh: &Mesh) -> Result<BTreeSet<Node>, Fault> {
     Ok(nodes)
 }
 
+/// Gives what a line says of reference nodes to their rigid parts, and returns those of bodies, which are left.
+fn of_bodies(
+    (card, line): (&Card, &Line),
+    nodes: &BTreeSet<Node>,
+    (dofs, value): (&[usize], f64),
+    scene: &mut Scene,
+) -> BTreeSet<Node> {
+    let controls = scene.rigid.controls(nodes);
+    if controls.is_empty() {
+        return nodes.clone();
+    }
+    if !matches!(scene.transforms.of(&controls, &line.place), Ok(None)) {
+        let why = "the axes of a *TRANSFORM at a reference node are not taken";
+        scene.notes.add(&line.place, format!("*{}", card.name), why, Matter::Answer);
+        return nodes.difference(&controls).copied().collect();
+    }
+    for (node, dof) in controls.iter().flat_map(|node| dofs.iter().map(move |dof| (node, *dof))) {
+        let event = scene.event(card, value);
+        if !scene.rigid.set(card, (node, dof), event) {
+            let why = "a reference node has displacements and rotations";
+            scene.notes.add(&line.place, format!("*{} in direction {dof}", card.name), why, Matter::Answer);
+        }
+    }
+    let is_apart = |node: &&Node| dofs.iter().all(|dof| scene.rigid.is_apart(node, *dof));
+    let apart: BTreeSet<Node> = controls.iter().filter(is_apart).copied().collect();
+    nodes.difference(&apart).copied().collect()
+}
+
 /// Degrees of freedom and the value that a line of `*BOUNDARY` prescribes.
 fn freedoms(line: &Line, scene: &mut Scene) -> Result<Option<(Vec<usize>, f64)>, Fault> {
     let word = line.need(1, "a node or a node set and a degree of freedom")?.to_uppercase();
     let fixed = match word.as_str() {
-        "ENCASTRE" | "PINNED" => Some(vec![1, 2, 3]),
-        "XSYMM" => Some(vec![1]),
-        "YSYMM" => Some(vec![2]),
-        "ZSYMM" => Some(vec![3]),
+        "ENCASTRE" => Some(vec![1, 2, 3, 4, 5, 6]),
+        "PINNED" => Some(vec![1, 2, 3]),
+        "XSYMM" => Some(vec![1, 5, 6]),
+        "YSYMM" => Some(vec![2, 4, 6]),
+        "ZSYMM" => Some(vec![3, 4, 5]),
         _ => None,
     };
     if let Some(fixed) = fixed {

@@ -9,6 +9,8 @@ use super::units::{Units, number, numbers};
 const BEYOND: f64 = 1e4;
 /// Parts of an interval of a table of expansion from another temperature.
 const PARTS: usize = 8;
+/// Difference of ratios of shear and volume that is none, relative to them: digits that are typed.
+const ALIKE: f64 = 1e-6;
 
 /// Rows of a table over the temperature: the values and the temperature.
 #[derive(Clone, Debug)]
@@ -16,6 +18,31 @@ struct Table {
     place: Place,
     kind: String,
     rows: Vec<(Vec<f64>, f64)>,
+}
+
+/// Branches that relax.
+#[derive(Clone, Debug)]
+struct Prony {
+    place: Place,
+    branches: Vec<Branch>,
+    /// What is left of the instantaneous moduli of shear and volume.
+    left: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Branch {
+    /// Relative to the long-term modulus.
+    ratio: f64,
+    time: f64,
+    /// Whether shear relaxes alone.
+    of_shear: bool,
+}
+
+impl Prony {
+    /// Whether shear and volume relax alike.
+    fn is_alike(&self) -> bool {
+        self.branches.iter().all(|branch| !branch.of_shear)
+    }
 }
 
 /// A material of the deck.
@@ -29,7 +56,9 @@ pub struct Material {
     zero: f64,
     conductivity: Option<Table>,
     specific_heat: Option<Table>,
-    prony: Vec<(f64, f64)>,
+    prony: Option<Prony>,
+    /// Whether its moduli are those at once.
+    instantaneous: bool,
 }
 
 /// What a case says of its materials.
@@ -62,14 +91,18 @@ impl Material {
             zero: 0.0,
             conductivity: None,
             specific_heat: None,
-            prony: Vec::new(),
+            prony: None,
+            instantaneous: false,
         })
     }
 
     /// Takes a keyword below `*MATERIAL`; false where it is none of those that a case has.
     pub fn take(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         match card.name.as_str() {
-            "ELASTIC" => self.elastic = Some(elastic(card)?),
+            "ELASTIC" => {
+                self.elastic = Some(elastic(card)?);
+                self.instantaneous = card.word("MODULI").as_deref() == Some("INSTANTANEOUS");
+            }
             "DENSITY" => {
                 let density = table(card, "ISO", 1)?;
                 if density.rows.len() > 1 {
@@ -100,21 +133,81 @@ impl Material {
         Ok(true)
     }
 
-    /// Branches that relax shear and volume alike.
+    /// Branches of a Prony series: g and k are parts of the instantaneous moduli of shear and volume. A branch of a
+    /// case relaxes both alike, or shear alone.
     fn viscoelastic(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         let mut rows = Vec::new();
         for line in &card.data {
             rows.push([line.number(0)?.unwrap_or(0.0), line.number(1)?.unwrap_or(0.0), line.value(2, "a time")?]);
         }
-        let alike = rows.iter().all(|[g, k, time]| (g - k).abs() <= 1e-6 * g.abs() && *time > 0.0 && *g > 0.0);
-        let sum: f64 = rows.iter().map(|row| row[0]).sum();
-        if card.word("TIME").as_deref() != Some("PRONY") || !alike || rows.is_empty() || sum >= 1.0 {
-            let why = "taken are branches that relax shear and volume alike, TIME=PRONY with equal g and k: write `prony` with `deviatoric = true` for shear alone";
+        let [shear, volume] = [0, 1].map(|which| rows.iter().map(|row| row[which]).sum::<f64>());
+        // Relative to the long-term moduli, as a case has them.
+        let ratios = |[g, k, time]: &[f64; 3]| [g / (1.0 - shear), k / (1.0 - volume), *time];
+        let is_sound = |row: &[f64; 3]| {
+            let [g, k, time] = ratios(row);
+            time > 0.0 && k >= 0.0 && g > 0.0 && k - g <= ALIKE * g
+        };
+        let sums = shear < 1.0 && volume < 1.0;
+        if card.word("TIME").as_deref() != Some("PRONY") || rows.is_empty() || !sums || !rows.iter().all(is_sound) {
+            let why = "taken are branches whose shear relaxes at least as the volume does, TIME=PRONY with g and k ≤ g";
             notes.add(&card.place, "*VISCOELASTIC", why, Matter::Answer);
             return Ok(true);
         }
-        self.prony = rows.iter().map(|[g, _, time]| (g / (1.0 - sum), *time)).collect();
+        let mut branches = Vec::new();
+        for [g, k, time] in rows.iter().map(ratios) {
+            if (g - k).abs() <= ALIKE * g {
+                branches.push(Branch { ratio: g, time, of_shear: false });
+                continue;
+            }
+            branches.extend((k > 0.0).then_some(Branch { ratio: k, time, of_shear: false }));
+            branches.push(Branch { ratio: g - k, time, of_shear: true });
+        }
+        self.prony = Some(Prony { place: card.place.clone(), branches, left: [1.0 - shear, 1.0 - volume] });
         Ok(true)
+    }
+
+    /// Whether it relaxes.
+    pub fn relaxes(&self) -> bool {
+        self.prony.is_some()
+    }
+
+    /// Why a case has no such branches, with their line.
+    pub fn unfit(&self, context: &Context) -> Option<(&Place, &'static str)> {
+        let prony = self.prony.as_ref().filter(|prony| prony.branches.iter().any(|branch| branch.of_shear))?;
+        let is_isotropic = self.elastic.as_ref().is_none_or(|elastic| elastic.kind == "ISO");
+        let why = if context.stress_state == Some("plane-stress") {
+            "a case has no branch of shear alone in plane stress: its body does not relax"
+        } else if !is_isotropic {
+            "a case has branches of shear alone for isotropic moduli: its body does not relax"
+        } else {
+            return None;
+        };
+        Some((&prony.place, why))
+    }
+
+    /// The moduli of long times, which a case has.
+    fn long_term(&self, elastic: &Table) -> Table {
+        let mut table = elastic.clone();
+        let Some(prony) = self.prony.as_ref().filter(|_| self.instantaneous) else { return table };
+        let [shear, volume] = prony.left;
+        for (row, _) in &mut table.rows {
+            match row.as_mut_slice() {
+                [young, poisson] => {
+                    // G/K of long times; ν = (3 − 2 G/K)/(6 + 2 G/K).
+                    let modulus = *young / (2.0 * (1.0 + *poisson)) * shear;
+                    let ratio = 1.5 * (1.0 - 2.0 * *poisson) / (1.0 + *poisson) * shear / volume;
+                    *poisson = if prony.is_alike() { *poisson } else { (3.0 - 2.0 * ratio) / (6.0 + 2.0 * ratio) };
+                    *young = 2.0 * modulus * (1.0 + *poisson);
+                }
+                row => {
+                    // Ratios of Poisson stay as they are.
+                    let is_modulus = |column: &usize| elastic.kind != "ENGINEERING" || !(3..6).contains(column);
+                    let moduli = row.iter_mut().enumerate().filter(|(column, _)| is_modulus(column));
+                    moduli.for_each(|(_, value)| *value *= shear);
+                }
+            }
+        }
+        table
     }
 
     /// The density, in the units of the deck.
@@ -149,13 +242,16 @@ impl Material {
                 entries.push(one("density", density, context, context.units.density()));
             }
             let elastic = self.elastic.as_ref().ok_or_else(|| missing("ELASTIC"))?;
-            entries.push(("elasticity".into(), elasticity(elastic, context, angle), Some(elastic.place.clone())));
-            let branch = |(ratio, time): &(f64, f64)| {
-                format!("{{ ratio = {}, time = {} }}", number(*ratio), number(time * context.units.time))
+            let text = elasticity(&self.long_term(elastic), context, angle);
+            entries.push(("elasticity".into(), text, Some(elastic.place.clone())));
+            let branch = |branch: &Branch| {
+                let alone = if branch.of_shear { ", deviatoric = true" } else { "" };
+                let time = number(branch.time * context.units.time);
+                format!("{{ ratio = {}, time = {time}{alone} }}", number(branch.ratio))
             };
-            if !self.prony.is_empty() {
-                let branches: Vec<String> = self.prony.iter().map(branch).collect();
-                entries.push(("prony".into(), format!("[{}]", branches.join(", ")), None));
+            if let Some(prony) = self.prony.as_ref().filter(|_| self.unfit(context).is_none()) {
+                let branches: Vec<String> = prony.branches.iter().map(branch).collect();
+                entries.push(("prony".into(), format!("[{}]", branches.join(", ")), Some(prony.place.clone())));
             }
         }
         if context.physics.mechanics

@@ -124,10 +124,12 @@ impl Mesh {
         set.entries.push(entry);
     }
 
-    /// The body of numbers without an instance: the only one that has elements.
+    /// The body of numbers without an instance: the only one that has nodes, or the assembly, which may have reference
+    /// nodes of its own.
     fn default_body(&self) -> Option<usize> {
         let mut with = (0..self.bodies.len()).filter(|&body| !self.bodies[body].points.is_empty());
-        with.next().filter(|_| with.next().is_none())
+        let of_assembly = self.bodies.first().is_some_and(|body| body.name.is_none() && !body.points.is_empty());
+        with.next().filter(|_| of_assembly || with.next().is_none())
     }
 
     /// Body and name of something that is called `instance.name`.
@@ -169,6 +171,11 @@ impl Mesh {
         let instances = self.bodies.iter().filter(|body| body.part.as_ref() == Some(&part));
         let names = instances.filter_map(|body| body.name.as_ref());
         names.filter_map(|name| self.spelling(Has::Elements, &format!("{name}.{set}"))).collect()
+    }
+
+    /// How often a part is in the assembly.
+    pub fn instances(&self, part: &str) -> usize {
+        self.bodies.iter().filter(|body| body.part.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(part))).count()
     }
 
     /// The name of the instance of a body, which a deck without parts does not have.

@@ -13,6 +13,8 @@ mod mesh;
 mod model;
 mod notes;
 mod orientation;
+mod parts;
+mod rigid;
 mod sides;
 mod time;
 mod transform;
@@ -61,25 +63,43 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
     } else {
         amontons::mesh::read_all(deck)?
     };
+    let all = needs_sides.then(|| with_names(&cards, &model, deck));
+    // Rigid parts are looked up in the mesh of the case, with the names that are made for it.
+    let read = match all.as_ref().filter(|_| !model.rigid.is_empty()) {
+        Some(text) => {
+            let inside = |fault| MeshFileError::In { path: sides_file.clone(), fault: Box::new(fault) };
+            amontons::mesh::inp::parse(text.as_bytes()).map_err(inside)?
+        }
+        None => read,
+    };
     let file = if needs_sides { &sides_file } else { deck };
     let names = write::Names {
         case: out.file_stem().map_or_else(|| "case".to_owned(), |stem| stem.to_string_lossy().into_owned()),
-        deck: deck.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        deck: name_of(deck),
         mesh: beside(&out, file).to_string_lossy().into_owned(),
     };
     let text = write::case(&model, &read, units, (&names, &mut notes)).map_err(|fault| fault.of(deck))?;
-    if needs_sides {
-        let head = format!(
-            "** The mesh of {}, and below names for sides and points that it does not name, by amontons import.\n",
-            names.deck.replace(char::is_control, " ")
-        );
-        let all = format!("{head}{}** names\n{}", model::mesh_of(&cards), model.sides.text());
-        put(&sides_file, &all, force)?;
+    if let Some(all) = &all {
+        put(&sides_file, all, force)?;
     }
     put(&out, &text, force)?;
     report(&out, needs_sides.then_some(sides_file.as_path()), (deck, units), &notes)?;
     case::parse(&case::source(&out)?, &[])?;
     Ok(())
+}
+
+/// The mesh of a deck with names for what the deck names by number.
+fn with_names(cards: &[deck::Card], model: &model::Model, deck: &Path) -> String {
+    let head = format!(
+        "** The mesh of {}, and below names for sides and points that it does not name, by amontons import.\n",
+        name_of(deck).replace(char::is_control, " ")
+    );
+    format!("{head}{}** names\n{}", model::mesh_of(cards), model.sides.text())
+}
+
+/// The name of a file without its folder.
+fn name_of(file: &Path) -> String {
+    file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 /// What was written, and what was not taken.

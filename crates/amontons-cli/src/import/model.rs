@@ -10,6 +10,7 @@ use super::material::Material;
 use super::mesh::Mesh;
 use super::notes::{Matter, Notes, REFUSED};
 use super::orientation::Orientation;
+use super::rigid::{Rigid, Rigids};
 use super::sides::Sides;
 use super::time::{Amplitude, Physics, Procedure, Step, TimeLine};
 use super::transform::Transforms;
@@ -63,6 +64,7 @@ pub struct Model {
     pub amplitudes: HashMap<String, Amplitude>,
     pub conditions: Conditions,
     pub contacts: Contacts,
+    pub rigid: Vec<Rigid>,
     pub time: TimeLine,
     pub inertia: bool,
     pub physics: Physics,
@@ -82,6 +84,7 @@ struct Reading {
     amplitudes: HashMap<String, Amplitude>,
     conditions: Conditions,
     contacts: Contacts,
+    rigid: Rigids,
     steps: Vec<Step>,
     notes: Notes,
     /// Whether keywords are those of the last material.
@@ -110,6 +113,7 @@ impl Model {
             amplitudes: HashMap::new(),
             conditions: Conditions::default(),
             contacts: Contacts::default(),
+            rigid: Rigids::default(),
             steps: Vec::new(),
             notes: Notes::default(),
             in_material: false,
@@ -200,6 +204,10 @@ impl Reading {
         if self.procedure(card)? || self.contacts.take(card, &self.mesh, &mut self.notes)? {
             return Ok(());
         }
+        let is_single = self.part.as_deref().is_none_or(|part| self.mesh.instances(part) == 1);
+        if is_single && self.rigid.take(card, &self.mesh, self.dim, &mut self.notes)? {
+            return Ok(());
+        }
         let named = card.word("AMPLITUDE").filter(|_| card.name != "STEP");
         if let Some(name) = named.filter(|name| !self.amplitudes.contains_key(name)) {
             let found = format!("AMPLITUDE={}", name.escape_debug());
@@ -213,6 +221,7 @@ impl Reading {
             sides: &mut self.sides,
             notes: &mut self.notes,
             transforms: &self.transforms,
+            rigid: &mut self.rigid,
             dim: self.dim,
             thickness,
             step: self.steps.len().saturating_sub(1),
@@ -260,8 +269,13 @@ impl Reading {
             "COUPLED TEMPERATURE-DISPLACEMENT" | "UNCOUPLED TEMPERATURE-DISPLACEMENT" => of(true, true, !steady),
             _ => return Ok(false),
         };
-        if card.name == "VISCO" {
+        let relaxes = self.materials.iter().any(Material::relaxes);
+        if card.name == "VISCO" && !relaxes {
             self.notes.keyword(&card.place, "VISCO");
+        }
+        if card.name == "STATIC" && relaxes {
+            let why = "the case relaxes in all steps, Abaqus has the moduli of long times in a static step";
+            self.notes.add(&card.place, "*STATIC", why, Matter::Perhaps);
         }
         let Some(step) = self.steps.last_mut() else {
             return Err(Fault::new(&card.place, format!("*{} outside of a step", card.name), "*STEP before it"));
@@ -323,6 +337,7 @@ impl Reading {
             let why = "inertia and the storage of heat act in all steps of a case, in the deck in some";
             self.notes.add(&step.place, "*STEP", why, Matter::Answer);
         }
+        self.rigid.settle(&self.mesh, &self.sections, &mut self.sides, &mut self.notes)?;
         let forces = grouped(&self.conditions, &self.mesh, &mut self.sides);
         let time = TimeLine::of(self.steps, &mut self.notes);
         let physics = Physics {
@@ -342,6 +357,7 @@ impl Reading {
             amplitudes: self.amplitudes,
             conditions: self.conditions,
             contacts: self.contacts,
+            rigid: self.rigid.parts,
             time,
         };
         Ok((model, self.notes))

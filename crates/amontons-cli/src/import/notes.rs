@@ -97,7 +97,7 @@ const KNOWN: [(&str, &str); 33] = [
 ];
 
 /// Parameters that are taken, or that say nothing of the answer, by their keywords.
-const PARAMETERS: [(&str, &[&str]); 31] = [
+const PARAMETERS: [(&str, &[&str]); 35] = [
     ("AMPLITUDE", &["NAME", "TIME", "DEFINITION"]),
     ("BOUNDARY", &["OP", "AMPLITUDE", "TYPE"]),
     ("CFLUX", &["OP", "AMPLITUDE"]),
@@ -117,6 +117,7 @@ const PARAMETERS: [(&str, &[&str]); 31] = [
             "EXTENSIONZONE",
         ],
     ),
+    ("COUPLING", &["CONSTRAINTNAME", "REFNODE", "SURFACE"]),
     ("COUPLED TEMPERATURE-DISPLACEMENT", &["STEADYSTATE", "DIRECT", "SOLVER", "DELTMX", "CETOL", "CREEP"]),
     ("DENSITY", &[]),
     ("DFLUX", &["OP", "AMPLITUDE"]),
@@ -130,8 +131,11 @@ const PARAMETERS: [(&str, &[&str]); 31] = [
     ("FRICTION", &["SLIPTOLERANCE", "ELASTICSLIP", "TAUMAX", "ROUGH"]),
     ("GAP CONDUCTANCE", &["PRESSURE"]),
     ("HEAT TRANSFER", &["STEADYSTATE", "DIRECT", "SOLVER", "DELTMX", "END", "MXDEM"]),
+    ("KINEMATIC", &[]),
+    ("KINEMATIC COUPLING", &["REFNODE"]),
     ("MATERIAL", &["NAME"]),
     ("ORIENTATION", &["NAME", "SYSTEM"]),
+    ("RIGID BODY", &["NSET", "PINNSET", "TIENSET", "ELSET", "REFNODE", "ROTNODE"]),
     ("SFILM", &["OP", "AMPLITUDE", "FILMAMPLITUDE"]),
     ("SOLID SECTION", &["ELSET", "MATERIAL", "ORIENTATION", "CONTROLS"]),
     ("SPECIFIC HEAT", &[]),

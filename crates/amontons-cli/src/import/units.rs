@@ -32,6 +32,10 @@ impl Units {
         self.mass * self.length / (self.time * self.time)
     }
 
+    pub fn moment(&self) -> f64 {
+        self.force() * self.length
+    }
+
     pub fn density(&self) -> f64 {
         self.mass / self.length.powi(3)
     }

@@ -12,7 +12,8 @@ use super::deck::{Fault, Place};
 use super::material::Context;
 use super::model::{Model, Section};
 use super::notes::{Matter, Notes};
-use super::time::Track;
+use super::parts;
+use super::time::{TimeLine, Track};
 use super::units::{number, quoted};
 
 /// Most probes of reactions that are written.
@@ -56,12 +57,21 @@ pub fn case(
     let writing = Writing::new(model, read, units);
     let mut text = writing.frame(names)?;
     text += &writing.materials()?;
+    for (place, why) in model.materials.iter().filter_map(|material| material.unfit(&writing.context)) {
+        notes.add(place, "*VISCOELASTIC", why, Matter::Answer);
+    }
     text += &body::load(model, writing.context.units, (read.mesh.dim, writing.temperature()), notes)?;
     if writing.context.physics.mechanics && writing.context.physics.heat {
         text +=
             "\n[scheme]\ncoupling = \"monolithic\"              # mechanics sees the temperatures of its own step\n";
     }
     text += &writing.boundaries(notes);
+    let (rigid, held) = if writing.context.physics.mechanics {
+        parts::text(model, &read.mesh, writing.context.units, notes)
+    } else {
+        (String::new(), Vec::new())
+    };
+    text += &rigid;
     let size = writing.size();
     let conductivity = model.materials.iter().filter_map(super::material::Material::conducts).fold(0.0, f64::max);
     let conductivity = if conductivity > 0.0 { conductivity * writing.context.units.conductivity() } else { 1.0 };
@@ -80,6 +90,7 @@ pub fn case(
     let every = model.time.count.div_ceil(100);
     text += &format!("\n[output]\nevery = {every}                            # steps between files for ParaView\n");
     text += &writing.probes();
+    text.extend(held.iter().map(|on| parts::probe(on)));
     Ok(head(names, units, &writing, notes) + &text)
 }
 
@@ -297,19 +308,13 @@ impl<'a> Writing<'a> {
 
     /// Notes conditions that the deck does not have in all steps: those of a case hold all the time.
     fn note_late(&self, quantity: &Quantity, track: &Track, entry: &Entry, notes: &mut Notes) {
-        let holds = matches!(quantity, Quantity::Displacement(_) | Quantity::Normal | Quantity::Temperature);
-        let place = |step: usize| self.model.time.steps.get(step).map_or_else(Place::start, |step| step.place.clone());
-        let what = || format!("condition on {}", entry.on.escape_debug());
-        if let Some(first) = track.0.first().filter(|first| holds && first.step > 0) {
-            let why = "the case has it from the start, the deck from this step on";
-            notes.add(&place(first.step), what(), why, Matter::Answer);
-        }
-        if let Some(gone) = track.0.iter().find(|event| holds && event.value.is_none()) {
-            let why = "the case has it to the end with the value 0, the deck removes it in this step";
-            notes.add(&place(gone.step), what(), why, Matter::Answer);
+        let what = format!("condition on {}", entry.on.escape_debug());
+        if matches!(quantity, Quantity::Displacement(_) | Quantity::Normal | Quantity::Temperature) {
+            note_late(&self.model.time, track, &what, notes);
         }
         if *quantity == Quantity::Ambient && track.0.iter().any(|event| event.value.is_none()) {
-            notes.add(&place(0), what(), "the case keeps its film to the end", Matter::Answer);
+            let first = self.model.time.steps.first().map_or_else(Place::start, |step| step.place.clone());
+            notes.add(&first, what, "the case keeps its film to the end", Matter::Answer);
         }
     }
 
@@ -334,6 +339,19 @@ impl<'a> Writing<'a> {
             known.push(name);
         }
         text
+    }
+}
+
+/// Notes a condition that begins or ends with a step: a case has it in all of them.
+pub fn note_late(time: &TimeLine, track: &Track, what: &str, notes: &mut Notes) {
+    let place = |step: usize| time.steps.get(step).map_or_else(Place::start, |step| step.place.clone());
+    if let Some(first) = track.0.first().filter(|first| first.step > 0) {
+        let why = "the case has it from the start, the deck from this step on";
+        notes.add(&place(first.step), what, why, Matter::Answer);
+    }
+    if let Some(gone) = track.0.iter().find(|event| event.value.is_none()) {
+        let why = "the case has it to the end with the value 0, the deck removes it in this step";
+        notes.add(&place(gone.step), what, why, Matter::Answer);
     }
 }
 

@@ -303,3 +303,223 @@ fn what_a_case_cannot_do_in_time_is_told() {
     let expected = "line 1: found *INCLUDE of \"round.inp\", which includes this file, expected files that end";
     assert_eq!(stderr(&done), format!("Error: round.inp, {expected}\n"));
 }
+
+/// The two cubes with a reference node; what holds the lower one, and what is said of the rest.
+fn platen(model: &str, step: &str) -> (String, String) {
+    let (folder, said) = imported(&cubes(&format!(
+        "*NODE\n99, 5., 5., 30.\n98, 0., 0., 0.\n*NSET, NSET=UP\n15, 16, 17, 18\n*ELSET, ELSET=UPPER\n2\n\
+         *MATERIAL, NAME=STEEL\n*ELASTIC\n1000., 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*TIE, NAME=T\nUNDER, OVER\n\
+         {model}*BOUNDARY\nFIX, ENCASTRE\n*STEP\n*STATIC\n{step}*END STEP\n"
+    )));
+    (read(&folder.path().join("deck.toml")), said)
+}
+
+/// The ways to name a rigid part are one table of the case, with what acts on its reference node.
+#[test]
+fn rigid_parts_are_named_in_many_ways() {
+    let ways = [
+        ("*RIGID BODY, NSET=UP, REF NODE=99\n", "UP"),
+        ("*RIGID BODY, NSET=UP, REF NODE=99, ROT NODE=98\n", "UP"),
+        ("*COUPLING, REF NODE=99, SURFACE=LID, CONSTRAINT NAME=C\n*KINEMATIC\n", "LID"),
+        ("*COUPLING, REF NODE=99, SURFACE=LID, CONSTRAINT NAME=C\n*KINEMATIC\n1, 1\n2, 3\n", "LID"),
+        ("*KINEMATIC COUPLING, REF NODE=99\nUP, 1, 3\n", "UP"),
+        ("*KINEMATIC COUPLING, REF NODE=99\n15, 1, 6\n16, 1, 6\n17, 1, 6\n18, 1, 6\n", "rigid-"),
+    ];
+    for (model, on) in ways {
+        let (turning, about) = if model.contains("ROT") { (98, "1") } else { (99, "4") };
+        let step = format!("*CLOAD\n99, 1, 3.\n99, 1, 4.\n{turning}, {about}, 5.\n");
+        let (case, said) = platen(model, &step);
+        assert!(!said.contains("the answer differs"), "{said}");
+        let rigid = case.split("[[rigid]]").nth(1).unwrap_or_else(|| panic!("{model}{case}"));
+        let lines: Vec<&str> = rigid.lines().skip(1).take_while(|line| !line.is_empty()).collect();
+        assert!(lines[0].starts_with(&format!("on = \"{on}")), "{lines:?}");
+        assert_eq!(lines[1], "force = [{ times = [0.0, 1.0], values = [0.0, 7.0] }, 0.0, 0.0]");
+        assert_eq!(lines[2], "at = [0.005, 0.005, 0.03]");
+        assert_eq!(lines[3], "moment = [{ times = [0.0, 1.0], values = [0.0, 0.005] }, 0.0, 0.0]");
+        assert_eq!(lines.len(), 4, "{lines:?}");
+    }
+}
+
+/// A region is rigid as a whole, by its elements or by all of its nodes.
+#[test]
+fn a_rigid_region_is_named_as_such() {
+    let all =
+        ["*RIGID BODY, ELSET=UPPER, REF NODE=99\n", "*NSET, NSET=N, ELSET=UPPER\n*RIGID BODY, NSET=N, REF NODE=99\n"];
+    for model in all {
+        let (case, said) =
+            platen(&format!("*SOLID SECTION, ELSET=UPPER, MATERIAL=STEEL\n{model}"), "*CLOAD\n99, 3, 1.\n");
+        assert!(case.contains("[[rigid]]") && case.contains("\non = \"UPPER\"\nforce"), "{case}");
+        assert!(!said.contains("the answer differs"), "{said}");
+    }
+}
+
+/// What holds a part: all rotations guide it, a reference node at one of its nodes is a hinge; the rest is told.
+#[test]
+fn what_holds_a_rigid_part_is_taken_or_told() {
+    let (free, hinge) = ("*RIGID BODY, NSET=UP, REF NODE=99, ROT NODE=98\n", "*RIGID BODY, NSET=UP, REF NODE=17\n");
+    let coupling = "*COUPLING, REF NODE=99, SURFACE=LID, CONSTRAINT NAME=C\n";
+    let distributing = format!("{coupling}*DISTRIBUTING\n");
+    let some = format!("{coupling}*KINEMATIC\n3, 3\n");
+    let twice = format!("{free}*RIGID BODY, NSET=FIX, REF NODE=99\n");
+    let shared = format!("{free}*RIGID BODY, NSET=TOP\n");
+    let guided = "*BOUNDARY\n98, 1, 3\n99, 1, 1, 2.\n";
+    let taken = "guided = true\n\n[[boundary]]                         # *BOUNDARY line ";
+    let all = [
+        (free, guided, Some(taken), None),
+        (
+            free,
+            "*BOUNDARY\n98, 1, 3\n*CLOAD\n98, 2, 1.\n",
+            Some("guided"),
+            Some("the rotation is held, which takes it [does"),
+        ),
+        (free, "*BOUNDARY\n98, 1, 2\n", None, Some("holds all rotations or none")),
+        (
+            free,
+            "*BOUNDARY\n98, 1, 3\n98, 1, 1, 0.1\n",
+            Some("guided"),
+            Some("the rotation that the deck prescribes is 0"),
+        ),
+        (free, "*BOUNDARY\n99, 1, 3\n", None, Some("turns about a reference node that is none of its nodes")),
+        (free, "*CLOAD\n99, 11, 1.\n", None, Some("*CLOAD in direction 11")),
+        (free, "*END STEP\n*STEP\n*STATIC\n*BOUNDARY\n98, 1, 3\n", Some("guided"), Some("the deck from this step on")),
+        (hinge, "*BOUNDARY\n17, 1, 3\n", Some("displacement = [0.0, 0.0, 0.0]"), None),
+        (&distributing, "", None, Some("*DISTRIBUTING: the nodes are not coupled [the answer differs]")),
+        (&some, "", None, Some("*COUPLING of some directions")),
+        (&twice, "", Some("[[rigid]]"), Some("its reference node is that of another rigid part")),
+        (&shared, "", Some("[[rigid]]"), Some("another rigid part has some of its nodes")),
+        ("*RIGID BODY, NSET=NALL\n", "", None, Some("it is on several bodies")),
+        ("*RIGID BODY, ELSET=SHELLS, REF NODE=99\n", "", None, Some("no node of it belongs to a solid element")),
+        ("*RIGID BODY, ANALYTICAL SURFACE=S, REF NODE=99\n", "", None, Some("the body is not rigid")),
+    ];
+    for (model, step, written, told) in all {
+        let (case, said) = platen(model, step);
+        assert!(written.is_none_or(|text| case.contains(text)), "{model}{step}{case}");
+        assert!(written.is_some() || !case.contains("guided = true"), "{case}");
+        match told {
+            Some(text) => assert!(said.contains(text), "{model}{step}{said}"),
+            None => assert!(!said.contains("the answer differs"), "{model}{step}{said}"),
+        }
+    }
+    let (case, _) = platen(free, guided);
+    assert!(
+        case.contains(
+            "\non = \"UP\"\ndisplacement = [{ times = [0.0, 1.0], values = [0.0, 0.002] }, \"free\", \"free\"]"
+        )
+    );
+    let (case, _) = platen(free, "*END STEP\n*STEP\n*STATIC\n*CLOAD, OP=NEW\n99, 1, 0.\n");
+    assert!(!case.contains("guided = true"), "{case}");
+}
+
+/// A reference point of an assembly has a number of its own, which nodes of instances have, too.
+#[test]
+fn an_assembly_has_its_reference_points() {
+    let (folder, said) = imported(
+        "*PART, NAME=CUBE\n*NODE\n1, 0, 0, 0\n2, 10, 0, 0\n3, 10, 10, 0\n4, 0, 10, 0\n5, 0, 0, 10\n6, 10, 0, 10\n\
+         7, 10, 10, 10\n8, 0, 10, 10\n*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n*END PART\n*ASSEMBLY, NAME=A\n\
+         *INSTANCE, NAME=BLOCK, PART=CUBE\n*END INSTANCE\n*NODE\n1, 5., 5., 30.\n*NSET, NSET=POINT\n1,\n\
+         *NSET, NSET=LOW, INSTANCE=BLOCK\n1, 2, 3, 4\n*NSET, NSET=HIGH, INSTANCE=BLOCK\n5, 6, 7, 8\n\
+         *RIGID BODY, REF NODE=POINT, TIE NSET=HIGH\n*END ASSEMBLY\n*MATERIAL, NAME=STEEL\n*ELASTIC\n1000., 0.\n\
+         *BOUNDARY\nLOW, ENCASTRE\n*STEP\n*STATIC\n*BOUNDARY\nPOINT, 4, 6\n*CLOAD\nPOINT, 3, -100.\n*END STEP\n",
+    );
+    assert!(!said.contains("the answer differs"), "{said}");
+    let found = probed(folder.path(), "displacement_z", "[0.01, 0.01, 0.01]");
+    assert_near(found[0], -0.01 / 1000.0, 1e-9);
+    assert!(read(&folder.path().join("deck.toml")).contains("guided = true"));
+}
+
+/// OP=NEW takes away the forces that it does not repeat.
+#[test]
+fn forces_on_rigid_parts_are_renewed() {
+    let next = "*CLOAD\n99, 1, 3.\n*END STEP\n*STEP\n*STATIC\n*CLOAD, OP=NEW\n99, 2, 4.\n";
+    let (case, _) = platen("*RIGID BODY, NSET=UP, REF NODE=99\n", next);
+    let expected = "force = [{ times = [0.0, 1.0, 2.0], values = [0.0, 3.0, 0.0] }, { times = [0.0, 1.0, 2.0], values = [0.0, 0.0, 4.0] }, 0.0]";
+    assert!(case.contains(expected), "{case}");
+}
+
+/// What a cube of E = 100 and ν = 0.25 with branches does under a tension of 1 that is there at once: the strain along
+/// it after each of 100 steps, and what is said.
+fn creeping(elastic: &str, prony: &str) -> (Vec<f64>, String) {
+    let (folder, said) = imported(&format!(
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+         *ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=LOW\n1, 2, 3, 4\n*NSET, NSET=LEFT\n1, 4, 5, 8\n\
+         *NSET, NSET=FRONT\n1, 2, 5, 6\n*SURFACE, NAME=LID\n1, S2\n*AMPLITUDE, NAME=ON\n0., 1., 10., 1.\n\
+         *MATERIAL, NAME=SOFT\n*ELASTIC{elastic}\n100., 0.25\n*VISCOELASTIC, TIME=PRONY\n{prony}\n\
+         *SOLID SECTION, ELSET=ALL, MATERIAL=SOFT\n*BOUNDARY\nLOW, 3\nLEFT, 1\nFRONT, 2\n*STEP\n*VISCO, CETOL=0.01\n\
+         0.02, 2.\n*DSLOAD, AMPLITUDE=ON\nLID, P, -1.\n*END STEP\n"
+    ));
+    (probed(folder.path(), "displacement_z", "[0, 0, 0.001]").iter().map(|u| 1e3 * u).collect(), said)
+}
+
+/// The strain under a tension of 1 of a body whose shear relaxes from G₀ to G∞ and whose volume has K: 1/(9K) + J/3.
+fn creep_in_shear(bulk: f64, short: f64, long: f64, time: f64, t: f64) -> f64 {
+    let compliance = 1.0 / long - (1.0 / long - 1.0 / short) * f64::exp(-t * long / (time * short));
+    1.0 / (9.0 * bulk) + compliance / 3.0
+}
+
+/// Branches of shear alone: the g of Abaqus are parts of the instantaneous modulus, and *ELASTIC has the moduli of long
+/// times, or with MODULI=INSTANTANEOUS those at once.
+#[test]
+fn shear_relaxes_by_its_own_branches() {
+    // E = 100 and ν = 0.25: K = 200/3, G = 40. g = 0.6 of G₀ relaxes in 0.5.
+    let (bulk, shear, g, time) = (200.0 / 3.0, 40.0, 0.6, 0.5);
+    for (elastic, short, long) in [("", shear / (1.0 - g), shear), (", MODULI=INSTANTANEOUS", shear, shear * (1.0 - g))]
+    {
+        let (found, said) = creeping(elastic, "0.6, 0., 0.5");
+        assert!(!said.contains("the answer differs"), "{said}");
+        assert_eq!(found.len(), 100);
+        for step in [1, 25, 100] {
+            // Backward Euler with a step of 0.02 beside a time of 0.5.
+            assert_near(found[step - 1], creep_in_shear(bulk, short, long, time, 0.02 * step as f64), 0.01);
+        }
+        let growth = found[99] - found[0];
+        let exact = creep_in_shear(bulk, short, long, time, 2.0) - creep_in_shear(bulk, short, long, time, 0.02);
+        assert_near(growth, exact, 0.02);
+    }
+}
+
+/// g = k: E relaxes as a whole, and ν is constant. A k below g is a branch of both and one of shear; above g it is
+/// told.
+#[test]
+fn branches_of_shear_and_volume_are_taken_apart() {
+    for (elastic, long) in [("", 100.0), (", MODULI=INSTANTANEOUS", 40.0)] {
+        let (found, said) = creeping(elastic, "0.6, 0.6, 0.5");
+        assert!(!said.contains("the answer differs"), "{said}");
+        let short = long / 0.4;
+        let exact = |t: f64| 1.0 / long - (1.0 / long - 1.0 / short) * f64::exp(-t * 0.4 / 0.5);
+        for step in [1, 100] {
+            assert_near(found[step - 1], exact(0.02 * step as f64), 0.01);
+        }
+    }
+    // At once as the instantaneous moduli say: E₀ of K₀ = K/(1 − 0.2) and G₀ = G/(1 − 0.6).
+    let (found, said) = creeping("", "0.6, 0.2, 1e6");
+    assert!(!said.contains("the answer differs"), "{said}");
+    let (bulk, shear) = (200.0 / 3.0 / 0.8, 40.0 / 0.4);
+    assert_near(found[0], 1.0 / (9.0 * bulk) + 1.0 / (3.0 * shear), 1e-5);
+    let (found, said) = creeping("", "0.1, 0.2, 0.5");
+    assert!(
+        said.contains("*VISCOELASTIC: taken are branches whose shear relaxes at least as the volume does"),
+        "{said}"
+    );
+    assert_near(found[0], 0.01, 1e-9);
+}
+
+/// What has no branches of shear alone is told: plane stress, and moduli that are not isotropic.
+#[test]
+fn branches_of_shear_that_a_case_has_not_are_told() {
+    let deck = |kind: &str| {
+        format!(
+            "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE={kind}, ELSET=ALL\n1, 1, 2, 3, 4\n\
+             *NSET, NSET=LOW\n1, 2\n*SURFACE, NAME=LID\n1, S3\n*MATERIAL, NAME=SOFT\n*ELASTIC\n100., 0.25\n\
+             *VISCOELASTIC, TIME=PRONY\n0.6, 0., 0.5\n*SOLID SECTION, ELSET=ALL, MATERIAL=SOFT\n*BOUNDARY\nLOW, 1, 2\n\
+             *STEP\n*STATIC\n*DSLOAD\nLID, P, 1.\n*END STEP\n"
+        )
+    };
+    let (folder, said) = imported(&deck("CPS4"));
+    assert!(said.contains("line 15  *VISCOELASTIC: a case has no branch of shear alone in plane stress"), "{said}");
+    assert!(!read(&folder.path().join("deck.toml")).contains("prony"));
+    let (folder, said) = imported(&deck("CPE4"));
+    let branch = "prony = [{ ratio = 1.5, time = 0.5, deviatoric = true }]";
+    assert!(read(&folder.path().join("deck.toml")).contains(branch) && !said.contains("the answer differs"), "{said}");
+    assert!(said.contains("Abaqus has the moduli of long times in a static step"), "{said}");
+}

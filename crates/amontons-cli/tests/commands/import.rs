@@ -188,6 +188,43 @@ fn an_orthotropic_plate_turns_about_an_axis() {
     assert_near(at(&found, "reaction-LEFT_y", 1.0), -turning * (4.5 * 0.64 - 5.0 * 0.48), "reaction");
 }
 
+/// A bar under a rigid platen: −F L/(E A) and the tilt of F e L/(E I) by the eccentric force, then that of the moment.
+#[test]
+fn a_platen_tilts_under_an_eccentric_force_and_a_moment() {
+    let (folder, said) = imported("platen");
+    assert!(!said.contains("the answer differs") && !said.contains("may matter"), "{said}");
+    let corners = [("near", [0.0, 0.0]), ("far", [10.0, 10.0])];
+    let places = corners.map(|(name, [x, y])| (name, format!("[{}, {}, 0.04]", x / 1e3, y / 1e3)));
+    let probes: Vec<_> = places.iter().map(|(name, at)| (*name, "displacement", at.as_str())).collect();
+    let found = run(folder.path(), &probes);
+    // E A and E I in N and N mm², lengths in mm.
+    let (area, bending, length) = (210_000.0 * 100.0, 210_000.0 * 1e4 / 12.0, 40.0);
+    let [about_y, about_x]: [f64; 2] = [1000.0 * 3.0 * length / bending, 800.0 * length / bending];
+    for (name, [x, y]) in corners {
+        let across = |about_x: f64| -1000.0 * length / area - about_y * (x - 5.0) + about_x * (y - 5.0);
+        assert_near(1e3 * at(&found, &format!("{name}_z"), 1.0), across(0.0), name);
+        assert_near(1e3 * at(&found, &format!("{name}_z"), 2.0), across(about_x), name);
+        assert_near(1e3 * at(&found, &format!("{name}_x"), 2.0), about_y * length / 2.0, name);
+        assert_near(1e3 * at(&found, &format!("{name}_y"), 2.0), -about_x * length / 2.0, name);
+    }
+}
+
+/// A platen between columns is moved aside and pressed: 12 E I u/L³ with the compliance L/(κ G A) of shear, and
+/// F L/(E A).
+#[test]
+fn a_coupled_platen_that_is_guided_moves_as_prescribed() {
+    let (folder, said) = imported("coupled");
+    assert!(!said.contains("the answer differs") && !said.contains("may matter"), "{said}");
+    let found = run(folder.path(), &[("top", "displacement", "[0.01, 0, 0.04]")]);
+    let [bending, shear]: [f64; 2] =
+        [12.0 * 210_000.0 * 1e4 / 12.0 / 40.0_f64.powi(3), 5.0 / 6.0 * 105_000.0 * 100.0 / 40.0];
+    assert_near(at(&found, "reaction-FIX_x", 1.0), -0.02 / (bending.recip() + shear.recip()), "force");
+    assert_near(at(&found, "reaction-FIX_x", 1.0), -576.0689, "CalculiX");
+    assert_near(at(&found, "reaction-LID_x", 1.0), 576.0689, "CalculiX");
+    assert_near(at(&found, "top_x", 1.0), 2e-5, "top");
+    assert_near(at(&found, "top_z", 1.0), -1000.0 * 40.0 / (210_000.0 * 100.0) * 1e-3, "top");
+}
+
 /// What a deck without units becomes: numbers of the deck, and a case that says so.
 #[test]
 fn a_deck_keeps_its_numbers_without_units() {

@@ -1,12 +1,13 @@
-//! Writes the page for a browser as one file, which needs no server and asks for no other file:
+//! Writes the page for a browser as one file, which needs no server and asks for no other file, and beside it the
+//! licences of the libraries in it:
 //! `cargo run --release --manifest-path crates/amontons-web/Cargo.toml [-- FILE]`.
 //!
 //! The library is compiled to WebAssembly, compressed, and put into the page beside its script, its style and the
-//! paper's case.
+//! paper's case. `release/licences` lists the licences, with Python 3: `PYTHON` may name the interpreter.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::{env, fs};
 
 use base64::Engine;
@@ -23,15 +24,38 @@ const SCRIPT: &str = include_str!("../../page/main.js");
 const WORKER: &str = include_str!("../../page/worker.js");
 const CASE: &str = include_str!("../../../../cases/paper.toml");
 const LEVEL: u8 = 9;
+/// What the name of the licences has beyond that of the page.
+const LICENCES: &str = "-THIRD-PARTY.txt";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = PathBuf::from(env::args_os().nth(1).unwrap_or_else(|| "amontons.html".into()));
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let name = file.file_name().ok_or_else(|| format!("found {}, expected the name of a file", file.display()))?;
+    let beside = format!("{}{LICENCES}", name.to_string_lossy());
+    let licences = licences(&package)?;
     let [glue, library] = bound(&compiled(&package)?)?;
-    let page = page(&String::from_utf8(glue)?, &library)?;
-    fs::write(&file, &page).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+    let page = page(&String::from_utf8(glue)?, &library, &beside)?;
+    let put = |file: &Path, text: &[u8]| {
+        fs::write(file, text).map_err(|error| format!("cannot write {}: {error}", file.display()))
+    };
+    put(&file.with_file_name(beside), &licences)?;
+    put(&file, page.as_bytes())?;
     eprintln!("{}: {:.1} MB", file.display(), page.len() as f64 / 1e6);
     Ok(())
+}
+
+/// The licences of all that the page is made of.
+fn licences(package: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
+    let python = env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    let mut command = Command::new(python);
+    command.arg(package.join("../../release/licences")).arg("--manifest-path").arg(package.join("Cargo.toml"));
+    let done = command.args(["--package", "amontons-web", "--target", TARGET]).stderr(Stdio::inherit()).output();
+    let done = done.map_err(|error| format!("release/licences needs Python 3, which PYTHON may name: {error}"))?;
+    if done.status.success() {
+        Ok(done.stdout)
+    } else {
+        Err("the licences of the libraries could not be listed".into())
+    }
 }
 
 /// The library as WebAssembly.
@@ -66,8 +90,8 @@ fn bound(library: &Path) -> Result<[Vec<u8>; 2], Box<dyn Error>> {
     Ok([fs::read(folder.join("amontons.js"))?, fs::read(folder.join("amontons_bg.wasm"))?])
 }
 
-/// The page with all that it needs.
-fn page(glue: &str, library: &[u8]) -> Result<String, Box<dyn Error>> {
+/// The page with all that it needs, and a link to the file beside it that has the licences.
+fn page(glue: &str, library: &[u8], licences: &str) -> Result<String, Box<dyn Error>> {
     let library = STANDARD.encode(miniz_oxide::deflate::compress_to_vec_zlib(library, LEVEL));
     let worker = format!("\"use strict\";\n{glue}\n{WORKER}");
     // Within a script only `<` of a closing tag could end it.
@@ -80,6 +104,7 @@ fn page(glue: &str, library: &[u8]) -> Result<String, Box<dyn Error>> {
         ("{style}", STYLE.to_owned()),
         ("{script}", SCRIPT.to_owned()),
         ("{version}", env!("CARGO_PKG_VERSION").to_owned()),
+        ("{licences}", address(licences)),
         ("{case}", CASE.to_owned()),
         ("{worker}", worker),
         ("{library}", library),
@@ -94,6 +119,12 @@ fn page(glue: &str, library: &[u8]) -> Result<String, Box<dyn Error>> {
         rest = &rest[at + place.len()..];
     }
     Ok(out + rest)
+}
+
+/// A name of a file as an address has it.
+fn address(name: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
+    name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
 }
 
 /// The source of a script or style that the browser may run.

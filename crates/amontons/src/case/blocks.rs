@@ -64,7 +64,7 @@ impl Build<'_> {
             let mesh = mesh.mesh().map_err(|error| self.no_block(i, &error)).ok()?;
             let mut mesh = self.placed(&path, block, mesh)?;
             mesh.axisymmetric = (axisymmetric || mesh.axisymmetric) && all.dim == 2;
-            bodies.push((block.name.clone(), mesh));
+            bodies.push((block.name.clone(), mesh.onto_axis()));
         }
         // Elements of files that do not all say the same say nothing.
         self.of_file.plane =

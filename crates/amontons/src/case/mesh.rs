@@ -90,7 +90,7 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
             for point in &mut mesh.points {
                 *point = [point[0] + origin[0], point[1] + origin[1], 0.0];
             }
-            Ok(mesh)
+            Ok(mesh.onto_axis())
         }
         (raw::Mesh::Box { size, elements: e, .. }, &[nx, ny, nz]) => Mesh::box_(*size, [nx, ny, nz], elements(*e)),
         (raw::Mesh::Disc { radius, elements: e, .. }, &[radial, around]) => {
@@ -195,7 +195,7 @@ impl Build<'_> {
                 return None;
             }
         };
-        self.of_revolution(&mut read.mesh, of.axisymmetric);
+        read.mesh = self.of_revolution(read.mesh, of.axisymmetric);
         let harmful = |defects: &&Defects| defects.first.iter().all(|defect| defect.side().is_none_or(is_used));
         let defects: Vec<String> =
             defects(&read.mesh).iter().filter(harmful).map(|defects| format!("{name}: {defects}")).collect();
@@ -205,13 +205,14 @@ impl Build<'_> {
         defects.is_empty().then_some(read)
     }
 
-    /// Makes the mesh of a file the half section of a body of revolution, if it is one.
-    fn of_revolution(&mut self, mesh: &mut Mesh, axisymmetric: bool) {
+    /// The mesh of a file as the half section of a body of revolution, if it is one.
+    fn of_revolution(&mut self, mut mesh: Mesh, axisymmetric: bool) -> Mesh {
         if axisymmetric && mesh.dim != 2 {
             let found = format!("a mesh of {} dimensions", mesh.dim);
             self.note("mesh.axisymmetric", At::Value, found, "a plane mesh, the half section", None);
         }
         mesh.axisymmetric = (axisymmetric || mesh.axisymmetric) && mesh.dim == 2;
+        mesh.onto_axis()
     }
 
     /// The mesh with its edges cut in two so many times; not for a case with faults, which is not run.

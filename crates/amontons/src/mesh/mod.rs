@@ -209,6 +209,9 @@ impl Block {
     }
 }
 
+/// Distance from the axis of revolution that is round-off, relative to the size of the body.
+const ON_AXIS: f64 = 1e-12;
+
 /// A mesh of a body in d dimensions.
 #[derive(Clone, Debug)]
 pub struct Mesh {
@@ -289,6 +292,32 @@ impl Mesh {
         }
     }
 
+    /// Largest distance from the axis of revolution that is round-off: of the size of the body, and of the coordinates
+    /// that it was turned or moved with.
+    fn round_off_of_axis(&self) -> f64 {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for x in &self.points {
+            for d in 0..2 {
+                (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d]));
+            }
+        }
+        let size = (0..2).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        let farthest = (0..2).map(|d| high[d].abs().max(low[d].abs())).fold(0.0, f64::max);
+        let least = (ON_AXIS * size).max(4.0 * f64::EPSILON * farthest);
+        if least.is_finite() { least } else { 0.0 }
+    }
+
+    /// Puts the nodes of a body of revolution that are on the axis but for round-off onto it: those of a body that was
+    /// turned there, or that a file has with the round-off of another program. Other bodies stay as they are.
+    #[must_use]
+    pub fn onto_axis(mut self) -> Mesh {
+        if self.axisymmetric {
+            let least = self.round_off_of_axis();
+            self.points.iter_mut().filter(|x| x[0].abs() <= least).for_each(|x| x[0] = 0.0);
+        }
+        self
+    }
+
     /// Checks that every cell has a positive Jacobian at its quadrature points, beyond the round-off of its size.
     ///
     /// # Errors
@@ -296,7 +325,7 @@ impl Mesh {
     pub fn check(&self) -> Result<(), MeshError> {
         self.check_nodes()?;
         if self.axisymmetric
-            && let Some(node) = self.points.iter().position(|p| p[0] < 0.0)
+            && let Some(node) = self.points.iter().position(|p| p[0] < -self.round_off_of_axis())
         {
             return Err(MeshError::Axis { node, found: self.points[node][0] });
         }

@@ -1,9 +1,10 @@
 //! Meshes against closed forms: measures, sides, normals, orders of curved boundaries.
 
-use std::f64::consts::{PI, TAU};
+use std::collections::BTreeSet;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::*;
-use crate::tensor::dot;
+use crate::tensor::{Rotation, dot};
 
 const EVERY: [Elements; 4] = [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2];
 
@@ -203,6 +204,49 @@ fn bodies_of_revolution() -> Result<(), MeshError> {
         let mut beyond = mesh;
         beyond.points[0][0] = -0.1;
         assert_eq!(beyond.check(), Err(MeshError::Axis { node: 0, found: -0.1 }));
+    }
+    Ok(())
+}
+
+/// A half ring that is turned onto the axis is there but for round-off: its nodes are put onto the axis, whatever its
+/// size and however it got there, and its volume is that of any other. What reaches beyond the axis is refused.
+#[test]
+fn turned_bodies_of_revolution_reach_their_axis() -> Result<(), MeshError> {
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let about = |angle: f64| Rotation::about(&[0.0, 0.0, 1.0], angle);
+    for elements in EVERY {
+        let mut volume: Option<f64> = None;
+        for _ in 0..40 {
+            let size = 10f64.powf(12.0 * random() - 6.0);
+            let (angle, shift) = (TAU * random(), size * (random() - 0.5));
+            let ring = Mesh::ring([0.5 * size, size], Some(PI), [2, 6], elements)?;
+            let ends: BTreeSet<u32> =
+                ["start", "end"].into_iter().flat_map(|side| ring.facets[side].node_list()).collect();
+            // Turned by any angle and back, and by a right angle more.
+            let turned = ring.turned(&about(angle)).turned(&about(-angle - FRAC_PI_2)).moved([0.0, shift, 0.0]);
+            let mesh = Mesh { axisymmetric: true, ..turned };
+            mesh.check()?;
+            let mesh = mesh.onto_axis();
+            mesh.check()?;
+            let on_axis: BTreeSet<u32> =
+                (0..).zip(&mesh.points).filter(|(_, x)| x[0] == 0.0).map(|(node, _)| node).collect();
+            assert_eq!(on_axis, ends);
+            let found = volume_integral(&mesh, |_| 1.0) / size.powi(3);
+            assert!((found / *volume.get_or_insert(found) - 1.0).abs() < 1e-11, "{elements:?}: {found}");
+            for beyond in [1e-9, 1e-3] {
+                let moved = mesh.clone().moved([-beyond * size, 0.0, 0.0]).onto_axis();
+                assert!(matches!(moved.check(), Err(MeshError::Axis { .. })), "{beyond}");
+                // Nodes beside the axis stay there.
+                let beside = mesh.clone().moved([beyond * size, 0.0, 0.0]).onto_axis();
+                assert!(beside.points.iter().all(|x| x[0] > 0.0), "{beyond}");
+            }
+        }
     }
     Ok(())
 }

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::common::{largest, spoil, told};
+use crate::common::{Random, largest, spoil, told};
 use amontons::case::{self, Case, CaseError, Files, Source};
 use amontons::material::Dilatation;
 use amontons::mesh::FacetSet;
@@ -56,6 +56,8 @@ fn source(text: String) -> Source {
         ("bar.msh", BAR.to_owned()),
         ("cut.msh", BAR.split("$Elements").next().unwrap().to_owned()),
         ("turned.msh", BAR.replace("5 1 1 0\n", "5 1 -1 0\n")),
+        ("axis.msh", BAR.replace("\n1 0 0 0\n", "\n1 -6e-20 0 0\n").replace("4 0 1 0\n", "4 3e-17 1 0\n")),
+        ("beyond.msh", BAR.replace("\n1 0 0 0\n", "\n1 -1e-9 0 0\n")),
         ("bar.stl", String::new()),
         // Two squares that do not touch.
         (
@@ -202,6 +204,49 @@ fn round_blocks_lie_at_their_origins() {
         }
         assert_eq!(mesh.axisymmetric, round.contains("axisymmetric"), "{round}");
     }
+}
+
+/// Half rings that `turn` puts onto the axis, and nodes of a file that are there but for round-off, before and after
+/// they are turned: all are on the axis. A node that is farther away is refused.
+#[test]
+fn nodes_within_round_off_of_the_axis_are_on_it() {
+    let mut random = Random(0x5eed_0123_4567_89ab);
+    let mut blocks: Vec<(String, usize)> = (0..20)
+        .map(|_| {
+            let size = 10f64.powf(3.0 * random.number());
+            let ring = format!(
+                "kind = \"blocks\"\naxisymmetric = true\n[[mesh.blocks]]\nname = \"a\"\nradii = [{:?}, {size:?}]\n\
+                 angle = {:?}\norigin = [0, {:?}]\nn = [2, 4]\nelements = \"Q1\"\nturn = {{ angle = {:?} }}",
+                0.4 * size,
+                std::f64::consts::PI,
+                size * random.number(),
+                -std::f64::consts::FRAC_PI_2
+            );
+            (ring, 6)
+        })
+        .collect();
+    let file = "file = \"axis.msh\"\naxisymmetric = true";
+    blocks.push((file.to_owned(), 2));
+    let turn = "turn = { angle = 6.283185307179586 }";
+    blocks.push((
+        format!("kind = \"blocks\"\naxisymmetric = true\n[[mesh.blocks]]\nname = \"a\"\nfile = \"axis.msh\"\n{turn}"),
+        2,
+    ));
+    for (mesh, on_axis) in blocks {
+        let on = if mesh.contains("radii") {
+            "a_outer"
+        } else if mesh.contains("name") {
+            "a_right"
+        } else {
+            "right"
+        };
+        let case = read(body(&mesh, 2).replace("on = \"left\"", &format!("on = \"{on}\"")));
+        let points = &case.problem.mesh.points;
+        assert!(points.iter().all(|x| x[0] >= 0.0), "{mesh}");
+        assert_eq!(points.iter().filter(|x| x[0] == 0.0).count(), on_axis, "{mesh}");
+    }
+    let beyond = told(&source(body("file = \"beyond.msh\"\naxisymmetric = true", 2)), &[]);
+    assert!(beyond.contains("has r = -1.000000e-9, expected none below 0"), "{beyond}");
 }
 
 #[test]

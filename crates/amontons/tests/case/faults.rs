@@ -339,7 +339,7 @@ spoiled! {
     obstacle_of_another_shape: "" => "" set "contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }"
         "--set contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }: contact.obstacle.shape: found \"sphera\", expected \"plane\", \"sphere\", \"cylinder\", \"wave\", \"file\" or \"surface\"; did you mean \"sphere\"?";
     obstacle_unknown_key: "" => "" set "contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }"
-        "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }: contact.obstacle.radius: found an unknown key, expected one of geometry, normal, point, shape, turning; `radius` belongs to [contact.obstacle] with shape = \"sphere\" or [contact.obstacle] with shape = \"cylinder\"";
+        "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }: contact.obstacle.radius: found an unknown key, expected one of geometry, load, normal, point, shape, turning; `radius` belongs to [contact.obstacle] with shape = \"sphere\" or [contact.obstacle] with shape = \"cylinder\"";
     obstacle_geometry: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }"
         "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }: contact.obstacle.geometry: found \"update\", expected \"reference\" or \"updated\" (configuration of the body in which distances and normals are evaluated); did you mean \"updated\"?";
     obstacle_radius_zero: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 0 }"

@@ -244,7 +244,7 @@ const UNITS: &[(&str, &str)] = &[
           HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm expression.truncation, HeatTerm radiation.absolute_zero, \
           Initial.temperature, Load.temperature, Region.temperature, TableData.temperature, Wear archard-temperature.temperature",
     ),
-    ("N", "Boundary.force, Preload.force, Rigid.force"),
+    ("N", "Boundary.force, ObstacleLoad.force, Preload.force, Rigid.force"),
     ("N m", "Rigid.moment"),
     ("N/m³", "Load.body_force, Region.body_force"),
     (
@@ -282,6 +282,7 @@ const UNITS: &[(&str, &str)] = &[
     ("W/K", "Foundation.exchange"),
     ("W/m²", "Boundary.heat_inflow"),
     ("W/m³", "Load.heat_source, Material.coupling, Region.heat_source"),
+    ("kg", "ObstacleLoad.mass"),
     ("kg/m³", "Material.density"),
     (
         "m",

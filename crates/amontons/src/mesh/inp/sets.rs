@@ -372,6 +372,11 @@ impl Sets {
         instance.and_then(of).or(body)
     }
 
+    /// The nodes of the assembly, if it has any beside those of its instances: reference points.
+    fn assembly(&self) -> Option<usize> {
+        self.bodies.first().filter(|body| body.name.is_none() && !body.part.points.is_empty()).map(|_| 0)
+    }
+
     /// Body and name of something that is called `instance.name`, or that is of a scope.
     fn split<'n>(&self, scope: Option<usize>, name: &'n str) -> (Option<usize>, &'n str) {
         match name.split_once('.').map(|(instance, rest)| (self.scope(None, Some(instance)), rest)) {
@@ -394,6 +399,7 @@ impl Sets {
         let (mut found, mut seen) = (Vec::new(), HashSet::new());
         for set in self.known.get(&key).into_iter().flatten() {
             let scope = self.scope(body, set.instance.as_deref());
+            let scope = scope.or_else(|| self.assembly().filter(|_| set.instance.is_none()));
             for item in &set.items {
                 found.extend(resolve(scope, item)?.into_iter().filter(|member| seen.insert(*member)));
             }
