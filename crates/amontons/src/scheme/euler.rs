@@ -53,6 +53,8 @@ pub struct BackwardEuler {
     bodies: OnceLock<Option<Bodies>>,
     /// Told where each step is.
     pulse: Pulse,
+    /// Whether steps take as many iterations as they need; else they are made in halves after some.
+    is_patient: bool,
     /// The memory of lists is kept from the first step on.
     keeping: Option<Keeping>,
 }
@@ -192,6 +194,7 @@ impl BackwardEuler {
             products: None,
             bodies: OnceLock::new(),
             pulse: Pulse::default(),
+            is_patient: false,
             keeping: None,
         })
     }
@@ -242,7 +245,21 @@ impl BackwardEuler {
         });
         // A step that was made stands where its halves are not solved; of one that was not, the first part that is not
         // solved is named. What was interrupted is made anew by whoever resumes, in halves.
-        halves.or_else(|first| if first.is_unsolved() { made.map_err(|_| first) } else { Err(first) })
+        halves.or_else(|first| match made {
+            _ if !first.is_unsolved() => Err(first),
+            Err(_) if halvings == 0 => {
+                self.with_patience(old, n, t).map_err(|error| if error.is_unsolved() { first } else { error })
+            }
+            made => made.map_err(|_| first),
+        })
+    }
+
+    /// A step whose halves are not solved either, with as many iterations as it takes.
+    fn with_patience(&mut self, old: &State, n: usize, t: f64) -> Result<(State, StepReport), StepError> {
+        self.is_patient = true;
+        let made = self.attempt(old, n, t, 0);
+        self.is_patient = false;
+        made
     }
 
     /// Factorizes for parts of 2^−halvings of a step.
@@ -321,7 +338,8 @@ impl BackwardEuler {
             .take()
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
-        let Self { problem, discrete, systems, halved, bodies, loose, pulse, .. } = self;
+        let Self { problem, discrete, systems, halved, bodies, loose, pulse, is_patient, .. } = self;
+        let is_patient = *is_patient;
         pulse.begin_part();
         let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
@@ -344,7 +362,7 @@ impl BackwardEuler {
                 .and_then(Option::as_ref)
                 .filter(|_| !old.carried.rigid.is_empty())
                 .map(|bodies| Apart { bodies, carried: &old.carried }),
-            may_be_halved: halvings < HALVINGS,
+            may_be_halved: halvings < HALVINGS && !is_patient,
             pulse,
             loose,
         };

@@ -469,6 +469,18 @@ fn a_step_that_takes_many_iterations_is_made_in_halves() {
     assert!(given_up > 0 && state.counts.newton_mechanics_max < 300, "{:?}", state.counts);
 }
 
+/// Where the halves are not solved either, a step is made with as many iterations as it takes.
+#[test]
+fn a_step_whose_halves_are_not_solved_takes_its_iterations() {
+    let damped = "viscosity = { law = \"lame\", first = 0.05, second = 0.05 }\n";
+    let text = ROW.replace("softening = 1.5", "softening = 5").replace(damped, "");
+    let problem = case::parse(&Source::new("row", text), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
+    let (states, reports) = run(&problem);
+    let most = reports.iter().filter(|report| report.parts == 1).map(|report| report.newton_mechanics).max();
+    assert!(most > Some(300), "{most:?}");
+    assert_eq!(states.last().unwrap().step, problem.steps);
+}
+
 /// E r = t − p with a stair that rises: for 0.43 < t ≤ 0.63 the solution is on the riser, r = 0.43 and p = t − 0.43.
 #[test]
 fn a_law_that_rises_in_a_stair_has_a_solution_on_its_riser() {
