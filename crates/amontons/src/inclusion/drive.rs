@@ -281,7 +281,7 @@ impl Tries<'_> {
     fn alone(&mut self, now: Tried, j: usize) -> Result<Tried, Failure> {
         let before = self.lack(&now, j);
         let mut change = self.first_change(&now, j);
-        // The largest change that is known to be too small, with what is lacking there, and the least that is too large.
+        // The largest change that is known to be too small and the least that is too large, with what is lacking there.
         let (mut small, mut large, mut more) = ((0.0, before), None::<(f64, f64)>, change);
         let mut last = None;
         for _ in 0..TRIES {
