@@ -296,3 +296,59 @@ fn frames(bytes: &[u8]) -> usize {
         }
     }
 }
+
+/// A ball that a force presses on, and one that is moved as the first was found to move: pictures, tables and the
+/// report show both at the same places.
+#[test]
+fn pictures_have_an_obstacle_where_its_load_has_moved_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = |center: &str, load: &str| {
+        format!(
+            r#"name = "ball"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [1, 0.5]
+n = [12, 6]
+[time]
+end = 2
+steps = 2
+[material]
+density = 0
+elasticity = {{ law = "isotropic", young = 1000, poisson = 0.3, stress_state = "plane-strain" }}
+[[boundary]]
+on = "bottom"
+displacement = [0, 0]
+[contact]
+on = "top"
+normal = {{ law = "signorini" }}
+[contact.obstacle]
+shape = "sphere"
+center = [0.4, {center}]
+radius = 0.2
+{load}"#
+        )
+    };
+    let drawn = |name: &str, text: &str| {
+        let (case, out) = (folder.path().join(format!("{name}.toml")), folder.path().join(name));
+        std::fs::write(&case, text).expect("a case");
+        let [case, out] = [&case, &out].map(|path| path.display().to_string());
+        assert_code(&output(&mut amontons(&["run", &case, "--out", &out, "--quiet"])), 0);
+        assert_code(&output(&mut amontons(&["plot", &out])), 0);
+        (
+            read(&folder.path().join(name).join("plots/deformed.svg")),
+            read(&folder.path().join(name).join("history.csv")),
+        )
+    };
+    let (pressed, history) = drawn("pressed", &text("0.9", "load = { force = \"4*t\", direction = [0, -1] }"));
+    let mut rows = history.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = rows.next().and_then(|names| names.iter().position(|name| *name == "obstacle_displacement"));
+    let column = column.expect("a column");
+    let places: Vec<f64> = rows.map(|row| 0.9 - row[column].parse::<f64>().expect("a number")).collect();
+    let [first, second] = places[..] else { panic!("{places:?}") };
+    let center = format!("{{ times = [0, 1, 2], values = [0.9, {first:?}, {second:?}] }}");
+    let (prescribed, _) = drawn("prescribed", &text(&center, ""));
+    assert!(pressed == prescribed);
+    let (still, _) = drawn("still", &text("0.9", ""));
+    assert!(pressed != still);
+}

@@ -77,6 +77,8 @@ pub(super) struct Evaluator<'a> {
     problem: &'a Problem,
     state: &'a State,
     material: Option<&'a Material>,
+    /// Whether the cells move as one rigid body: what their displacements give as strain is round-off.
+    is_rigid: bool,
     /// 𝓖 of each branch of the material that relaxes, with its state.
     branches: Vec<(&'a Branch, &'a [f64])>,
     /// Nodes of the cells of the block, with their number a cell.
@@ -104,6 +106,7 @@ impl<'a> Evaluator<'a> {
             problem,
             state,
             material,
+            is_rigid: problem.rigid.iter().any(|part| part.is_region(mesh, mesh.blocks[block].region)),
             branches: material.map_or_else(Vec::new, |material| branches(problem, material, state)),
             nodes: (&mesh.blocks[block].nodes, mesh.blocks[block].element.nodes.len()),
             kept,
@@ -162,6 +165,9 @@ impl<'a> Evaluator<'a> {
 
     /// The strain of a field that the forms see.
     fn strain(&mut self, cell: &[u32], v: &[f64]) -> Sym {
+        if self.is_rigid {
+            return Sym::ZERO;
+        }
         let mesh = &self.problem.mesh;
         let mut strain = strain(mesh, &self.map, cell, v);
         let d = mesh.tensor_dim();

@@ -60,9 +60,10 @@ impl Summary {
         };
         let force = contact.sides.values().flat_map(|side| &side.force).fold(0.0, |m: f64, f| m.max(f.abs()));
         let stress = self.last.von_mises_max.unwrap_or(0.0).max(contact.pressure_max);
-        let mut rows = touching("contact", contact, [force, stress], self.units);
+        let moment = contact.sides.values().map(lever).fold(lever(contact), f64::max);
+        let mut rows = touching("contact", contact, [force, stress, moment], self.units);
         for (side, contact) in &contact.sides {
-            rows.extend(touching(&format!("on \"{side}\""), contact, [0.0, stress], self.units));
+            rows.extend(touching(&format!("on \"{side}\""), contact, [0.0, stress, moment], self.units));
         }
         rows
     }
@@ -155,9 +156,16 @@ fn extent(units: Units, mechanics: bool) -> Option<Row> {
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
 
-/// Contact on one side or on all, beside forces and stresses as large as these, with wear and the temperature of the
-/// foundation if there are any; between bodies at rest the heat alone.
-fn touching(name: &str, contact: &ContactSummary, [beside, stress]: [f64; 2], units: Units) -> Vec<Row> {
+/// The force of a contact times how far it is from the origin.
+fn lever(contact: &ContactSummary) -> f64 {
+    let largest = |v: &[f64]| v.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+    largest(&contact.force) * largest(&contact.center)
+}
+
+/// Contact on one side or on all, beside forces, stresses and moments as large as these, with wear and the temperature
+/// of the foundation if there are any; between bodies at rest the heat alone.
+fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units) -> Vec<Row> {
+    let [beside, stress, of_moment] = beside;
     let write = |value: f64, measure: Measure| units.write(value, measure);
     if contact.force.is_empty() {
         return at_rest(name, contact, units);
@@ -193,7 +201,8 @@ fn touching(name: &str, contact: &ContactSummary, [beside, stress]: [f64; 2], un
             .moment_about_origin
             .as_ref()
             .filter(|moment| moment.iter().any(|m| *m != 0.0))
-            .map(|moment| row("moment", &format!("{} about the origin", units.vector(moment, Measure::Moment)))),
+            .map(|moment| units.vector_beside(moment, of_moment, Measure::Moment))
+            .map(|moment| row("moment", &format!("{moment} about the origin"))),
     );
     lines.extend(
         contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
@@ -247,7 +256,8 @@ fn at_rest(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
 
 /// Heat that has passed a contact, where it passes by several ways.
 fn by_mechanism(heat: &BTreeMap<String, f64>, units: Units) -> Option<Row> {
-    let ways: Vec<String> =
-        heat.iter().map(|(way, heat)| format!("{way} {}", units.write(*heat, Measure::Energy))).collect();
+    let most = heat.values().fold(0.0, |most: f64, heat| most.max(heat.abs()));
+    let write = |heat: f64| units.write_beside(heat, most, Measure::Energy);
+    let ways: Vec<String> = heat.iter().map(|(way, heat)| format!("{way} {}", write(*heat))).collect();
     (ways.len() > 1).then(|| row("heat passed", &ways.join(", ")))
 }

@@ -36,6 +36,11 @@ impl RigidPart {
         RigidPart { on: on.into(), force: Vec::new(), moment: Vec::new(), at: None, turns: true }
     }
 
+    /// Whether it is all cells of a region.
+    pub(crate) fn is_region(&self, mesh: &Mesh, region: usize) -> bool {
+        mesh.named(&self.on).is_none() && self.region(mesh) == Some(region)
+    }
+
     /// The number of the region that it is, if it is one.
     fn region(&self, mesh: &Mesh) -> Option<usize> {
         mesh.regions.iter().position(|region| *region == self.on)

@@ -10,7 +10,7 @@ use amontons::linalg::{Backend, Multigrid, Supernodal};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Problem, RigidPart};
 use amontons::scheme::{BackwardEuler, Scheme, State};
-use amontons::tensor::{Point, Rotation, dot, length};
+use amontons::tensor::{Point, Rotation, Sym, dot, length};
 
 use crate::common::{Random, changed, solve, told};
 
@@ -395,6 +395,12 @@ fn assert_moves_rigidly(problem: &Problem, state: &State, most: f64) {
     body.enter(&mut projected);
     body.leave(&mut projected);
     assert!(projected.iter().zip(state.u.iter()).all(|(a, b)| (a - b).abs() < 1e-12 * most));
+    // It has no strain, not even that of the round-off of its displacements.
+    let values = amontons::output::cell_values(problem, state);
+    let cells = problem.mesh.blocks.iter().flat_map(|block| std::iter::repeat_n(block.region, block.len()));
+    let rigid = values.iter().zip(cells).filter(|(_, region)| problem.mesh.regions[*region] == "punch");
+    let strains: Vec<Sym> = rigid.map(|(value, _)| value.strain).collect();
+    assert!(!strains.is_empty() && strains.iter().all(|strain| *strain == Sym::ZERO), "{strains:?}");
 }
 
 /// The punch moved by what it moves under its force bears the same tractions.

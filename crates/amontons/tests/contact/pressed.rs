@@ -259,6 +259,35 @@ fn a_resumed_run_is_the_same() {
     }
 }
 
+/// A ball that heats the block it is pressed into: each coupling finds its force, and the two that solve the same
+/// equations agree.
+#[test]
+fn each_coupling_of_heat_finds_the_force() {
+    let heated = "heat = { law = \"pressure\", coefficient = 2, foundation_temperature = 40 }\n[contact.obstacle]\n";
+    let ball = "shape = \"sphere\"\ncenter = [0.4, 0.75]\nradius = 0.2\n";
+    let plane = "shape = \"plane\"\npoint = [0, 0.8]\nnormal = [0, -2]\n";
+    let text = block(2, "\"4*t\"", "").replace("[contact.obstacle]\n", heated).replace("n = [4, 3]", "n = [12, 7]");
+    let text = spoil(&text, plane, ball).replacen(
+        "density = 0\n",
+        "density = 0\nheat_capacity = 1\nconductivity = 1\nexpansion_coefficient = 1e-3\n",
+        1,
+    );
+    let of = |coupling: &str| {
+        let problem = problem(&format!("{text}\n[scheme]\ncoupling = \"{coupling}\"\n"));
+        let memory = solve(&problem);
+        for (borne, state) in borne(&memory, &problem, 0).iter().zip(memory.states.iter().skip(1)) {
+            assert!((borne - 4.0 * state.t).abs() < 1e-8, "{coupling}: {borne}");
+        }
+        moved(&memory, 0)
+    };
+    let [staggered, fixed, whole] = ["staggered", "fixed-point", "monolithic"].map(of);
+    for step in 1..=4 {
+        assert!((fixed[step] - whole[step]).abs() < 1e-8, "{fixed:?} {whole:?}");
+    }
+    // The heat of the last step moves the ball.
+    assert!((staggered[4] - whole[4]).abs() > 1e-6, "{staggered:?} {whole:?}");
+}
+
 /// The force on a stamp of revolution is that on the whole ring: σ = F/(π R²).
 #[test]
 fn the_force_on_a_stamp_of_revolution_is_that_on_its_ring() {
