@@ -11,7 +11,8 @@
 //! T does not fall as δ grows. The unknown δ, one for each contact that is driven in the step, are found by Broyden's
 //! method from differences over about the length that the material beside the contact alone would need; with a contact
 //! that does not change it is exact after one step. Where T stays as it is, because gaps close first, the length grows
-//! until T does, not by more than closes a gap or doubles what was tried; where it is then too large, it is halved.
+//! until T does: by what closes the least gap, which passes nothing by, then by twice as much from try to try. Between a
+//! length that is too small and one that is too large the next one is where a line through both has F.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -282,8 +283,9 @@ impl Tries<'_> {
         let before = self.lack(&now, j);
         let mut change = self.first_change(&now, j);
         // The largest change that is known to be too small and the least that is too large, with what is lacking there.
-        let (mut small, mut large, mut more) = ((0.0, before), None::<(f64, f64)>, change);
-        let mut last = None;
+        let (mut small, mut large) = ((0.0, before), None::<(f64, f64)>);
+        // By how much more it is pressed in where no gap is left to close.
+        let (mut press, mut more, mut last) = (change, change, None);
         for _ in 0..TRIES {
             match self.at(grown(&now.lengths, j, change), &now.multipliers) {
                 Ok(tried) => {
@@ -293,8 +295,12 @@ impl Tries<'_> {
                     }
                     if lack * before > 0.0 {
                         small = (change, lack);
-                        let closes = if tried.gap[j].is_finite() { tried.gap[j].max(0.0) } else { 0.0 };
-                        more = closes.max(2.0 * more.abs()).copysign(more);
+                        let closes = if tried.gap[j].is_finite() { tried.gap[j] } else { 0.0 };
+                        if closes > press.abs() {
+                            more = closes.copysign(press);
+                        } else {
+                            (more, press) = (press, 2.0 * press);
+                        }
                     } else {
                         large = Some((change, lack));
                     }

@@ -207,6 +207,19 @@ fn with_ball(first: &Contact, center: Point, direction: Point, force: f64, updat
     contact
 }
 
+/// A ball that is far from the body, and smaller than its gap, does not pass it by.
+#[test]
+fn a_small_ball_far_away_finds_the_body() {
+    for (far, radius) in [(0.4, 0.2), (3.0, 0.02), (500.0, 0.3)] {
+        let ball = format!("shape = \"sphere\"\ncenter = [0.4, {:?}]\nradius = {radius:?}\n", 0.5 + far + radius);
+        let text = spoil(&block(2, "0.4", ""), "shape = \"plane\"\npoint = [0, 0.8]\nnormal = [0, -2]\n", &ball);
+        let problem = problem(&text.replace("n = [4, 3]", "n = [20, 10]"));
+        let memory = solve(&problem);
+        let (moved, borne) = (moved(&memory, 0)[4], borne(&memory, &problem, 0)[3]);
+        assert!((borne - 0.4).abs() < 1e-9 && (moved - far).abs() < 0.02, "{far}: {borne} {moved}");
+    }
+}
+
 /// A mass m flies through the gap, meets the block, which is a spring of the stiffness E A/h, and leaves it again: each
 /// step is that of backward Euler, m (δ_n − 2 δ_{n−1} + δ_{n−2})/k² + c (δ_n − g)₊ = F.
 #[test]

@@ -473,7 +473,7 @@ fn a_step_that_takes_many_iterations_is_made_in_halves() {
 #[test]
 fn a_step_whose_halves_are_not_solved_takes_its_iterations() {
     let damped = "viscosity = { law = \"lame\", first = 0.05, second = 0.05 }\n";
-    let text = ROW.replace("softening = 1.5", "softening = 5").replace(damped, "");
+    let text = ROW.replace("softening = 1.5", "softening = 3").replace("n = [8, 1]", "n = [16, 1]").replace(damped, "");
     let problem = case::parse(&Source::new("row", text), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
     let (states, reports) = run(&problem);
     let most = reports.iter().filter(|report| report.parts == 1).map(|report| report.newton_mechanics).max();
