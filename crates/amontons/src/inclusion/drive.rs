@@ -11,8 +11,8 @@
 //! T does not fall as δ grows. The unknown δ, one for each contact that is driven in the step, are found by Broyden's
 //! method from differences over about the length that the material beside the contact alone would need; with a contact
 //! that does not change it is exact after one step. Where T stays as it is, because gaps close first, the length grows
-//! until T does: by what closes the least gap, which passes nothing by, then by twice as much from try to try. Between a
-//! length that is too small and one that is too large the next one is where a line through both has F.
+//! until T does: by what closes the least gap, which passes nothing by, then by twice as much from try to try. Between
+//! a length that is too small and one that is too large the next one is where a line through both has F.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;

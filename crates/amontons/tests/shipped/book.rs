@@ -75,7 +75,7 @@ fn every_block_of_the_guides_is_a_case() {
     let expected = [
         ("case.md", (1, 2)),
         ("coming-from.md", (0, 1)),
-        ("contact.md", (1, 14)),
+        ("contact.md", (1, 15)),
         ("large.md", (0, 1)),
         ("loads.md", (0, 6)),
         ("materials.md", (0, 6)),
