@@ -143,7 +143,7 @@ fn a_second_interrupt_ends_the_program_within_a_step() {
     fs::write(&file, SNAPPING).expect("a case");
     let (case, path) = (file.display().to_string(), out.display().to_string());
     let (unread, mut full) = std::io::pipe().expect("a pipe");
-    full.write_all(&[b' '; PIPE]).expect("room in the pipe");
+    full.write_all(&vec![b' '; PIPE]).expect("room in the pipe");
     let mut command = amontons(&["run", &case, "--out", &path, "--no-certificate"]);
     let mut child = command.stdout(Stdio::null()).stderr(full).spawn().expect("the program starts");
     let begin = Instant::now();

@@ -209,7 +209,7 @@ impl Tries<'_> {
                 }
                 // Differences over other lengths, from where the worst one lacks less.
                 let worst = self.worst(&now);
-                now = self.alone(now, worst)?;
+                now = self.alone(&now, worst)?;
                 slopes = Mat::zeros(0, 0);
                 continue;
             };
@@ -264,7 +264,7 @@ impl Tries<'_> {
                 }
                 j += 1;
             } else {
-                now = self.alone(now, j)?;
+                now = self.alone(&now, j)?;
                 (slopes, best, j) = (Mat::zeros(n, n), None, 0);
             }
         }
@@ -279,9 +279,9 @@ impl Tries<'_> {
 
     /// A try at which one lacks at most half as much, found by its own length alone: between one at which it lacks more
     /// and one at which it bears too much.
-    fn alone(&mut self, now: Tried, j: usize) -> Result<Tried, Failure> {
-        let before = self.lack(&now, j);
-        let mut change = self.first_change(&now, j);
+    fn alone(&mut self, now: &Tried, j: usize) -> Result<Tried, Failure> {
+        let before = self.lack(now, j);
+        let mut change = self.first_change(now, j);
         // The largest change that is known to be too small and the least that is too large, with what is lacking there.
         let (mut small, mut large) = ((0.0, before), None::<(f64, f64)>);
         // By how much more it is pressed in where no gap is left to close.
@@ -311,12 +311,12 @@ impl Tries<'_> {
                 Err(failure) => return Err(failure),
             }
             let next = large.map_or(small.0 + more, |large| between(small, large));
-            if next == change || !next.is_finite() {
+            if next.to_bits() == change.to_bits() || !next.is_finite() {
                 break;
             }
             change = next;
         }
-        Err(self.unborne(last.as_ref().unwrap_or(&now)))
+        Err(self.unborne(last.as_ref().unwrap_or(now)))
     }
 
     /// The one that lacks the largest share.

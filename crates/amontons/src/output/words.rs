@@ -162,6 +162,15 @@ fn lever(contact: &ContactSummary) -> f64 {
     largest(&contact.force) * largest(&contact.center)
 }
 
+/// The moments of a contact, beside moments as large as `beside`.
+fn moments(contact: &ContactSummary, beside: f64, units: Units) -> impl Iterator<Item = Row> {
+    let about_axis = contact.moment.map(|moment| format!("{} about the axis", units.write(moment, Measure::Moment)));
+    let about_origin = contact.moment_about_origin.as_ref().filter(|moment| moment.iter().any(|m| *m != 0.0));
+    let about_origin = about_origin.map(|moment| units.vector_beside(moment, beside, Measure::Moment));
+    let about_origin = about_origin.map(|moment| format!("{moment} about the origin"));
+    about_axis.into_iter().chain(about_origin).map(|text| row("moment", &text))
+}
+
 /// Contact on one side or on all, beside forces, stresses and moments as large as these, with wear and the temperature
 /// of the foundation if there are any; between bodies at rest the heat alone.
 fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units) -> Vec<Row> {
@@ -193,17 +202,7 @@ fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units
             ),
         ),
     ];
-    lines.extend(
-        contact.moment.map(|moment| row("moment", &format!("{} about the axis", write(moment, Measure::Moment)))),
-    );
-    lines.extend(
-        contact
-            .moment_about_origin
-            .as_ref()
-            .filter(|moment| moment.iter().any(|m| *m != 0.0))
-            .map(|moment| units.vector_beside(moment, of_moment, Measure::Moment))
-            .map(|moment| row("moment", &format!("{moment} about the origin"))),
-    );
+    lines.extend(moments(contact, of_moment, units));
     lines.extend(
         contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
     );

@@ -221,7 +221,7 @@ impl Problem {
 
     /// The same problem with obstacles under a load where a run has found them: δ(t) by the number of the contact.
     #[must_use]
-    pub(crate) fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
+    pub fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
         let mut data = self.0.clone();
         for (number, contact) in data.contacts.iter_mut().enumerate() {
             if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {
