@@ -263,6 +263,10 @@ impl Tries<'_> {
                     best = Some(tried);
                 }
                 j += 1;
+            } else if self.lack(&now, j).abs() <= ACCEPTED * self.size(&now, j) {
+                // It bears its force over a range of lengths, and stays where it is.
+                (0..n).for_each(|i| slopes[(i, j)] = if i == j { self.stiffness[j] } else { 0.0 });
+                j += 1;
             } else {
                 now = self.alone(&now, j)?;
                 (slopes, best, j) = (Mat::zeros(n, n), None, 0);

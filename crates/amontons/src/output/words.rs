@@ -208,7 +208,7 @@ fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units
     );
     lines.extend(by_mechanism(&contact.heat_passed, units));
     if let Some(defect) = &contact.moment_defect {
-        lines.push(row("defect of moments", &units.vector(defect, Measure::Moment)));
+        lines.push(row("defect of moments", &units.vector_beside(defect, of_moment, Measure::Moment)));
     }
     if contact.wear_max > 0.0 {
         let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
