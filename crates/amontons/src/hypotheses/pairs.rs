@@ -63,7 +63,7 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
 pub(super) fn not_covered(problem: &Problem, id: FindingId, message: &str) -> Finding {
     let of_load = loaded(problem).filter(|_| first(problem).is_none() && problem.rigid.is_empty());
     if let Some(number) = of_load {
-        let message = format!("the obstacle moves as its load and the body say: {message} whose place is given");
+        let message = format!("a load moves the obstacle, and the theory is that of a given place: {message}");
         let place = format!("{}.obstacle.load", problem.contact_path(number));
         return Finding::new(id, FindingStatus::NotCovered, message, &place);
     }

@@ -23,6 +23,7 @@ mod pressed;
 mod several;
 mod shapes;
 mod sliding_out;
+mod snapping;
 mod softening;
 mod stuck_indentation;
 mod tools;

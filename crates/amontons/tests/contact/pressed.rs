@@ -207,6 +207,46 @@ fn with_ball(first: &Contact, center: Point, direction: Point, force: f64, updat
     contact
 }
 
+/// A ball with friction is pressed alike wherever the body lies, however large it is, and moved by a hair.
+#[test]
+fn a_ball_is_pressed_alike_in_every_place() {
+    let mut random = Random(71);
+    for dim in [2, 3] {
+        let held = if dim == 3 { "displacement = [0, 0, 0]" } else { "displacement = [0, 0]" };
+        let text = block(dim, "1", "")
+            .replacen("normal_displacement = 0", held, 1)
+            .replace("[[boundary]]\non = \"left\"\nnormal_displacement = 0\n", "")
+            .replace("[[boundary]]\non = \"back\"\nnormal_displacement = 0\n", "")
+            .replace("n = [4, 3]", "n = [12, 7]")
+            .replace("n = [3, 2, 2]", "n = [6, 3, 4]")
+            .replace("[contact.obstacle]", "friction = { law = \"coulomb\", coefficient = 0.4 }\n[contact.obstacle]");
+        let base = problem(&text);
+        let (center, direction) = ([0.3, 0.74, 0.4], [0.3, -1.0, if dim == 3 { 0.1 } else { 0.0 }]);
+        let mut first = None::<f64>;
+        for (scale, hair) in [(1.0, 0.0), (1e-3, 0.0), (40.0, 0.0), (1.0, 1e-9)] {
+            let axis = if dim == 3 { [random.number(), random.number(), 1.0] } else { [0.0, 0.0, 1.0] };
+            let rotation = Rotation::about(&axis, 3.0 * random.number());
+            let shift: Point = std::array::from_fn(|c| if c < dim { 5.0 * random.number() } else { 0.0 });
+            let put = |x: &Point| -> Point {
+                let turned = rotation.vector(x);
+                std::array::from_fn(|c| scale * (turned[c] + shift[c]))
+            };
+            let placed = changed(&base, |data| {
+                Arc::make_mut(&mut data.mesh).points.iter_mut().for_each(|x| *x = put(x));
+                let center = put(&[center[0] + hair, center[1], if dim == 3 { center[2] } else { 0.0 }]);
+                let shape = Arc::new(Sphere::new(center.map(Field::from), 0.2 * scale, false).expect("a ball"));
+                // Stresses stay as they are.
+                let force = at(&format!("{:?}*t", 6.0 * scale.powi(dim as i32 - 1)));
+                let load = ObstacleLoad::new(force, rotation.vector(&direction), 0.0).expect("a load");
+                data.contacts[0].obstacle = Some(Obstacle { shape, updated: true, turning: None, load: Some(load) });
+            });
+            let found = moved(&solve(&placed), 0)[4] / scale;
+            let first = *first.get_or_insert(found);
+            assert!((found - first).abs() < 1e-8 + 10.0 * hair, "{dim} {scale} {hair}: {found} {first}");
+        }
+    }
+}
+
 /// A ball that is far from the body, and smaller than its gap, does not pass it by.
 #[test]
 fn a_small_ball_far_away_finds_the_body() {

@@ -6,7 +6,7 @@ use crate::tensor::Point;
 
 /// What presses an obstacle, which is guided: it keeps its direction and moves along a line as far as the body lets it.
 ///
-/// It moves by δ(t) along the unit vector d, besides what its place does, so that
+/// It moves by δ(t) along the unit vector d, besides what its place does, with the axis about which it turns, so that
 ///
 /// ```text
 ///     m δ̈ = F(t) + d·∫ (p ν + q)

@@ -89,10 +89,14 @@ impl Obstacle {
         self.load.as_ref().map_or(0.0, |load| load.known(t))
     }
 
-    /// Its velocity as a rigid body at a time, `rate` making the rate at that time of a function of time.
+    /// Its velocity as a rigid body at a time, `rate` making the rate at that time of a function of time; what its load
+    /// adds, as far as it is known.
     #[must_use]
     pub fn motion(&self, t: f64, rate: &Rate) -> Motion {
-        Motion::new(self.turning.as_ref(), &|t| self.place(t), t, rate)
+        let motion = Motion::new(self.turning.as_ref(), &|t| self.shape.place(t), t, rate);
+        let Some(load) = &self.load else { return motion };
+        let [moved, speed] = [load.known(t), rate(&|t| load.known(t))].map(|size| load.direction.map(|c| size * c));
+        motion.carried(&moved, &speed)
     }
 
     /// Place of a point that moves with the obstacle and does not turn, as far as it is known.

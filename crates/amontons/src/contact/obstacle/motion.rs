@@ -126,6 +126,11 @@ impl Motion {
         Motion { velocity: plus(&axis, 1.0, &turned), spin, about }
     }
 
+    /// The same of an obstacle that is carried along, with its axis, by a displacement and with a velocity.
+    pub(super) fn carried(&self, by: &Point, velocity: &Point) -> Motion {
+        Motion { velocity: plus(&self.velocity, 1.0, velocity), spin: self.spin, about: plus(&self.about, 1.0, by) }
+    }
+
     /// The velocity of the obstacle at a point, m/s.
     #[must_use]
     pub fn at(&self, x: &Point) -> Point {
