@@ -135,7 +135,7 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
             return 1;
         }
     };
-    for n in 0..problem.steps {
+    for n in 0..problem.timeline.steps() {
         class.steps += 1;
         match scheme.step(&state) {
             Ok((next, report)) => {
@@ -162,7 +162,7 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
             }
         }
     }
-    problem.steps
+    problem.timeline.steps()
 }
 
 /// Whether the certificate says that a step has one solution.

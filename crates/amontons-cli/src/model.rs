@@ -122,7 +122,7 @@ fn place(skipped: &Skipped) -> String {
 fn times(problem: &Problem, model: &Model) -> Vec<String> {
     let times = &model.times;
     let write = |time: f64| format!("{time:.5e} {}", problem.units().of(Measure::Time)).trim_end().to_owned();
-    let steps = |time: f64| format!("{}, {:.3} steps", write(time), time / problem.k());
+    let steps = |time: f64| format!("{}, {:.3} steps", write(time), time / problem.timeline.longest());
     let or = |time: Option<f64>, none: &str| time.map_or_else(|| none.to_owned(), steps);
     let inert = problem.materials.iter().all(|m| m.density == 0.0);
     let steady = problem.materials.iter().all(|m| m.heat_capacity == 0.0);

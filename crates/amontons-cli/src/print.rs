@@ -86,9 +86,9 @@ pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) 
             "time",
             &format!(
                 "{} steps of {} to {}",
-                problem.steps,
-                write(problem.k(), Measure::Time),
-                write(problem.end, Measure::Time)
+                problem.timeline.steps(),
+                write(problem.timeline.longest(), Measure::Time),
+                write(problem.timeline.end(), Measure::Time)
             ),
         ),
     ];
@@ -134,10 +134,10 @@ pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Valu
         "nodes": mesh.points.len(),
         "cells": mesh.cell_count(),
         "h": mesh.h(),
-        "steps": problem.steps,
+        "steps": problem.timeline.steps(),
         "choices": problem.choices(),
-        "k": problem.k(),
-        "time": problem.end,
+        "k": problem.timeline.longest(),
+        "time": problem.timeline.end(),
         // A name, or an array of the names of several contacts.
         "contact": match sides.as_slice() { [] => Value::Null, [one] => json!(one), several => json!(several) },
         "model": model,

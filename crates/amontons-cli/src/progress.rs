@@ -362,7 +362,7 @@ impl Sink for StepSink<'_> {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let mut place = self.0.shared.place();
         (place.step, place.steps, place.t) =
-            (start.from.state.step, start.from.problem.steps, Some(start.from.state.t));
+            (start.from.state.step, start.from.problem.timeline.steps(), Some(start.from.state.t));
         place.units = start.from.problem.units();
         Ok(())
     }

@@ -102,7 +102,7 @@ impl Work<'_> {
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()) {
             return Ok(summary);
         }
-        self.progress.part(&format!("run {of}"), case.problem.steps);
+        self.progress.part(&format!("run {of}"), case.problem.timeline.steps());
         let settings = Settings {
             interrupt: Some(self.flag.clone()),
             certificate: false,

@@ -67,7 +67,7 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     // Two sweeps would take the runs of each other for failed ones.
     let _lock = FolderLock::take(&out)?;
     let progress = Progress::new(common);
-    progress.part(&format!("{} runs", parts.len()), parts.iter().map(|part| part.case.problem.steps).sum());
+    progress.part(&format!("{} runs", parts.len()), parts.iter().map(|part| part.case.problem.timeline.steps()).sum());
     progress.begin_steps();
     let jobs = request.jobs.clamp(1, parts.len().max(1));
     let sweep = Sweep {
@@ -119,7 +119,7 @@ impl Sweep<'_> {
     fn one(&self, part: &Part) -> Result<Summary, Failure> {
         let Part { case, folder, .. } = part;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()).filter(|_| !self.common.force) {
-            self.made.fetch_add(case.problem.steps, Ordering::Relaxed);
+            self.made.fetch_add(case.problem.timeline.steps(), Ordering::Relaxed);
             return Ok(summary);
         }
         let certificate = self.request.certificate.of(case);

@@ -52,7 +52,7 @@ impl Case {
     /// Number of steps.
     #[getter]
     fn steps(&self) -> usize {
-        self.read.problem.steps
+        self.read.problem.timeline.steps()
     }
 
     /// The text of the case as run, overrides applied.
@@ -89,9 +89,9 @@ pub fn check(py: Python<'_>, case: &Bound<'_, Case>, laws: Vec<Law>) -> PyResult
             "nodes": problem.mesh.points.len(),
             "cells": problem.mesh.cell_count(),
             "h": problem.mesh.h(),
-            "steps": problem.steps,
-            "k": problem.k(),
-            "time": problem.end,
+            "steps": problem.timeline.steps(),
+            "k": problem.timeline.longest(),
+            "time": problem.timeline.end(),
             "model": model,
             "skipped": skipped,
             "findings": certificate.findings,

@@ -27,7 +27,7 @@ impl Play {
     pub fn new(text: &str, overrides: &[String], frames: usize) -> Result<Play, String> {
         let read = case::parse(&Source::new("case.toml", text), overrides).map_err(|error| error.to_string())?;
         let problem = Arc::new(read.problem);
-        let mut film = Film::new(&problem, problem.steps.div_ceil(frames.max(1)));
+        let mut film = Film::new(&problem, problem.timeline.steps().div_ceil(frames.max(1)));
         let ended = run(&problem, &Settings::default(), &mut [&mut film]);
         let error = ended.err().map(|error| match error.advice() {
             Some(advice) => format!("{error}\n{advice}"),

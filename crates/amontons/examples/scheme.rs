@@ -32,7 +32,7 @@ impl Substeps {
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
     ) -> Result<Box<dyn Scheme>, SetupError> {
-        let finer = problem.with(|data| data.steps *= PARTS)?;
+        let finer = problem.with(|data| data.timeline = data.timeline.refined(PARTS))?;
         Ok(Box::new(Substeps(BackwardEuler::on(&finer, discrete, backend)?)))
     }
 }

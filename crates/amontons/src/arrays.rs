@@ -14,8 +14,6 @@ use std::collections::HashMap;
 use std::fmt::{self, Debug};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::list::List;
-
 /// Most arguments of a law.
 pub const INPUTS: usize = 10;
 
@@ -181,13 +179,13 @@ impl Drop for TakingPart {
 
 /// Computes `of` for each of so many points, the values of laws on arrays for all points together. At each point the
 /// laws may be asked for values that depend on others, one after the other. `of` works on the thread that calls it.
-pub fn per_point<T: Send + 'static>(laws: &[&Arrays], count: usize, of: impl Fn(usize) -> T) -> List<T> {
+pub fn per_point<T: Send + 'static>(laws: &[&Arrays], count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
     if laws.is_empty() || PART.get().takes {
         return (0..count).map(of).collect();
     }
     let collecting = Collecting::begin(laws);
-    let mut done: List<Option<T>> = (0..count).map(|_| None).collect();
-    let mut left: List<usize> = (0..count).collect();
+    let mut done: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let mut left: Vec<usize> = (0..count).collect();
     while !left.is_empty() {
         left.retain(|&i| {
             let part = TakingPart::begin(true);

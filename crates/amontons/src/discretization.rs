@@ -7,14 +7,13 @@ use std::sync::{Arc, OnceLock};
 use crate::contact::{ContactBoundary, Ways, WornSides};
 use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
-use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, by_blocks, dot, max_abs, mechanical_products, thermal_products};
-use crate::list::List;
 use crate::material::{self, Material, TensorLaw, depends_on_temperature};
 use crate::mesh::{FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::{Sym, SymMap, safe_scale};
+use crate::time::Rule;
 pub use relaxation::Relaxation;
 pub(crate) use relaxation::Relaxed;
 
@@ -254,7 +253,7 @@ impl Discretization {
     /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches.
     #[must_use]
     pub fn mechanical_matrix(&self, rule: Rule) -> BlockMatrix {
-        let Rule { gamma, delta } = rule;
+        let Rule { gamma, delta, .. } = rule;
         let mut matrix = self.b.clone();
         let (rho, inertia) = self.inertia();
         let boundary = [(gamma, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (rho / delta, Some(inertia))];
@@ -338,7 +337,7 @@ impl Discretization {
     /// The stored heat by basis functions, less the factor of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy
     /// H, which is cθ for a constant capacity.
     #[must_use]
-    pub fn stored_heat(&self, theta: &[f64]) -> List<f64> {
+    pub fn stored_heat(&self, theta: &[f64]) -> Vec<f64> {
         if self.warm.capacity.is_empty() {
             self.storage().1.apply(theta)
         } else {
@@ -348,7 +347,7 @@ impl Discretization {
 
     /// m(θ, ·).
     #[must_use]
-    pub fn thermal_force(&self, theta: &[f64]) -> List<f64> {
+    pub fn thermal_force(&self, theta: &[f64]) -> Vec<f64> {
         if self.warm.expansion.is_empty() {
             self.m.apply(theta)
         } else {
@@ -381,25 +380,25 @@ impl Discretization {
 
     /// a(u, ·) of the linear laws with the springs.
     #[must_use]
-    pub fn apply_linear_a(&self, u: &[f64]) -> List<f64> {
+    pub fn apply_linear_a(&self, u: &[f64]) -> Vec<f64> {
         with(self.a.apply(u), self.springs.as_ref(), u)
     }
 
     /// a(u, ·) with the springs, at the temperature θ.
     #[must_use]
-    pub fn apply_a(&self, u: &[f64], theta: &[f64]) -> List<f64> {
+    pub fn apply_a(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
         self.with_laws(self.apply_linear_a(u), &self.elasticity, u, theta)
     }
 
     /// b(w, ·) with the dashpots, at the temperature θ.
     #[must_use]
-    pub fn apply_b(&self, w: &[f64], theta: &[f64]) -> List<f64> {
+    pub fn apply_b(&self, w: &[f64], theta: &[f64]) -> Vec<f64> {
         self.with_laws(with(self.b.apply(w), self.dashpots.as_ref(), w), &self.viscosity, w, theta)
     }
 
     /// d(θ, ·) with the convection.
     #[must_use]
-    pub fn apply_d(&self, theta: &[f64]) -> List<f64> {
+    pub fn apply_d(&self, theta: &[f64]) -> Vec<f64> {
         let conductivity = &self.warm.conductivity;
         let conducted = if conductivity.is_empty() {
             self.d.apply(theta)
@@ -411,7 +410,7 @@ impl Discretization {
 
     /// The stored heat and d(θ, ·).
     #[must_use]
-    pub fn thermal_products(&self, theta: &[f64]) -> [List<f64>; 2] {
+    pub fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
         self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
     }
 
@@ -422,7 +421,7 @@ impl Discretization {
         theta: &[f64],
         rest: &mut [f64],
         then: impl Fn(usize, [&[f64]; 2], &mut [f64]) -> T + Sync,
-    ) -> ([List<f64>; 2], List<T>) {
+    ) -> ([Vec<f64>; 2], Vec<T>) {
         if self.conducts_linearly() && self.convection.is_none() {
             return thermal_products([self.storage().1, &self.d], theta, rest, then);
         }
@@ -434,7 +433,7 @@ impl Discretization {
     /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
     /// is empty where K_u may change.
     #[must_use]
-    pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [List<f64>; 4] {
+    pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [Vec<f64>; 4] {
         self.mechanical_products_then([u, w], warmed, &mut [], |_, _, _| ()).0
     }
 
@@ -446,7 +445,7 @@ impl Discretization {
         warmed: &Warmed,
         rest: &mut [f64],
         then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
-    ) -> ([List<f64>; 4], List<T>) {
+    ) -> ([Vec<f64>; 4], Vec<T>) {
         let (_, inertia) = self.inertia();
         let forms = [inertia, &self.a, &self.b];
         let (springs, dashpots) = (self.springs.as_ref(), self.dashpots.as_ref());
@@ -458,10 +457,10 @@ impl Discretization {
         let products = if self.is_linear() {
             [mass_w, a_u, with(a_w, springs, w), b_w]
         } else if let Some([a, b]) = &warmed.forms {
-            [mass_w, with(a_u, Some(a), u), List::new(), with(b_w, Some(b), w)]
+            [mass_w, with(a_u, Some(a), u), Vec::new(), with(b_w, Some(b), w)]
         } else {
             let a_u = self.with_laws(a_u, &self.elasticity, u, warmed.theta);
-            [mass_w, a_u, List::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
+            [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
         };
         let [mass_w, a_u, _, b_w] = &products;
         let made = by_blocks([mass_w, a_u, b_w], rest, then);
@@ -481,7 +480,7 @@ impl Discretization {
 
     /// |a(|u|, ·)| by the sizes of its entries: what terms that cancel are measured by.
     #[must_use]
-    pub fn elastic_sizes(&self, u: &[f64], theta: &[f64]) -> List<f64> {
+    pub fn elastic_sizes(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
         let mut sizes = self.a.magnitude(u);
         if self.softens() {
             let of_laws = self.tangent(&self.elasticity, u, theta).magnitude(u);
@@ -514,7 +513,7 @@ impl Discretization {
         }
     }
 
-    fn with_laws(&self, mut product: List<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> List<f64> {
+    fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> Vec<f64> {
         if !laws.is_empty() {
             let terms = forms::residual(&self.mesh, &borrowed(laws), &self.dilatation, at, theta);
             for (sum, term) in product.iter_mut().zip(terms) {
@@ -534,7 +533,7 @@ impl Discretization {
     #[must_use]
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
         let scale = safe_scale(max_abs(v));
-        let scaled: List<f64> = v.iter().map(|v| scale * v).collect();
+        let scaled: Vec<f64> = v.iter().map(|v| scale * v).collect();
         dot(&scaled, &matrix.apply(&scaled)).max(0.0).sqrt() / scale
     }
 }
@@ -547,7 +546,7 @@ fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {
 }
 
 /// The sum of a product with that of a form at the boundary.
-fn with(mut product: List<f64>, form: Option<&BlockMatrix>, x: &[f64]) -> List<f64> {
+fn with(mut product: Vec<f64>, form: Option<&BlockMatrix>, x: &[f64]) -> Vec<f64> {
     if let Some(form) = form {
         for (sum, term) in product.iter_mut().zip(form.apply(x)) {
             *sum += term;

@@ -47,7 +47,6 @@ pub mod forms;
 pub mod hypotheses;
 pub mod inclusion;
 pub mod linalg;
-pub mod list;
 mod machine;
 pub mod material;
 pub mod mesh;
@@ -63,6 +62,7 @@ pub mod run;
 pub mod scheme;
 pub mod space;
 pub mod tensor;
+pub mod time;
 pub mod units;
 #[cfg(feature = "case")]
 pub mod verify;

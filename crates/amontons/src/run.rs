@@ -12,7 +12,6 @@ use rayon::ThreadPool;
 use crate::discretization::Discretization;
 use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
-use crate::list;
 use crate::machine::Instant;
 use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
@@ -240,7 +239,7 @@ fn drive(
 
     begins(Phase::Steps);
     let failed = loop {
-        if state.step >= problem.steps || interrupted(settings) {
+        if state.step >= problem.timeline.steps() || interrupted(settings) {
             break None;
         }
         let step = Instant::now();
@@ -257,9 +256,8 @@ fn drive(
     };
 
     begins(Phase::Results);
-    list::give_back();
     let last = seen(problem, &*scheme, &state, report.as_ref(), clock.work(before, &*scheme));
-    let outcome = outcome(failed.as_ref(), state.step, problem.steps);
+    let outcome = outcome(failed.as_ref(), state.step, problem.timeline.steps());
     clock.output(|| sinks.iter_mut().try_for_each(|sink| hand_over(*sink, &last, outcome)))?;
     let last = Snapshot { work: clock.work(before, &*scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
@@ -314,7 +312,7 @@ fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -
             report: None,
             work: Work::default(),
             kept: Kept::default(),
-            k: problem.k(),
+            k: problem.timeline.longest(),
             fallback: None,
         });
     };

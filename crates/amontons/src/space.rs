@@ -4,13 +4,13 @@ pub(crate) mod frame;
 pub(crate) mod links;
 pub(crate) mod rigid;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub use frame::Frame;
 pub use rigid::RigidNodes;
 
 use crate::field::Field;
-use crate::list::{Lent, List};
 use crate::mesh::{Link, Links, Mesh, leader, link_of};
 use crate::tensor::{Point, dot, length};
 use rigid::rigid_of;
@@ -252,7 +252,7 @@ impl Space {
 
     /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; whether that changes them.
     pub fn prescribe_rates(&self, t: f64, gamma: f64, bar: &[f64], w: &mut [f64]) -> bool {
-        let (mut values, mut changes) = (List::copied(bar), false);
+        let (mut values, mut changes) = (bar.to_vec(), false);
         self.prescribe(t, &mut values);
         let (values, bar) = (self.in_frames(&values), self.in_frames(bar));
         self.enter(w);
@@ -292,13 +292,13 @@ impl Space {
 
     /// A vector by its components along the directions of the degrees of freedom.
     #[must_use]
-    pub fn in_frames<'v>(&self, values: &'v [f64]) -> Lent<'v, f64> {
+    pub fn in_frames<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
         if self.rigid.is_empty() {
             return frame::entered(&self.frames, self.components, values);
         }
-        let mut values = List::copied(values);
+        let mut values = values.to_vec();
         self.enter(&mut values);
-        Lent::Own(values)
+        Cow::Owned(values)
     }
 
     /// From components along the axes to those along the degrees of freedom.
@@ -337,7 +337,7 @@ impl Space {
 
     /// The entries of prescribed degrees of freedom, in their order.
     #[must_use]
-    pub fn prescribed_of(&self, values: &[f64]) -> List<f64> {
+    pub fn prescribed_of(&self, values: &[f64]) -> Vec<f64> {
         let values = self.in_frames(values);
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }

@@ -9,9 +9,9 @@ use std::time::Instant;
 
 use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
-use amontons::inclusion::Rule;
 use amontons::linalg::{Backend, BlockMatrix, Layout, Multigrid, System, dot};
 use amontons::mesh::Mesh;
+use amontons::time::Rule;
 use serde_json::Value;
 
 use super::{CUBE, Row};
@@ -25,7 +25,7 @@ pub fn measure(n: usize, python: Option<&str>) -> Result<Vec<Row>, Box<dyn Error
     let case = case::parse(&Source::new("cube.toml", CUBE), &[format!("mesh.n={n}")]).map_err(|f| f.to_string())?;
     let problem = case.problem;
     let discrete = Discretization::new(&problem);
-    let matrix = Arc::new(discrete.mechanical_matrix(Rule::backward_euler(problem.k())));
+    let matrix = Arc::new(discrete.mechanical_matrix(Rule::backward_euler(problem.timeline.longest())));
     let layout = Layout::of(&discrete.mesh, &discrete.v, &[]);
     let free = &discrete.v.free;
     let right: Vec<f64> =

@@ -36,7 +36,7 @@ impl Build<'_> {
                 raw::Check::Probe { time, .. } => self.check_time(&path, Some(*time), 0.0),
                 raw::Check::History { column, time, .. } => {
                     self.check_column(&path, column, problem);
-                    self.check_time(&path, *time, problem.k());
+                    self.check_time(&path, *time, problem.timeline.longest());
                 }
                 raw::Check::Order { .. } | raw::Check::Error { .. } if !has_exact => {
                     self.note(
@@ -57,15 +57,16 @@ impl Build<'_> {
 
     /// Notes a time outside the interval for which there are values.
     fn check_time(&mut self, path: &str, time: Option<f64>, first: f64) {
-        let slack = 1e-12 * self.end;
-        if let Some(time) =
-            time.filter(|_| !self.has_other_end).filter(|&time| !(first - slack..=self.end + slack).contains(&time))
+        let slack = 1e-12 * self.timeline.end();
+        if let Some(time) = time
+            .filter(|_| !self.has_other_end)
+            .filter(|&time| !(first - slack..=self.timeline.end() + slack).contains(&time))
         {
             self.note(
                 &format!("{path}.time"),
                 At::Value,
                 time.to_string(),
-                format!("a time from {first} to time.end = {}", self.end),
+                format!("a time from {first} to time.end = {}", self.timeline.end()),
                 None,
             );
         }

@@ -24,6 +24,7 @@ use crate::mesh::{Mesh, Plane, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
+use crate::time::Timeline;
 use crate::units::{System, TemperatureScale};
 
 /// Builds and checks the problem, in a machine with so much memory, where that is known.
@@ -50,8 +51,7 @@ pub(super) fn problem(
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         solver: raw.solver.solver,
-        end: raw.time.end,
-        steps: raw.time.steps,
+        timeline: Timeline::equal(raw.time.end, raw.time.steps),
         inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
         densities: BTreeMap::new(),
         has_other_end,
@@ -72,8 +72,7 @@ pub(super) fn problem(
         name: raw.name,
         system: system(raw.units),
         temperature_scale: notes.scale,
-        end: raw.time.end,
-        steps: raw.time.steps,
+        timeline: build.timeline,
         physics,
         materials,
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
@@ -118,7 +117,7 @@ fn backend(raw: raw::Backend, problem: &ProblemData) -> Arc<dyn Backend> {
 /// Linear laws have one matrix; others have a tangent in each step, and a few where Newton's method over the body is
 /// slow.
 fn workload(problem: &ProblemData) -> Workload {
-    let steps = problem.steps as f64;
+    let steps = problem.timeline.steps() as f64;
     let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
     let joins = |contact: &Contact| contact.pair.is_some() || contact.quadrature != Quadrature::Nodal;
     Workload {
@@ -240,9 +239,8 @@ pub(super) struct Build<'d> {
     pub dim: usize,
     /// How linear systems are solved.
     pub solver: raw::Backend,
-    /// T in s, the number of steps, and whether an override gives T.
-    pub end: f64,
-    pub steps: usize,
+    /// The instants of the run, and whether an override gives T.
+    pub timeline: Timeline,
     pub has_other_end: bool,
     /// Whether densities count.
     pub inertia: Inertia,
@@ -342,7 +340,7 @@ impl Build<'_> {
 
     /// Steps are not so short that their length is no number to divide by.
     fn step(&mut self, time: &raw::Time) {
-        let k = time.end / time.steps as f64;
+        let k = Timeline::equal(time.end, time.steps).longest();
         if !(k.is_normal() && k.recip().is_finite()) {
             self.note(
                 "time.end",

@@ -126,12 +126,7 @@ impl<'a> Sites<'a> {
 impl Build<'_> {
     /// The times at which coefficients that change are looked at; `[0]` for others.
     pub fn times(&self, changes: bool) -> Vec<f64> {
-        if !changes || self.steps == 0 {
-            return vec![0.0];
-        }
-        let every = self.steps.div_ceil(LEVELS).max(1);
-        let t = |n: usize| self.end * (n as f64 / self.steps as f64);
-        (0..self.steps).step_by(every).chain([self.steps]).map(t).collect()
+        if changes { self.timeline.spread(LEVELS) } else { vec![0.0] }
     }
 
     /// A coefficient that is the same at all times, within the limits of its key at all sites.
@@ -186,9 +181,9 @@ impl Build<'_> {
     /// Whether a field has a value somewhere that its key does not admit, which is noted.
     fn is_beyond(&mut self, path: &str, field: &Field, sites: &Sites) -> bool {
         let [first, last] = field.span();
-        if first > 0.0 || last < self.end {
+        if first > 0.0 || last < self.timeline.end() {
             let found = format!("a table from t = {first:?} to t = {last:?}");
-            let expected = format!("values from t = 0 to the end of the run, t = {:?}", self.end);
+            let expected = format!("values from t = 0 to the end of the run, t = {:?}", self.timeline.end());
             let hint = "give more rows, or `extend = \"hold\"` to keep the value at the end";
             self.note(path, At::Value, found, expected, Some(hint));
             return true;

@@ -310,10 +310,10 @@ impl Build<'_> {
     fn check_finite(&mut self, path: &str, field: &Field, points: &[Point]) {
         // Points of a stand-in mesh say nothing, and of times that a table lacks the problem tells.
         let [first, last] = field.span();
-        if self.doubtful.has_in_mesh || first > 0.0 || last < self.end {
+        if self.doubtful.has_in_mesh || first > 0.0 || last < self.timeline.end() {
             return;
         }
-        for t in [0.0, self.end] {
+        for t in [0.0, self.timeline.end()] {
             let values = field.values(points, t);
             if let Some((x, value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
                 let found = format!("the value {value} at {}, t = {t:?}", self.place(x));

@@ -118,7 +118,9 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
     };
     let steps = |steps: usize| format!("time.steps={steps}");
     Ok(match vary {
-        Vary::Both => mesh()?.into_iter().chain([steps(scaled("steps", case.problem.steps, power)?)]).collect(),
+        Vary::Both => {
+            mesh()?.into_iter().chain([steps(scaled("steps", case.problem.timeline.steps(), power)?)]).collect()
+        }
         Vary::Space => mesh()?,
         Vary::Time => vec![steps(level)],
     })

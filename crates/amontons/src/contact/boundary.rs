@@ -9,7 +9,6 @@ use super::{
 };
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
-use crate::list::List;
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
 use crate::quadrature::{Rule, Shape};
 use crate::tensor::Point;
@@ -187,7 +186,7 @@ impl Contact {
 
     /// The gap in m at points of the body at rest: the datum, and the distance to the obstacle.
     #[must_use]
-    pub fn gaps(&self, points: &[Point], t: f64) -> List<f64> {
+    pub fn gaps(&self, points: &[Point], t: f64) -> Vec<f64> {
         let mut gaps = self.gap.values(points, t);
         if let Some(obstacle) = &self.obstacle {
             gaps.iter_mut().zip(points).for_each(|(gap, x)| *gap += obstacle.nearest(x, t).distance);
@@ -323,8 +322,8 @@ impl ContactBoundary {
 
     /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
     #[must_use]
-    pub fn restricted(&self, components: usize, values: &[f64]) -> List<f64> {
-        let mut restricted = List::with_capacity(self.nodes.len() * components);
+    pub fn restricted(&self, components: usize, values: &[f64]) -> Vec<f64> {
+        let mut restricted = Vec::with_capacity(self.nodes.len() * components);
         for &node in &self.nodes {
             restricted.extend_from_slice(&values[node as usize * components..(node as usize + 1) * components]);
         }
@@ -347,7 +346,7 @@ impl ContactBoundary {
     /// The values of a scalar field over all nodes at the contact points, on the side `on` of each contact, whichever
     /// side of a pair bears the points; zero where a point of the other side faces nothing.
     #[must_use]
-    pub fn scalars_on(&self, contacts: &[Contact], values: &[f64]) -> List<f64> {
+    pub fn scalars_on(&self, contacts: &[Contact], values: &[f64]) -> Vec<f64> {
         let at = |point: &PointOnBoundary| {
             let (own, other) = point.nodes.split_at(point.own);
             let sum = |nodes: &[(usize, f64)]| -> f64 {

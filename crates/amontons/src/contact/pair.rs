@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 use super::mortar::{Mortar, Sides};
 use super::{Contact, ContactBoundary, PointOnBoundary, Side};
 
-use crate::list::List;
 use crate::mesh::{FacetSet, Link, Mesh, cross};
 use crate::tensor::Point;
 
@@ -179,8 +178,8 @@ impl ContactBoundary {
         mesh: &Mesh,
         u: &[f64],
         lambda: impl Iterator<Item = Point>,
-    ) -> List<Point> {
-        let mut all = List::filled([0.0; 3], contacts.len());
+    ) -> Vec<Point> {
+        let mut all = vec![[0.0; 3]; contacts.len()];
         for (point, lambda) in self.points.iter().zip(lambda) {
             let Some(pair) = contacts.get(point.contact).and_then(|contact| contact.pair.as_ref()) else { continue };
             let at_rest = self.jump_of(point, mesh);

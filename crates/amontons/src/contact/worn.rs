@@ -18,7 +18,6 @@ use std::collections::BTreeMap;
 use super::boundary::{ContactBoundary, PointOnBoundary};
 use super::{Contact, Pair};
 use crate::element::{Element, ShapeTable};
-use crate::list::List;
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh, leader};
 use crate::quadrature::rule;
 
@@ -50,9 +49,9 @@ struct WornSide {
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Worn {
     /// Depth off each side by vertex, m.
-    pub depths: List<List<f64>>,
+    pub depths: Vec<Vec<f64>>,
     /// Volume off the sides `on` and `with` of each contact, m^d; none of foundations.
-    pub volumes: List<[f64; 2]>,
+    pub volumes: Vec<[f64; 2]>,
 }
 
 impl WornSides {
@@ -88,8 +87,8 @@ impl WornSides {
     /// Nothing worn off.
     #[must_use]
     pub fn fresh(&self) -> Worn {
-        let depths = self.sides.iter().map(|side| List::filled(0.0, side.areas.len())).collect();
-        Worn { depths, volumes: List::filled([0.0; 2], self.of_contact.len()) }
+        let depths = self.sides.iter().map(|side| vec![0.0; side.areas.len()]).collect();
+        Worn { depths, volumes: vec![[0.0; 2]; self.of_contact.len()] }
     }
 
     /// The lengths of the depths of a state.
@@ -142,10 +141,10 @@ impl WornSides {
         contacts: &[Contact],
         boundary: &ContactBoundary,
         worn: &[f64],
-        depths: &[List<f64>],
-    ) -> List<[f64; 2]> {
+        depths: &[Vec<f64>],
+    ) -> Vec<[f64; 2]> {
         if contacts.iter().all(|contact| contact.wear.is_none()) && self.sides.is_empty() {
-            return List::new();
+            return Vec::new();
         }
         let faced = self.faced(contacts, boundary);
         let at = |(i, point): (usize, &PointOnBoundary)| {
@@ -190,7 +189,7 @@ impl WornSides {
 
     /// The depth off a side of a contact at a node, m; none where this side does not wear, or has no such node.
     #[must_use]
-    pub fn depth(&self, contact: usize, is_on: bool, node: u32, depths: &[List<f64>]) -> Option<f64> {
+    pub fn depth(&self, contact: usize, is_on: bool, node: u32, depths: &[Vec<f64>]) -> Option<f64> {
         let side = self.of_contact.get(contact)?[usize::from(!is_on)]?;
         let vertices = self.sides[side].vertices.get(&node)?;
         Some(vertices.iter().map(|&(vertex, value)| value * depths[side][vertex]).sum())
@@ -198,14 +197,14 @@ impl WornSides {
 
     /// The area and the depth of each vertex of a side; none of a side that does not wear.
     #[must_use]
-    pub fn of_side<'a>(&'a self, name: &str, depths: &'a [List<f64>]) -> Option<impl Iterator<Item = (f64, f64)> + 'a> {
+    pub fn of_side<'a>(&'a self, name: &str, depths: &'a [Vec<f64>]) -> Option<impl Iterator<Item = (f64, f64)> + 'a> {
         let side = self.find(name)?;
         Some(self.sides[side].areas.iter().copied().zip(depths.get(side)?.iter().copied()))
     }
 
     /// The largest depth off a side of a contact, m.
     #[must_use]
-    pub fn largest(&self, contact: usize, depths: &[List<f64>]) -> f64 {
+    pub fn largest(&self, contact: usize, depths: &[Vec<f64>]) -> f64 {
         let sides = self.of_contact.get(contact).into_iter().flatten().flatten();
         sides.filter_map(|&side| depths.get(side)).flat_map(|of| of.iter()).fold(0.0, |most, depth| depth.max(most))
     }

@@ -188,10 +188,10 @@ impl Study {
     #[must_use]
     pub fn steps(&self) -> usize {
         let reference = match &self.reference {
-            Reference::Level(level) => level.problem.steps,
+            Reference::Level(level) => level.problem.timeline.steps(),
             Reference::Exact(_) => 0,
         };
-        self.levels.iter().map(|level| level.problem.steps).sum::<usize>() + reference
+        self.levels.iter().map(|level| level.problem.timeline.steps()).sum::<usize>() + reference
     }
 
     /// Solves all levels and compares them.
@@ -216,10 +216,14 @@ impl Study {
     }
 
     fn against(&self, reference: &Level, settings: &StudySettings) -> Result<StudyTable, StudyError> {
-        let steps = reference.problem.steps;
+        let steps = reference.problem.timeline.steps();
         for level in &self.levels {
-            if !steps.is_multiple_of(level.problem.steps) {
-                return Err(StudyError::Times { level: level.level, steps: level.problem.steps, reference: steps });
+            if !steps.is_multiple_of(level.problem.timeline.steps()) {
+                return Err(StudyError::Times {
+                    level: level.level,
+                    steps: level.problem.timeline.steps(),
+                    reference: steps,
+                });
             }
         }
         let trajectories = self.levels.par_iter().map(|level| trajectory(level, settings));
@@ -263,7 +267,7 @@ impl Study {
                 progress(reference.level, n, steps);
             }
             worst.par_iter_mut().enumerate().for_each(|(i, worst)| {
-                let own = self.levels[i].problem.steps;
+                let own = self.levels[i].problem.timeline.steps();
                 if (n * own).is_multiple_of(steps) {
                     worst.take(state.t, transfers[i].errors(&trajectories[i][n * own / steps - 1], &state));
                 }
@@ -296,7 +300,9 @@ impl Study {
 
 /// The states of a level after each step, kept from before or computed.
 fn trajectory(level: &Level, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
-    if let Some(states) = settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.steps) {
+    if let Some(states) =
+        settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.timeline.steps())
+    {
         return Ok(states);
     }
     let mut states = Vec::new();
@@ -352,7 +358,7 @@ impl Worst {
         Row {
             level: level.level,
             h,
-            k: level.problem.k(),
+            k: level.problem.timeline.longest(),
             error_w: w,
             error_u: u,
             error_theta: theta,
@@ -398,11 +404,11 @@ fn walk(
 ) -> Result<(), StudyError> {
     let mut scheme = scheme_of(level, &Arc::new(Discretization::new(&level.problem)), settings)?;
     let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
-    for n in 1..=level.problem.steps {
+    for n in 1..=level.problem.timeline.steps() {
         check(settings)?;
         state = scheme.step(&state).map_err(|source| StudyError::Step { level: level.level, source })?.0;
         if let Some(progress) = settings.progress {
-            progress(level.level, n, level.problem.steps);
+            progress(level.level, n, level.problem.timeline.steps());
         }
         visit(&state)?;
     }

@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use super::ZERO;
 use crate::forms::{self, StrainPoints};
-use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, dot};
-use crate::list::List;
 use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
+use crate::time::Rule;
 
 /// Branches of the body that keep one state.
 ///
@@ -74,7 +73,7 @@ impl Relaxation {
 
     /// The state z_n = (z̄ + γ w_n)/(1 + γ/τ), or that of strains, e_n = (ē + γ ε(w_n))/(1 + γ/τ).
     #[must_use]
-    pub fn step(&self, rule: Rule, bar: &[f64], w: &[f64]) -> List<f64> {
+    pub fn step(&self, rule: Rule, bar: &[f64], w: &[f64]) -> Vec<f64> {
         let gamma = rule.gamma;
         match &self.0 {
             Kind::Same { time, .. } => bar.iter().zip(w).map(|(z, w)| factor(rule, *time) * (z + gamma * w)).collect(),
@@ -92,7 +91,7 @@ impl Relaxation {
 
     /// ∫ 𝓖e:ε(·) of a state.
     #[must_use]
-    pub fn force(&self, state: &[f64]) -> List<f64> {
+    pub fn force(&self, state: &[f64]) -> Vec<f64> {
         match &self.0 {
             Kind::Same { form, .. } => form.apply(state),
             Kind::Varying { mesh, dilatation, springs, .. } => {
@@ -123,7 +122,7 @@ impl Relaxation {
 
     /// The terms of q_n:(ε_n − ε_{n−1}) = [½ e:𝓖e] + (k/τ) e_n:𝓖e_n + ½ Δe:𝓖Δe over a step of length k.
     pub(crate) fn balance(&self, old: &[f64], new: &[f64], k: f64) -> Relaxed {
-        let change: List<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+        let change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
         match &self.0 {
             Kind::Same { time, form } => {
                 let product = dot(new, &form.apply(new));

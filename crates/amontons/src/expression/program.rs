@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use super::derivative::{Partials, partials};
 use super::ops::{Op, Operands, apply, integer_power, small_integer};
 use super::{Derivatives, Variable};
-use crate::list::List;
 
 /// Points evaluated together: enough for the decoding of an instruction to vanish beside its
 /// arithmetic, few enough for the registers of a typical expression to stay in the first cache.
@@ -286,7 +285,7 @@ impl Program {
     }
 
     fn blocks(&self, points: &[[f64; 3]], uniform: &[f64], out: &mut [f64]) {
-        let mut blocks: List<Block> = List::filled([0.0; LANES], self.slots - self.uniform);
+        let mut blocks: Vec<Block> = vec![[0.0; LANES]; self.slots - self.uniform];
         for (points, out) in points.chunks(LANES).zip(out.chunks_mut(LANES)) {
             for &(axis, slot) in &self.axes {
                 for (lane, point) in blocks[slot - self.uniform].iter_mut().zip(points) {
@@ -322,7 +321,7 @@ fn with_slots<S: Copy + Default + Send + 'static, T>(count: usize, run: impl FnO
     if count <= STACK_SLOTS {
         run(&mut [S::default(); STACK_SLOTS][..count])
     } else {
-        run(&mut List::filled(S::default(), count))
+        run(&mut vec![S::default(); count])
     }
 }
 

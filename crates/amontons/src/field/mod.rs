@@ -18,7 +18,6 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::expression::{Derivatives, Expression};
-use crate::list::List;
 use crate::tensor::Point;
 
 /// A scalar function of position and time, in the unit of its quantity.
@@ -143,8 +142,8 @@ impl Field {
 
     /// Values at many points at one time.
     #[must_use]
-    pub fn values(&self, points: &[Point], t: f64) -> List<f64> {
-        let mut out = List::filled(0.0, points.len());
+    pub fn values(&self, points: &[Point], t: f64) -> Vec<f64> {
+        let mut out = vec![0.0; points.len()];
         match self {
             Field::Constant(value) => out.fill(*value),
             Field::Expression(e) => e.values(points, t, &mut out),

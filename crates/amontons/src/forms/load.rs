@@ -4,7 +4,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
-use crate::list::List;
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{BoundaryCondition, Convection, ProblemData, RegionLoad, RigidPart};
 use crate::space::RigidNodes;
@@ -21,10 +20,10 @@ const POINTS: usize = 4096;
 /// A load linear in its data: fixed entries, and terms whose field varies with time.
 #[derive(Debug, Default)]
 pub struct Load {
-    constant: Arc<List<f64>>,
+    constant: Arc<Vec<f64>>,
     varying: Vec<Varying>,
     /// The last load that was made, whose memory the next one takes.
-    last: Mutex<Arc<List<f64>>>,
+    last: Mutex<Arc<Vec<f64>>>,
 }
 
 #[derive(Debug)]
@@ -38,19 +37,19 @@ struct Varying {
 
 impl Load {
     fn new(size: usize) -> Load {
-        Load { constant: Arc::new(List::filled(0.0, size)), ..Load::default() }
+        Load { constant: Arc::new(vec![0.0; size]), ..Load::default() }
     }
 
     /// The load vector at time t, an entry for each degree of freedom in N or W; one and the same where no term varies.
     #[must_use]
-    pub fn at(&self, t: f64) -> Arc<List<f64>> {
+    pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
         if self.varying.is_empty() {
             return Arc::clone(&self.constant);
         }
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         match Arc::get_mut(&mut last) {
             Some(load) => load.clone_from(&self.constant),
-            None => *last = Arc::new(List::clone(&self.constant)),
+            None => *last = Arc::new(Vec::clone(&self.constant)),
         }
         let load = Arc::make_mut(&mut last);
         self.varying.iter().for_each(|term| term.add(t, load));

@@ -70,7 +70,7 @@ fn finite(problem: &Problem) -> Clause {
         .filter(|d| !matches!(d.field, Field::Constant(v) if v.is_finite()))
     {
         let (points, place, field) = (problem.nodes_of(&datum), datum.key, datum.field);
-        for t in [0.0, problem.end] {
+        for t in [0.0, problem.timeline.end()] {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {
                 let message = format!(

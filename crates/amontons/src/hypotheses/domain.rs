@@ -24,7 +24,6 @@ use crate::forms;
 use crate::linalg::{
     Backend, BlockMatrix, Eigenpair, Entry, Graph, Layout, Pencil, Quotient, SolveError, System, Unknowns, dot, largest,
 };
-use crate::list::List;
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
@@ -94,7 +93,7 @@ impl DomainConstants {
 /// When a matrix does not fit into memory, or the prescribed displacements leave a motion without strain.
 pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, SolveError> {
     let graph = Arc::new(Graph::of_mesh(&problem.mesh));
-    constants_on(problem, &forms::inner_h(&problem.mesh, &graph).repeated())
+    constants_on(problem, &forms::inner_h(&problem.mesh, &graph))
 }
 
 /// [`domain_constants`] of a problem with this form (·, ·)_{L²}.
@@ -145,7 +144,7 @@ fn constants_of<const N: usize>(
     if !is_held(on.mass.graph(), space) {
         return Ok((None, [None; N]));
     }
-    let energy = Arc::new(energy().repeated());
+    let energy = Arc::new(energy());
     let nodes = on.contact.map(FacetSet::node_list).unwrap_or_default();
     let mut system = System::new(on.backend, &energy, &Layout::of(on.mesh, space, &nodes))?;
     let mut whole = Quotient { numerator: on.mass, denominator: &energy, system: &mut system };
@@ -246,14 +245,14 @@ impl Pencil for TraceQuotient<'_> {
     fn size(&self) -> usize {
         self.system.condensed().len()
     }
-    fn numerator(&self, x: &[f64]) -> List<f64> {
-        let mut y = List::filled(0.0, x.len());
+    fn numerator(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
         for &(i, j, value) in &self.entries {
             y[i as usize] += value * x[j as usize];
         }
         y
     }
-    fn denominator(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.system.condensed().apply(x)
     }
     fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {

@@ -190,7 +190,7 @@ pub fn are_affordable(problem: &Problem) -> bool {
     }
     let mesh = &problem.mesh;
     let few = [usize::MAX, FEW_IN_PLANE, FEW_IN_SPACE].get(mesh.dim.saturating_sub(1)).copied().unwrap_or_default();
-    mesh.points.len() * mesh.dim <= few || problem.steps >= MANY_STEPS
+    mesh.points.len() * mesh.dim <= few || problem.timeline.steps() >= MANY_STEPS
 }
 
 /// Unknowns of a body in the plane up to which its certificate takes less than 0.1 s.

@@ -260,8 +260,8 @@ impl<'a> Body<'a> {
         let heat = Heat::new(problem, m, mass, &self.theta, c_f);
         let thermal = largest_norm(problem, |m| &m.expansion);
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
-        let k = problem.k();
-        let mut statics = static_answer(&mut system, &load.at(problem.time(1)))?;
+        let k = problem.timeline.longest();
+        let mut statics = static_answer(&mut system, &load.at(problem.timeline.time(1)))?;
         let mut y = (m.density.at(&ANYWHERE) * dot(&self.w, &mass.apply(&self.w))
             + energy(&a, &difference(&self.u, &statics)))
         .max(0.0)
@@ -271,8 +271,8 @@ impl<'a> Body<'a> {
         let (varies, gap_varies) = (loads_vary(problem), contact.gap_depends_on_time());
         let of_every_motion = thermal == 0.0 && problem.contacts.iter().all(at_rest);
         let mut gap = gaps(0.0);
-        for n in 1..=problem.steps {
-            let t = problem.time(n);
+        for n in 1..=problem.timeline.steps() {
+            let t = problem.timeline.time(n);
             if varies && n > 1 {
                 let next = static_answer(&mut system, &load.at(t))?;
                 y += energy(&a, &difference(&next, &statics)).sqrt();
@@ -382,7 +382,7 @@ impl<'a> Heat<'a> {
         Heat {
             problem,
             start: dot(theta, &mass.apply(theta)).max(0.0).sqrt(),
-            rates: [m.heat_capacity.at(&ANYWHERE) / problem.k(), m_d * lambda],
+            rates: [m.heat_capacity.at(&ANYWHERE) / problem.timeline.longest(), m_d * lambda],
             coupling: largest_norm(problem, |m| &m.coupling),
             source: (!varies).then(|| source(problem, 0.0)),
         }

@@ -55,6 +55,5 @@ pub(super) fn some(points: &[Point], count: usize) -> impl Iterator<Item = &Poin
 
 /// The times t_n, at most about `count` of them, the first and the last among them.
 pub(super) fn times(problem: &Problem, count: usize) -> Vec<f64> {
-    let stride = problem.steps.div_ceil(count).max(1);
-    (0..problem.steps).step_by(stride).chain([problem.steps]).map(|n| problem.time(n)).collect()
+    problem.timeline.spread(count)
 }

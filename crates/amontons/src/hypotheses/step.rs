@@ -28,12 +28,12 @@ use super::softening::falls;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::{Discretization, is_fixed};
-use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Entry, Layout, Share, SolveError, System, Tangent, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
 use crate::tensor;
+use crate::time::Rule;
 use crate::units::{Measure, Units};
 
 /// Share of the diagonal that a matrix must exceed to count as positive definite: far above the round-off of a factor.
@@ -141,7 +141,7 @@ impl<'a> Step<'a> {
     /// With K_u = ρM/k + B + kA.
     fn at(&self, k: f64) -> At<'_> {
         let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
-        At { step: self, k, less: Arc::new(less_margin(matrix).repeated()), system: None }
+        At { step: self, k, less: Arc::new(less_margin(matrix)), system: None }
     }
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
@@ -361,7 +361,7 @@ fn prepare<'a>(problem: &'a Problem, discrete: &Arc<Discretization>, id: Finding
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material")));
     }
     let step = Step::new(problem, discrete, &losses);
-    match step.heat_is_definite(problem.k()) {
+    match step.heat_is_definite(problem.timeline.longest()) {
         Ok(true) => Ok(step),
         Ok(false) => {
             let message = "the heat equation of a step is not positive definite, and the theory does not say how many solutions it has";
@@ -414,7 +414,7 @@ pub(super) fn unique(problem: &Problem, discrete: &Arc<Discretization>) -> Findi
 }
 
 fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
-    let k = step.problem.k();
+    let k = step.problem.timeline.longest();
     let needed = step.loss * k;
     let mut at = step.at(k);
     let holds = at.dominates(step.loss)?;
@@ -430,7 +430,7 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
             id,
             [below, needed],
             step.with_speed,
-            step.problem.steps as f64,
+            step.problem.timeline.steps() as f64,
             step.problem.units(),
         )));
     }
@@ -462,7 +462,9 @@ pub(super) fn time_step(
 ) -> Finding {
     let id = FindingId::TimeStep;
     match unique {
-        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => enough(problem, problem.steps as f64),
+        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => {
+            enough(problem, problem.timeline.steps() as f64)
+        }
         // Without numbers it is what `prepare` says, of this as of that.
         Some(told @ Finding { status: FindingStatus::Holds, .. }) => Finding { id, ..told.clone() },
         _ => prepare(problem, &forms(), id)
@@ -472,25 +474,25 @@ pub(super) fn time_step(
 
 /// So many steps ensure that each has one solution.
 fn enough(problem: &Problem, steps: f64) -> Finding {
-    let is_enough = steps <= problem.steps as f64;
-    let (k, unit) = (problem.end / steps, suffix(problem.units(), Measure::Time));
+    let is_enough = steps <= problem.timeline.steps() as f64;
+    let (k, unit) = (problem.timeline.end() / steps, suffix(problem.units(), Measure::Time));
     let message = if is_enough {
         format!("with {steps} steps, k = {k:.6e}{unit}, each step has one solution")
     } else {
         format!(
             "with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}",
-            problem.steps
+            problem.timeline.steps()
         )
     };
     Finding::new(FindingId::TimeStep, FindingStatus::of(is_enough), message, "time.steps")
-        .numbers(Some(problem.steps as f64), Some(steps))
+        .numbers(Some(problem.timeline.steps() as f64), Some(steps))
         .repair(format!("time.steps = {steps}"))
 }
 
 fn search(step: &Step) -> Result<Finding, SolveError> {
     let (id, problem) = (FindingId::TimeStep, step.problem);
-    let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
-    let k = |doubling: u32| problem.end / steps(doubling);
+    let steps = |doubling: u32| problem.timeline.steps() as f64 * f64::from(1u32 << doubling);
+    let k = |doubling: u32| problem.timeline.end() / steps(doubling);
     let mut doubling = 0;
     let mut at = step.at(k(0));
     let mut found = at.dominates(step.loss)?;
@@ -508,7 +510,7 @@ fn search(step: &Step) -> Result<Finding, SolveError> {
     if !found {
         let message = "no number of steps was found that ensures one solution of a step";
         return Ok(Finding::new(id, FindingStatus::NotCovered, message, "time.steps")
-            .numbers(Some(problem.steps as f64), None)
+            .numbers(Some(problem.timeline.steps() as f64), None)
             .repair("inertia, viscosity, a smaller coefficient of friction, or a law that softens less"));
     }
     let (steps, k) = (steps(doubling), k(doubling));
@@ -517,5 +519,5 @@ fn search(step: &Step) -> Result<Finding, SolveError> {
     }
     let numbers = [at.least()?.below, step.loss * k];
     Ok(up_to_a_pressure(id, numbers, step.with_speed, steps, problem.units())
-        .numbers(Some(problem.steps as f64), Some(steps)))
+        .numbers(Some(problem.timeline.steps() as f64), Some(steps)))
 }

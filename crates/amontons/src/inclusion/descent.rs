@@ -19,7 +19,6 @@ use super::point::{Laws, Multiplier};
 use super::{Failure, ITERATIONS, STIFF};
 use crate::contact::GraphKind;
 use crate::linalg::{Condensed, SolveError, Tangent, dot, max_abs};
-use crate::list::List;
 
 /// Share of the diagonal of S that holds a body that nothing holds.
 const HOLD: f64 = 1.0 / STIFF;
@@ -55,12 +54,12 @@ impl Mechanical<'_> {
 
     /// The minimum of the energy, or what is reached of it, and the Newton iterations. Layers are taken as softer than
     /// they are at first: then few points open and close in each iteration, however stiff the layers are.
-    pub(super) fn descend(&self, condensed: &mut dyn Condensed, right: &Right) -> Result<(List<f64>, usize), Failure> {
-        let mut reached = (List::copied(right.guess), 0);
+    pub(super) fn descend(&self, condensed: &mut dyn Condensed, right: &Right) -> Result<(Vec<f64>, usize), Failure> {
+        let mut reached = (right.guess.to_vec(), 0);
         for soft in SOFTENED.map(Some).into_iter().filter(|soft| self.is_softer(*soft)).chain([None]) {
             reached = self.descend_from(condensed, right, reached, soft)?;
         }
-        Ok(if reached.0.iter().all(|w| w.is_finite()) { reached } else { (List::copied(right.guess), reached.1) })
+        Ok(if reached.0.iter().all(|w| w.is_finite()) { reached } else { (right.guess.to_vec(), reached.1) })
     }
 
     /// Whether a layer in series makes one of the layers much softer.
@@ -80,9 +79,9 @@ impl Mechanical<'_> {
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,
-        (mut w, before): (List<f64>, usize),
+        (mut w, before): (Vec<f64>, usize),
         soft: Option<f64>,
-    ) -> Result<(List<f64>, usize), Failure> {
+    ) -> Result<(Vec<f64>, usize), Failure> {
         let mut now = self.gradient(condensed, right, &w, soft)?;
         let (mut least, mut stalled) = (f64::INFINITY, 0);
         let enough = if soft.is_some() { NEAR } else { FOUND };
@@ -107,9 +106,9 @@ impl Mechanical<'_> {
 
     /// Newton's direction; none where there is none that leads down. A direction that does not is what round-off makes
     /// of a matrix that nothing holds, and of which a pivot was not exactly zero.
-    fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<List<f64>>, SolveError> {
+    fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
         let mut curvature = self.curvature(now);
-        let against = || now.f.iter().map(|f| -f).collect::<List<f64>>();
+        let against = || now.f.iter().map(|f| -f).collect::<Vec<f64>>();
         let leads_down = |step: &[f64]| dot(&now.f, step) < 0.0;
         let mut step = against();
         match condensed.solve(&curvature, &mut step, ACCURACY) {
@@ -140,7 +139,7 @@ impl Mechanical<'_> {
         let (mut low, mut high, mut alpha) = (0.0, f64::INFINITY, 1.0);
         let far = self.far() / max_abs(step);
         for _ in 0..SEARCH {
-            let there: List<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
+            let there: Vec<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
             let gradient = self.gradient(condensed, right, &there, soft)?;
             let share = dot(&gradient.f, step) / start.abs();
             if (ENOUGH[0]..=ENOUGH[1]).contains(&share) {
@@ -173,12 +172,12 @@ impl Mechanical<'_> {
     ) -> Result<Gradient, SolveError> {
         let free = Multiplier::default();
         let laws = self.at_points(|i| self.laws_with(i, w, &free, self.in_energy(i, soft)));
-        let increment: List<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
+        let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let mut f = right.product(condensed, increment)?;
         right.springs.iter().for_each(|spring| spring.add(spring.motion(w), &mut f));
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);
-        let mut forces = List::filled(0.0, w.len());
+        let mut forces = vec![0.0; w.len()];
         for (i, laws) in laws.iter().enumerate() {
             let [q1, q2] = laws.friction.slip.map(|slip| self.drag(i) * slip);
             self.interface.scatter(i, &[laws.normal.pressed, q1, q2], &mut forces);
@@ -203,7 +202,7 @@ impl Mechanical<'_> {
     }
 
     /// The multipliers that go with the minimum of the energy.
-    pub(super) fn at_minimum(&self, w: &[f64], sticks: &[bool]) -> List<Multiplier> {
+    pub(super) fn at_minimum(&self, w: &[f64], sticks: &[bool]) -> Vec<Multiplier> {
         let of = |i: usize| {
             let free = Multiplier { sticks: sticks[i], ..Multiplier::default() };
             Multiplier { p: self.laws_with(i, w, &free, self.in_energy(i, None)).normal.pressed, ..free }
@@ -238,7 +237,7 @@ impl Mechanical<'_> {
 
 /// Where a search has ended.
 enum Searched {
-    Found(List<f64>, Box<Gradient>),
+    Found(Vec<f64>, Box<Gradient>),
     Lost,
     /// The energy falls for ever: the body leaves what could hold it.
     Escapes,
@@ -246,7 +245,7 @@ enum Searched {
 
 /// F at a velocity, its largest term, and the contact points.
 struct Gradient {
-    f: List<f64>,
+    f: Vec<f64>,
     scale: f64,
-    laws: List<Laws>,
+    laws: Vec<Laws>,
 }

@@ -20,7 +20,6 @@ use faer::linalg::solvers::Solve;
 use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::{Failure, Frame, Solved};
 use crate::linalg::Condensed;
-use crate::list::List;
 use crate::tensor::{Point, dot};
 
 /// Relative error of a force that is as small as the round-off of a step, and one that is accepted where the round-off
@@ -61,7 +60,7 @@ pub struct Drives<'a> {
     /// Each of them.
     pub all: &'a [Drive],
     /// The foundation at the contact points with each δ grown by these lengths.
-    pub frames: &'a (dyn Fn(&[f64]) -> List<Frame> + Sync),
+    pub frames: &'a (dyn Fn(&[f64]) -> Vec<Frame> + Sync),
 }
 
 /// What a try has found.
@@ -135,7 +134,7 @@ impl Tries<'_> {
         let [r, guess] = self.right;
         let solved = step.solve(self.condensed, r, guess, &mut multipliers)?;
         self.iterations += solved.iterations;
-        let w: List<f64> = guess.iter().zip(&solved.x).map(|(value, change)| value + change).collect();
+        let w: Vec<f64> = guess.iter().zip(&solved.x).map(|(value, change)| value + change).collect();
         let states = step.states(self.condensed, &w, &multipliers);
         let n = lengths.len();
         let mut tried = Tried {

@@ -11,7 +11,6 @@ use super::{Failure, ITERATIONS, STIFF, Solved};
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, Status, arrays};
 use crate::linalg::{Condensed, Tangent};
-use crate::list::List;
 use crate::tensor::{dot, length};
 
 /// What is known of a heat step on Γ_C before it is solved.
@@ -49,23 +48,23 @@ pub struct Lumped {
 #[derive(Clone, Debug, Default)]
 pub struct Exchange {
     /// Temperature of the body that bears each point, K.
-    pub temperature: List<f64>,
+    pub temperature: Vec<f64>,
     /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair.
-    pub opposite: List<f64>,
+    pub opposite: Vec<f64>,
     /// Heat flux q·ν at each point, of the side that bears it.
-    pub flux: List<Flux>,
+    pub flux: Vec<Flux>,
     /// Power of friction that enters both bodies of a pair, W/m².
-    pub rubbed: List<f64>,
+    pub rubbed: Vec<f64>,
     /// θ_F of each foundation with a heat capacity; none where it is prescribed.
-    pub foundation: List<Option<f64>>,
+    pub foundation: Vec<Option<f64>>,
     /// Heat that passes each contact, W.
-    pub passed: List<Passed>,
+    pub passed: Vec<Passed>,
 }
 
 impl Exchange {
     /// The temperature of the side `on` at each point, K.
     #[must_use]
-    pub fn temperatures_on(&self, contacts: &[Contact], boundary: &ContactBoundary) -> List<f64> {
+    pub fn temperatures_on(&self, contacts: &[Contact], boundary: &ContactBoundary) -> Vec<f64> {
         let sides = boundary.points.iter().zip(self.temperature.iter().zip(&self.opposite));
         sides.map(|(point, (own, other))| if contacts[point.contact].sign() > 0.0 { *own } else { *other }).collect()
     }
@@ -84,7 +83,7 @@ struct Thermal<'a> {
     step: &'a HeatStep<'a>,
     interface: Interface,
     /// λ of each point in K m²/W; zero where nothing is unknown.
-    lambda: List<f64>,
+    lambda: Vec<f64>,
 }
 
 /// The law of one point at an iterate.
@@ -176,7 +175,7 @@ impl HeatStep<'_> {
         let lambda = rho.iter().map(|rho| if *rho > 0.0 { rho.recip() } else { 0.0 }).collect();
         let term = Thermal { step: self, interface, lambda };
         let right = Right { r, guess, proximal: None, is_repeated: false, springs: &[], rigid: None, pulse: None };
-        let start = Iterate { x: List::copied(guess), multipliers: term.start(guess) };
+        let start = Iterate { x: guess.to_vec(), multipliers: term.start(guess) };
         let outcome = iterate(
             &term,
             condensed,
@@ -197,7 +196,7 @@ impl HeatStep<'_> {
     #[must_use]
     pub fn tangent(&self, exchange: &Exchange) -> Tangent {
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
-        let slopes: List<[f64; 2]> =
+        let slopes: Vec<[f64; 2]> =
             exchange.flux.iter().map(|flux| [flux.by_temperature, flux.by_foundation]).collect();
         self.tangent_of(&interface, &slopes)
     }
@@ -218,7 +217,7 @@ impl HeatStep<'_> {
         for (side, lumped) in self.lumped.iter().enumerate() {
             let Some(lumped) = lumped else { continue };
             let slope = lumped.slope(interface, side, slopes);
-            let (mut by_foundation, mut by_body): (List<(u32, f64)>, List<(u32, f64)>) = Default::default();
+            let (mut by_foundation, mut by_body): (Vec<(u32, f64)>, Vec<(u32, f64)>) = Default::default();
             for (i, [of_body, of_foundation]) in
                 slopes.iter().enumerate().filter(|(i, _)| interface.rows[*i].contact == side)
             {
@@ -243,7 +242,7 @@ impl Lumped {
 
 impl Thermal<'_> {
     /// θ_F of each foundation with a heat capacity, by its balance at the fluxes Q.
-    fn foundations(&self, flux: &[f64]) -> List<Option<f64>> {
+    fn foundations(&self, flux: &[f64]) -> Vec<Option<f64>> {
         let of = |(side, lumped): (usize, &Option<Lumped>)| {
             let Lumped { storage, before, exchange, surroundings } = (*lumped)?;
             let rows = self.interface.rows.iter().enumerate().filter(|(_, row)| row.contact == side);
@@ -286,7 +285,7 @@ impl Thermal<'_> {
         Law { temperature, foundation, flux, passed, softening: 1.0 / (1.0 + lambda * law.by_temperature), curve: law }
     }
 
-    fn laws_at(&self, theta: &[f64], flux: &[f64]) -> List<Law> {
+    fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<Law> {
         let foundations = self.foundations(flux);
         let of = |i: usize| {
             let side = self.interface.rows[i].contact;
@@ -298,14 +297,14 @@ impl Thermal<'_> {
     }
 
     /// Fluxes to start from: H of a small conductance, and that through the body of a large one.
-    fn start(&self, theta: &[f64]) -> List<f64> {
-        self.laws_at(theta, &List::filled(0.0, self.interface.len())).iter().map(|law| law.passed).collect()
+    fn start(&self, theta: &[f64]) -> Vec<f64> {
+        self.laws_at(theta, &vec![0.0; self.interface.len()]).iter().map(|law| law.passed).collect()
     }
 
     /// The exchange at a solution.
     fn exchange(&self, theta: &[f64], flux: &[f64]) -> Exchange {
         let laws = self.laws_at(theta, flux);
-        let temperatures: List<[f64; 2]> = laws.iter().map(|law| [law.temperature, law.foundation]).collect();
+        let temperatures: Vec<[f64; 2]> = laws.iter().map(|law| [law.temperature, law.foundation]).collect();
         Exchange {
             passed: self.step.passed(flux, &temperatures),
             temperature: laws.iter().map(|law| law.temperature).collect(),
@@ -318,7 +317,7 @@ impl Thermal<'_> {
 
     /// Σ ω of the fluxes of the linearised laws that a foundation receives beyond Q at an unchanged temperature of the
     /// body and of itself, over the slope of its balance: by how much θ_F changes. `beyond` is by point.
-    fn warming(&self, slopes: &[[f64; 2]], beyond: &[f64]) -> List<f64> {
+    fn warming(&self, slopes: &[[f64; 2]], beyond: &[f64]) -> Vec<f64> {
         let of = |(side, lumped): (usize, &Option<Lumped>)| {
             let Some(lumped) = lumped else { return 0.0 };
             let rows = self.interface.rows.iter().zip(beyond).filter(|(row, _)| row.contact == side);
@@ -329,24 +328,24 @@ impl Thermal<'_> {
 }
 
 impl Term for Thermal<'_> {
-    type Multipliers = List<f64>;
-    type Laws = List<Law>;
+    type Multipliers = Vec<f64>;
+    type Laws = Vec<Law>;
 
-    fn laws(&self, x: &[f64], multipliers: &List<f64>) -> List<Law> {
+    fn laws(&self, x: &[f64], multipliers: &Vec<f64>) -> Vec<Law> {
         self.laws_at(x, multipliers)
     }
 
-    fn forces(&self, laws: &List<Law>, out: &mut [f64]) {
+    fn forces(&self, laws: &Vec<Law>, out: &mut [f64]) {
         for (i, law) in laws.iter().enumerate() {
             self.interface.scatter(i, &self.step.both(i, law.flux), out);
         }
     }
 
-    fn defects(&self, laws: &List<Law>) -> List<f64> {
+    fn defects(&self, laws: &Vec<Law>) -> Vec<f64> {
         self.interface.rows.iter().zip(laws).map(|(row, law)| row.weight * (law.flux - law.passed)).collect()
     }
 
-    fn round_off(&self, _x: &[f64], laws: &List<Law>) -> f64 {
+    fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
         // The flux into a body of prescribed temperature is given, but for a foundation that it warms.
         let matters = |i: usize| {
             let lumped = self.step.lumped.get(self.interface.rows[i].contact);
@@ -359,10 +358,10 @@ impl Term for Thermal<'_> {
         laws.iter().enumerate().filter(|(i, _)| matters(*i)).map(of).fold(0.0, f64::max)
     }
 
-    fn linearise(&self, laws: &List<Law>, right: &mut [f64]) -> Tangent {
-        let linear: List<[f64; 3]> = laws.iter().map(Law::linear).collect();
-        let slopes: List<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
-        let beyond: List<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
+    fn linearise(&self, laws: &Vec<Law>, right: &mut [f64]) -> Tangent {
+        let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
+        let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
+        let beyond: Vec<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);
         for (i, [value, _, by_foundation]) in linear.iter().enumerate() {
             let flux = value + by_foundation * warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
@@ -371,10 +370,10 @@ impl Term for Thermal<'_> {
         self.step.tangent_of(&self.interface, &slopes)
     }
 
-    fn after(&self, laws: &List<Law>, _before: &List<f64>, step: &[f64]) -> List<f64> {
-        let linear: List<[f64; 3]> = laws.iter().map(Law::linear).collect();
-        let slopes: List<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
-        let after: List<f64> = linear
+    fn after(&self, laws: &Vec<Law>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {
+        let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
+        let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
+        let after: Vec<f64> = linear
             .iter()
             .enumerate()
             .map(|(i, [value, body, other])| {
@@ -383,7 +382,7 @@ impl Term for Thermal<'_> {
                 if self.step.is_pair(i) { after - other * change[1] } else { after }
             })
             .collect();
-        let beyond: List<f64> = after.iter().zip(laws).map(|(after, law)| after - law.flux).collect();
+        let beyond: Vec<f64> = after.iter().zip(laws).map(|(after, law)| after - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);
         let warming = |i: usize| warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
         after
@@ -394,15 +393,15 @@ impl Term for Thermal<'_> {
             .collect()
     }
 
-    fn towards(from: &List<f64>, to: &List<f64>, alpha: f64) -> List<f64> {
+    fn towards(from: &Vec<f64>, to: &Vec<f64>, alpha: f64) -> Vec<f64> {
         from.iter().zip(to).map(|(a, b)| a + alpha * (b - a)).collect()
     }
 
-    fn settled(&self, _x: &[f64], laws: &List<Law>, _multipliers: List<f64>) -> List<f64> {
+    fn settled(&self, _x: &[f64], laws: &Vec<Law>, _multipliers: Vec<f64>) -> Vec<f64> {
         laws.iter().map(|law| law.passed).collect()
     }
 
-    fn states(&self, _laws: &List<Law>) -> List<Status> {
-        List::new()
+    fn states(&self, _laws: &Vec<Law>) -> Vec<Status> {
+        Vec::new()
     }
 }

@@ -12,7 +12,6 @@ use std::ops::Range;
 
 use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Share, Tangent, Turn};
-use crate::list::List;
 use crate::mesh::{cross, leader};
 use crate::space::Space;
 use crate::space::rigid::rigid_of;
@@ -77,12 +76,12 @@ impl Row {
 #[derive(Clone, Debug)]
 pub struct Interface {
     /// The rows, one per contact point.
-    pub rows: List<Row>,
+    pub rows: Vec<Row>,
     /// The entries of all rows, one row after the other: unknowns on Γ_C with what each adds to the components of the
     /// jump.
-    entries: List<Share>,
+    entries: Vec<Share>,
     /// Nodes whose unknowns are taken in another basis than the axes of space.
-    pub turns: List<Turn>,
+    pub turns: Vec<Turn>,
     /// Number of components of an unknown at a node.
     components: usize,
 }
@@ -101,18 +100,18 @@ impl Interface {
     ) -> Interface {
         let dim = space.components;
         // Nodes of which one follows the other have the same unknowns.
-        let leaders: List<u32> = boundary.nodes.iter().map(|&node| leader(&space.links, node)).collect();
+        let leaders: Vec<u32> = boundary.nodes.iter().map(|&node| leader(&space.links, node)).collect();
         let shared = |node: usize| boundary.nodes.binary_search(&leaders[node]).unwrap_or(node);
-        let mut of_leader = List::filled(0usize, boundary.nodes.len());
+        let mut of_leader = vec![0usize; boundary.nodes.len()];
         for &(node, _) in boundary.points.iter().flat_map(|point| &point.nodes) {
             of_leader[shared(node)] += 1;
         }
-        let seen: List<usize> = (0..boundary.nodes.len()).map(|node| of_leader[shared(node)]).collect();
+        let seen: Vec<usize> = (0..boundary.nodes.len()).map(|node| of_leader[shared(node)]).collect();
         let count = boundary.points.len();
         let on_nodes = OnNodes { unknown, prescribed, space, nodes: &boundary.nodes };
-        let (mut rows, mut turns) = (List::with_capacity(count), List::with_capacity(count));
+        let (mut rows, mut turns) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut entries =
-            List::with_capacity(dim * boundary.points.iter().map(|point| point.nodes.len()).sum::<usize>());
+            Vec::with_capacity(dim * boundary.points.iter().map(|point| point.nodes.len()).sum::<usize>());
         for (point, normal) in boundary.points.iter().zip(normals) {
             let basis = basis_at(point, &boundary.nodes, normal, space);
             let is_turned = |point: &PointOnBoundary| {
@@ -130,7 +129,7 @@ impl Interface {
     /// of a pair with the opposite sign the second.
     #[must_use]
     pub fn of_scalars(boundary: &ContactBoundary, unknown: &[Option<u32>], prescribed: &[f64]) -> Interface {
-        let mut entries = List::with_capacity(boundary.points.iter().map(|point| point.nodes.len()).sum());
+        let mut entries = Vec::with_capacity(boundary.points.iter().map(|point| point.nodes.len()).sum());
         let row = |point: &PointOnBoundary| {
             let (first, mut fixed) = (entries.len(), [0.0; 3]);
             for (i, &(node, value)) in point.nodes.iter().enumerate() {
@@ -146,7 +145,7 @@ impl Interface {
         let rows = boundary.points.iter().map(row).collect();
         let has_pairs = boundary.points.iter().any(|point| point.own < point.nodes.len());
         let components = if has_pairs { 2 } else { 1 };
-        Interface { rows, entries, turns: List::new(), components }
+        Interface { rows, entries, turns: Vec::new(), components }
     }
 
     /// Number of contact points.
@@ -168,16 +167,16 @@ impl Interface {
 
     /// A vector over the unknowns on Γ_C in the bases of the nodes.
     #[must_use]
-    pub fn turned(&self, x: &[f64]) -> List<f64> {
-        let mut x = List::copied(x);
+    pub fn turned(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
         self.turns.iter().for_each(|turn| turn.forward(&mut x));
         x
     }
 
     /// The same vector in the axes of space again.
     #[must_use]
-    pub fn back(&self, x: &[f64]) -> List<f64> {
-        let mut x = List::copied(x);
+    pub fn back(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
         self.turns.iter().for_each(|turn| turn.back(&mut x));
         x
     }
@@ -265,8 +264,8 @@ impl Interface {
         space: Option<&Space>,
         unknown: &[Option<u32>],
         diagonal: &[f64],
-    ) -> List<f64> {
-        let mut weight = List::filled(0.0, boundary.nodes.len());
+    ) -> Vec<f64> {
+        let mut weight = vec![0.0; boundary.nodes.len()];
         for point in &boundary.points {
             for &(node, value) in &point.nodes {
                 weight[node] += point.weight * value.abs();
@@ -330,8 +329,8 @@ struct OnNodes<'a> {
 
 /// The degrees of freedom that move a contact node, by their numbers in lists by contact node and motion of rigid
 /// bodies, with what they move it by; without a space that of a scalar.
-fn degrees(space: Option<&Space>, nodes: &[u32], node: usize) -> List<(usize, Point)> {
-    let Some(space) = space else { return List::filled((node, [1.0, 0.0, 0.0]), 1) };
+fn degrees(space: Option<&Space>, nodes: &[u32], node: usize) -> Vec<(usize, Point)> {
+    let Some(space) = space else { return vec![(node, [1.0, 0.0, 0.0])] };
     let n = space.components;
     let Some((body, position)) = rigid_of(&space.rigid, nodes[node]) else {
         let directions = space.directions(nodes[node]);
@@ -348,7 +347,7 @@ fn vector_row(
     basis: [Point; 3],
     turn: Option<&Turn>,
     on_nodes: &OnNodes,
-    entries: &mut List<Share>,
+    entries: &mut Vec<Share>,
 ) -> Row {
     let OnNodes { unknown, prescribed, space, nodes } = *on_nodes;
     let dim = space.components;

@@ -24,7 +24,6 @@ use super::interface::{Interface, Local};
 use super::mechanical::MechanicalStep;
 use crate::contact::{Contact, ContactBoundary, Pair, PointOnBoundary};
 use crate::linalg::Spring;
-use crate::list::List;
 use crate::mesh::Mesh;
 use crate::rigid::{Motion, doubts};
 use crate::space::rigid::rigid_of;
@@ -43,7 +42,7 @@ pub struct Loose {
     /// The motions, orthonormal on the contact nodes.
     pub motions: Vec<Motion>,
     /// Their values at the unknowns of the contact nodes, in the directions of these.
-    columns: Vec<List<(u32, f64)>>,
+    columns: Vec<Vec<(u32, f64)>>,
     /// The part of each contact node, where it is, and how well its normal is known.
     nodes: Vec<Node>,
     /// The part of each node of the mesh, and the first and the number of the motions of each part.
@@ -151,8 +150,8 @@ impl Loose {
     }
 
     /// A sum of motions over the unknowns that are kept, `size` of them.
-    fn vector(&self, a: &[f64], size: usize) -> List<f64> {
-        let mut vector = List::filled(0.0, size);
+    fn vector(&self, a: &[f64], size: usize) -> Vec<f64> {
+        let mut vector = vec![0.0; size];
         for (column, factor) in self.columns.iter().zip(a).filter(|(_, factor)| **factor != 0.0) {
             for &(unknown, value) in column {
                 if let Some(entry) = vector.get_mut(unknown as usize) {
@@ -192,7 +191,7 @@ fn part_of(mesh: &Mesh) -> Vec<u32> {
 }
 
 /// Sums of motions that are orthonormal on their columns; those without values there are left out.
-fn orthonormal(motions: &[Motion], columns: &[Vec<(u32, f64)>]) -> (Vec<Motion>, Vec<List<(u32, f64)>>) {
+fn orthonormal(motions: &[Motion], columns: &[Vec<(u32, f64)>]) -> (Vec<Motion>, Vec<Vec<(u32, f64)>>) {
     let n = motions.len();
     if n == 0 {
         return (Vec::new(), Vec::new());
@@ -223,10 +222,10 @@ pub(super) type Resists = [Local; 3];
 pub(super) struct Jumps {
     loose: Arc<Loose>,
     /// N_i Z of each point by its motions, and what the mesh does not know of it.
-    points: List<Vec<(u32, Local)>>,
-    doubts: List<Doubt>,
+    points: Vec<Vec<(u32, Local)>>,
+    doubts: Vec<Doubt>,
     /// The motions over the unknowns in the bases of the nodes, orthonormal.
-    columns: Vec<List<(u32, f64)>>,
+    columns: Vec<Vec<(u32, f64)>>,
     /// Largest value of a motion at an unknown, and the number of unknowns of the contact nodes.
     size: f64,
     covers: usize,
@@ -245,9 +244,9 @@ struct Doubt {
 #[derive(Clone, Debug)]
 pub(super) struct Free {
     /// It as a sum of the motions.
-    pub a: List<f64>,
+    pub a: Vec<f64>,
     /// Over the unknowns, in the bases of the nodes.
-    pub vector: List<f64>,
+    pub vector: Vec<f64>,
     /// Whether no point moves along a direction in which it resists; else it is in doubt.
     pub is_exact: bool,
 }
@@ -257,8 +256,8 @@ impl Jumps {
     pub fn new(step: &MechanicalStep, interface: &Interface, size: usize) -> Jumps {
         let MechanicalStep { loose, boundary, contacts, u_bar, dim, .. } = *step;
         let count = loose.motions.len();
-        let mut points = List::filled(Vec::new(), interface.len());
-        let unit = |k: usize| -> List<f64> { (0..count).map(|j| f64::from(u8::from(j == k))).collect() };
+        let mut points = vec![Vec::new(); interface.len()];
+        let unit = |k: usize| -> Vec<f64> { (0..count).map(|j| f64::from(u8::from(j == k))).collect() };
         let (mut most, mut columns) = (0.0, Vec::new());
         for k in 0..count {
             let column = interface.turned(&loose.vector(&unit(k), size));
@@ -307,7 +306,7 @@ impl Jumps {
         (in_doubt, size): (bool, usize),
     ) -> Vec<Free> {
         let n = self.loose.motions.len();
-        let resists: List<Resists> = (0..self.points.len()).map(resists).collect();
+        let resists: Vec<Resists> = (0..self.points.len()).map(resists).collect();
         let mut matrix = Mat::<f64>::zeros(n, n);
         let mut add = |terms: &[(usize, f64)], sign: f64| {
             for &(i, a) in terms {
@@ -332,7 +331,7 @@ impl Jumps {
         let most = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let found =
             (0..n).filter(|&k| values[k] <= CANDIDATE * most).map(|k| eigen.U().col(k).iter().copied().collect());
-        let made = found.filter_map(|mut a: List<f64>| {
+        let made = found.filter_map(|mut a: Vec<f64>| {
             // What the loads do along motions that are in it by round-off is none of it.
             a.iter_mut().filter(|a| a.abs() < CANDIDATE).for_each(|a| *a = 0.0);
             let moves = self.moves(&resists, &a);
@@ -386,7 +385,7 @@ impl Jumps {
 
     /// The part of a vector over the unknowns, in the axes of space, that is a sum of the motions.
     pub fn motion_of(&self, x: &[f64]) -> Vec<f64> {
-        let of = |column: &List<(u32, f64)>| column.iter().map(|(at, value)| value * x[*at as usize]).sum();
+        let of = |column: &Vec<(u32, f64)>| column.iter().map(|(at, value)| value * x[*at as usize]).sum();
         self.loose.columns.iter().map(of).collect()
     }
 
@@ -462,7 +461,7 @@ impl Jumps {
     pub fn spring(free: &Free, scale: &[f64]) -> Spring {
         let of = |(at, (value, scale)): (usize, (&f64, &f64))| (at as u32, *value, scale * value * value);
         let entries = free.vector.iter().zip(scale).enumerate().filter(|(_, (value, _))| **value != 0.0).map(of);
-        let (mut vector, mut stiffness) = (List::new(), 0.0);
+        let (mut vector, mut stiffness) = (Vec::new(), 0.0);
         for (at, value, part) in entries {
             vector.push((at, value));
             stiffness += part;

@@ -10,15 +10,14 @@ use super::loose::Loose;
 use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
-use super::rule::Rule;
 use super::settle::{Holds, resisting};
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
-use crate::list::List;
 use crate::pulse::Pulse;
 use crate::space::Space;
 use crate::tensor::{Point, dot, given, length};
+use crate::time::Rule;
 
 /// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is
 /// 1 + λ G′ times the defect p − J. A defect of 1e-12 of the largest term is then one of 1e-9 in the pressure, which is
@@ -37,18 +36,18 @@ const SEEN: usize = 8;
 pub struct Multipliers {
     /// Pressure p at each contact point in Pa; zero where the normal law falls and the pressure is taken as a function
     /// of the penetration.
-    pub p: List<f64>,
+    pub p: Vec<f64>,
     /// q = −σ_τ at each contact point, Pa.
-    pub q: List<Point>,
+    pub q: Vec<Point>,
     /// Whether the point sticks: a bound that drops when slip starts is the static one there.
-    pub sticks: List<bool>,
+    pub sticks: Vec<bool>,
 }
 
 impl Multipliers {
     /// Without forces; `sticks` says which points are at rest against the foundation.
     #[must_use]
-    pub fn free(sticks: List<bool>) -> Multipliers {
-        Multipliers { p: List::filled(0.0, sticks.len()), q: List::filled([0.0; 3], sticks.len()), sticks }
+    pub fn free(sticks: Vec<bool>) -> Multipliers {
+        Multipliers { p: vec![0.0; sticks.len()], q: vec![[0.0; 3]; sticks.len()], sticks }
     }
 
     /// The multipliers a part α of the way to others, on the branches of those.
@@ -102,18 +101,18 @@ pub(super) struct Mechanical<'a> {
     pub step: &'a MechanicalStep<'a>,
     pub interface: Interface,
     /// ρ of each point in Pa s/m, and how its pressure is found.
-    pub rho: List<f64>,
-    pub response: List<Response>,
+    pub rho: Vec<f64>,
+    pub response: Vec<Response>,
     /// How friction is taken at all points.
     pub slip: Slip,
     /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
     stiff: f64,
     /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
-    opening: List<[f64; 2]>,
+    opening: Vec<[f64; 2]>,
     /// v_F along the tangents at each point.
-    foundation: List<[f64; 2]>,
+    foundation: Vec<[f64; 2]>,
     /// States of the points at the last iterates that were evaluated, the last one last.
-    seen: Mutex<[List<Status>; SEEN]>,
+    seen: Mutex<[Vec<Status>; SEEN]>,
     /// What holds rigid motions; none where the parts are held.
     pub holds: Option<Holds>,
 }
@@ -121,10 +120,10 @@ pub(super) struct Mechanical<'a> {
 impl<'a> Mechanical<'a> {
     /// The term of a step. Without `condensed` multipliers are taken as they are.
     pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
-        let normals: List<Point> = step.frames.iter().map(|frame| frame.normal).collect();
+        let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
         let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space);
         let rho = condensed.map_or_else(
-            || List::filled(0.0, interface.len()),
+            || vec![0.0; interface.len()],
             |c| interface.stiffness(step.boundary, Some(step.space), step.unknown, c.scale()),
         );
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
@@ -153,7 +152,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// Something of the laws at each point, laws on arrays evaluated for all points at once.
-    pub fn at_points<T: Send + 'static>(&self, of: impl Fn(usize) -> T) -> List<T> {
+    pub fn at_points<T: Send + 'static>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
         per_point(&arrays(self.step.contacts), self.interface.len(), of)
     }
 
@@ -243,7 +242,7 @@ impl<'a> Mechanical<'a> {
 
     /// The multipliers by their components at each point. Out of the plane there is friction only while the foundation
     /// slides there.
-    pub fn local(&self, multipliers: &Multipliers) -> List<Multiplier> {
+    pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
         let of = |(i, row): (usize, &Row)| {
             let mut q = tail(row.local(&multipliers.q[i]));
             if !self.slides_out(i) {
@@ -317,7 +316,7 @@ impl MechanicalStep<'_> {
 
     /// The states of the contact points at velocities on Γ_C, the multipliers as they are.
     #[must_use]
-    pub fn states(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> List<PointState> {
+    pub fn states(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
         let term = Mechanical::new(self, Some(condensed));
         let w = term.interface.turned(w);
         let local = term.local(multipliers);
@@ -341,7 +340,7 @@ impl MechanicalStep<'_> {
         condensed: &mut dyn Condensed,
         w: &[f64],
         multipliers: &Multipliers,
-    ) -> (Tangent, List<PointDerivative>) {
+    ) -> (Tangent, Vec<PointDerivative>) {
         let mut term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         term.find_motions(condensed);
@@ -360,7 +359,7 @@ impl MechanicalStep<'_> {
     /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the
     /// cone, in Pa. At a solution that is the force p ν + q.
     #[must_use]
-    pub fn forces(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> List<Point> {
+    pub fn forces(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
         let term = Mechanical::new(self, Some(condensed));
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
         let of = |i: usize| {
@@ -443,10 +442,10 @@ impl Mechanical<'_> {
 }
 
 impl Term for Mechanical<'_> {
-    type Multipliers = List<Multiplier>;
-    type Laws = List<Laws>;
+    type Multipliers = Vec<Multiplier>;
+    type Laws = Vec<Laws>;
 
-    fn laws(&self, x: &[f64], multipliers: &List<Multiplier>) -> List<Laws> {
+    fn laws(&self, x: &[f64], multipliers: &Vec<Multiplier>) -> Vec<Laws> {
         let laws = self.at_points(|i| self.laws_at(i, x, &multipliers[i]));
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         seen.rotate_left(1);
@@ -454,13 +453,13 @@ impl Term for Mechanical<'_> {
         laws
     }
 
-    fn forces(&self, laws: &List<Laws>, out: &mut [f64]) {
+    fn forces(&self, laws: &Vec<Laws>, out: &mut [f64]) {
         for (i, laws) in laws.iter().enumerate() {
             self.interface.scatter(i, &laws.force(), out);
         }
     }
 
-    fn defects(&self, laws: &List<Laws>) -> List<f64> {
+    fn defects(&self, laws: &Vec<Laws>) -> Vec<f64> {
         let of = |(i, laws): (usize, &Laws)| {
             let (weight, force, projected) = (self.interface.rows[i].weight, laws.force(), laws.projected());
             [0, 1, 2].map(|a| weight * (force[a] - projected[a]))
@@ -468,8 +467,8 @@ impl Term for Mechanical<'_> {
         laws.iter().enumerate().flat_map(of).collect()
     }
 
-    fn round_off(&self, x: &[f64], laws: &List<Laws>) -> f64 {
-        let mut sizes = List::filled(0.0, x.len());
+    fn round_off(&self, x: &[f64], laws: &Vec<Laws>) -> f64 {
+        let mut sizes = vec![0.0; x.len()];
         let gamma = self.step.rule.gamma;
         for (i, laws) in laws.iter().enumerate() {
             let [w_nu, t1, t2] = self.interface.sizes(i, x);
@@ -482,7 +481,7 @@ impl Term for Mechanical<'_> {
         max_abs(&sizes)
     }
 
-    fn is_sharp(&self, x: &[f64], laws: &List<Laws>, tolerance: f64) -> bool {
+    fn is_sharp(&self, x: &[f64], laws: &Vec<Laws>, tolerance: f64) -> bool {
         laws.iter().enumerate().all(|(i, laws)| {
             let (normal, weight) = (&laws.normal, self.interface.rows[i].weight);
             let size = self.opening[i][1] + self.step.rule.gamma * self.interface.sizes(i, x)[0];
@@ -492,7 +491,7 @@ impl Term for Mechanical<'_> {
         })
     }
 
-    fn linearise(&self, laws: &List<Laws>, right: &mut [f64]) -> Tangent {
+    fn linearise(&self, laws: &Vec<Laws>, right: &mut [f64]) -> Tangent {
         let mut tangent = self.interface.empty_tangent();
         for (i, laws) in laws.iter().enumerate() {
             let (force, slope) = laws.linear(self.step.dim);
@@ -503,7 +502,7 @@ impl Term for Mechanical<'_> {
         tangent
     }
 
-    fn after(&self, laws: &List<Laws>, before: &List<Multiplier>, step: &[f64]) -> List<Multiplier> {
+    fn after(&self, laws: &Vec<Laws>, before: &Vec<Multiplier>, step: &[f64]) -> Vec<Multiplier> {
         let of = |(i, (laws, before)): (usize, (&Laws, &Multiplier))| {
             let ((force, tangent), moved) = (laws.linear(self.step.dim), self.interface.change(i, step));
             let [p, q1, q2] = std::array::from_fn(|a| force[a] + dot(&tangent[a], &moved));
@@ -512,7 +511,7 @@ impl Term for Mechanical<'_> {
         laws.iter().zip(before).enumerate().map(of).collect()
     }
 
-    fn towards(from: &List<Multiplier>, to: &List<Multiplier>, alpha: f64) -> List<Multiplier> {
+    fn towards(from: &Vec<Multiplier>, to: &Vec<Multiplier>, alpha: f64) -> Vec<Multiplier> {
         let part = |a: f64, b: f64| a + alpha * (b - a);
         let of = |(a, b): (&Multiplier, &Multiplier)| Multiplier {
             p: part(a.p, b.p),
@@ -524,7 +523,7 @@ impl Term for Mechanical<'_> {
 
     /// Takes points that stuck as sticking: where the foundation has changed its velocity the iterate slips by the
     /// change, which says nothing of the solution.
-    fn begin(&self, laws: &mut List<Laws>, multipliers: &List<Multiplier>) {
+    fn begin(&self, laws: &mut Vec<Laws>, multipliers: &Vec<Multiplier>) {
         for (i, (laws, multiplier)) in laws.iter_mut().zip(multipliers).enumerate() {
             if multiplier.sticks && !self.slides_out(i) {
                 laws.hold();
@@ -534,7 +533,7 @@ impl Term for Mechanical<'_> {
 
     /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that
     /// were found.
-    fn settled(&self, x: &[f64], laws: &List<Laws>, mut multipliers: List<Multiplier>) -> List<Multiplier> {
+    fn settled(&self, x: &[f64], laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         multipliers.iter_mut().zip(laws).for_each(|(multiplier, laws)| multiplier.p = laws.normal.pressed);
         let found = self.at_points(|i| self.laws_found(i, x, &multipliers[i]).normal.pressed);
         for (i, ((multiplier, laws), found)) in multipliers.iter_mut().zip(laws).zip(found).enumerate() {
@@ -546,15 +545,15 @@ impl Term for Mechanical<'_> {
         multipliers
     }
 
-    fn states(&self, laws: &List<Laws>) -> List<Status> {
+    fn states(&self, laws: &Vec<Laws>) -> Vec<Status> {
         laws.iter().map(|laws| laws.status).collect()
     }
 
-    fn unsettled(&self, laws: &List<Laws>, errors: &[f64]) -> List<(usize, List<Status>)> {
+    fn unsettled(&self, laws: &Vec<Laws>, errors: &[f64]) -> Vec<(usize, Vec<Status>)> {
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         let states = |i: usize| {
             let last = laws.get(i).map(|laws| laws.status);
-            let mut states: List<Status> = List::new();
+            let mut states: Vec<Status> = Vec::new();
             for status in seen.iter().filter_map(|all| all.get(i).copied()).chain(last) {
                 if states.last() != Some(&status) {
                     states.push(status);
@@ -565,11 +564,11 @@ impl Term for Mechanical<'_> {
         let left = |(i, laws): (usize, &Laws)| {
             let (force, projected) = (laws.force(), laws.projected());
             let defects = (0..3).map(|a| self.interface.rows[i].weight * (force[a] - projected[a]));
-            max_abs(&self.interface.change(i, errors).into_iter().chain(defects).collect::<List<_>>())
+            max_abs(&self.interface.change(i, errors).into_iter().chain(defects).collect::<Vec<_>>())
         };
-        let left: List<f64> = laws.iter().enumerate().map(left).collect();
+        let left: Vec<f64> = laws.iter().enumerate().map(left).collect();
         let largest = max_abs(&left);
-        let mut points: List<(usize, List<Status>)> = (0..left.len()).map(|i| (i, states(i))).collect();
+        let mut points: Vec<(usize, Vec<Status>)> = (0..left.len()).map(|i| (i, states(i))).collect();
         points.retain(|(i, states)| states.len() > 1 || (largest > 0.0 && left[*i] >= 0.5 * largest));
         points.sort_by(|(a, _), (b, _)| left[*b].total_cmp(&left[*a]));
         points

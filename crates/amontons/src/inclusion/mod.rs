@@ -17,7 +17,6 @@
 //! | module | holds |
 //! |---|---|
 //! | `interface` | the rows of N with the basis of each contact point: jump, Nᵀ f, entries of Nᵀ T N |
-//! | `rule` | the rule in time, u = ū + γ w |
 //! | `normal`, `friction`, `point` | (2.8), (2.9) and wear at a point, linearised |
 //! | `mechanical`, `heat` | the terms of both half-steps |
 //! | `passed` | heat that passes a contact, by what it passes by |
@@ -38,7 +37,6 @@ mod normal;
 mod passed;
 mod point;
 
-mod rule;
 mod settle;
 mod solve;
 
@@ -50,11 +48,8 @@ pub use loose::{Loose, Undetermined};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use passed::Passed;
 
-pub use rule::Rule;
-
 use crate::contact::Status;
 use crate::linalg::SolveError;
-use crate::list::List;
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.
@@ -75,13 +70,13 @@ pub(crate) const GROWN: f64 = 10.0;
 #[derive(Clone, Debug, Default)]
 pub struct Solved {
     /// The unknowns on Γ_C.
-    pub x: List<f64>,
+    pub x: Vec<f64>,
     /// Newton iterations.
     pub iterations: usize,
     /// The rigid motions that nothing determines.
     pub loose: Vec<Undetermined>,
     /// The forces of the springs that hold some of them, by unknown, N; empty if they bear nothing.
-    pub held: List<f64>,
+    pub held: Vec<f64>,
 }
 
 /// Why a step on Γ_C has no solution.
@@ -122,9 +117,9 @@ pub struct NotConverged {
     /// Residual relative to the largest term.
     pub residual: f64,
     /// The states of the points at the last iterate.
-    pub states: List<Status>,
+    pub states: Vec<Status>,
     /// Contact points whose states or forces did not settle, the worst first, with their states at the last iterates.
-    pub unsettled: List<(usize, List<Status>)>,
+    pub unsettled: Vec<(usize, Vec<Status>)>,
 }
 
 impl NotConverged {

@@ -8,7 +8,6 @@ use super::loose::Jumps;
 use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Spring, Tangent, max_abs};
-use crate::list::List;
 use crate::pulse::Pulse;
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
@@ -30,7 +29,7 @@ pub(super) trait Term {
     /// Σ ω Nᵀ f, f the multipliers.
     fn forces(&self, laws: &Self::Laws, out: &mut [f64]);
     /// What the multipliers lack of what the laws make of them, as forces.
-    fn defects(&self, laws: &Self::Laws) -> List<f64>;
+    fn defects(&self, laws: &Self::Laws) -> Vec<f64>;
     /// The largest round-off of a term of the laws, as a force.
     fn round_off(&self, x: &[f64], laws: &Self::Laws) -> f64;
     /// Whether what the laws give beyond the defects is as small as the residual has to be.
@@ -48,11 +47,11 @@ pub(super) trait Term {
     /// The multipliers of an iterate that has converged: those that the laws make of them.
     fn settled(&self, x: &[f64], laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
     /// The states of the points.
-    fn states(&self, laws: &Self::Laws) -> List<Status>;
+    fn states(&self, laws: &Self::Laws) -> Vec<Status>;
     /// Points whose states differ between the last iterates, and those where the equations, which lack `errors`, and
     /// the laws are left the farthest from holding; the worst first, with these states.
-    fn unsettled(&self, _laws: &Self::Laws, _errors: &[f64]) -> List<(usize, List<Status>)> {
-        List::new()
+    fn unsettled(&self, _laws: &Self::Laws, _errors: &[f64]) -> Vec<(usize, Vec<Status>)> {
+        Vec::new()
     }
 }
 
@@ -63,7 +62,7 @@ pub(super) struct Right<'a> {
     pub r: &'a [f64],
     pub guess: &'a [f64],
     /// β and the anchor of a proximal term β diag(S) (x − anchor).
-    pub proximal: Option<(f64, List<f64>)>,
+    pub proximal: Option<(f64, Vec<f64>)>,
     /// Whether the step is solved again for what the round-off leaves: then round-off of any size ends the iteration.
     pub is_repeated: bool,
     /// The springs that hold motions at rest which nothing determines.
@@ -76,7 +75,7 @@ pub(super) struct Right<'a> {
 
 impl Right<'_> {
     /// S x, without what round-off makes of rigid motions.
-    pub fn product(&self, condensed: &dyn Condensed, mut x: List<f64>) -> Result<List<f64>, SolveError> {
+    pub fn product(&self, condensed: &dyn Condensed, mut x: Vec<f64>) -> Result<Vec<f64>, SolveError> {
         let Some(rigid) = self.rigid else { return condensed.apply(&x) };
         rigid.take_off(&mut x);
         let mut product = condensed.apply(&x)?;
@@ -115,7 +114,7 @@ impl Right<'_> {
     }
 
     /// |x| + |x̂|: x − x̂ is a difference of larger numbers.
-    fn sizes(&self, x: &[f64]) -> List<f64> {
+    fn sizes(&self, x: &[f64]) -> Vec<f64> {
         x.iter().zip(self.guess).map(|(x, guess)| x.abs() + guess.abs()).collect()
     }
 
@@ -134,7 +133,7 @@ impl Right<'_> {
 /// Values on Γ_C and multipliers.
 #[derive(Clone)]
 pub(super) struct Iterate<M> {
-    pub x: List<f64>,
+    pub x: Vec<f64>,
     pub multipliers: M,
 }
 
@@ -143,7 +142,7 @@ pub(super) struct Evaluation<T: Term> {
     pub at: Iterate<T::Multipliers>,
     pub laws: T::Laws,
     /// r − S (x − x̂).
-    rest: List<f64>,
+    rest: Vec<f64>,
     /// Euclidean norm of the errors.
     norm: f64,
     pub residual: f64,
@@ -162,12 +161,12 @@ impl<T: Term> Evaluation<T> {
     ) -> Result<Evaluation<T>, SolveError> {
         let x = &at.x;
         let laws = term.laws(x, &at.multipliers);
-        let increment: List<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
+        let increment: Vec<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
         let inner = right.product(condensed, increment)?;
-        let mut forces = List::filled(0.0, x.len());
+        let mut forces = vec![0.0; x.len()];
         term.forces(&laws, &mut forces);
         let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
-        let mut rest: List<f64> = right.r.iter().zip(&inner).map(|(r, inner)| r - inner).collect();
+        let mut rest: Vec<f64> = right.r.iter().zip(&inner).map(|(r, inner)| r - inner).collect();
         if let Some((beta, anchor)) = &right.proximal {
             for (i, rest) in rest.iter_mut().enumerate() {
                 *rest -= beta * condensed.scale()[i] * (x[i] - anchor[i]);
@@ -175,7 +174,7 @@ impl<T: Term> Evaluation<T> {
         }
         right.springs.iter().for_each(|spring| spring.add(-spring.motion(x), &mut rest));
         let defects = term.defects(&laws);
-        let mut errors = List::with_capacity(forces.len() + defects.len());
+        let mut errors = Vec::with_capacity(forces.len() + defects.len());
         errors.extend(forces.iter().zip(&rest).map(|(force, rest)| force - rest));
         errors.extend_from_slice(&defects);
         let residual = max_abs(&errors);
@@ -214,7 +213,7 @@ impl<T: Term> Evaluation<T> {
 
     /// The end of an iteration that has not.
     fn fail(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
-        let mut errors = List::filled(0.0, self.at.x.len());
+        let mut errors = vec![0.0; self.at.x.len()];
         term.forces(&self.laws, &mut errors);
         errors.iter_mut().zip(&self.rest).for_each(|(error, rest)| *error -= rest);
         let failure = NotConverged {
@@ -306,7 +305,7 @@ fn newton_step<T: Term>(
     condensed: &mut dyn Condensed,
     right: &Right,
     now: &Evaluation<T>,
-) -> Result<Option<List<f64>>, SolveError> {
+) -> Result<Option<Vec<f64>>, SolveError> {
     let mut step = now.rest.clone();
     let mut tangent = term.linearise(&now.laws, &mut step);
     if let Some((beta, _)) = right.proximal {

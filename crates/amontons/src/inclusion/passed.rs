@@ -7,14 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use super::heat::HeatStep;
 use crate::contact::{Contact, FRICTION, Flux, HeatLaw};
-use crate::list::List;
 
 /// Heat that passes a contact, W in a step and J since the start.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// Out of the side `on`, by [`HeatLaw::mechanism`] in the order of their names; friction heat that enters it is
     /// negative.
-    pub by: List<(Cow<'static, str>, f64)>,
+    pub by: Vec<(Cow<'static, str>, f64)>,
     /// Made by friction between the two bodies of a pair, of which each receives a part; zero at foundations.
     pub rubbed: f64,
 }
@@ -48,12 +47,12 @@ impl Passed {
 impl HeatStep<'_> {
     /// The heat that passes each contact at the fluxes Q out of the sides that bear the points, with the temperatures
     /// of these sides and of what they face.
-    pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> List<Passed> {
+    pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> Vec<Passed> {
         let none = |contact: &Contact| Passed {
-            by: List::with_capacity(contact.heat.parts().len().max(1)),
+            by: Vec::with_capacity(contact.heat.parts().len().max(1)),
             ..Passed::default()
         };
-        let mut all: List<Passed> = self.contacts.iter().map(none).collect();
+        let mut all: Vec<Passed> = self.contacts.iter().map(none).collect();
         for (i, (flux, at)) in flux.iter().zip(temperatures).enumerate() {
             let point = &self.boundary.points[i];
             let (Some(contact), Some(passed)) = (self.contacts.get(point.contact), all.get_mut(point.contact)) else {

@@ -11,7 +11,6 @@ use super::point::Laws;
 use super::solve::Mechanics;
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Spring, Tangent, dot, max_abs};
-use crate::list::List;
 
 /// Share of the forces on a part, each by what it does along a motion, that drives it: less is round-off.
 const DRIVES: f64 = 1e-6;
@@ -58,7 +57,7 @@ pub(super) struct Settled {
     pub iterations: usize,
     pub loose: Vec<Undetermined>,
     /// The forces of springs by unknown, in the axes of space; empty if there are none.
-    pub held: List<f64>,
+    pub held: Vec<f64>,
 }
 
 /// The directions in which a point resists a motion at an iterate.
@@ -118,7 +117,7 @@ impl Mechanical<'_> {
             let is_repeated = self.step.is_repeated;
             let right = Right { r, guess, proximal: None, is_repeated, springs: &[], rigid: None, pulse };
             let (end, iterations) = self.solve(condensed, &right, start)?;
-            return Ok(Settled { end, iterations, loose: Vec::new(), held: List::new() });
+            return Ok(Settled { end, iterations, loose: Vec::new(), held: Vec::new() });
         };
         let driven: Vec<Undetermined> = holds.held.iter().filter_map(|(free, _)| self.driven(free)).collect();
         if !driven.is_empty() {
@@ -128,7 +127,7 @@ impl Mechanical<'_> {
         // Where the interior is eliminated the unknowns are those of the contact nodes, and the resultants are known.
         let jumps = Arc::clone(&holds.jumps);
         let rigid = (jumps.covers() == condensed.len()).then_some(&*jumps);
-        let mut r = List::copied(r);
+        let mut r = r.to_vec();
         if let Some(rigid) = rigid {
             rigid.take_off(&mut r);
             rigid.put_on(self.step.loads, &mut r);
@@ -173,7 +172,7 @@ impl Mechanical<'_> {
         }
         let of_free = |free: Free| Undetermined { load: 0.0, sum: free.a.to_vec() };
         let mut loose: Vec<Undetermined> = self.left_free(&end).into_iter().map(of_free).collect();
-        let mut held = List::filled(0.0, end.x.len());
+        let mut held = vec![0.0; end.x.len()];
         for (free, spring) in self.holds.iter().flat_map(|holds| &holds.held) {
             let motion = spring.motion(&end.x);
             spring.add(-motion, &mut held);
@@ -253,13 +252,13 @@ impl Mechanical<'_> {
             [[1.0, 0.0, 0.0], if sticks { first } else { [0.0; 3] }, if sticks { second } else { [0.0; 3] }]
         };
         let free = holds.jumps.free(&self.interface, resists, &holds.frees(), (false, holds.scale.len()));
-        let increment: List<f64> = at.x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
+        let increment: Vec<f64> = at.x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
         let inner = right.product(condensed, increment)?;
-        let mut forces = List::filled(0.0, at.x.len());
+        let mut forces = vec![0.0; at.x.len()];
         for (i, laws) in laws.iter().enumerate() {
             self.interface.scatter(i, &laws.projected(), &mut forces);
         }
-        let rest: List<f64> = right.r.iter().zip(&inner).zip(&forces).map(|((r, s), f)| r - s - f).collect();
+        let rest: Vec<f64> = right.r.iter().zip(&inner).zip(&forces).map(|((r, s), f)| r - s - f).collect();
         let drives = |free: &Free| {
             let load = dot(&free.vector, &rest);
             let [acts, size] = self.load(free);

@@ -9,7 +9,6 @@ use super::settle::Settled;
 use super::{Failure, ITERATIONS, NotConverged, Solved};
 use crate::contact::{Contact, PointOnBoundary};
 use crate::linalg::{Condensed, max_abs};
-use crate::list::List;
 use crate::tensor::Point;
 
 /// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the
@@ -30,7 +29,7 @@ const APPROACH: usize = 20 * ITERATIONS;
 const FEW: usize = ITERATIONS;
 
 /// An iterate of the mechanical step.
-pub(super) type Mechanics = Iterate<List<Multiplier>>;
+pub(super) type Mechanics = Iterate<Vec<Multiplier>>;
 
 impl MechanicalStep<'_> {
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for
@@ -67,7 +66,7 @@ impl MechanicalStep<'_> {
             _ => None,
         };
         let points = self.boundary.points.iter().enumerate();
-        let mut of_node: List<((u32, usize), usize)> =
+        let mut of_node: Vec<((u32, usize), usize)> =
             points.filter_map(|(i, point)| Some((alone(point)?, i))).collect();
         of_node.sort_unstable();
         let at = |node: u32, contact: usize| {
@@ -95,7 +94,7 @@ impl MechanicalStep<'_> {
 impl Mechanical<'_> {
     /// Where the pressures of functions start: at J(r + λ p) of the guess, which is G(r) for a soft law and p for a
     /// stiff one.
-    fn predicted(&self, guess: &[f64], mut multipliers: List<Multiplier>) -> List<Multiplier> {
+    fn predicted(&self, guess: &[f64], mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         let pressures = self.at_points(|i| {
             let is_found = self.contact(i).normal.graph() == crate::contact::GraphKind::Function
                 && self.response[i] != Response::Function;
@@ -116,9 +115,9 @@ impl Mechanical<'_> {
     ) -> Result<(Mechanics, usize), Failure> {
         let before = start.multipliers.clone();
         let mut iterations = 0;
-        let mut let_go = List::filled(false, self.rho.len());
+        let mut let_go = vec![false; self.rho.len()];
         loop {
-            let held: List<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
+            let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
             let (mut end, done) = self.on_branches(condensed, right, start)?;
             iterations += done;
             let sticks = self.at_points(|i| self.laws_at(i, &end.x, &end.multipliers[i]).sticks);
@@ -153,7 +152,7 @@ impl Mechanical<'_> {
         right: &Right,
         start: Mechanics,
     ) -> Result<(Mechanics, usize), Failure> {
-        let held: List<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
+        let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
         let at_rest = self.at_rest(right, &start.multipliers);
         let mut made = iterate(self, condensed, right, start, &FIRST)?;
         let mut iterations = made.iterations;
@@ -180,7 +179,7 @@ impl Mechanical<'_> {
     /// is far where most points are at their bound. Points whose bound drops stay on the branch they are on.
     fn at_rest(&self, right: &Right, before: &[Multiplier]) -> Mechanics {
         let of = |(i, m): (usize, &Multiplier)| Multiplier { sticks: m.sticks || !self.drops(i), ..*m };
-        Iterate { x: List::filled(0.0, right.guess.len()), multipliers: before.iter().enumerate().map(of).collect() }
+        Iterate { x: vec![0.0; right.guess.len()], multipliers: before.iter().enumerate().map(of).collect() }
     }
 
     /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
@@ -188,7 +187,7 @@ impl Mechanical<'_> {
     /// 2), and smooth steps are what Newton's method is made for.
     fn path(&self, condensed: &mut dyn Condensed, right: &Right, held: &[bool]) -> Result<(Mechanics, usize), Failure> {
         let (x, mut iterations) =
-            if self.rises() { self.descend(condensed, right)? } else { (List::copied(right.guess), 0) };
+            if self.rises() { self.descend(condensed, right)? } else { (right.guess.to_vec(), 0) };
         let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
         let slips = |i: &usize| !self.contact(*i).friction.never_slips();
         let fastest = (0..self.interface.len()).filter(slips).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);

@@ -11,7 +11,6 @@ use super::error::SolveError;
 use super::relief::Account;
 use super::tangent::Tangent;
 use super::turn::Turn;
-use crate::list::List;
 
 /// Residual, relative to that of x = 0, of a solution as good as double precision has it.
 pub const EXACT: f64 = 1e-13;
@@ -31,7 +30,7 @@ pub trait Condensed: Debug + Send + Sync {
     ///
     /// # Errors
     /// When the product cannot be computed.
-    fn apply(&self, x: &[f64]) -> Result<List<f64>, SolveError>;
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError>;
 
     /// Largest entry of |S| |x|: the size of the numbers whose sum S x is, for judging round-off.
     ///

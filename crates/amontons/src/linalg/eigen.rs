@@ -14,7 +14,6 @@ use super::error::SolveError;
 use super::sparse::BlockMatrix;
 use super::system::System;
 use super::vectors::{add_combination, dot, orthogonalize};
-use crate::list::List;
 
 /// Residual at which the iteration ends, relative to the eigenvalue.
 const TOLERANCE: f64 = 1e-12;
@@ -39,12 +38,12 @@ pub trait Pencil {
     /// Number of unknowns.
     fn size(&self) -> usize;
     /// B x.
-    fn numerator(&self, x: &[f64]) -> List<f64>;
+    fn numerator(&self, x: &[f64]) -> Vec<f64>;
     /// K x.
     ///
     /// # Errors
     /// When the product cannot be computed.
-    fn denominator(&self, x: &[f64]) -> Result<List<f64>, SolveError>;
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError>;
     /// K⁻¹ r in place, until the residual is `enough` times that of zero or as small as a factor leaves it.
     ///
     /// # Errors
@@ -65,7 +64,7 @@ pub struct Eigenpair {
     /// vector, round-off included.
     pub error: f64,
     /// x, of length 1 in the norm of K; zero where B = 0.
-    pub vector: List<f64>,
+    pub vector: Vec<f64>,
 }
 
 /// The largest eigenvalue μ of B x = μ K x. The start vector is fixed and no sum depends on the number of
@@ -79,9 +78,9 @@ pub fn largest(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
 
 /// A fixed start that no eigenvector is orthogonal to by symmetry, put into the range of K⁻¹B, where x·Bx vanishes for
 /// x = 0 only.
-fn start(pencil: &mut impl Pencil, enough: f64) -> Result<List<f64>, SolveError> {
+fn start(pencil: &mut impl Pencil, enough: f64) -> Result<Vec<f64>, SolveError> {
     // Fractional parts of multiples of the golden ratio.
-    let start: List<f64> = (1..=pencil.size()).map(|i| 0.5 + (i as f64 * 0.618_033_988_749_894_9).fract()).collect();
+    let start: Vec<f64> = (1..=pencil.size()).map(|i| 0.5 + (i as f64 * 0.618_033_988_749_894_9).fract()).collect();
     let mut x = pencil.numerator(&start);
     pencil.solve(&mut x, enough)?;
     Ok(x)
@@ -93,13 +92,13 @@ fn lanczos(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     let mut bx = pencil.numerator(&x);
     let mut norm = dot(&x, &bx).max(0.0).sqrt();
     let mut span = Span::default();
-    let mut best = List::new();
+    let mut best = Vec::new();
     let mut converged = norm == 0.0;
     for _ in 0..STEPS {
         if converged {
             break;
         }
-        let mut next: List<f64> = bx.iter().map(|b| b / norm).collect();
+        let mut next: Vec<f64> = bx.iter().map(|b| b / norm).collect();
         span.images.push(next.clone());
         span.basis.push(x.into_iter().map(|x| x / norm).collect());
         pencil.solve(&mut next, EXACT)?;
@@ -111,12 +110,12 @@ fn lanczos(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
         converged = span.len() == x.len() || norm * ritz.last_entry(0).abs() <= TOLERANCE * ritz.values[0];
         if span.len() == BASIS && !converged {
             span.reduce(&ritz, BASIS / 2);
-            best = List::filled(1.0, 1);
+            best = vec![1.0];
         } else {
             best = ritz.vector(0);
         }
     }
-    let x = if best.is_empty() { List::filled(0.0, pencil.size()) } else { combination(&best, &span.basis) };
+    let x = if best.is_empty() { vec![0.0; pencil.size()] } else { combination(&best, &span.basis) };
     judged(pencil, x)
 }
 
@@ -125,7 +124,7 @@ fn lanczos(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
 fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     let mut next = start(pencil, ROUGH)?;
     let mut space = Searched::default();
-    let mut best = List::filled(0.0, next.len());
+    let mut best = vec![0.0; next.len()];
     for _ in 0..STEPS {
         if !space.add(pencil, std::mem::take(&mut next))? {
             break;
@@ -150,14 +149,14 @@ fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
 /// Vectors orthonormal for x·Ky with their products.
 #[derive(Default)]
 struct Searched {
-    basis: List<List<f64>>,
-    numerators: List<List<f64>>,
-    denominators: List<List<f64>>,
+    basis: Vec<Vec<f64>>,
+    numerators: Vec<Vec<f64>>,
+    denominators: Vec<Vec<f64>>,
 }
 
 impl Searched {
     /// Adds a vector; false if there is none or it depends on those before.
-    fn add(&mut self, pencil: &impl Pencil, mut x: List<f64>) -> Result<bool, SolveError> {
+    fn add(&mut self, pencil: &impl Pencil, mut x: Vec<f64>) -> Result<bool, SolveError> {
         let size = dot(&x, &pencil.denominator(&x)?).max(0.0).sqrt();
         orthogonalize(&mut x, &self.basis, &self.denominators);
         let mut kx = pencil.denominator(&x)?;
@@ -180,7 +179,7 @@ impl Searched {
 
     /// Keeps the first Ritz vectors.
     fn reduce(&mut self, ritz: &Ritz, keep: usize) {
-        let vectors: List<List<f64>> = (0..keep).map(|k| ritz.vector(k)).collect();
+        let vectors: Vec<Vec<f64>> = (0..keep).map(|k| ritz.vector(k)).collect();
         for set in [&mut self.basis, &mut self.numerators, &mut self.denominators] {
             let combined = vectors.iter().map(|s| combination(s, set)).collect();
             *set = combined;
@@ -194,15 +193,15 @@ impl Searched {
 /// (thick restart; Wu, Simon 2000); all entries of the matrix are computed, so that no case is special.
 #[derive(Default)]
 struct Span {
-    basis: List<List<f64>>,
-    images: List<List<f64>>,
+    basis: Vec<Vec<f64>>,
+    images: Vec<Vec<f64>>,
     /// Columns of the upper triangle.
-    matrix: List<List<f64>>,
+    matrix: Vec<Vec<f64>>,
 }
 
 /// Eigenvalues of the projected matrix, the largest first, with their vectors.
 struct Ritz {
-    values: List<f64>,
+    values: Vec<f64>,
     vectors: Mat<f64>,
 }
 
@@ -212,7 +211,7 @@ impl Ritz {
         Some(Ritz { values: eigen.S().column_vector().iter().rev().copied().collect(), vectors: eigen.U().to_owned() })
     }
 
-    fn vector(&self, k: usize) -> List<f64> {
+    fn vector(&self, k: usize) -> Vec<f64> {
         self.vectors.col(self.values.len() - 1 - k).iter().copied().collect()
     }
 
@@ -239,7 +238,7 @@ impl Span {
 
     /// Keeps the first Ritz vectors.
     fn reduce(&mut self, ritz: &Ritz, keep: usize) {
-        let vectors: List<List<f64>> = (0..keep).map(|k| ritz.vector(k)).collect();
+        let vectors: Vec<Vec<f64>> = (0..keep).map(|k| ritz.vector(k)).collect();
         for set in [&mut self.basis, &mut self.images] {
             let combined = vectors.par_iter().map(|s| combination(s, set)).collect();
             *set = combined;
@@ -248,14 +247,14 @@ impl Span {
     }
 }
 
-fn combination(factors: &[f64], vectors: &[List<f64>]) -> List<f64> {
-    let mut sum = List::filled(0.0, vectors.first().map_or(0, |vector| vector.len()));
+fn combination(factors: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
+    let mut sum = vec![0.0; vectors.first().map_or(0, |vector| vector.len())];
     add_combination(&mut sum, factors, vectors);
     sum
 }
 
 /// The vector's own quotient and residual.
-fn judged(pencil: &mut impl Pencil, mut x: List<f64>) -> Result<Eigenpair, SolveError> {
+fn judged(pencil: &mut impl Pencil, mut x: Vec<f64>) -> Result<Eigenpair, SolveError> {
     if x.iter().all(|&x| x == 0.0) {
         return Ok(Eigenpair { value: 0.0, error: 0.0, vector: x });
     }
@@ -294,9 +293,9 @@ pub struct Quotient<'a> {
 }
 
 impl Quotient<'_> {
-    fn product(&self, matrix: &BlockMatrix, x: &[f64]) -> List<f64> {
+    fn product(&self, matrix: &BlockMatrix, x: &[f64]) -> Vec<f64> {
         let unknowns = self.system.unknowns();
-        let mut full = List::filled(0.0, self.denominator.graph().len() * self.denominator.block_shape().0);
+        let mut full = vec![0.0; self.denominator.graph().len() * self.denominator.block_shape().0];
         unknowns.add(x, &mut full);
         unknowns.gather(&matrix.apply(&full))
     }
@@ -306,10 +305,10 @@ impl Pencil for Quotient<'_> {
     fn size(&self) -> usize {
         self.system.unknowns().len()
     }
-    fn numerator(&self, x: &[f64]) -> List<f64> {
+    fn numerator(&self, x: &[f64]) -> Vec<f64> {
         self.product(self.numerator, x)
     }
-    fn denominator(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
         Ok(self.product(self.denominator, x))
     }
     fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {
@@ -331,11 +330,11 @@ mod tests {
         fn size(&self) -> usize {
             self.0.len()
         }
-        fn numerator(&self, x: &[f64]) -> List<f64> {
+        fn numerator(&self, x: &[f64]) -> Vec<f64> {
             self.0.iter().zip(x).map(|(d, x)| d * x).collect()
         }
-        fn denominator(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
-            Ok(List::copied(x))
+        fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+            Ok(x.to_vec())
         }
         /// Without a factor a solution is off by a tenth, which is another one at every entry.
         fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {

@@ -3,15 +3,14 @@
 use rayon::prelude::*;
 
 use super::vectors::{add_combination, copy, dot, map, orthogonalize, zeros};
-use crate::list::List;
 
 /// Where a Krylov iteration ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Krylov {
     /// The solution found.
-    pub x: List<f64>,
+    pub x: Vec<f64>,
     /// Its components along the vectors to which the product was applied, in their order.
-    pub components: List<f64>,
+    pub components: Vec<f64>,
     /// Products made.
     pub iterations: usize,
     /// ‖b − A x‖ / ‖b‖ of the recurrence.
@@ -25,7 +24,7 @@ pub struct Krylov {
 /// # Errors
 /// When a product cannot be computed.
 pub fn gmres<E>(
-    mut apply: impl FnMut(&[f64]) -> Result<List<f64>, E>,
+    mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     b: &[f64],
     tolerance: f64,
     limit: usize,
@@ -33,12 +32,12 @@ pub fn gmres<E>(
     let norm = dot(b, b).sqrt();
     if norm == 0.0 || !norm.is_finite() {
         let residual = if norm == 0.0 { 0.0 } else { norm };
-        return Ok(Krylov { x: zeros(b.len()), components: List::new(), iterations: 0, residual });
+        return Ok(Krylov { x: zeros(b.len()), components: Vec::new(), iterations: 0, residual });
     }
-    let mut basis = List::filled(map([b], |[b]| b / norm), 1);
+    let mut basis = vec![map([b], |[b]| b / norm)];
     // The triangular factor of the Hessenberg matrix by columns, its rotations, and the rotated right-hand side.
-    let (mut columns, mut rotations, mut rotated): (List<List<f64>>, List<(f64, f64)>, List<f64>) =
-        (List::new(), List::new(), List::filled(norm, 1));
+    let (mut columns, mut rotations, mut rotated): (Vec<Vec<f64>>, Vec<(f64, f64)>, Vec<f64>) =
+        (Vec::new(), Vec::new(), vec![norm]);
     while columns.len() < limit {
         let k = columns.len();
         let mut next = apply(&basis[k])?;
@@ -65,7 +64,7 @@ pub fn gmres<E>(
         basis.push(next);
     }
     let size = columns.len();
-    let mut y = List::copied(&rotated[..size]);
+    let mut y = rotated[..size].to_vec();
     for i in (0..size).rev() {
         y[i] /= columns[i][i];
         let yi = y[i];
@@ -91,7 +90,7 @@ pub enum Definite {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradients {
     /// The solution found.
-    pub x: List<f64>,
+    pub x: Vec<f64>,
     /// Products made.
     pub iterations: usize,
     /// ‖b − A x‖ / ‖b‖ of the recurrence.
@@ -108,8 +107,8 @@ pub struct Gradients {
 /// # Errors
 /// When a product cannot be computed.
 pub fn conjugate_gradients<E>(
-    mut apply: impl FnMut(&[f64]) -> Result<List<f64>, E>,
-    mut precondition: impl FnMut(&[f64]) -> List<f64>,
+    mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    mut precondition: impl FnMut(&[f64]) -> Vec<f64>,
     b: &[f64],
     norm: impl Fn(&[f64]) -> f64,
     (tolerance, limit): (f64, usize),
@@ -159,7 +158,7 @@ mod tests {
         let entry = |i: usize, j: usize| {
             if i == j { if i.is_multiple_of(2) { 3.0 } else { -2.0 } } else { ((i * 7 + j * 3) % 11) as f64 / 40.0 }
         };
-        let apply = |x: &[f64]| (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect::<List<f64>>();
+        let apply = |x: &[f64]| (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect::<Vec<f64>>();
         let exact: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         let Ok(solved) = gmres(|x| Ok::<_, Infallible>(apply(x)), &apply(&exact), 1e-14, n);
         assert!(solved.iterations <= n && solved.residual <= 1e-13, "{solved:?}");
@@ -172,7 +171,7 @@ mod tests {
         let n = 500;
         let apply = |x: &[f64]| {
             let (s, t): (f64, f64) = (x.iter().sum(), x.iter().enumerate().map(|(i, x)| x * (i as f64).cos()).sum());
-            (0..n).map(|i| x[i] + 0.1 * s + t * (i as f64).sin()).collect::<List<f64>>()
+            (0..n).map(|i| x[i] + 0.1 * s + t * (i as f64).sin()).collect::<Vec<f64>>()
         };
         let product = |x: &[f64]| Ok::<_, Infallible>(apply(x));
         let Ok(solved) = gmres(product, &vec![1.0; n], 1e-12, 50);

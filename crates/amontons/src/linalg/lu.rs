@@ -14,7 +14,6 @@ use faer::{Mat, MatMut, MatRef, Par, Spec};
 
 use super::error::SolveError;
 use super::tangent::Entry;
-use crate::list::List;
 
 /// Bytes that columns begin at a multiple of, and numbers of so many bytes: those of a vector register.
 const ALIGNED: usize = 64;
@@ -23,7 +22,7 @@ const WIDE: usize = ALIGNED / size_of::<f64>();
 /// A square matrix by columns, in memory that is used again.
 #[derive(Debug)]
 pub(super) struct Square {
-    numbers: List<f64>,
+    numbers: Vec<f64>,
     size: usize,
     /// The first entry, and from one column to the next.
     first: usize,
@@ -35,7 +34,7 @@ impl Square {
     pub fn of(matrix: MatRef<f64>) -> Square {
         let size = matrix.nrows();
         let stride = size.next_multiple_of(WIDE);
-        let mut numbers = List::to_be_written(size * stride + WIDE);
+        let mut numbers = vec![0.0; size * stride + WIDE];
         let first = numbers.as_ptr().align_offset(ALIGNED).min(WIDE);
         for j in 0..size {
             let column = &mut numbers[first + j * stride..][..size];
@@ -68,8 +67,8 @@ impl Square {
 }
 
 /// Work space of the factorizations and solutions here.
-pub(super) fn work_space(needed: StackReq) -> List<MaybeUninit<u8>> {
-    List::filled(MaybeUninit::uninit(), needed.unaligned_bytes_required())
+pub(super) fn work_space(needed: StackReq) -> Vec<MaybeUninit<u8>> {
+    vec![MaybeUninit::uninit(); needed.unaligned_bytes_required()]
 }
 
 /// A = P⁻¹ L U with partial pivoting.
@@ -78,15 +77,15 @@ pub(super) struct Lu {
     /// L below the diagonal, which is one, and U.
     factors: Square,
     /// The rows in the order of the pivots, and back.
-    forward: List<usize>,
-    backward: List<usize>,
+    forward: Vec<usize>,
+    backward: Vec<usize>,
 }
 
 impl Lu {
     /// Factorizes a matrix; a singular one has solutions that are not finite, or leave much of the right-hand side.
     pub fn new(mut factors: Square) -> Lu {
         let n = factors.size();
-        let (mut forward, mut backward) = (List::filled(0, n), List::filled(0, n));
+        let (mut forward, mut backward) = (vec![0; n], vec![0; n]);
         let mut buffer = work_space(factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()));
         factor::lu_in_place(
             factors.as_mut(),
@@ -165,14 +164,14 @@ impl SparseLu {
     }
 
     /// A⁻¹ b.
-    pub fn solve(&self, b: &[f64]) -> List<f64> {
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let solved = self.factors.solve(&Mat::from_fn(b.len(), 1, |i, _| b[i]));
         (0..b.len()).map(|i| solved[(i, 0)]).collect()
     }
 
     /// A x.
-    pub fn apply(&self, x: &[f64]) -> List<f64> {
-        let mut y = List::filled(0.0, x.len());
+    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
         for (j, &x) in x.iter().enumerate() {
             let column = self.matrix.row_idx_of_col(j).zip(self.matrix.val_of_col(j));
             column.for_each(|(i, value)| y[i] += value * x);

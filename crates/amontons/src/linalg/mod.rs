@@ -1,7 +1,6 @@
 //! Algebra: sparse matrices, the factor with its condensed operator, and the largest eigenvalue of a pencil.
 
 mod automatic;
-mod batches;
 mod condensed;
 mod dense;
 mod eigen;

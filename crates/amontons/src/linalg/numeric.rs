@@ -3,7 +3,6 @@
 //!
 //! Work is cut into pieces, between which it can be ended.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use faer::dyn_stack::MemStack;
@@ -12,13 +11,11 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
-use sha2::{Digest, Sha256};
 
 use super::error::SolveError;
 use super::factor::Columns;
 use super::lu::work_space;
 use super::stop::Stop;
-use crate::list::List;
 
 /// Columns that are eliminated at once.
 const BLOCK: usize = 128;
@@ -33,12 +30,8 @@ pub(super) struct Supernodes<'a> {
     interior: usize,
     /// The supernode of each column.
     owner: Vec<u32>,
-    /// The first supernode that is made of the same numbers as each, once there is a factor: its columns are those of
-    /// both.
-    origin: Vec<u32>,
-    /// Where the numbers of each origin begin, one after the other, and where those of all end.
+    /// Where the numbers of each begin, one after the other.
     places: Vec<usize>,
-    end: usize,
 }
 
 /// The columns of a supernode, dense.
@@ -72,9 +65,12 @@ impl<'a> Supernodes<'a> {
                 owner[column as usize] = s as u32;
             }
         }
-        let count = symbolic.n_supernodes();
-        let origin = (0..count as u32).collect();
-        Supernodes { symbolic, interior, owner, origin, places: vec![0; count], end: 0 }
+        let mut supernodes = Supernodes { symbolic, interior, owner, places: Vec::new() };
+        let numbers =
+            |s: usize| (supernodes.columns(s).len() + supernodes.pattern(s).len()) * supernodes.columns(s).len();
+        let begins = (0..symbolic.n_supernodes()).scan(0, |end, s| Some(std::mem::replace(end, *end + numbers(s))));
+        supernodes.places = begins.collect();
+        supernodes
     }
 
     fn columns(&self, s: usize) -> Range<usize> {
@@ -88,12 +84,7 @@ impl<'a> Supernodes<'a> {
 
     /// Where the values of a supernode begin.
     pub fn offset(&self, s: usize) -> usize {
-        self.places[self.origin[s] as usize]
-    }
-
-    /// How many numbers the factor has taken.
-    pub fn taken(&self) -> usize {
-        self.end
+        self.places[s]
     }
 
     /// Columns of a supernode that are eliminated.
@@ -106,10 +97,9 @@ impl<'a> Supernodes<'a> {
     ///
     /// # Errors
     /// When a pivot is not positive, or the work is to end.
-    pub fn factorize(&mut self, lower: &Columns, values: &mut [f64], stop: &Stop) -> Result<(), SolveError> {
+    pub fn factorize(&self, lower: &Columns, values: &mut [f64], stop: &Stop) -> Result<(), SolveError> {
         let (count, size) = (self.symbolic.n_supernodes(), self.owner.len());
         let mut work = Work { place: vec![0u32; size], product: Vec::new(), stop };
-        let mut origins = HashMap::new();
         let mut waiting = Waiting { head: vec![NONE; count], link: vec![NONE; count], next: vec![0; count] };
         for s in 0..count {
             stop.go_on()?;
@@ -118,14 +108,6 @@ impl<'a> Supernodes<'a> {
             for (k, row) in (columns.start as u32..columns.end as u32).chain(pattern.iter().copied()).enumerate() {
                 work.place[row as usize] = k as u32;
             }
-            let origin = *origins.entry(self.made_of(s, lower, &waiting, &work)).or_insert(s as u32);
-            if origin != s as u32 {
-                self.origin[s] = origin;
-                self.pass_over(&mut waiting, s);
-                continue;
-            }
-            self.places[s] = self.end;
-            self.end += leading * columns.len();
             let (before, own) = values.split_at_mut(self.places[s]);
             let mut panel = Panel { columns: columns.clone(), leading, values: &mut own[..leading * columns.len()] };
             for (column, own) in columns.clone().zip(panel.values.chunks_exact_mut(leading)) {
@@ -149,40 +131,6 @@ impl<'a> Supernodes<'a> {
             }
         }
         Ok(())
-    }
-
-    /// What the columns of a supernode are made of, as a digest: the entries of the matrix, and what the supernodes
-    /// below it take from them. A mesh that repeats itself has many supernodes that are made of the same.
-    fn made_of(&self, s: usize, lower: &Columns, waiting: &Waiting, work: &Work) -> [u8; 32] {
-        let (columns, mut digest) = (self.columns(s), Sha256::new());
-        let mut add = |numbers: &[u64]| numbers.iter().for_each(|number| digest.update(number.to_le_bytes()));
-        add(&[columns.len(), self.pattern(s).len(), self.eliminated(s)].map(|n| n as u64));
-        for column in columns {
-            lower.column(column).for_each(|(row, value)| add(&[work.place[row as usize].into(), value.to_bits()]));
-            add(&[u64::MAX]);
-        }
-        let mut d = waiting.head[s];
-        while d != NONE {
-            let from = waiting.next[d as usize];
-            add(&[u64::MAX, self.origin[d as usize].into(), from as u64]);
-            self.pattern(d as usize)[from..].iter().for_each(|&row| add(&[work.place[row as usize].into()]));
-            d = waiting.link[d as usize];
-        }
-        digest.finalize().into()
-    }
-
-    /// Goes on as after the elimination of a supernode.
-    fn pass_over(&self, waiting: &mut Waiting, s: usize) {
-        let (end, mut d) = (self.columns(s).end, waiting.head[s]);
-        while d != NONE {
-            let (after, from) = (waiting.link[d as usize], waiting.next[d as usize]);
-            let rows = &self.pattern(d as usize)[from..];
-            self.wait(waiting, d as usize, from + rows.partition_point(|&row| (row as usize) < end));
-            d = after;
-        }
-        if self.eliminated(s) > 0 {
-            self.wait(waiting, s, 0);
-        }
     }
 
     /// Puts a supernode on the list of that which has its next row among its columns.
@@ -251,7 +199,7 @@ impl<'a> Supernodes<'a> {
 /// The column that has no pivot, or the wish that the work ends.
 pub(super) fn has_factor(matrix: MatRef<f64>, shift: f64, stop: &Stop) -> Result<(), Ended> {
     let n = matrix.nrows();
-    let mut values = List::with_capacity(n * n);
+    let mut values = Vec::with_capacity(n * n);
     (0..n).for_each(|j| values.extend(matrix.col(j).iter().copied()));
     for j in 0..n {
         values[j * n + j] += shift;

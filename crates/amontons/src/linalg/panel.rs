@@ -1,8 +1,8 @@
-//! A panel of dense columns of a factor, and what a sweep does with it: for one vector, or for several at once.
+//! A panel of dense columns of a factor, and what a sweep does with it: forward and backward.
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
 use std::hint::black_box;
-use std::ops::{Add, Div, Mul, Range, Sub};
+use std::ops::Range;
 
 /// Numbers of a panel up to which its lines of memory are asked for one after the other before it is worked with: its
 /// columns by themselves are too short for a processor to read ahead. They fit into the second cache.
@@ -24,19 +24,6 @@ pub(super) struct Panel {
     pub leading: usize,
 }
 
-/// Positions in a vector, in the list of which a sweep reads them in order.
-pub(super) trait Rows: Copy {
-    fn range(self) -> Range<usize>;
-}
-
-/// One position.
-impl Rows for u32 {
-    #[inline(always)]
-    fn range(self) -> Range<usize> {
-        self as usize..self as usize + 1
-    }
-}
-
 /// Positions that follow each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
@@ -44,14 +31,12 @@ pub(super) struct Run {
     length: u32,
 }
 
-impl Rows for Run {
+impl Run {
     #[inline(always)]
     fn range(self) -> Range<usize> {
         self.first as usize..(self.first + self.length) as usize
     }
-}
 
-impl Run {
     /// Appends positions to a list: where they stand in it.
     pub fn append(positions: impl IntoIterator<Item = u32>, list: &mut Vec<Run>) -> Range<usize> {
         let begin = list.len();
@@ -63,149 +48,48 @@ impl Run {
         }
         begin..list.len()
     }
-
-    /// The positions one by one.
-    pub fn positions(list: &[Run]) -> impl Iterator<Item = u32> {
-        list.iter().flat_map(|run| run.first..run.first + run.length)
-    }
 }
 
-/// What a vector has at a position: a number, or one of each of several vectors.
-pub(super) trait Value:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
-{
-    const ZERO: Self;
-
-    /// Σ c_i x_i.
-    fn dot(c: &[f64], x: &[Self]) -> Self;
-
-    /// The same with each of four columns.
-    fn dot4(c: [&[f64]; 4], x: &[Self]) -> [Self; 4];
+/// Σ c_i x_i, in four sums that do not wait for each other.
+#[inline(always)]
+fn dot(c: &[f64], x: &[f64]) -> f64 {
+    let ((quads, rest), (x, x_rest)) = (c.as_chunks::<4>(), x.as_chunks::<4>());
+    let mut lanes = [0.0; 4];
+    for (c, x) in quads.iter().zip(x) {
+        lanes = add_product(lanes, *c, *x);
+    }
+    let tail: f64 = rest.iter().zip(x_rest).map(|(c, x)| c * x).sum();
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + tail
 }
 
-impl Value for f64 {
-    const ZERO: f64 = 0.0;
-
-    /// In four lanes.
-    #[inline(always)]
-    fn dot(c: &[f64], x: &[f64]) -> f64 {
-        let ((quads, rest), (x, x_rest)) = (c.as_chunks::<4>(), x.as_chunks::<4>());
-        let mut lanes = [0.0; 4];
-        for (c, x) in quads.iter().zip(x) {
-            lanes = add_product(lanes, *c, *x);
-        }
-        let tail: f64 = rest.iter().zip(x_rest).map(|(c, x)| c * x).sum();
-        (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + tail
+/// Σ c_i x_i for four columns c, in four sums each: sixteen sums that stay in registers.
+#[inline(always)]
+fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
+    let (quads, rest) = x.as_chunks::<4>();
+    let m = quads.len();
+    let (c0, c1) = (&c[0].as_chunks::<4>().0[..m], &c[1].as_chunks::<4>().0[..m]);
+    let (c2, c3) = (&c[2].as_chunks::<4>().0[..m], &c[3].as_chunks::<4>().0[..m]);
+    let (mut s0, mut s1, mut s2, mut s3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
+    for i in 0..m {
+        s0 = add_product(s0, c0[i], quads[i]);
+        s1 = add_product(s1, c1[i], quads[i]);
+        s2 = add_product(s2, c2[i], quads[i]);
+        s3 = add_product(s3, c3[i], quads[i]);
     }
-
-    /// In four lanes each: sixteen sums that stay in registers.
-    #[inline(always)]
-    fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
-        let (quads, rest) = x.as_chunks::<4>();
-        let m = quads.len();
-        let (c0, c1) = (&c[0].as_chunks::<4>().0[..m], &c[1].as_chunks::<4>().0[..m]);
-        let (c2, c3) = (&c[2].as_chunks::<4>().0[..m], &c[3].as_chunks::<4>().0[..m]);
-        let (mut s0, mut s1, mut s2, mut s3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
-        for i in 0..m {
-            s0 = add_product(s0, c0[i], quads[i]);
-            s1 = add_product(s1, c1[i], quads[i]);
-            s2 = add_product(s2, c2[i], quads[i]);
-            s3 = add_product(s3, c3[i], quads[i]);
+    let mut sums = [0.0; 4];
+    // As one value: the compiler would work on the same lane of all four otherwise, which is slower.
+    for (a, lanes) in black_box([s0, s1, s2, s3]).iter().enumerate() {
+        sums[a] = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+        for (c, x) in c[a][4 * m..].iter().zip(rest) {
+            sums[a] += c * x;
         }
-        let mut sums = [0.0; 4];
-        // As one value: the compiler would work on the same lane of all four otherwise, which is slower.
-        for (a, lanes) in black_box([s0, s1, s2, s3]).iter().enumerate() {
-            sums[a] = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
-            for (c, x) in c[a][4 * m..].iter().zip(rest) {
-                sums[a] += c * x;
-            }
-        }
-        sums
     }
+    sums
 }
 
 #[inline(always)]
 fn add_product(sum: [f64; 4], a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [sum[0] + a[0] * b[0], sum[1] + a[1] * b[1], sum[2] + a[2] * b[2], sum[3] + a[3] * b[3]]
-}
-
-/// Vectors that are worked on at once: two registers of AVX2.
-pub(super) const LANES: usize = 8;
-
-/// An entry of each of several vectors.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(super) struct Lanes(pub [f64; LANES]);
-
-impl Lanes {
-    #[inline(always)]
-    fn each(self, of: impl Fn(usize, f64) -> f64) -> Lanes {
-        let mut lanes = self.0;
-        for (l, lane) in lanes.iter_mut().enumerate() {
-            *lane = of(l, *lane);
-        }
-        Lanes(lanes)
-    }
-}
-
-impl Add for Lanes {
-    type Output = Lanes;
-
-    #[inline(always)]
-    fn add(self, other: Lanes) -> Lanes {
-        self.each(|l, lane| lane + other.0[l])
-    }
-}
-
-impl Sub for Lanes {
-    type Output = Lanes;
-
-    #[inline(always)]
-    fn sub(self, other: Lanes) -> Lanes {
-        self.each(|l, lane| lane - other.0[l])
-    }
-}
-
-impl Mul<f64> for Lanes {
-    type Output = Lanes;
-
-    #[inline(always)]
-    fn mul(self, by: f64) -> Lanes {
-        self.each(|_, lane| lane * by)
-    }
-}
-
-impl Div<f64> for Lanes {
-    type Output = Lanes;
-
-    #[inline(always)]
-    fn div(self, by: f64) -> Lanes {
-        self.each(|_, lane| lane / by)
-    }
-}
-
-impl Value for Lanes {
-    const ZERO: Lanes = Lanes([0.0; LANES]);
-
-    #[inline(always)]
-    fn dot(c: &[f64], x: &[Lanes]) -> Lanes {
-        c.iter().zip(x).fold(Lanes::ZERO, |sum, (c, x)| sum + *x * *c)
-    }
-
-    #[inline(always)]
-    fn dot4(c: [&[f64]; 4], x: &[Lanes]) -> [Lanes; 4] {
-        let m = x.len();
-        let [c0, c1, c2, c3] = c.map(|c| &c[..m]);
-        let [mut s0, mut s1, mut s2, mut s3] = [Lanes::ZERO; 4];
-        for i in 0..m {
-            let x = x[i];
-            s0 = s0 + x * c0[i];
-            s1 = s1 + x * c1[i];
-            s2 = s2 + x * c2[i];
-            s3 = s3 + x * c3[i];
-        }
-        [s0, s1, s2, s3]
-    }
 }
 
 impl Panel {
@@ -248,15 +132,15 @@ impl Panel {
 
     /// Solves L y = r on the columns, and adds what they take from the rows below.
     #[inline(always)]
-    pub fn forward<E: Value>(&self, values: &[f64], rows: &[impl Rows], vector: &mut [E], dense: &mut Vec<E>) {
+    pub fn forward(&self, values: &[f64], rows: &[Run], vector: &mut [f64], dense: &mut Vec<f64>) {
         let n = self.columns;
         dense.clear();
         dense.extend_from_slice(&vector[self.first..self.first + n]);
-        dense.resize(self.leading, E::ZERO);
+        dense.resize(self.leading, 0.0);
         let mut j = 0;
         while j + 4 <= n {
             let c = self.columns(values, j);
-            let mut z = [E::ZERO; 4];
+            let mut z = [0.0; 4];
             for a in 0..4 {
                 let mut s = dense[j + a];
                 for b in 0..a {
@@ -295,7 +179,7 @@ impl Panel {
 
     /// Solves Lᵀ x = y on the columns with the rows below known.
     #[inline(always)]
-    pub fn backward<E: Value>(&self, values: &[f64], rows: &[impl Rows], vector: &mut [E], dense: &mut Vec<E>) {
+    pub fn backward(&self, values: &[f64], rows: &[Run], vector: &mut [f64], dense: &mut Vec<f64>) {
         let n = self.columns;
         dense.clear();
         dense.extend_from_slice(&vector[self.first..self.first + n]);
@@ -307,12 +191,12 @@ impl Panel {
         while !j.is_multiple_of(4) {
             j -= 1;
             let c = self.column(values, j);
-            dense[j] = (dense[j] - E::dot(&c[1..], &dense[j + 1..])) / c[0];
+            dense[j] = (dense[j] - dot(&c[1..], &dense[j + 1..])) / c[0];
         }
         while j >= 4 {
             j -= 4;
             let c = self.columns(values, j);
-            let sums = E::dot4([&c[0][4..], &c[1][3..], &c[2][2..], &c[3][1..]], &dense[j + 4..]);
+            let sums = dot4([&c[0][4..], &c[1][3..], &c[2][2..], &c[3][1..]], &dense[j + 4..]);
             for a in (0..4).rev() {
                 let mut s = dense[j + a] - sums[a];
                 for b in a + 1..4 {
@@ -336,7 +220,8 @@ mod tests {
         let places =
             [&[1, 2, 3, 7][..], &[8, 9], &[], &[10, 12]].map(|rows| Run::append(rows.iter().copied(), &mut list));
         assert_eq!(places, [0..2, 2..3, 3..3, 3..5]);
-        let rows = places.map(|place| Run::positions(&list[place]).collect::<Vec<u32>>());
+        let rows = places
+            .map(|place| list[place].iter().flat_map(|run| run.first..run.first + run.length).collect::<Vec<u32>>());
         assert_eq!(rows, [vec![1, 2, 3, 7], vec![8, 9], vec![], vec![10, 12]]);
     }
 }

@@ -9,7 +9,6 @@ use rayon::prelude::*;
 
 use super::sparse::{BlockMatrix, CHUNK};
 use super::vectors::by_blocks;
-use crate::list::List;
 
 /// M w, A u, A w and B w in one pass over the matrices: M of 1 × 1 blocks, A and B of d × d blocks that act on
 /// differences, all on one graph. A is read once for both of its products. And what `then` makes of blocks of M w, A u
@@ -23,7 +22,7 @@ pub fn mechanical_products<T: Send + 'static>(
     [u, w]: [&[f64]; 2],
     rest: &mut [f64],
     then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
-) -> ([List<f64>; 4], List<T>) {
+) -> ([Vec<f64>; 4], Vec<T>) {
     match a.block_shape() {
         (2, 2) if a.is_of_differences() && b.is_of_differences() => {
             products_of::<2, 4, T>([mass, a, b], [u, w], rest, then)
@@ -45,8 +44,8 @@ fn products_of<const C: usize, const B: usize, T: Send + 'static>(
     [u, w]: [&[f64]; 2],
     rest: &mut [f64],
     then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
-) -> ([List<f64>; 4], List<T>) {
-    let mut out: [List<f64>; 4] = std::array::from_fn(|_| List::to_be_written(a.graph().len() * C));
+) -> ([Vec<f64>; 4], Vec<T>) {
+    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; a.graph().len() * C]);
     let (u, w) = (u.as_chunks::<C>().0, w.as_chunks::<C>().0);
     let [mass_w, a_u, a_w, b_w] = &mut out;
     let length = CHUNK * C;
@@ -78,8 +77,8 @@ pub fn thermal_products<T: Send + 'static>(
     theta: &[f64],
     rest: &mut [f64],
     then: impl Fn(usize, [&[f64]; 2], &mut [f64]) -> T + Sync,
-) -> ([List<f64>; 2], List<T>) {
-    let mut out = [List::to_be_written(theta.len()), List::to_be_written(theta.len())];
+) -> ([Vec<f64>; 2], Vec<T>) {
+    let mut out = [vec![0.0; theta.len()], vec![0.0; theta.len()]];
     let [mass_theta, d_theta] = &mut out;
     let rows = mass_theta.par_chunks_mut(CHUNK).zip(d_theta.par_chunks_mut(CHUNK)).enumerate();
     let of_rows = |(chunk, (mass_theta, d_theta)): (usize, Rows), rest: &mut [f64]| {

@@ -17,7 +17,6 @@ use super::stop::Stop;
 use super::tangent::{Spring, Tangent};
 use super::turn::{Turn, turn};
 use super::vectors::max_abs;
-use crate::list::List;
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
 const KEPT: usize = 8;
@@ -55,7 +54,7 @@ pub(super) struct Schur {
     /// S in the axes of space, and in the bases of the nodes that are turned, if some are.
     straight: Arc<Mat<f64>>,
     turned: Option<Mat<f64>>,
-    turns: List<Turn>,
+    turns: Vec<Turn>,
     /// The largest entry of S.
     largest: f64,
     /// Mean of the diagonal of S over the unknowns of its node, for each unknown: the same in every basis.
@@ -129,7 +128,7 @@ impl Schur {
             scale,
             straight: s,
             turned: None,
-            turns: List::new(),
+            turns: Vec::new(),
             nodes,
             kept: VecDeque::new(),
             factorizations: 0,
@@ -175,8 +174,8 @@ impl Schur {
     }
 
     /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
-    fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> List<f64> {
-        let mut y = List::filled(0.0, x.len());
+    fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
         // S is symmetric and stored by columns: some rows at once, all columns in turn.
         let rows = if self.is_large { 512 } else { x.len().max(1) };
         let s = self.s();
@@ -215,10 +214,10 @@ impl Schur {
     }
 
     /// The same by GMRES, preconditioned from the right.
-    fn iterate(&self, tangent: &Tangent, b: &[f64]) -> Result<List<f64>, SolveError> {
+    fn iterate(&self, tangent: &Tangent, b: &[f64]) -> Result<Vec<f64>, SolveError> {
         let near = self.near(tangent)?;
-        let mut x = List::filled(0.0, b.len());
-        let mut rest = List::copied(b);
+        let mut x = vec![0.0; b.len()];
+        let mut rest = b.to_vec();
         for _ in 0..PASSES {
             let before = max_abs(&rest);
             let wanted = (TOLERANCE * max_abs(b) / before).max(PASS);
@@ -234,7 +233,7 @@ impl Schur {
     }
 
     /// (S + J) x.
-    fn sum(&self, tangent: &Tangent, x: &[f64]) -> List<f64> {
+    fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
         let mut y = self.product(x, |s, x| s * x);
         tangent.add_product(1.0, x, &mut y);
         y
@@ -254,7 +253,7 @@ impl Schur {
             return Ok(Near::Coupled(Box::new(SparseLu::new(self.s().nrows(), sum)?)));
         }
         let own = |(first, size)| (first, Square::of(self.s().submatrix(first, first, size, size)));
-        let mut blocks: List<(usize, Square)> = blocks.map(own).collect();
+        let mut blocks: Vec<(usize, Square)> = blocks.map(own).collect();
         for (i, j, value) in tangent.entries() {
             if let Some((first, block)) = blocks.get_mut(node_of(i)) {
                 block.add(i as usize - *first, j as usize - *first, value);
@@ -269,7 +268,7 @@ impl Condensed for Schur {
         &self.scale
     }
 
-    fn apply(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
         Ok(self.product(x, |s, x| s * x))
     }
 
@@ -283,7 +282,7 @@ impl Condensed for Schur {
     }
 
     fn solve(&mut self, tangent: &Tangent, b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
-        let right = List::copied(b);
+        let right = b.to_vec();
         self.solve_unchecked(tangent, b)?;
         // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
         let round_off = f64::EPSILON * self.largest * max_abs(b);
@@ -295,7 +294,7 @@ impl Condensed for Schur {
         if !suspicious && !max_abs(b).is_nan() {
             return Ok(());
         }
-        let left: List<f64> = self.sum(tangent, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
+        let left: Vec<f64> = self.sum(tangent, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
         if max_abs(&left) <= LEFT * max_abs(&right) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
     }
 
@@ -309,7 +308,7 @@ impl Condensed for Schur {
 
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
-            self.turns = List::copied(turns);
+            self.turns = turns.to_vec();
             if !turns.is_empty() {
                 let mut s = self.turned.take().unwrap_or_else(|| Mat::zeros(self.len(), self.len()));
                 s.copy_from(&*self.straight);
@@ -360,17 +359,17 @@ fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
 #[derive(Debug)]
 enum Near {
     /// Node by node.
-    Nodes(List<(usize, Lu)>),
+    Nodes(Vec<(usize, Lu)>),
     /// As a whole, where contact couples nodes as that of a pair does.
     Coupled(Box<SparseLu>),
 }
 
 impl Near {
     /// The solution with this part alone.
-    fn solve(&self, y: &[f64]) -> List<f64> {
+    fn solve(&self, y: &[f64]) -> Vec<f64> {
         match self {
             Near::Nodes(blocks) => {
-                let mut x = List::copied(y);
+                let mut x = y.to_vec();
                 for (first, lu) in blocks {
                     lu.solve(&mut x[*first..first + lu.size()]);
                 }

@@ -13,7 +13,6 @@ use super::graph::{Graph, bodies, leaders};
 use super::pages::Numbers;
 use super::repeats;
 use super::vectors::{max_abs, zeros};
-use crate::list::List;
 use crate::mesh::Link;
 use crate::space::{Frame, RigidNodes};
 use crate::tensor::Point;
@@ -34,7 +33,7 @@ pub struct BlockMatrix {
 
 /// The values of the rows of the nodes, of which those that repeat are stored once, and where each row begins.
 #[derive(Clone, Debug)]
-pub(super) struct Repeated {
+struct Repeated {
     start: Vec<u32>,
     values: Vec<f64>,
 }
@@ -68,16 +67,9 @@ impl BlockMatrix {
     /// must not change after it.
     #[must_use]
     pub fn repeated(mut self) -> BlockMatrix {
-        // To the bit: the audit of energy takes the matrix for symmetric.
-        self.repeated = self.repeats(0.0);
+        let rows = repeats::rows(self.graph.len(), |i| self.row_values(i));
+        self.repeated = rows.map(|(start, values)| Repeated { start, values });
         self
-    }
-
-    /// The rows, of which those that differ by no more than this share of their largest entry are stored once; none
-    /// where too many of them differ.
-    pub(super) fn repeats(&self, same: f64) -> Option<Repeated> {
-        let (start, values) = repeats::rows(self.graph.len(), |i| self.row_values(i), same)?;
-        Some(Repeated { start, values })
     }
 
     /// Whether products are summed over differences.
@@ -312,14 +304,8 @@ impl BlockMatrix {
     /// The same as products read them.
     #[inline(always)]
     pub(super) fn row_read(&self, i: usize) -> &[f64] {
-        self.row_of(self.repeated.as_ref(), i)
-    }
-
-    /// The same from where rows that repeat are stored.
-    #[inline(always)]
-    fn row_of<'a>(&'a self, repeated: Option<&'a Repeated>, i: usize) -> &'a [f64] {
         let size = (self.graph.start[i + 1] - self.graph.start[i]) * self.rows * self.cols;
-        match repeated {
+        match &self.repeated {
             Some(Repeated { start, values }) => &values[start[i] as usize..][..size],
             None => &self.values[self.graph.start[i] * self.rows * self.cols..][..size],
         }
@@ -329,18 +315,12 @@ impl BlockMatrix {
     ///
     /// A matrix of 1 × 1 blocks acts on each of the `components` that `x` has a node.
     #[must_use]
-    pub fn apply(&self, x: &[f64]) -> List<f64> {
-        self.apply_of(self.repeated.as_ref(), x)
-    }
-
-    /// The same with rows that [`BlockMatrix::repeats`] gives, or with all of them. Blocks whose shape the loops do not
-    /// know are read from the matrix.
-    pub(super) fn apply_of(&self, repeated: Option<&Repeated>, x: &[f64]) -> List<f64> {
+    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let mut y = zeros(self.graph.len() * self.rows * components);
         let width = self.rows * components;
         y.par_chunks_mut((CHUNK * width).max(1)).enumerate().for_each(|(chunk, y)| {
-            Arch::new().dispatch(Rows { matrix: self, repeated, first: chunk * CHUNK, components, x, y });
+            Arch::new().dispatch(Rows { matrix: self, first: chunk * CHUNK, components, x, y });
         });
         y
     }
@@ -366,17 +346,11 @@ impl BlockMatrix {
     }
 
     #[inline(always)]
-    fn rows_of<const R: usize, const C: usize>(
-        &self,
-        repeated: Option<&Repeated>,
-        first: usize,
-        x: &[f64],
-        y: &mut [f64],
-    ) {
+    fn rows_of<const R: usize, const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<R>();
         for (k, y) in y.iter_mut().enumerate() {
-            let blocks = self.row_of(repeated, first + k).chunks_exact(R * C);
+            let blocks = self.row_read(first + k).chunks_exact(R * C);
             let origin = if self.of_differences { x[first + k] } else { [0.0; C] };
             // A sum per entry of the block: they do not wait for each other.
             let mut sums = [[0.0; C]; R];
@@ -393,12 +367,12 @@ impl BlockMatrix {
     }
 
     #[inline(always)]
-    fn diagonal_rows_of<const C: usize>(&self, repeated: Option<&Repeated>, first: usize, x: &[f64], y: &mut [f64]) {
+    fn diagonal_rows_of<const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<C>();
         for (k, y) in y.iter_mut().enumerate() {
             let mut sum = [0.0; C];
-            for (&j, value) in self.graph.row(first + k).iter().zip(self.row_of(repeated, first + k)) {
+            for (&j, value) in self.graph.row(first + k).iter().zip(self.row_read(first + k)) {
                 for c in 0..C {
                     sum[c] += value * x[j as usize][c];
                 }
@@ -416,7 +390,7 @@ impl BlockMatrix {
 
     /// |A| |x|: the sizes of what the sums A x are made of.
     #[must_use]
-    pub fn magnitude(&self, x: &[f64]) -> List<f64> {
+    pub fn magnitude(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let at = |node: usize, c: usize| x.get(node * self.cols * components + c).map_or(0.0, |x| x.abs());
         let width = self.rows * components;
@@ -458,7 +432,6 @@ impl BlockMatrix {
 /// Rows of a product, from the row of a node on.
 struct Rows<'a> {
     matrix: &'a BlockMatrix,
-    repeated: Option<&'a Repeated>,
     first: usize,
     components: usize,
     x: &'a [f64],
@@ -470,17 +443,17 @@ impl NullaryFnOnce for Rows<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Rows { matrix, repeated, first, components, x, y } = self;
+        let Rows { matrix, first, components, x, y } = self;
         match (matrix.rows, matrix.cols, components) {
-            (1, 1, 1) => matrix.rows_of::<1, 1>(repeated, first, x, y),
-            (1, 1, 2) => matrix.diagonal_rows_of::<2>(repeated, first, x, y),
-            (1, 1, 3) => matrix.diagonal_rows_of::<3>(repeated, first, x, y),
-            (2, 2, _) => matrix.rows_of::<2, 2>(repeated, first, x, y),
-            (2, 1, _) => matrix.rows_of::<2, 1>(repeated, first, x, y),
-            (1, 2, _) => matrix.rows_of::<1, 2>(repeated, first, x, y),
-            (3, 3, _) => matrix.rows_of::<3, 3>(repeated, first, x, y),
-            (3, 1, _) => matrix.rows_of::<3, 1>(repeated, first, x, y),
-            (1, 3, _) => matrix.rows_of::<1, 3>(repeated, first, x, y),
+            (1, 1, 1) => matrix.rows_of::<1, 1>(first, x, y),
+            (1, 1, 2) => matrix.diagonal_rows_of::<2>(first, x, y),
+            (1, 1, 3) => matrix.diagonal_rows_of::<3>(first, x, y),
+            (2, 2, _) => matrix.rows_of::<2, 2>(first, x, y),
+            (2, 1, _) => matrix.rows_of::<2, 1>(first, x, y),
+            (1, 2, _) => matrix.rows_of::<1, 2>(first, x, y),
+            (3, 3, _) => matrix.rows_of::<3, 3>(first, x, y),
+            (3, 1, _) => matrix.rows_of::<3, 1>(first, x, y),
+            (1, 3, _) => matrix.rows_of::<1, 3>(first, x, y),
             _ => matrix.rows_of_any(first, components, x, y),
         }
     }

@@ -7,16 +7,14 @@
 use std::cell::Cell;
 
 use pulp::{Arch, NullaryFnOnce};
-use rayon::prelude::*;
 
-use super::batches::{Batch, Workspace, batches};
 use super::panel::{Panel, Run};
 
 thread_local! {
     /// Memory of the vectors of a sweep that a thread begins, and what it works in at the panels of a task. Both are
     /// taken out while they are used: a thread that waits for another may begin a sweep of its own.
     static VECTORS: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
-    static WORKSPACE: Cell<Workspace> = const { Cell::new(Workspace::new()) };
+    static WORKSPACE: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
 /// A subtree of the elimination tree. Its vector is (own columns, ancestors that it touches).
@@ -29,21 +27,11 @@ pub(super) struct Task {
     pub panels: Vec<Panel>,
     /// The rows below the panels.
     pub rows: Vec<Run>,
-    /// Subtrees below the panels.
-    pub batches: Vec<Batch>,
     /// Positions in the parent's vector of the ancestors touched; those of the root are the unknowns of Γ_C.
     pub ancestors: Vec<u32>,
 }
 
 impl Task {
-    /// Puts subtrees that repeat side by side.
-    pub fn batch(&mut self) {
-        self.children.par_iter_mut().for_each(Task::batch);
-        if self.children.is_empty() {
-            self.batches = batches(&mut self.panels, &mut self.rows, self.own.len());
-        }
-    }
-
     /// Solves L y = r on the columns of the tree, and adds what they take from the unknowns of Γ_C.
     pub fn forward(&self, values: &[f64], x: &mut [f64], contact: &mut [f64]) {
         self.with_vectors(|vectors| {
@@ -158,7 +146,7 @@ struct Sweep<'a> {
     task: &'a Task,
     values: &'a [f64],
     vector: &'a mut [f64],
-    workspace: &'a mut Workspace,
+    workspace: &'a mut Vec<f64>,
     is_forward: bool,
 }
 
@@ -167,20 +155,14 @@ impl NullaryFnOnce for Sweep<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Sweep { task: Task { panels, rows, batches, .. }, values, vector, workspace, is_forward } = self;
+        let Sweep { task: Task { panels, rows, .. }, values, vector, workspace, is_forward } = self;
         if is_forward {
-            for batch in batches {
-                batch.forward(values, vector, workspace);
-            }
             for panel in panels {
-                panel.forward(panel.values_ahead(values, true), rows, vector, &mut workspace.of_one);
+                panel.forward(panel.values_ahead(values, true), rows, vector, workspace);
             }
         } else {
             for panel in panels.iter().rev() {
-                panel.backward(panel.values_ahead(values, false), rows, vector, &mut workspace.of_one);
-            }
-            for batch in batches {
-                batch.backward(values, vector, workspace);
+                panel.backward(panel.values_ahead(values, false), rows, vector, workspace);
             }
         }
     }

@@ -10,7 +10,6 @@ use super::sparse::BlockMatrix;
 use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 use super::vectors::zeros;
-use crate::list::List;
 
 /// A system K x = r, factorized by a backend, with its condensed operator.
 #[derive(Debug)]
@@ -105,7 +104,7 @@ impl System {
     ///
     /// # Errors
     /// When the sweep fails.
-    pub fn reduce(&self, right: &[f64]) -> Result<List<f64>, SolveError> {
+    pub fn reduce(&self, right: &[f64]) -> Result<Vec<f64>, SolveError> {
         let mut x = self.unknowns.gather(right);
         self.factor.forward(&mut x)?;
         Ok(x)
@@ -120,7 +119,7 @@ impl System {
         &mut self,
         x: &mut [f64],
         values: &[f64],
-        solve: impl FnOnce(&mut dyn Condensed, &[f64]) -> Result<(List<f64>, T), E>,
+        solve: impl FnOnce(&mut dyn Condensed, &[f64]) -> Result<(Vec<f64>, T), E>,
     ) -> Result<T, E> {
         let (_, kept) = x.split_at_mut(self.unknowns.interior);
         let (solved, result) = solve(self.condensed.as_mut(), kept)?;
@@ -134,7 +133,7 @@ impl System {
     ///
     /// # Errors
     /// When the sweep fails.
-    pub fn expand(&self, mut x: List<f64>, values: &[f64]) -> Result<List<f64>, SolveError> {
+    pub fn expand(&self, mut x: Vec<f64>, values: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.factor.backward(&mut x)?;
         Ok(self.unknowns.sum(&x, values))
     }
@@ -143,12 +142,12 @@ impl System {
     ///
     /// # Errors
     /// When the system with the tangent is singular, or cannot be solved.
-    pub fn linearised(&mut self, tangent: &Tangent, right: &[f64]) -> Result<List<f64>, SolveError> {
+    pub fn linearised(&mut self, tangent: &Tangent, right: &[f64]) -> Result<Vec<f64>, SolveError> {
         let mut x = self.reduce(right)?;
         let (_, kept) = x.split_at_mut(self.unknowns.interior);
         if !kept.is_empty() {
             // The tangent is in the bases of the contact points.
-            let turns = List::copied(self.condensed.turns());
+            let turns = self.condensed.turns().to_vec();
             for turn in &turns {
                 turn.forward(kept);
             }
@@ -182,8 +181,8 @@ impl System {
     ///
     /// # Errors
     /// When the sweep fails.
-    pub fn extend(&self, kept: &[f64]) -> Result<List<f64>, SolveError> {
-        let mut x = List::with_capacity(self.unknowns.interior + kept.len());
+    pub fn extend(&self, kept: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut x = Vec::with_capacity(self.unknowns.interior + kept.len());
         x.resize(self.unknowns.interior, 0.0);
         x.extend_from_slice(kept);
         self.factor.backward(&mut x)?;
@@ -211,7 +210,7 @@ impl System {
 
     /// The unknowns that are kept of a vector over all degrees of freedom.
     #[must_use]
-    pub fn kept_of(&self, values: &[f64]) -> List<f64> {
+    pub fn kept_of(&self, values: &[f64]) -> Vec<f64> {
         self.unknowns.kept_of(values)
     }
 }

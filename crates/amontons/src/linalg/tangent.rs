@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::list::List;
 use crate::tensor::Sym;
 
 /// Share of the stiffness of S on the diagonal in the place of springs.
@@ -25,8 +24,8 @@ const ROUND_OFF: f64 = 1e-12;
 #[derive(Clone, Debug, Default)]
 pub struct Tangent {
     /// The rows of N of all points, one after the other.
-    shares: List<Share>,
-    points: List<Point>,
+    shares: Vec<Share>,
+    points: Vec<Point>,
     springs: Vec<Spring>,
 }
 
@@ -36,7 +35,7 @@ pub struct Spring {
     /// α.
     pub stiffness: f64,
     /// v.
-    pub vector: List<(u32, f64)>,
+    pub vector: Vec<(u32, f64)>,
 }
 
 impl Spring {
@@ -76,7 +75,7 @@ impl Tangent {
     /// No forces, with room for those of `points` contact points that see `shares` unknowns in all.
     #[must_use]
     pub fn with_capacity(points: usize, shares: usize) -> Tangent {
-        Tangent { shares: List::with_capacity(shares), points: List::with_capacity(points), springs: Vec::new() }
+        Tangent { shares: Vec::with_capacity(shares), points: Vec::with_capacity(points), springs: Vec::new() }
     }
 
     /// Adds ω Nᵀ T N of one contact point: its weight ω, its row of N and T, rows the force.

@@ -11,7 +11,6 @@ use super::ordering::{Ordering, nested_dissection};
 use super::relief::Relief;
 use super::sparse::BlockMatrix;
 use super::vectors::{BLOCK, copy, zeros};
-use crate::list::{Lent, List};
 use crate::mesh::{Link, Mesh, leader};
 use crate::space::rigid::rigid_of;
 use crate::space::{self, Frame, RigidNodes, Space, frame, links};
@@ -214,13 +213,13 @@ impl Unknowns {
     }
 
     /// A vector by its components along the degrees of freedom.
-    fn entered<'v>(&self, full: &'v [f64]) -> Lent<'v, f64> {
+    fn entered<'v>(&self, full: &'v [f64]) -> Cow<'v, [f64]> {
         if self.frames.0.is_empty() && self.rigid.is_empty() {
-            return Lent::Given(full);
+            return Cow::Borrowed(full);
         }
-        let mut values = List::copied(full);
+        let mut values = full.to_vec();
         space::enter(&self.frames.0, &self.rigid, self.frames.1, &mut values);
-        Lent::Own(values)
+        Cow::Owned(values)
     }
 
     /// From components along the degrees of freedom to those along the axes.
@@ -236,7 +235,7 @@ impl Unknowns {
 
     /// Forces over all degrees of freedom, in elimination order; what is at a node that follows another one acts there.
     #[must_use]
-    pub fn gather(&self, full: &[f64]) -> List<f64> {
+    pub fn gather(&self, full: &[f64]) -> Vec<f64> {
         let components = self.frames.1;
         let mut forces = self.entered(full);
         for Link { node, to, .. } in self.links.iter() {
@@ -265,7 +264,7 @@ impl Unknowns {
 
     /// Forces on the unknowns that are kept, over all degrees of freedom; none at nodes that follow others.
     #[must_use]
-    pub fn forces(&self, kept: &[f64], size: usize) -> List<f64> {
+    pub fn forces(&self, kept: &[f64], size: usize) -> Vec<f64> {
         let mut full = zeros(size);
         self.kept().iter().zip(kept).for_each(|(&dof, force)| full[dof as usize] = *force);
         self.leave(&mut full);
@@ -274,7 +273,7 @@ impl Unknowns {
 
     /// The sum of [`Unknowns::add`].
     #[must_use]
-    pub fn sum(&self, x: &[f64], full: &[f64]) -> List<f64> {
+    pub fn sum(&self, x: &[f64], full: &[f64]) -> Vec<f64> {
         if !self.frames.0.is_empty() || !self.links.is_empty() || !self.rigid.is_empty() {
             let mut sum = copy(full);
             self.add(x, &mut sum);
@@ -286,7 +285,7 @@ impl Unknowns {
 
     /// The unknowns that are kept of a vector over all degrees of freedom.
     #[must_use]
-    pub fn kept_of(&self, full: &[f64]) -> List<f64> {
+    pub fn kept_of(&self, full: &[f64]) -> Vec<f64> {
         let full = self.entered(full);
         self.kept().iter().map(|&d| full[d as usize]).collect()
     }
@@ -294,7 +293,7 @@ impl Unknowns {
     /// [`Unknowns::gather`] from a vector that is in the directions of the degrees of freedom, as the matrix of a
     /// factor is.
     #[must_use]
-    pub fn pick(&self, full: &[f64]) -> List<f64> {
+    pub fn pick(&self, full: &[f64]) -> Vec<f64> {
         self.dofs.par_iter().with_min_len(BLOCK).map(|&d| full[d as usize]).collect()
     }
 

@@ -8,8 +8,6 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::list::List;
-
 /// Entries that are worked on at once: large enough to pay for a task.
 pub(super) const BLOCK: usize = 1 << 14;
 
@@ -17,8 +15,8 @@ pub(super) const BLOCK: usize = 1 << 14;
 const WRITTEN: usize = 16;
 
 /// A vector of so many entries, made of pieces: each thread writes its own, once.
-fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> List<f64> {
-    let mut entries = List::to_be_written(length);
+fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> Vec<f64> {
+    let mut entries = vec![0.0; length];
     entries.par_chunks_mut(BLOCK).enumerate().for_each(|(block, entries)| {
         let first = block * (BLOCK / WRITTEN);
         let (pieces, rest) = entries.as_chunks_mut();
@@ -33,19 +31,19 @@ fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> Lis
 
 /// A vector of zeros.
 #[must_use]
-pub fn zeros(length: usize) -> List<f64> {
+pub fn zeros(length: usize) -> Vec<f64> {
     written(length, |_| [0.0; WRITTEN])
 }
 
 /// A vector with these entries.
 #[must_use]
-pub fn copy(of: &[f64]) -> List<f64> {
+pub fn copy(of: &[f64]) -> Vec<f64> {
     map([of], |[entry]| entry)
 }
 
 /// The vector with the entries f(a_i, b_i, …) of vectors of equal length.
 #[must_use]
-pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> List<f64> {
+pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> Vec<f64> {
     let length = of.first().map_or(0, |v| v.len());
     let of = of.map(|v| v[..length].as_chunks::<WRITTEN>());
     written(length, |i| {
@@ -119,7 +117,7 @@ pub fn by_blocks<const N: usize, T: Send + 'static>(
     of: [&[f64]; N],
     out: &mut [f64],
     then: impl Fn(usize, [&[f64]; N], &mut [f64]) -> T + Sync,
-) -> List<T> {
+) -> Vec<T> {
     let size = of.first().map_or(0, |v| v.len());
     let of_block = |block: usize, out: &mut [f64]| {
         let (first, last) = (block * BLOCK, size.min((block + 1) * BLOCK));
@@ -172,24 +170,24 @@ impl<const N: usize, const M: usize, F: Fn([f64; N]) -> [f64; M]> NullaryFnOnce 
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let of_block = |(a, b): (&[f64], &[f64])| sum_block([a, b], |[a, b]| [a * b])[0];
-    let partial: List<f64> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of_block).collect();
+    let partial: Vec<f64> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of_block).collect();
     partial.iter().sum()
 }
 
 /// The products of a vector with each of several.
 #[must_use]
-pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> List<f64> {
+pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
     let of_block = |(block, x): (usize, &[f64])| dots_of_block(vectors, block * BLOCK, x);
-    sums_of(vectors.len(), &x.par_chunks(BLOCK).enumerate().map(of_block).collect::<List<_>>())
+    sums_of(vectors.len(), &x.par_chunks(BLOCK).enumerate().map(of_block).collect::<Vec<_>>())
 }
 
 /// The products of a block, which begins at an entry, with each of several vectors.
-fn dots_of_block<V: AsRef<[f64]>>(vectors: &[V], at: usize, x: &[f64]) -> List<f64> {
+fn dots_of_block<V: AsRef<[f64]>>(vectors: &[V], at: usize, x: &[f64]) -> Vec<f64> {
     vectors.iter().map(|v| sum_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
 }
 
 /// The sums of so many numbers of each block.
-fn sums_of(count: usize, partial: &[List<f64>]) -> List<f64> {
+fn sums_of(count: usize, partial: &[Vec<f64>]) -> Vec<f64> {
     (0..count).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
 }
 
@@ -211,14 +209,14 @@ fn add_to_block<V: AsRef<[f64]>>(y: &mut [f64], at: usize, factors: &[f64], vect
 /// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput.
 /// Math. Appl. 50 (2005) 1069). The basis is read three times: the components of the second time are found of each
 /// block as soon as those of the first are taken off it.
-pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> List<f64> {
-    let minus = |components: List<f64>| components.into_iter().map(|component| -component).collect::<List<f64>>();
+pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
+    let minus = |components: Vec<f64>| components.into_iter().map(|component| -component).collect::<Vec<f64>>();
     let first = minus(dots(duals, x));
     let of_block = |(block, x): (usize, &mut [f64])| {
         add_to_block(x, block * BLOCK, &first, basis);
         dots_of_block(duals, block * BLOCK, x)
     };
-    let partial: List<List<f64>> = x.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
+    let partial: Vec<Vec<f64>> = x.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
     let second = minus(sums_of(duals.len(), &partial));
     add_combination(x, &second, basis);
     first.iter().zip(&second).map(|(first, second)| -first - second).collect()

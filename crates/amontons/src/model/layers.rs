@@ -83,7 +83,7 @@ pub fn thermal_layers(problem: &Problem) -> Vec<ThermalLayer> {
             .filter_map(|cell| Some((cell, depth(cell)?)))
             .max_by(|a, b| (a.0.height / a.1).total_cmp(&(b.0.height / b.1)));
         let (cell, depth) = worst?;
-        let [step, end] = [problem.k(), problem.end].map(|t| t.sqrt() * depth);
+        let [step, end] = [problem.timeline.longest(), problem.timeline.end()].map(|t| t.sqrt() * depth);
         Some(ThermalLayer { side: contact.on.clone(), x: cell.x, cell: cell.height, step, end })
     };
     problem.contacts.iter().filter(|contact| conducts(contact)).filter_map(of_side).collect()

@@ -22,7 +22,6 @@ use super::files::{LONGEST, Written, move_file, sync_folder, write_atomically};
 use super::{Identity, OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
-use crate::list::List;
 use crate::machine;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
@@ -134,13 +133,13 @@ struct Body {
     k: f64,
     step: usize,
     t: f64,
-    u: List<f64>,
-    w: List<f64>,
-    theta: List<f64>,
-    p: List<f64>,
-    q: List<Point>,
-    sticks: List<bool>,
-    branches: List<List<f64>>,
+    u: Vec<f64>,
+    w: Vec<f64>,
+    theta: Vec<f64>,
+    p: Vec<f64>,
+    q: Vec<Point>,
+    sticks: Vec<bool>,
+    branches: Vec<Vec<f64>>,
     carried: Carried,
     surface: Accumulated,
     ledger: Ledger,
@@ -161,7 +160,7 @@ struct Report {
     coupling: CouplingReport,
     loose: Vec<String>,
     force: Point,
-    moments: List<Point>,
+    moments: Vec<Point>,
     heat_flow: f64,
     reactions: Reactions,
     points: Vec<ReportPoint>,
@@ -230,7 +229,7 @@ impl Body {
         });
         Body {
             case: case.clone(),
-            k: now.problem.k(),
+            k: now.problem.timeline.longest(),
             work: now.work,
             kept: now.scheme.map(Scheme::kept).unwrap_or_default(),
             report,
@@ -360,8 +359,8 @@ impl Checkpoint {
     /// Whether the checkpoint is one of a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         // Lengths that are quotients of other numbers may differ in their last bits.
-        if (self.k - problem.k()).abs() > 4.0 * f64::EPSILON * problem.k() {
-            return Err(CheckpointError::StepLength { found: self.k, expected: problem.k() });
+        if !problem.timeline.has_length(self.k) {
+            return Err(CheckpointError::StepLength { found: self.k, expected: problem.timeline.longest() });
         }
         let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
         let same = |what, found, expected| {
@@ -406,7 +405,7 @@ impl Checkpoint {
         let of_fluids = |count: usize| if discretization.ways.is_empty() { 0 } else { count };
         same("points that may be wet", wet.points.len(), of_fluids(points))?;
         same("contacts that may leak", wet.leaks.len(), of_fluids(problem.contacts.len()))?;
-        same("steps", self.state.step, self.state.step.min(problem.steps))
+        same("steps", self.state.step, self.state.step.min(problem.timeline.steps()))
     }
 }
 

@@ -337,14 +337,14 @@ impl Folder {
     /// Refuses to start where the results of the steps that are left do not fit on the disk.
     fn check_room(&self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, first) = (start.from.problem, start.from.state.step);
-        let due = (first..problem.steps).filter(|&n| self.is_due(n)).count() + 1;
+        let due = (first..problem.timeline.steps()).filter(|&n| self.is_due(n)).count() + 1;
         let is_packed = start.resumed && self.path.join(packed::FILE).exists();
         let unpacked = if is_packed { (0..first).filter(|&n| self.is_due(n)).count() } else { 0 };
         let needed = demand(
             &start.from,
             (&self.options.fields, self.options.format),
             [due, unpacked],
-            problem.steps - first.min(problem.steps),
+            problem.timeline.steps() - first.min(problem.timeline.steps()),
         );
         match machine::disk_free(&self.path) {
             Some(free) if needed > free as f64 => {

@@ -111,8 +111,8 @@ pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, f
 /// Velocity of the foundation of a contact at a point: that of its obstacle as a whole, or of its surface along its
 /// normal, and v_F.
 fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Point>, t: f64) -> Point {
-    let h = 1e-6 * problem.end;
-    let [from, to] = [(t - h).max(0.0), (t + h).min(problem.end)];
+    let h = 1e-6 * problem.timeline.end();
+    let [from, to] = [(t - h).max(0.0), (t + h).min(problem.timeline.end())];
     let mut v: Point =
         std::array::from_fn(|c| contact.foundation_velocity.get(c).map_or(0.0, |field| field.value(x, t)));
     let along_normal = |rate: f64, n: &Point| -> Point { n.map(|c| c * rate) };

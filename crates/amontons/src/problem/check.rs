@@ -37,10 +37,10 @@ impl ProblemData {
     }
 
     fn check_time(&self, faults: &mut Vec<Fault>) {
-        if !(self.end.is_finite() && self.end > 0.0) {
-            faults.push(Fault::new("time.end", self.end.to_string(), "a positive time in s"));
+        if !(self.timeline.end().is_finite() && self.timeline.end() > 0.0) {
+            faults.push(Fault::new("time.end", self.timeline.end().to_string(), "a positive time in s"));
         }
-        if self.steps == 0 {
+        if self.timeline.steps() == 0 {
             faults.push(Fault::new("time.steps", "0", "at least one step"));
         }
     }
@@ -144,12 +144,12 @@ impl ProblemData {
                     Fault::new(&*path, format!("a table that begins at t = {first:?}"), "values from t = 0").hint(hint),
                 );
             }
-            if last < self.end {
+            if last < self.timeline.end() {
                 faults.push(
                     Fault::new(
                         path,
                         format!("a table that ends at t = {last:?}"),
-                        format!("values to the end of the run, t = {:?}", self.end),
+                        format!("values to the end of the run, t = {:?}", self.timeline.end()),
                     )
                     .hint(hint),
                 );

@@ -141,7 +141,7 @@ impl ProblemData {
         let place = x(link.node);
         let off = PLACE * (0..3).map(|c| (place[c] - x(link.to)[c]).abs()).fold(0.0, f64::max);
         (0..=TIMES).any(|n| {
-            let t = self.end * f64::from(n) / f64::from(TIMES);
+            let t = self.timeline.end() * f64::from(n) / f64::from(TIMES);
             let values = |x: &Point| given.iter().map(|given| given.field.value(x, t)).collect::<Vec<f64>>();
             let [own, followed] = [link.node, link.to].map(|node| values(&x(node)));
             let beside = |d: usize, by: f64| values(&std::array::from_fn(|c| place[c] + if c == d { by } else { 0.0 }));

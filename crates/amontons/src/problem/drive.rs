@@ -64,7 +64,7 @@ impl ProblemData {
             let moved = std::array::from_fn(|c| now[c] - first[c]);
             dot(&moved, direction).abs() > 1e-9 * crate::tensor::length(&moved)
         };
-        if [0.37 * self.end, self.end].into_iter().any(moves) {
+        if [0.37 * self.timeline.end(), self.timeline.end()].into_iter().any(moves) {
             let hint = "across that direction it may move as given; along it the force moves it";
             let found = "an obstacle that is given a motion along the direction of its load";
             faults.push(Fault::new(path, found, "a place that does not move along the load").hint(hint));

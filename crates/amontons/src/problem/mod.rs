@@ -12,6 +12,7 @@ mod drive;
 mod fluid;
 mod loads;
 mod pairs;
+use crate::time::Timeline;
 pub use pairs::with_supports;
 mod physics;
 mod range;
@@ -146,10 +147,8 @@ pub struct ProblemData {
     pub temperature_scale: TemperatureScale,
     /// The body.
     pub mesh: Arc<Mesh>,
-    /// T in s.
-    pub end: f64,
-    /// N, the number of steps; k = T/N.
-    pub steps: usize,
+    /// The instants t_0 … t_N of the run.
+    pub timeline: Timeline,
     /// The equations that are solved.
     pub physics: Physics,
     /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
@@ -256,8 +255,7 @@ impl ProblemData {
             system: System::Si,
             temperature_scale: TemperatureScale::Kelvin,
             mesh: Arc::new(mesh),
-            end,
-            steps,
+            timeline: Timeline::equal(end, steps),
             physics: Physics::Coupled,
             materials: vec![material],
             body_force: Vec::new(),
@@ -310,18 +308,6 @@ impl ProblemData {
     #[must_use]
     pub fn components_of_force(&self) -> usize {
         if self.turns() { self.mesh.dim } else { self.components_on_contact() }
-    }
-
-    /// Length of a time step, s.
-    #[must_use]
-    pub fn k(&self) -> f64 {
-        self.end / self.steps as f64
-    }
-
-    /// t_n = n k, with t_N = T to the last bit.
-    #[must_use]
-    pub fn time(&self, n: usize) -> f64 {
-        self.end * (n as f64 / self.steps as f64)
     }
 
     /// The material of a region of the mesh; none where there are no materials.

@@ -77,7 +77,7 @@ impl ProblemData {
     /// numbers that can be computed with.
     pub(super) fn check_range(&self, faults: &mut Vec<Fault>) {
         // Steps of no length are told elsewhere.
-        if !self.k().is_normal() {
+        if !self.timeline.longest().is_normal() {
             return;
         }
         let Scales { stress, displacement, velocity, temperature, flux, energy, matrices } = self.scales();
@@ -157,10 +157,8 @@ impl ProblemData {
         }
         let stride = points.len().div_ceil(NODES).max(1);
         let points: Vec<Point> = points.into_iter().step_by(stride).collect();
-        let every = if field.depends_on_time() { self.steps.div_ceil(LEVELS).max(1) } else { self.steps.max(1) };
-        let levels = (0..self.steps).step_by(every).chain(field.depends_on_time().then_some(self.steps));
-        levels.flat_map(move |n| {
-            let t = self.time(n);
+        let levels = if field.depends_on_time() { self.timeline.spread(LEVELS) } else { vec![0.0] };
+        levels.into_iter().flat_map(move |t| {
             field
                 .values(&points, t)
                 .into_iter()
@@ -203,7 +201,7 @@ impl ProblemData {
 
     /// The magnitudes of a run by its data: what loads and prescribed values make of the body, by orders of magnitude.
     fn scales(&self) -> Scales {
-        let (mesh, k) = (&*self.mesh, self.k());
+        let (mesh, k) = (&*self.mesh, self.timeline.longest());
         let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
         let of = |role: Role| largest(data.iter().filter(|datum| datum.role == role).map(|datum| self.scale_of(datum)));
         let material = |key: &str, of: &dyn Fn(&Material) -> f64| {
@@ -217,7 +215,7 @@ impl ProblemData {
         let expansion = self.largest_entry("expansion", |m| &m.expansion);
         let conductance = self.of_laws("heat", |contact| Some(contact.heat.conductance_bound()));
         let stiffness = self.of_laws("normal", |contact| contact.normal.lipschitz());
-        let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.end).unwrap_or(0.0));
+        let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.timeline.end()).unwrap_or(0.0));
         let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| {
             Some(scale?.times(sign * factor.as_ref()?.power + more))
         };

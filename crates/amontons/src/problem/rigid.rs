@@ -183,7 +183,7 @@ impl ProblemData {
             body.line.is_some_and(|line| dot(&moment, &line).abs() > SAME * length(&moment))
         };
         let is_idle = (0..3).any(|c| acts(&part.moment, c) && idle([0.0; 3], about(c)));
-        if is_idle || [0.0, 0.37 * self.end, self.end].into_iter().any(about_line) {
+        if is_idle || [0.0, 0.37 * self.timeline.end(), self.timeline.end()].into_iter().any(about_line) {
             let found = format!("a moment on \"{}\", which has no motion about its axis", part.on);
             let hint = "nodes on a line do not turn about it, and neither a point nor a part that is `guided` turns";
             let expected = "a moment that turns the part";
@@ -195,7 +195,7 @@ impl ProblemData {
     fn check_prescribed_motion(&self, faults: &mut Vec<Fault>) {
         let space: Space = self.displacement_space();
         let n = self.mesh.dim;
-        for t in [0.0, 0.37 * self.end, self.end] {
+        for t in [0.0, 0.37 * self.timeline.end(), self.timeline.end()] {
             let mut u = vec![0.0; self.mesh.points.len() * n];
             space.prescribe(t, &mut u);
             for (entry, condition) in self.boundary.iter().enumerate() {

@@ -11,14 +11,13 @@ use super::system::{HalfStep, Step};
 use super::{CouplingReport, StepError};
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Exchange, Frame, PointState};
-use crate::list::List;
 use crate::problem::Physics;
 
 /// Solves (4.1) without a temperature, or with that which is given at t_n.
 pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
-    let theta: List<f64> = match step.problem.physics {
+    let theta: Vec<f64> = match step.problem.physics {
         Physics::Warmed => step.problem.given_temperature(step.t).into(),
-        _ => List::filled(0.0, step.old.theta.len()),
+        _ => vec![0.0; step.old.theta.len()],
     };
     Ok(made(Mechanics::solve(step, half, &theta, None, &mut ())?, no_heat(step, theta)))
 }
@@ -31,7 +30,7 @@ pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> 
 }
 
 /// The contact points of bodies at rest: r = −g, and no traction.
-fn across_gaps(step: &Step) -> List<PointState> {
+fn across_gaps(step: &Step) -> Vec<PointState> {
     let frames = frames(step.problem, step.boundary, &step.old.u, (&[], [&[]; 2]), [step.old.t, step.t]);
     let at_rest = |frame: &Frame| PointState {
         normal: frame.normal,
@@ -53,8 +52,8 @@ fn made(mechanics: Mechanics, heat: Heat) -> Made {
 }
 
 /// A temperature, and no heat that moves.
-fn no_heat(step: &Step, theta: List<f64>) -> Heat {
-    let (zero, points) = (List::filled(0.0, step.old.theta.len()), step.boundary.points.len());
+fn no_heat(step: &Step, theta: Vec<f64>) -> Heat {
+    let (zero, points) = (vec![0.0; step.old.theta.len()], step.boundary.points.len());
     Heat {
         mass_theta: zero.clone(),
         d_theta: zero.clone(),
@@ -62,14 +61,14 @@ fn no_heat(step: &Step, theta: List<f64>) -> Heat {
         coupling: zero,
         exchange: Exchange {
             temperature: step.boundary.scalars_on(step.contacts, &theta),
-            opposite: List::filled(0.0, points),
-            flux: List::filled(Flux::default(), points),
-            rubbed: List::filled(0.0, points),
+            opposite: vec![0.0; points],
+            flux: vec![Flux::default(); points],
+            rubbed: vec![0.0; points],
             foundation: step.old.surface.foundation.clone(),
-            passed: List::new(),
+            passed: Vec::new(),
         },
         through_contact: 0.0,
-        reactions: List::new(),
+        reactions: Vec::new(),
         iterations: 0,
         sweeps: 0,
         residual: 0.0,
@@ -81,21 +80,21 @@ fn no_heat(step: &Step, theta: List<f64>) -> Heat {
 
 /// u = w = 0 and no forces.
 fn no_mechanics(step: &Step) -> Mechanics {
-    let zero = || List::filled(0.0, step.old.u.len());
+    let zero = || vec![0.0; step.old.u.len()];
     let mut given = Given::default();
     given.advance.clone_from(&step.old.surface.advance);
     Mechanics {
         u: zero(),
         w: zero(),
-        v: List::new(),
-        rigid: List::new(),
+        v: Vec::new(),
+        rigid: Vec::new(),
         relative: None,
         carried: step.old.carried.clone(),
         wet: Vec::new(),
         multipliers: step.old.multipliers.clone(),
         branches: step.old.branches.clone(),
-        relaxing: List::new(),
-        states: List::new(),
+        relaxing: Vec::new(),
+        states: Vec::new(),
         is_unique: true,
         iterations: 0,
         sweeps: 0,
@@ -110,7 +109,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         hold: Hold::default(),
         given,
         force: [0.0; 3],
-        reactions: List::new(),
+        reactions: Vec::new(),
         support_work: 0.0,
         powers: Powers::default(),
     }

@@ -14,7 +14,6 @@ use super::system::Step;
 use crate::contact::Status;
 use crate::inclusion::{Frame, PointState};
 use crate::linalg::map;
-use crate::list::List;
 use crate::mesh::Mesh;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
@@ -49,9 +48,9 @@ impl Rigid {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Carried {
     /// R of each body, in the order of the lowest nodes.
-    pub rigid: List<Rigid>,
+    pub rigid: Vec<Rigid>,
     /// d = u − R, m, node-major.
-    pub deformation: List<f64>,
+    pub deformation: Vec<f64>,
 }
 
 impl State {
@@ -107,7 +106,7 @@ impl Bodies {
 
     /// Takes the rigid motion of each body off a field: the one that is nearest to it in the mean square over the
     /// nodes. A body of revolution moves along its axis alone.
-    pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> List<Rigid> {
+    pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> Vec<Rigid> {
         let all = self.all.iter().map(|body| {
             let at = |node: u32| -> Point {
                 std::array::from_fn(|c| if c < self.dim { v[node as usize * self.dim + c] } else { 0.0 })
@@ -124,7 +123,7 @@ impl Bodies {
             let rotation = std::array::from_fn(|c| dot(&body.inverse[c], &moment));
             Rigid { translation, rotation }
         });
-        let all: List<Rigid> = all.collect();
+        let all: Vec<Rigid> = all.collect();
         self.add(&all, -1.0, v);
         all
     }
@@ -144,9 +143,9 @@ impl Bodies {
 
 /// The motion at the end of a step: u and w, and where rigid motions are taken apart v = w − W and u by its parts.
 pub(super) struct Whole {
-    pub u: List<f64>,
-    pub w: List<f64>,
-    pub v: List<f64>,
+    pub u: Vec<f64>,
+    pub w: Vec<f64>,
+    pub v: Vec<f64>,
     pub carried: Carried,
 }
 
@@ -159,14 +158,14 @@ pub(super) struct Apart<'a> {
 
 impl Step<'_> {
     /// Takes the rigid motions off velocities; none where the step does not take them apart.
-    pub fn take(&self, w: &mut [f64]) -> List<Rigid> {
+    pub fn take(&self, w: &mut [f64]) -> Vec<Rigid> {
         let mesh = &self.discrete.mesh;
-        self.apart.map_or_else(List::new, |apart| apart.bodies.take(mesh.axisymmetric, w))
+        self.apart.map_or_else(Vec::new, |apart| apart.bodies.take(mesh.axisymmetric, w))
     }
 
     /// A field with rigid motions added; as it is where none are taken apart.
-    pub fn with_rigid(&self, rigid: &[Rigid], field: &[f64]) -> List<f64> {
-        let mut field = List::copied(field);
+    pub fn with_rigid(&self, rigid: &[Rigid], field: &[f64]) -> Vec<f64> {
+        let mut field = field.to_vec();
         if let Some(apart) = self.apart {
             apart.bodies.add(rigid, 1.0, &mut field);
         }
@@ -174,8 +173,8 @@ impl Step<'_> {
     }
 
     /// A field less rigid motions.
-    pub fn less_rigid(&self, rigid: &[Rigid], field: &[f64]) -> List<f64> {
-        let mut field = List::copied(field);
+    pub fn less_rigid(&self, rigid: &[Rigid], field: &[f64]) -> Vec<f64> {
+        let mut field = field.to_vec();
         if let Some(apart) = self.apart {
             apart.bodies.add(rigid, -1.0, &mut field);
         }
@@ -183,9 +182,9 @@ impl Step<'_> {
     }
 
     /// Displacement and velocity put together of the rigid velocities W, the displacement that strains see and v.
-    pub fn whole(&self, rigid: &[Rigid], deformation: List<f64>, v: List<f64>) -> Whole {
+    pub fn whole(&self, rigid: &[Rigid], deformation: Vec<f64>, v: Vec<f64>) -> Whole {
         if self.apart.is_none() {
-            return Whole { u: deformation, w: v, v: List::new(), carried: Carried::default() };
+            return Whole { u: deformation, w: v, v: Vec::new(), carried: Carried::default() };
         }
         let moved = self.carried_on(rigid);
         let (u, w) = (self.with_rigid(&moved, &deformation), self.with_rigid(rigid, &v));
@@ -195,15 +194,15 @@ impl Step<'_> {
     /// The rigid velocities with those translations that balance load, contact forces and inertia of each body. The
     /// mass of a small body may be the round-off of its stiffness, so that a factor of K knows nothing of it. Only
     /// where neither supports nor contact hold a body: across the normals of points that press, if none sticks.
-    pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> List<Rigid> {
+    pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> Vec<Rigid> {
         let (rho, form) = self.discrete.inertia();
         let (Some(apart), factor, [load, contact]) = (self.apart, rho / self.rule.delta, forces) else {
-            return List::copied(rigid);
+            return rigid.to_vec();
         };
         if factor == 0.0 {
-            return List::copied(rigid);
+            return rigid.to_vec();
         }
-        let (w, masses) = (self.with_rigid(rigid, v), form.apply(&List::filled(1.0, v.len())));
+        let (w, masses) = (self.with_rigid(rigid, v), form.apply(&vec![1.0; v.len()]));
         let held = self.held_directions(apart.bodies, states);
         let (dim, free) = (apart.bodies.dim, &self.discrete.v.free);
         let of = |((body, rigid), held): ((&Body, &Rigid), &Option<Vec<Point>>)| {
@@ -247,7 +246,7 @@ impl Step<'_> {
     }
 
     /// R_{n−1} + γ W.
-    pub fn carried_on(&self, rigid: &[Rigid]) -> List<Rigid> {
+    pub fn carried_on(&self, rigid: &[Rigid]) -> Vec<Rigid> {
         let gamma = self.rule.gamma;
         let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + gamma * b[c]);
         let old = self.apart.into_iter().flat_map(|apart| apart.carried.rigid.iter());
@@ -264,16 +263,16 @@ impl Step<'_> {
     }
 
     /// That with the velocity `v`, less W where that is taken apart: ū + γ v, or d_{n−1} + γ v.
-    pub fn deformed(&self, v: &[f64]) -> List<f64> {
+    pub fn deformed(&self, v: &[f64]) -> Vec<f64> {
         let gamma = self.rule.gamma;
         let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
         map([before, v], |[u, v]| u + gamma * v)
     }
 
     /// The foundation as bodies see it that move with their rigid motions: gaps, their rates and velocities less those.
-    pub fn seen_from(&self, frames: &[Frame], rigid: &[Rigid]) -> List<Frame> {
+    pub fn seen_from(&self, frames: &[Frame], rigid: &[Rigid]) -> Vec<Frame> {
         let (dim, size) = (self.discrete.mesh.dim, self.old.u.len());
-        let field = |rigid: &[Rigid]| self.with_rigid(rigid, &List::filled(0.0, size));
+        let field = |rigid: &[Rigid]| self.with_rigid(rigid, &vec![0.0; size]);
         let (moved, velocity) = (field(&self.carried_on(rigid)), field(rigid));
         let of = |(point, frame): (_, &Frame)| {
             let [moved, velocity] = [&moved, &velocity].map(|field| self.boundary.vector_at(point, dim, field));

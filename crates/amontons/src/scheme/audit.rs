@@ -8,7 +8,6 @@ use crate::arrays::per_point;
 use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
 use crate::linalg::{dot, sum_block};
-use crate::list::List;
 use crate::tensor;
 
 /// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
@@ -235,7 +234,7 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
 /// The sizes of what the heat of a step is the sum of: contents and flows that may cancel over the body.
 fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
     let (c, storage) = step.discrete.storage();
-    let sum = |sizes: List<f64>| sizes.iter().sum::<f64>();
+    let sum = |sizes: Vec<f64>| sizes.iter().sum::<f64>();
     step.k * sum(step.discrete.d.magnitude(&heat.theta))
         + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
 }

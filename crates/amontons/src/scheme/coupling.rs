@@ -10,12 +10,12 @@ use super::heat::{self, Heat};
 use super::mechanics::{Beside, Mechanics};
 use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
 use super::{Contraction, CouplingReport, StepError, tried};
-use crate::inclusion::{PointDerivative, PointState, Rule};
+use crate::inclusion::{PointDerivative, PointState};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
-use crate::list::List;
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
+use crate::time::Rule;
 
 /// Defect of the coupling, relative to the largest term of the equations, at which an iteration ends.
 const COUPLED: f64 = 1e-12;
@@ -114,8 +114,8 @@ impl<'a> Coupled<'a> {
     /// largest terms.
     fn defect(&self, pass: &Pass) -> Result<f64, StepError> {
         let Step { discrete, .. } = self.step;
-        let change = |new: List<f64>, old: &[f64], space: &Space| {
-            let mut change: List<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+        let change = |new: Vec<f64>, old: &[f64], space: &Space| {
+            let mut change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
             space.gather(&mut change);
             space.mask(&mut change);
             max_abs(&change)
@@ -187,7 +187,7 @@ impl<'a> Coupled<'a> {
     }
 
     /// The iterate with this temperature in m.
-    fn iterate(&mut self, theta: List<f64>, from: &Pass) -> Result<Iterate, StepError> {
+    fn iterate(&mut self, theta: Vec<f64>, from: &Pass) -> Result<Iterate, StepError> {
         Ok(Iterate::new(self.pass_in_turn(&theta, Some(from))?, theta))
     }
 
@@ -197,7 +197,7 @@ impl<'a> Coupled<'a> {
     fn newton(&mut self, now: &Iterate) -> Result<Option<Iterate>, StepError> {
         let Some(change) = self.direction(now)? else { return Ok(None) };
         let part = |alpha: f64| {
-            now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<List<f64>>()
+            now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>()
         };
         let shorter = std::iter::successors(Some(0.5), |alpha| Some(0.5 * alpha));
         let shorter = shorter.take_while(|&alpha| alpha >= SHORTEST_STEP).map(part);
@@ -211,7 +211,7 @@ impl<'a> Coupled<'a> {
     }
 
     /// The Newton step of the temperature, none where its systems are not solved.
-    fn direction(&mut self, now: &Iterate) -> Result<Option<List<f64>>, StepError> {
+    fn direction(&mut self, now: &Iterate) -> Result<Option<Vec<f64>>, StepError> {
         let most = now.residual.len().min(PRODUCTS);
         let found = Linearised::new(self, &now.pass).and_then(|tangent| {
             let right = tangent.right(self, &now.residual)?;
@@ -264,15 +264,15 @@ impl Beside for HeatBeside<'_> {
 /// An iterate of the monolithic coupling.
 struct Iterate {
     /// The temperature in m.
-    theta: List<f64>,
+    theta: Vec<f64>,
     pass: Pass,
     /// Φ(θ) − θ, and its square.
-    residual: List<f64>,
+    residual: Vec<f64>,
     merit: f64,
 }
 
 impl Iterate {
-    fn new(pass: Pass, theta: List<f64>) -> Iterate {
+    fn new(pass: Pass, theta: Vec<f64>) -> Iterate {
         let residual = difference(&pass.heat.theta, &theta);
         Iterate { merit: dot(&residual, &residual), residual, pass, theta }
     }
@@ -282,7 +282,7 @@ impl Iterate {
 #[derive(Default)]
 struct Progress {
     /// The defect after each pass.
-    defects: List<f64>,
+    defects: Vec<f64>,
     /// Where the least of them is.
     least: usize,
 }
@@ -317,7 +317,7 @@ impl Progress {
 
     /// The contraction factors seen: mean and largest ratio of two defects in turn, as far as they are not round-off.
     fn contraction(&self) -> Option<Contraction> {
-        let telling: List<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
+        let telling: Vec<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
         let (first, last, ratios) =
             (telling.first()?, telling.last()?, telling.len().checked_sub(1).filter(|&n| n > 0)?);
         let largest = telling.windows(2).map(|pair| pair[1] / pair[0]).fold(0.0, f64::max);
@@ -328,18 +328,18 @@ impl Progress {
 /// The derivative of both half-steps at a solution.
 struct Linearised {
     mechanics: Tangent,
-    points: List<PointDerivative>,
+    points: Vec<PointDerivative>,
     heat: Tangent,
     /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q, the slip and ν at each contact point.
-    fluxes: List<[f64; 4]>,
-    friction: List<[Point; 2]>,
-    normals: List<Point>,
+    fluxes: Vec<[f64; 4]>,
+    friction: Vec<[Point; 2]>,
+    normals: Vec<Point>,
     /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative
     /// of conduction has beside its symmetric part.
     force_slope: Option<BlockMatrix>,
     heat_slope: Option<BlockMatrix>,
     /// Whether the power of friction enters the bodies whole, as at a pair.
-    rubs: List<bool>,
+    rubs: Vec<bool>,
 }
 
 impl Linearised {
@@ -373,14 +373,14 @@ impl Linearised {
 
     /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the
     /// equations of both sides are multiplied so, and J is not inverted.
-    fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<List<f64>, SolveError> {
-        let Some(slope) = &self.heat_slope else { return Ok(List::copied(residual)) };
+    fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let Some(slope) = &self.heat_slope else { return Ok(residual.to_vec()) };
         let more = coupled.heat.system.linearised(&self.heat, &slope.apply(residual))?;
         Ok(residual.iter().zip(&more).map(|(residual, more)| residual + more).collect())
     }
 
     /// δθ − Φ′ δθ, times P⁻¹J.
-    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<List<f64>, SolveError> {
+    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
         let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
         let warmer = boundary.scalars_on(coupled.step.contacts, change);
         let contact = on_degrees(
@@ -389,12 +389,12 @@ impl Linearised {
             self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
         );
         let slope = self.force_slope.as_ref().unwrap_or(&discrete.m);
-        let right: List<f64> =
+        let right: Vec<f64> =
             slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
-        let u: List<f64> = w.iter().map(|w| gamma * w).collect();
+        let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
         let points = boundary.points.iter().enumerate();
-        let chi: List<[f64; 2]> = points
+        let chi: Vec<[f64; 2]> = points
             .map(|(i, point)| {
                 let v = boundary.vector_at(point, discrete.mesh.dim, &w);
                 let derivative = &self.points[i];
@@ -415,10 +415,10 @@ impl Linearised {
                 [out, out + if self.rubs[i] { power } else { 0.0 }]
             })
             .collect();
-        let mut sum = List::filled(0.0, discrete.q.free.len());
+        let mut sum = vec![0.0; discrete.q.free.len()];
         boundary.scatter_heat(chi.into_iter(), &mut sum);
         let chi = sum;
-        let mut right: List<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
+        let mut right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
         if let Some(slope) = &self.heat_slope {
             right.iter_mut().zip(slope.apply(change)).for_each(|(right, slope)| *right -= slope);
         }

@@ -16,12 +16,12 @@ use super::{
     StepError, StepReport, tried,
 };
 use crate::contact::{Contact, ContactBoundary, Supports};
-use crate::inclusion::{Loose, Multipliers, PointState, Rule};
+use crate::inclusion::{Loose, Multipliers, PointState};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
-use crate::list::{Keeping, List};
 use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
 use crate::tensor;
+use crate::time::Rule;
 
 /// How often a step is halved that does not converge, or in which there may be several solutions.
 const HALVINGS: usize = 5;
@@ -55,8 +55,6 @@ pub struct BackwardEuler {
     pulse: Pulse,
     /// Whether steps take as many iterations as they need; else they are made in halves after some.
     is_patient: bool,
-    /// The memory of lists is kept from the first step on.
-    keeping: Option<Keeping>,
 }
 
 /// The systems of the half-steps that a problem has, for one step length.
@@ -177,7 +175,7 @@ impl BackwardEuler {
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
     ) -> Result<BackwardEuler, SetupError> {
-        let (k, start) = (problem.k(), first_temperature(problem, discrete));
+        let (k, start) = (problem.timeline.longest(), first_temperature(problem, discrete));
         let systems = Systems::factorize(problem, discrete, (k, &start), backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
@@ -195,7 +193,6 @@ impl BackwardEuler {
             bodies: OnceLock::new(),
             pulse: Pulse::default(),
             is_patient: false,
-            keeping: None,
         })
     }
 
@@ -522,7 +519,7 @@ impl Scheme for BackwardEuler {
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
-        let branches = self.discrete.branches.iter().map(|branch| List::filled(0.0, branch.size(u.len()))).collect();
+        let branches = self.discrete.branches.iter().map(|branch| vec![0.0; branch.size(u.len())]).collect();
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
@@ -572,9 +569,9 @@ impl Scheme for BackwardEuler {
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let n = old.step + 1;
         self.pulse.begin_step();
-        self.keeping.get_or_insert_with(Keeping::begin);
-        let (mut state, report) =
-            self.advance(old, n, self.problem.time(n), 0).map_err(|error| datum::named(&self.problem, old, error))?;
+        let (mut state, report) = self
+            .advance(old, n, self.problem.timeline.time(n), 0)
+            .map_err(|error| datum::named(&self.problem, old, error))?;
         if report.parts > 1 {
             state.counts.halved_steps += 1;
         } else {

@@ -6,7 +6,6 @@ use super::system::{Step, difference, on_degrees};
 use crate::contact::{Leak, Wet};
 use crate::discretization::Discretization;
 use crate::inclusion::{Frame, PointState};
-use crate::list::List;
 use crate::problem::Problem;
 use crate::tensor::Point;
 
@@ -34,7 +33,7 @@ fn passes(step: &Step, i: usize, states: &[PointState]) -> bool {
 
 impl Step<'_> {
     /// The loads with the pressure of fluids at the points that are wet: −Σ ω Nᵀ p_f ν besides.
-    pub(super) fn with_fluid(&self, load: &Arc<List<f64>>, wet: &[bool], frames: &[Frame]) -> Arc<List<f64>> {
+    pub(super) fn with_fluid(&self, load: &Arc<Vec<f64>>, wet: &[bool], frames: &[Frame]) -> Arc<Vec<f64>> {
         if !wet.contains(&true) {
             return Arc::clone(load);
         }

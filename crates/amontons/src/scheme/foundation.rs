@@ -9,7 +9,6 @@ use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Wet, Worn};
 use crate::discretization::Discretization;
 use crate::inclusion::{Drive, Exchange, Frame, Passed, PointState};
-use crate::list::List;
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
 
@@ -17,20 +16,20 @@ use crate::tensor::{self, Point, dot};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accumulated {
     /// Depth worn off at each contact point, m; of a pair that of both bodies where they face each other now.
-    pub wear: List<f64>,
+    pub wear: Vec<f64>,
     /// What has come off the sides of pairs.
     pub worn: Worn,
     /// Work of friction at each contact point since the start, J/m².
-    pub friction_work: List<f64>,
+    pub friction_work: Vec<f64>,
     /// θ_F of each contact whose foundation has a heat capacity, K; none where it is prescribed.
-    pub foundation: List<Option<f64>>,
+    pub foundation: Vec<Option<f64>>,
     /// Heat that has passed each contact since the start, J.
-    pub passed: List<Passed>,
+    pub passed: Vec<Passed>,
     /// δ of each contact, m: by how much the sides of a section are drawn together, or an obstacle under a load has
     /// moved along its direction; zero elsewhere.
-    pub advance: List<f64>,
+    pub advance: Vec<f64>,
     /// The mean rate of δ in the last step, m/s.
-    pub advance_rate: List<f64>,
+    pub advance_rate: Vec<f64>,
     /// Where fluids are.
     pub wet: Wet,
 }
@@ -47,13 +46,13 @@ impl Accumulated {
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
         };
         Accumulated {
-            wear: List::filled(0.0, n),
+            wear: vec![0.0; n],
             worn: discrete.worn.fresh(),
-            friction_work: List::filled(0.0, n),
+            friction_work: vec![0.0; n],
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
-            passed: List::filled(Passed::default(), problem.contacts.len()),
-            advance: List::filled(0.0, problem.contacts.len()),
-            advance_rate: List::filled(0.0, problem.contacts.len()),
+            passed: vec![Passed::default(); problem.contacts.len()],
+            advance: vec![0.0; problem.contacts.len()],
+            advance_rate: vec![0.0; problem.contacts.len()],
             wet: fluid::dry(problem, discrete),
         }
     }
@@ -64,11 +63,11 @@ impl Accumulated {
         step: &Step,
         states: &[PointState],
         exchange: &Exchange,
-        (advance, wet): (List<f64>, &[bool]),
+        (advance, wet): (Vec<f64>, &[bool]),
     ) -> Accumulated {
         let Step { contacts, discrete, boundary, k, .. } = *step;
-        let mut wear: List<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
-        let depths: List<f64> = states.iter().map(|state| state.wear).collect();
+        let mut wear: Vec<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
+        let depths: Vec<f64> = states.iter().map(|state| state.wear).collect();
         let worn = discrete.worn.after(contacts, boundary, &self.worn, &depths);
         let at_points = discrete.worn.at_points(contacts, boundary, &wear, &worn.depths);
         wear.iter_mut().zip(&at_points).for_each(|(wear, [depth, _])| *wear = *depth);
@@ -98,15 +97,15 @@ pub(super) fn frames(
     u: &[f64],
     (worn, advance): (&[[f64; 2]], [&[f64]; 2]),
     [from, to]: [f64; 2],
-) -> List<Frame> {
+) -> Vec<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
-    let mut frames = List::with_capacity(all.len());
+    let mut frames = Vec::with_capacity(all.len());
     let rate = |change: f64| if to > from { change / (to - from) } else { 0.0 };
     for (side, contact) in problem.contacts.iter().enumerate() {
         let first = frames.len();
         let points: &[PointOnBoundary] = all.get(first..).unwrap_or_default();
         let points = &points[..points.iter().take_while(|point| point.contact == side).count()];
-        let x: List<Point> = points.iter().map(|point| point.x).collect();
+        let x: Vec<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
         let velocity = velocities(contact, &x, to);
         // Where the side `with` bears the points, its own motion is the slip.
@@ -151,10 +150,10 @@ pub(super) fn frames(
 }
 
 /// v_F by the datum; empty for a foundation at rest.
-fn velocities(contact: &Contact, x: &[Point], t: f64) -> List<Point> {
-    let components: List<List<f64>> = contact.foundation_velocity.iter().map(|field| field.values(x, t)).collect();
+fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
+    let components: Vec<Vec<f64>> = contact.foundation_velocity.iter().map(|field| field.values(x, t)).collect();
     if components.is_empty() {
-        return List::new();
+        return Vec::new();
     }
     (0..x.len()).map(|i| std::array::from_fn(|c| components.get(c).map_or(0.0, |values| values[i]))).collect()
 }
@@ -186,24 +185,24 @@ impl Step<'_> {
 
     /// The depth worn off at each contact point, and by how much its gap opens per depth that wears off; empty where
     /// nothing wears.
-    pub(super) fn worn(&self) -> List<[f64; 2]> {
+    pub(super) fn worn(&self) -> Vec<[f64; 2]> {
         let Accumulated { wear, worn, .. } = &self.old.surface;
         self.discrete.worn.at_points(self.contacts, self.boundary, wear, &worn.depths)
     }
 
     /// The moment of the forces on both bodies of each contact.
-    pub(super) fn moments(&self, states: &[PointState]) -> List<Point> {
+    pub(super) fn moments(&self, states: &[PointState]) -> Vec<Point> {
         let lambda = states.iter().map(|s| std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]));
         self.boundary.moments(&self.problem.contacts, &self.discrete.mesh, &self.old.u, lambda)
     }
 }
 
 /// θ_F(t_n) at the contact points where it is prescribed, K.
-pub(super) fn temperatures(step: &Step) -> List<f64> {
-    let mut all = List::with_capacity(step.boundary.points.len());
+pub(super) fn temperatures(step: &Step) -> Vec<f64> {
+    let mut all = Vec::with_capacity(step.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let points = step.boundary.points.iter().filter(|point| point.contact == side);
-        let mut x: List<Point> = List::with_capacity(step.boundary.points.len());
+        let mut x: Vec<Point> = Vec::with_capacity(step.boundary.points.len());
         x.extend(points.map(|point| point.x));
         all.extend(contact.foundation_temperature.values(&x, step.t));
     }
@@ -212,10 +211,10 @@ pub(super) fn temperatures(step: &Step) -> List<f64> {
 
 /// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static
 /// one there.
-pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> List<bool> {
+pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
     // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
     // cancel but for round-off.
-    let k = problem.k();
+    let k = problem.timeline.instant(1).k;
     let start = |obstacle: &crate::contact::Obstacle, x: &Point| -> [Point; 2] {
         let first = obstacle.motion(0.0, &|of| (4.0 * of(0.5 * k) - 3.0 * of(0.0) - of(k)) / k);
         let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);

@@ -1,11 +1,12 @@
 //! What the contact points are given in a mechanical half-step.
 
+use std::borrow::Cow;
+
 use super::apart::Rigid;
 use super::foundation::frames;
 use super::system::{HalfStep, Step};
 use crate::inclusion::{Drive, Frame, MechanicalStep, Multipliers, PointState};
 use crate::linalg::SolveError;
-use crate::list::{Lent, List};
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
 const NO_MOTION: f64 = 16.0 * f64::EPSILON;
@@ -13,17 +14,17 @@ const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 /// What is known on Γ_C before the half-step is solved.
 #[derive(Clone, Default)]
 pub(super) struct Given {
-    u_bar: List<f64>,
-    w_prescribed: List<f64>,
+    u_bar: Vec<f64>,
+    w_prescribed: Vec<f64>,
     /// The foundation at the contact points.
-    pub frames: List<Frame>,
+    pub frames: Vec<Frame>,
     /// The temperature that the half-step is made with, at the contact points on the side `on`.
-    pub temperature: List<f64>,
+    pub temperature: Vec<f64>,
     /// What the loads do along the rigid motions that nothing but contact holds.
     pub loads: Vec<[f64; 2]>,
     /// δ of each contact, by which a section is drawn together or an obstacle has moved, m: with what the step has
     /// added, as in `frames`.
-    pub advance: List<f64>,
+    pub advance: Vec<f64>,
 }
 
 impl Given {
@@ -34,14 +35,14 @@ impl Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: step.on_contact(&Given::prescribed(step, w)),
             frames: frames(problem, boundary, &old.u, (&step.worn(), [&old.surface.advance; 2]), [old.t, t]),
-            temperature: List::new(),
+            temperature: Vec::new(),
             loads: Vec::new(),
             advance: old.surface.advance.clone(),
         }
     }
 
     /// The same at another temperature of the contact points.
-    pub fn at(self, temperature: List<f64>) -> Given {
+    pub fn at(self, temperature: Vec<f64>) -> Given {
         Given { temperature, ..self }
     }
 
@@ -80,13 +81,13 @@ impl Given {
 
     /// The velocities in the directions of the degrees of freedom. What is prescribed there and is the round-off of the
     /// displacements that it is the difference of is no motion, along which a point would slip.
-    fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Lent<'v, f64> {
+    fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Cow<'v, [f64]> {
         let (space, gamma) = (&step.discrete.v, step.rule.gamma);
         let mut directed = space.in_frames(w);
         for frame in &space.frames {
             let dofs = frame.node as usize * space.components..(frame.node as usize + 1) * space.components;
             let size = dofs.clone().fold(0.0, |size: f64, i| size.max(w[i].abs()).max((step.bar.u[i] / gamma).abs()));
-            for i in dofs.filter(|&i| !space.free[i] && directed[i].abs() <= NO_MOTION * size).collect::<List<_>>() {
+            for i in dofs.filter(|&i| !space.free[i] && directed[i].abs() <= NO_MOTION * size).collect::<Vec<_>>() {
                 directed.to_mut()[i] = 0.0;
             }
         }
@@ -144,8 +145,8 @@ impl Given {
     }
 
     /// The states of the contact points.
-    pub fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> List<PointState> {
-        self.on_boundary(step, &half.on_contact).map_or_else(List::new, |on_boundary| {
+    pub fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        self.on_boundary(step, &half.on_contact).map_or_else(Vec::new, |on_boundary| {
             on_boundary.states(half.system.condensed(), &half.system.kept_of(w), multipliers)
         })
     }

@@ -6,27 +6,27 @@ use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, over_blocks, without_contact};
-use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
+use crate::inclusion::{Exchange, HeatStep, Lumped, PointState};
 use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, sum_block, zeros};
-use crate::list::List;
+use crate::time::Rule;
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
 
 /// What the heat half-step found.
 pub(super) struct Heat {
-    pub theta: List<f64>,
-    pub mass_theta: List<f64>,
-    pub d_theta: List<f64>,
+    pub theta: Vec<f64>,
+    pub mass_theta: Vec<f64>,
+    pub d_theta: Vec<f64>,
     /// Heat supplied in the load and e(u, ·) of the displacement that the half-step was made with.
-    pub supply: Arc<List<f64>>,
-    pub coupling: List<f64>,
+    pub supply: Arc<Vec<f64>>,
+    pub coupling: Vec<f64>,
     /// The contact points, and the foundations that warm up.
     pub exchange: Exchange,
     /// ∫_{Γ_C} q·ν in W.
     pub through_contact: f64,
     /// Heat that has to be supplied, one number per prescribed temperature, W.
-    pub reactions: List<f64>,
+    pub reactions: Vec<f64>,
     /// Newton iterations on Γ_C, and sweeps.
     pub iterations: usize,
     pub sweeps: usize,
@@ -51,14 +51,14 @@ pub(super) struct Amounts {
 
 /// A heat half-step before the contact is known.
 pub(super) struct Begun {
-    supply: Arc<List<f64>>,
-    coupling: List<f64>,
+    supply: Arc<Vec<f64>>,
+    coupling: Vec<f64>,
     /// Where the half-step starts, with the prescribed values of t_n, and its products with the forms.
-    theta: List<f64>,
-    mass_theta: List<f64>,
-    d_theta: List<f64>,
+    theta: Vec<f64>,
+    mass_theta: Vec<f64>,
+    d_theta: Vec<f64>,
     /// The right-hand side for the increment over `theta`, reduced to Γ_C.
-    reduced: List<f64>,
+    reduced: Vec<f64>,
 }
 
 impl Begun {
@@ -69,7 +69,7 @@ impl Begun {
         let coupling = discrete.e.apply(u);
         let mut begun = if let Some(h) = from {
             let [theta, mass_theta, d_theta] = [&h.theta, &h.mass_theta, &h.d_theta].map(|v| copy(v));
-            Begun { supply: Arc::clone(&h.supply), coupling, theta, mass_theta, d_theta, reduced: List::new() }
+            Begun { supply: Arc::clone(&h.supply), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         } else {
             let mut theta = copy(&old.theta);
             discrete.q.prescribe(t, &mut theta);
@@ -78,19 +78,19 @@ impl Begun {
             } else {
                 discrete.thermal_products(&theta)
             };
-            Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: List::new() }
+            Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
         begun.reduced = begun.reduce(step, half)?;
         Ok(begun)
     }
 
     /// The forward sweep.
-    fn reduce(&self, step: &Step, half: &HalfStep) -> Result<List<f64>, StepError> {
+    fn reduce(&self, step: &Step, half: &HalfStep) -> Result<Vec<f64>, StepError> {
         half.system.reduce(&self.right(step)?).map_err(|source| step.unsolved("heat", source))
     }
 
     /// The right-hand side for the increment over θ at hand.
-    fn right(&self, step: &Step) -> Result<List<f64>, StepError> {
+    fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
         let storage = step.discrete.storage().0 / step.rule.delta;
         let terms = [&*self.supply, &self.coupling, &self.mass_theta, &step.products.mass_theta, &self.d_theta];
         let right = map(terms.map(|term| &**term), |[supply, coupling, mass_theta, bar, d_theta]| {
@@ -274,7 +274,7 @@ struct Balance {
     driven: f64,
     /// Heat that leaves through Γ_C, and what enters where the temperature is prescribed, W.
     through_contact: f64,
-    reactions: List<f64>,
+    reactions: Vec<f64>,
     /// Power of friction that enters both bodies of pairs, W.
     rubbed: f64,
     /// Of stored heat, coupling and supply.
@@ -310,9 +310,9 @@ impl Heat {
 
 /// What is known on Γ_C before the half-step is solved.
 struct Given {
-    prescribed: List<f64>,
-    foundation: List<f64>,
-    lumped: List<Option<Lumped>>,
+    prescribed: Vec<f64>,
+    foundation: Vec<f64>,
+    lumped: Vec<Option<Lumped>>,
 }
 
 impl Given {

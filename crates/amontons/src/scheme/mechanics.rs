@@ -12,26 +12,26 @@ use super::system::{
 };
 use super::{State, StepError};
 use crate::discretization::Warmed;
-use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Rule, Solved, Undetermined};
+use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Solved, Undetermined};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
-use crate::list::List;
 use crate::tensor::Point;
+use crate::time::Rule;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
-    pub u: List<f64>,
-    pub w: List<f64>,
+    pub u: Vec<f64>,
+    pub w: Vec<f64>,
     /// Where rigid motions are taken apart: w − W, W, and what the contact points are given relative to it; and u by
     /// its parts.
-    pub v: List<f64>,
-    pub rigid: List<Rigid>,
+    pub v: Vec<f64>,
+    pub rigid: Vec<Rigid>,
     pub relative: Option<Given>,
     pub carried: Carried,
     pub multipliers: Multipliers,
     /// z_n of the branches that relax, and the force of their springs; empty without.
-    pub branches: List<List<f64>>,
-    pub relaxing: List<f64>,
-    pub states: List<PointState>,
+    pub branches: Vec<Vec<f64>>,
+    pub relaxing: Vec<f64>,
+    pub states: Vec<PointState>,
     /// Whether there is one solution between the state before and this one, as far as laws that fall are concerned.
     pub is_unique: bool,
     /// Newton iterations on Γ_C, and sweeps.
@@ -43,12 +43,12 @@ pub(super) struct Mechanics {
     /// The contact points that fluids wet.
     pub wet: Vec<bool>,
     /// The temperature that the half-step was made with, and m(θ, ·) of it.
-    pub theta: List<f64>,
-    pub thermal: List<f64>,
-    pub mass_w: List<f64>,
-    pub a_u: List<f64>,
-    pub a_w: List<f64>,
-    pub b_w: List<f64>,
+    pub theta: Vec<f64>,
+    pub thermal: Vec<f64>,
+    pub mass_w: Vec<f64>,
+    pub a_u: Vec<f64>,
+    pub a_w: Vec<f64>,
+    pub b_w: Vec<f64>,
     /// What holds rigid motions.
     pub hold: Hold,
     /// What the contact points were given.
@@ -56,7 +56,7 @@ pub(super) struct Mechanics {
     /// Resultant of σν on Γ_C.
     pub force: Point,
     /// What the supports exert, one number per prescribed degree of freedom, N; their work in the step, J.
-    pub reactions: List<f64>,
+    pub reactions: Vec<f64>,
     pub support_work: f64,
     /// The sums that the audit needs.
     pub powers: Powers,
@@ -176,20 +176,20 @@ impl Mechanics {
     }
 
     /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures of the side `on`.
-    pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> List<f64> {
+    pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> Vec<f64> {
         let w = half.system.kept_of(self.moving());
         let forces = |given: &Given| {
             given
                 .on_boundary(step, &half.on_contact)
-                .map_or_else(List::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
+                .map_or_else(Vec::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
         };
-        let (now, then) = (forces(self.seen()), forces(&self.seen().clone().at(List::copied(temperature))));
+        let (now, then) = (forces(self.seen()), forces(&self.seen().clone().at(temperature.to_vec())));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
         on_degrees(step.boundary, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: what they add to S, and what each contact point sees.
-    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, List<PointDerivative>) {
+    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, Vec<PointDerivative>) {
         let w = half.system.kept_of(self.moving());
         let HalfStep { system, on_contact, .. } = half;
         self.seen()
@@ -202,13 +202,13 @@ impl Mechanics {
 struct Equation<'a> {
     step: &'a Step<'a>,
     /// The loads, without and with the pressure of fluids, and where these are.
-    dry: Arc<List<f64>>,
-    load: Arc<List<f64>>,
+    dry: Arc<Vec<f64>>,
+    load: Arc<Vec<f64>>,
     pools: Pools,
     /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
     warmed: Warmed<'a>,
-    thermal: List<f64>,
+    thermal: Vec<f64>,
     given: Given,
 }
 
@@ -224,7 +224,7 @@ impl<'a> Equation<'a> {
         let numbers = |Frame { gap, gap_rate, normal: n, velocity: v, .. }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
-        step.finite(&given.frames.iter().flat_map(numbers).collect::<List<f64>>(), "the foundation")?;
+        step.finite(&given.frames.iter().flat_map(numbers).collect::<Vec<f64>>(), "the foundation")?;
         let (dry, thermal) = (step.discrete.f.at(step.t), step.discrete.thermal_force(theta));
         let (load, pools) = (Arc::clone(&dry), Pools::default());
         let mut equation = Equation { step, dry, load, pools, theta, warmed, thermal, given };
@@ -251,7 +251,7 @@ impl<'a> Equation<'a> {
     }
 
     /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
-    fn right(&self, at: &Iterate) -> List<f64> {
+    fn right(&self, at: &Iterate) -> Vec<f64> {
         let inertia = self.inertia();
         let right = map(self.terms(at), |terms| right_hand_side(inertia, terms));
         if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
@@ -296,10 +296,10 @@ impl<'a> Equation<'a> {
             })
             .map_err(|why| step.failed("mechanics", why))?;
         let increments = &x[system.unknowns().interior..];
-        let kept: List<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
+        let kept: Vec<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
         let given = if drives.is_empty() { given } else { self.seen(now, &drives, &lengths) };
         let on_boundary = given.on_boundary(step, on_contact);
-        let states = on_boundary.map_or_else(List::new, |of| of.states(system.condensed(), &kept, &multipliers));
+        let states = on_boundary.map_or_else(Vec::new, |of| of.states(system.condensed(), &kept, &multipliers));
         let forces = if held.is_empty() { held } else { system.unknowns().forces(&held, now.w.len()) };
         Ok(Settled {
             x,
@@ -318,12 +318,12 @@ impl<'a> Equation<'a> {
     }
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
-    fn balance(&self, mut v: List<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced<'a>, StepError> {
+    fn balance(&self, mut v: Vec<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced<'a>, StepError> {
         let Found { multipliers, states, hold } = found;
         let Step { discrete, k, .. } = *self.step;
         // What the pass has added to the rigid motion is put to it.
         let more = self.step.take(&mut v);
-        let rigid: List<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
+        let rigid: Vec<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
         let (force, contact_force) = contact_forces(self.step, &states);
         let rigid = self.step.driven(&rigid, &v, [&self.load, &contact_force], &states);
         let whole = self.step.apart.map(|_| self.step.with_rigid(&rigid, &v));
@@ -392,7 +392,7 @@ impl<'a> Equation<'a> {
         let mut alpha = 0.5;
         while next.residual > previous && alpha >= SHORTEST_STEP {
             let part = |old: f64, new: f64| old + alpha * (new - old);
-            let w: List<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
+            let w: Vec<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
             let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
             let states = self.given.states(self.step, half, &w, &multipliers);
             let hold = now.hold.towards(&next.iterate.hold, alpha);
@@ -427,7 +427,7 @@ impl<'a> Equation<'a> {
             }
             Rounded::Places => {
                 let places = step.discrete.mesh.points.iter();
-                let sizes: List<f64> =
+                let sizes: Vec<f64> =
                     places.flat_map(|x| x.iter().take(step.discrete.mesh.dim)).map(|x| x.abs()).collect();
                 round_off(&zeros(sizes.len()), &sizes)
             }
@@ -478,15 +478,15 @@ impl<'a> Equation<'a> {
 /// A velocity with the terms of (4.1) that it makes, or those of the state before. Where rigid motions are taken apart
 /// it is less these.
 struct Iterate<'a> {
-    w: List<f64>,
-    rigid: List<Rigid>,
+    w: Vec<f64>,
+    rigid: Vec<Rigid>,
     multipliers: Multipliers,
-    mass_w: Cow<'a, List<f64>>,
-    a_u: Cow<'a, List<f64>>,
-    a_w: Cow<'a, List<f64>>,
-    b_w: Cow<'a, List<f64>>,
+    mass_w: Cow<'a, Vec<f64>>,
+    a_u: Cow<'a, Vec<f64>>,
+    a_w: Cow<'a, Vec<f64>>,
+    b_w: Cow<'a, Vec<f64>>,
     /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
-    relaxing: List<f64>,
+    relaxing: Vec<f64>,
     hold: Hold,
 }
 
@@ -495,7 +495,7 @@ struct Iterate<'a> {
 pub(super) struct Hold {
     pub loose: Vec<Undetermined>,
     /// The forces of the springs over all degrees of freedom, N; empty if there are none.
-    pub forces: List<f64>,
+    pub forces: Vec<f64>,
 }
 
 impl Hold {
@@ -521,7 +521,7 @@ struct Advanced {
 
 /// A pass whose contact is solved: the increments on Γ_C with what is reduced to the body, and the contact points.
 struct Settled {
-    x: List<f64>,
+    x: Vec<f64>,
     found: Found,
     /// Newton iterations on Γ_C.
     iterations: usize,
@@ -532,7 +532,7 @@ struct Settled {
 /// What was found on Γ_C.
 struct Found {
     multipliers: Multipliers,
-    states: List<PointState>,
+    states: Vec<PointState>,
     hold: Hold,
 }
 
@@ -540,25 +540,25 @@ struct Found {
 struct Balanced<'a> {
     iterate: Iterate<'a>,
     /// ū + γ w of it.
-    u: List<f64>,
-    states: List<PointState>,
+    u: Vec<f64>,
+    states: Vec<PointState>,
     residual: f64,
     scale: f64,
     /// The largest of the terms that are known: loads, what drives contacts, heat, inertia; and of the contact forces.
     driven: f64,
     contact: f64,
     force: Point,
-    reactions: List<f64>,
+    reactions: Vec<f64>,
     support_work: f64,
     powers: Powers,
 }
 
 impl Iterate<'_> {
     /// At a velocity, with M w, a(u, ·), a(w, ·) and b(w, ·) of it.
-    fn new(step: &Step, w: List<f64>, multipliers: Multipliers, products: [List<f64>; 4]) -> Self {
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, products: [Vec<f64>; 4]) -> Self {
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
         let relaxing = step.relaxing(&w);
-        Iterate { relaxing, w, rigid: List::new(), multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
+        Iterate { relaxing, w, rigid: Vec::new(), multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
     }
 }
 
@@ -601,7 +601,7 @@ impl<'a> Begun<'a> {
     /// At a solution of the same step.
     fn from(step: &Step, m: &'a Mechanics, warmed: &Warmed) -> Begun<'a> {
         let Mechanics { rigid, multipliers, wet, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
-        let (w, multipliers) = (List::copied(m.moving()), multipliers.clone());
+        let (w, multipliers) = (m.moving().to_vec(), multipliers.clone());
         let now = if step.discrete.softens() {
             let products = step.discrete.mechanical_products(&m.u, &w, warmed);
             Iterate::new(step, w, multipliers, products)
@@ -615,7 +615,7 @@ impl<'a> Begun<'a> {
 }
 
 /// M w, a(d, ·), a(v, ·) and b(v, ·) where rigid motions W are taken apart: w = W + v.
-fn products_apart(step: &Step, [d, v]: [&[f64]; 2], rigid: &[Rigid], warmed: &Warmed) -> [List<f64>; 4] {
+fn products_apart(step: &Step, [d, v]: [&[f64]; 2], rigid: &[Rigid], warmed: &Warmed) -> [Vec<f64>; 4] {
     let mut products = step.discrete.mechanical_products(d, v, warmed);
     let whole = step.with_rigid(rigid, &zeros(v.len()));
     let inertia = step.discrete.inertia().1.apply(&whole);

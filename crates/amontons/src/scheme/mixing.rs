@@ -1,7 +1,6 @@
 //! Anderson's mixing of the passes of a fixed-point iteration.
 
 use crate::linalg::dot;
-use crate::list::List;
 
 /// Earlier passes that are used.
 const MEMORY: usize = 6;
@@ -13,18 +12,18 @@ const INDEPENDENT: f64 = 1e-8;
 /// (2011) 1715). On a linear problem it is equivalent to GMRES.
 #[derive(Default)]
 pub(super) struct Mixing {
-    last: Option<[List<f64>; 2]>,
+    last: Option<[Vec<f64>; 2]>,
     /// Changes of the value and of the residual, an orthonormal basis of the latter, newest last.
-    values: List<List<f64>>,
-    residuals: List<List<f64>>,
+    values: Vec<Vec<f64>>,
+    residuals: Vec<Vec<f64>>,
 }
 
 impl Mixing {
     /// The next argument after g(`from`) = `value`.
-    pub fn next(&mut self, from: &[f64], value: &[f64]) -> List<f64> {
-        let residual: List<f64> = value.iter().zip(from).map(|(value, from)| value - from).collect();
+    pub fn next(&mut self, from: &[f64], value: &[f64]) -> Vec<f64> {
+        let residual: Vec<f64> = value.iter().zip(from).map(|(value, from)| value - from).collect();
         if let Some([old_value, old_residual]) = &self.last {
-            let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<List<f64>>();
+            let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
             self.values.push(minus(value, old_value));
             self.residuals.push(minus(&residual, old_residual));
             if self.values.len() > MEMORY {
@@ -32,9 +31,9 @@ impl Mixing {
                 self.residuals.remove(0);
             }
         }
-        let mut next = List::copied(value);
+        let mut next = value.to_vec();
         // Gram and Schmidt from the newest change to the oldest; the same combinations are taken of the values.
-        let mut basis: List<(List<f64>, List<f64>)> = List::new();
+        let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
         let mut left = residual.clone();
         for (change, of_value) in self.residuals.iter().zip(&self.values).rev() {
             let (mut direction, mut step) = (change.clone(), of_value.clone());
@@ -54,7 +53,7 @@ impl Mixing {
             next.iter_mut().zip(&step).for_each(|(n, s)| *n -= share * s);
             basis.push((direction, step));
         }
-        self.last = Some([List::copied(value), residual]);
+        self.last = Some([value.to_vec(), residual]);
         next
     }
 }
@@ -70,7 +69,7 @@ mod tests {
         let m = [[0.5, -0.4, 0.1, 0.0], [0.3, 0.6, 0.0, -0.2], [0.0, 0.2, -0.7, 0.3], [0.1, 0.0, 0.5, 0.4]];
         let b = [1.0, -2.0, 0.5, 3.0];
         let g = |x: &[f64]| -> Vec<f64> { m.iter().zip(&b).map(|(row, b)| dot(row, x) + b).collect() };
-        let (mut mixing, mut x) = (Mixing::default(), List::filled(0.0, 4));
+        let (mut mixing, mut x) = (Mixing::default(), vec![0.0; 4]);
         for _ in 0..5 {
             let value = g(&x);
             x = mixing.next(&x, &value);

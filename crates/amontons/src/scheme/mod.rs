@@ -28,7 +28,6 @@ use std::sync::Arc;
 use crate::contact::{ContactBoundary, Flux, Status};
 use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::{Account, Backend, Decided, SolveError, TangentKey};
-use crate::list::List;
 use crate::problem::{Coupling, Faults, Problem, Uncovered};
 use crate::pulse::Pulse;
 use crate::tensor::Point;
@@ -41,15 +40,15 @@ pub struct State {
     /// t_n in s.
     pub t: f64,
     /// u_n in m, node-major.
-    pub u: List<f64>,
+    pub u: Vec<f64>,
     /// w_n in m/s, node-major.
-    pub w: List<f64>,
+    pub w: Vec<f64>,
     /// θ_n in K.
-    pub theta: List<f64>,
+    pub theta: Vec<f64>,
     /// Friction multipliers at the contact points.
     pub multipliers: Multipliers,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
-    pub branches: List<List<f64>>,
+    pub branches: Vec<Vec<f64>>,
     /// u with the rigid motions of bodies taken apart that have moved far; empty where none is.
     pub carried: Carried,
     /// What Γ_C and the foundation keep.
@@ -143,9 +142,9 @@ impl StepReport {
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reactions {
     /// Forces on the body, N per unit of thickness in two dimensions.
-    pub force: List<f64>,
+    pub force: Vec<f64>,
     /// Heat supplied to the body, W per unit of thickness in two dimensions.
-    pub heat: List<f64>,
+    pub heat: Vec<f64>,
 }
 
 /// How the half-steps of a step were coupled.
@@ -184,23 +183,23 @@ pub struct ContactReport {
     /// made before a break.
     pub boundary: Option<Arc<ContactBoundary>>,
     /// Weight ω of each contact point in the step, m^(d−1): pairs may be made anew.
-    pub weights: List<f64>,
+    pub weights: Vec<f64>,
     /// Kinematics and tractions.
-    pub states: List<PointState>,
+    pub states: Vec<PointState>,
     /// Temperature of the body at each point, K.
-    pub temperature: List<f64>,
+    pub temperature: Vec<f64>,
     /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair. Zero where a point
     /// of a pair faces nothing.
-    pub opposite: List<f64>,
+    pub opposite: Vec<f64>,
     /// Heat flux q·ν at each point, of the side that bears it.
-    pub flux: List<Flux>,
+    pub flux: Vec<Flux>,
     /// Power of friction that enters both bodies of a pair at each point, W/m²; zero at foundations.
-    pub rubbed: List<f64>,
+    pub rubbed: Vec<f64>,
     /// Resultant of σν on Γ_C, N per unit of thickness in two dimensions.
     pub force: [f64; 3],
     /// Moment of the forces that each contact puts on both its bodies, N m: the defect of the angular momentum, as
     /// their resultant is zero. Zero at foundations.
-    pub moments: List<Point>,
+    pub moments: Vec<Point>,
     /// ∫_{Γ_C} q·ν in W.
     pub heat_flow: f64,
 }

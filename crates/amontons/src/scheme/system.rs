@@ -6,11 +6,10 @@ use std::sync::Arc;
 use super::apart::Apart;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, PointState, Rule, Undetermined};
+use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, PointState, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
-use crate::list::List;
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
 use crate::problem::Problem;
@@ -18,6 +17,7 @@ use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
 use crate::tensor::Point;
+use crate::time::Rule;
 
 /// Largest relative residual of a step that is accepted.
 pub const ACCEPTED: f64 = 1e-10;
@@ -64,7 +64,7 @@ pub(super) struct Bar<'a> {
     pub u: &'a [f64],
     pub w: &'a [f64],
     pub theta: &'a [f64],
-    pub branches: &'a [List<f64>],
+    pub branches: &'a [Vec<f64>],
 }
 
 impl<'a> From<&'a State> for Bar<'a> {
@@ -87,9 +87,9 @@ pub(super) enum Rounded {
 
 impl Step<'_> {
     /// What a vector has at the contact nodes, and then at those in whose place the motions of rigid bodies stand.
-    pub fn on_contact(&self, values: &[f64]) -> List<f64> {
+    pub fn on_contact(&self, values: &[f64]) -> Vec<f64> {
         let n = self.discrete.mesh.dim;
-        let mut seen = List::with_capacity(self.boundary.nodes.len() * n);
+        let mut seen = Vec::with_capacity(self.boundary.nodes.len() * n);
         for node in self.discrete.v.with_rigid(&self.boundary.nodes) {
             seen.extend_from_slice(&values[node as usize * n..(node as usize + 1) * n]);
         }
@@ -97,20 +97,20 @@ impl Step<'_> {
     }
 
     /// |ū| + γ |v|, the sizes of what the displacement is the sum of that strains see.
-    pub fn sizes(&self, v: &[f64]) -> List<f64> {
+    pub fn sizes(&self, v: &[f64]) -> Vec<f64> {
         let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
         before.iter().zip(v).map(|(u, v)| u.abs() + self.rule.gamma * v.abs()).collect()
     }
 
     /// The state of the branches that relax.
-    pub fn branches(&self, w: &[f64]) -> List<List<f64>> {
+    pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
         let branches = self.discrete.branches.iter().zip(self.bar.branches);
         branches.map(|(branch, bar)| branch.step(self.rule, bar, w)).collect()
     }
 
     /// Σ ∫ 𝓖e_n:ε(·) of the branches with the strains e_n of their springs; empty without.
-    pub fn relaxing(&self, w: &[f64]) -> List<f64> {
-        let mut sum = List::new();
+    pub fn relaxing(&self, w: &[f64]) -> Vec<f64> {
+        let mut sum = Vec::new();
         for (branch, z) in self.discrete.branches.iter().zip(self.branches(w)) {
             let force = branch.force(&z);
             if sum.is_empty() {
@@ -176,7 +176,7 @@ impl Step<'_> {
 
     /// How many of what is made here a whole step has: 1, or 2, 4, … where the step was halved.
     fn parts(&self) -> usize {
-        (self.problem.k() / self.k).round() as usize
+        (self.problem.timeline.instant(self.n).k / self.k).round() as usize
     }
 
     /// A problem on Γ_C that was not solved.
@@ -225,7 +225,7 @@ impl Step<'_> {
     fn unsettled(&self, why: &NotConverged) -> String {
         const TOLD: usize = 3;
         let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
-        let one = |(i, states): &(usize, List<Status>)| {
+        let one = |(i, states): &(usize, Vec<Status>)| {
             let point = self.boundary.points.get(*i)?;
             let contact = self.problem.contacts.get(point.contact)?;
             let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
@@ -280,13 +280,13 @@ pub(super) struct Products {
     /// t_n of the state.
     pub t: f64,
     /// (ρ·, ·), or (·, ·) where the density is the same everywhere.
-    pub mass_w: List<f64>,
-    pub a_u: List<f64>,
+    pub mass_w: Vec<f64>,
+    pub a_u: Vec<f64>,
     /// a(w, ·); empty where a is not linear.
-    pub a_w: List<f64>,
-    pub b_w: List<f64>,
-    pub mass_theta: List<f64>,
-    pub d_theta: List<f64>,
+    pub a_w: Vec<f64>,
+    pub b_w: Vec<f64>,
+    pub mass_theta: Vec<f64>,
+    pub d_theta: Vec<f64>,
 }
 
 impl Products {
@@ -349,8 +349,8 @@ pub(super) fn without_contact(
     condensed: &mut dyn Condensed,
     r: &[f64],
     guess: &[f64],
-) -> Result<(List<f64>, usize), Failure> {
-    let mut x = List::copied(r);
+) -> Result<(Vec<f64>, usize), Failure> {
+    let mut x = r.to_vec();
     if !x.is_empty() {
         condensed.solve(&Tangent::new(), &mut x, EXACT)?;
         x.iter_mut().zip(guess).for_each(|(x, guess)| *x += guess);
@@ -359,14 +359,14 @@ pub(super) fn without_contact(
 }
 
 /// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
-pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> List<f64> {
+pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
     let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
     sum
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
-pub(super) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, List<f64>) {
+pub(super) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
     let Step { discrete, boundary, .. } = *step;
     let force =
         |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
@@ -387,6 +387,6 @@ pub(super) fn over_blocks<const N: usize, const M: usize>(blocks: &[([f64; N], [
 }
 
 /// a − b.
-pub(super) fn difference(a: &[f64], b: &[f64]) -> List<f64> {
+pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     map([a, b], |[a, b]| a - b)
 }

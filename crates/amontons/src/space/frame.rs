@@ -1,6 +1,7 @@
 //! Directions of the degrees of freedom of nodes at which an oblique direction is prescribed.
 
-use crate::list::{Lent, List};
+use std::borrow::Cow;
+
 use crate::tensor::{Point, dot};
 
 /// Directions of the degrees of freedom of a node where they are not the axes.
@@ -32,13 +33,13 @@ pub fn enter(frames: &[Frame], components: usize, values: &mut [f64]) {
 }
 
 /// The same for a vector that is kept.
-pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Lent<'v, f64> {
+pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Cow<'v, [f64]> {
     if frames.is_empty() {
-        return Lent::Given(values);
+        return Cow::Borrowed(values);
     }
-    let mut values = List::copied(values);
+    let mut values = values.to_vec();
     enter(frames, components, &mut values);
-    Lent::Own(values)
+    Cow::Owned(values)
 }
 
 /// From components in the frames to those along the axes.

@@ -86,7 +86,7 @@ impl Recomputed {
         if output::input_hash(&case.fingerprint()) != inspection.input_sha256 {
             self.faults.push("case.toml or a file in inputs is not what the run was made with".to_owned());
         }
-        let summary = self.summary(folder, problem.steps, inspection);
+        let summary = self.summary(folder, problem.timeline.steps(), inspection);
         let discretization = Discretization::new(problem);
         let checkpoint = match Checkpoint::read(folder, &case.identity()) {
             Ok(checkpoint) => checkpoint,
@@ -169,7 +169,8 @@ impl Files<'_> {
         let (steps, times) = (table.column("step"), table.column("t"));
         let problem = &self.case.problem;
         let in_order = steps.iter().zip(&times).enumerate().filter(|(i, (step, t))| {
-            (**step - (*i + 1) as f64).abs() < 0.5 && (**t - problem.time(*i + 1)).abs() <= ROUND_OFF * problem.end
+            (**step - (*i + 1) as f64).abs() < 0.5
+                && (**t - problem.timeline.time(*i + 1)).abs() <= ROUND_OFF * problem.timeline.end()
         });
         let ended = self.inspection.ended.unwrap_or(table.rows.len()) as f64;
         found.compare(self.name(), "rows of history.csv in order", in_order.count() as f64, ended);

@@ -47,7 +47,7 @@ fn rows(case: &Case) -> Vec<(Vec<f64>, [f64; 3])> {
     }
     let mut rows = Rows(ProbeSet::new(&case.problem, &case.probes).unwrap(), Vec::new());
     run(&case.problem, &settings(), &mut [&mut rows]).unwrap();
-    assert_eq!(rows.1.len(), case.problem.steps);
+    assert_eq!(rows.1.len(), case.problem.timeline.steps());
     rows.1
 }
 

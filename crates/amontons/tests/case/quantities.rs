@@ -364,7 +364,7 @@ fn a_case_without_units_has_none() {
 fn overrides_have_units() -> Result<(), CaseError> {
     for value in ["\"2 ms\"", "0.002"] {
         let case = case::parse(&Source::new("pad.toml", PLAIN), &[format!("time.end={value}")])?;
-        assert_eq!(case.problem.k().to_bits(), (0.002f64 / 3.0).to_bits());
+        assert_eq!(case.problem.timeline.longest().to_bits(), (0.002f64 / 3.0).to_bits());
     }
     assert_eq!(
         told(&Source::new("pad.toml", PLAIN), &["time.end=\"2 mm\""]),

@@ -25,7 +25,10 @@ fn ones() -> Sym {
 fn the_paper_has_its_numbers() -> Outcome {
     let case = parse(PAPER, &[])?;
     let p = &case.problem;
-    assert_eq!((p.name.as_str(), p.mesh.points.len(), p.steps, p.end, case.every), ("paper", 65 * 65, 64, 1.0, 16));
+    assert_eq!(
+        (p.name.as_str(), p.mesh.points.len(), p.timeline.steps(), p.timeline.end(), case.every),
+        ("paper", 65 * 65, 64, 1.0, 16)
+    );
     let Material { density, heat_capacity, expansion, coupling, conductivity, .. } = &p.materials[0];
     assert_eq!((density.constant(), heat_capacity.constant()), (Some(1.0), Some(1.0)));
     let tensors = [expansion, coupling, conductivity].map(amontons::field::Coefficient::constant);
@@ -169,7 +172,7 @@ fn overrides_make_what_is_missing_and_their_text_is_a_case() -> Outcome {
 
 #[test]
 fn the_last_of_several_overrides_holds() -> Outcome {
-    assert_eq!(parse(PAPER, &["time.steps=3", "time.steps=5"])?.problem.steps, 5);
+    assert_eq!(parse(PAPER, &["time.steps=3", "time.steps=5"])?.problem.timeline.steps(), 5);
     Ok(())
 }
 

@@ -18,7 +18,7 @@ fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
         let weights: Vec<f64> = scheme.discretization().boundary.points.iter().map(|p| p.weight).collect();
         let mut before = vec![0.0f64; weights.len()];
         let (mut opened, mut largest) = (0, 0.0f64);
-        for _ in 0..problem.steps {
+        for _ in 0..problem.timeline.steps() {
             let (next, report) = scheme.step(&state).expect("a step");
             let r: Vec<f64> = report.contact.states.iter().map(|s| s.penetration).collect();
             let (mut potential, mut psi) = (0.0, 0.0);

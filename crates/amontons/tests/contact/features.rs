@@ -168,7 +168,7 @@ fn states(problem: &Problem) -> (Vec<(State, Kept)>, Vec<StepReport>) {
     let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let initial = scheme.initial().expect("finite initial data");
     let (mut states, mut reports) = (vec![(initial, scheme.kept())], Vec::new());
-    while reports.len() < problem.steps {
+    while reports.len() < problem.timeline.steps() {
         let (last, _) = states.last().expect("a state");
         let (state, report) = scheme.step(last).unwrap_or_else(|error| panic!("{error}"));
         states.push((state, scheme.kept()));

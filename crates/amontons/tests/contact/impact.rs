@@ -19,11 +19,11 @@ fn the_mean_pressure_of_a_bounce_lacks_the_root_of_the_step() {
         )
         .unwrap_or_else(|error| panic!("{error}"))
         .problem;
-        let (k, h) = (problem.k(), 1.0 / 256.0);
+        let (k, h) = (problem.timeline.longest(), 1.0 / 256.0);
         let mut scheme = BackwardEuler::new(&problem).unwrap();
         let mut state = scheme.initial().unwrap();
         let mut impulse = 0.0;
-        for _ in 0..problem.steps {
+        for _ in 0..problem.timeline.steps() {
             let (next, report) = scheme.step(&state).unwrap_or_else(|error| panic!("{error}"));
             impulse += k * report.contact.states[0].pressure;
             state = next;

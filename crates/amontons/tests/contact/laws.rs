@@ -7,12 +7,12 @@ use std::sync::Arc;
 use crate::common::{Random, checked, disturb, largest, paper};
 use amontons::contact::{Bound, Cone, ContactPoint, FrictionLaw, Signorini, Status, Tresca};
 use amontons::field::{Coefficient, Field};
-use amontons::inclusion::Rule;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Elements, Mesh};
 use amontons::problem::{BoundaryCondition, Initial, Problem};
 use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
 use amontons::tensor::{Point, Rotation, Sym, dot, length};
+use amontons::time::Rule;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
@@ -27,7 +27,7 @@ fn run(problem: &Problem) -> (State, Vec<StepReport>) {
     let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut reports = Vec::new();
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         let (next, report) = scheme.step(&state).unwrap_or_else(|error| panic!("{error}"));
         (state, reports) = (next, {
             reports.push(report);
@@ -448,7 +448,7 @@ fn minimum(
     bound: f64,
     made: (&[f64], &StepReport),
 ) -> Vec<f64> {
-    let (discrete, k, dim) = (scheme.discretization(), problem.k(), scheme.discretization().mesh.dim);
+    let (discrete, k, dim) = (scheme.discretization(), problem.timeline.longest(), scheme.discretization().mesh.dim);
     let w_of_step = made.0;
     let scaled = |slip: &Point, p: &amontons::contact::PointOnBoundary| {
         friction.cone(&p.x, &p.normal).map_or(*slip, |_| by_ellipse(slip))

@@ -8,7 +8,7 @@ fn end(overrides: &[&str]) -> State {
     let problem = paper(&[&["mesh.n=8", "time.steps=8"], overrides].concat()).problem;
     let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{overrides:?}: {error}")).0;
     }
     for error in [state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error()] {

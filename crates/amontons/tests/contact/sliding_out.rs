@@ -194,7 +194,7 @@ frictional_heat = 0.3
         // of the bound.
         assert!((found / moment - 1.0).abs() < 1e-5, "{found}, expected {moment}");
         let ledger = &run.states.last().expect("a state").ledger;
-        assert!((ledger.friction_dissipation / (moment * omega * problem.end) - 1.0).abs() < 1e-5);
+        assert!((ledger.friction_dissipation / (moment * omega * problem.timeline.end()) - 1.0).abs() < 1e-5);
         assert!(ledger.closing_error.abs() <= 1e-12 * ledger.turned_over);
         assert!(ledger.heat_closing_error.abs() <= 1e-12 * ledger.heat_turned_over);
         assert_eq!(contact.force.len(), 2);

@@ -33,7 +33,7 @@ fn a_step_that_takes_many_iterations_is_made_in_halves() {
     let pulse = Pulse::default();
     scheme.watched_by(&pulse);
     let (mut halved, mut given_up) = (0, 0);
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         let (next, report) = scheme.step(&state).unwrap_or_else(|error| panic!("{error}"));
         state = next;
         if report.parts > 1 {
@@ -57,5 +57,5 @@ fn a_step_whose_halves_are_not_solved_takes_its_iterations() {
     let (states, reports) = run(&problem);
     let most = reports.iter().filter(|report| report.parts == 1).map(|report| report.newton_mechanics).max();
     assert!(most > Some(300), "{most:?}");
-    assert_eq!(states.last().unwrap().step, problem.steps);
+    assert_eq!(states.last().unwrap().step, problem.timeline.steps());
 }

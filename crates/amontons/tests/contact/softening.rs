@@ -52,7 +52,7 @@ pub fn scheme(problem: &Problem) -> (BackwardEuler, State) {
 pub fn run(problem: &Problem) -> (Vec<State>, Vec<StepReport>) {
     let (mut scheme, start) = scheme(problem);
     let (mut states, mut reports) = (vec![start], Vec::new());
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         let (state, report) = scheme.step(states.last().unwrap()).unwrap_or_else(|error| panic!("{error}"));
         states.push(state);
         reports.push(report);
@@ -83,7 +83,7 @@ fn a_soft_rod_follows_the_branch_to_its_limit_and_snaps() {
         let (states, reports) = run(&problem);
         let mut between = 0;
         for (n, report) in reports.iter().enumerate() {
-            let t = problem.time(n + 1);
+            let t = problem.timeline.time(n + 1);
             let follows = t <= limit;
             let r = if follows { young * t / (young + c) } else { t - residual / young };
             // Steps are refined down to a residual of 1e-11.
@@ -91,7 +91,7 @@ fn a_soft_rod_follows_the_branch_to_its_limit_and_snaps() {
             between += usize::from(t > first && follows);
             // The step over the limit is told, and no other; of its shortest parts one is ambiguous, beside it the
             // halves of 5 halvings.
-            let snaps = !follows && problem.time(n) <= limit;
+            let snaps = !follows && problem.timeline.time(n) <= limit;
             assert_eq!(
                 (report.is_ambiguous, report.parts),
                 if snaps { (true, 6) } else { (false, 1) },
@@ -115,7 +115,7 @@ fn a_stiff_rod_has_one_path() {
     let (top, end) = (peak / c, peak / c + (peak - residual) / s);
     let mut falling = 0;
     for (n, report) in reports.iter().enumerate() {
-        let u = problem.time(n + 1);
+        let u = problem.timeline.time(n + 1);
         let [rises, falls, stays] =
             [young * u / (young + c), (young * u - peak - s * top) / (young - s), u - residual / young];
         let r = if rises <= top {
@@ -133,10 +133,13 @@ fn a_stiff_rod_has_one_path() {
     assert_eq!((counts.ambiguous_steps, counts.halved_steps), (0, 0));
     // The falling branch is passed while U moves by (P − R)(1/s − L/E) only.
     let width = (peak - residual) * (1.0 / s - 1.0 / young);
-    assert!(falling.abs_diff((width / problem.k()) as usize) <= 1, "{falling} steps on the falling branch of {width}");
+    assert!(
+        falling.abs_diff((width / problem.timeline.longest()) as usize) <= 1,
+        "{falling} steps on the falling branch of {width}"
+    );
     let unique = finding(&hypotheses::full(&problem).findings, "step-unique").unwrap();
     assert!(unique.holds());
-    let k = problem.k();
+    let k = problem.timeline.longest();
     near(unique.value.unwrap(), young * k, 1e-12, "λ_min(S, W) = kE/L");
     near(unique.needed.unwrap(), s * k, 1e-12, "s k");
 }
@@ -207,10 +210,19 @@ fn a_bond_lets_go_at_its_strength() {
                 assert_eq!(p, 0.0, "after the bond");
             }
             if viscosity == 0.0 {
-                assert_eq!(n >= let_go[0], problem.time(n + 1) > limit, "t = {}", problem.time(n + 1));
+                assert_eq!(
+                    n >= let_go[0],
+                    problem.timeline.time(n + 1) > limit,
+                    "t = {}",
+                    problem.timeline.time(n + 1)
+                );
                 near(
                     r,
-                    if n < let_go[0] { -young * problem.time(n + 1) / (young + c) } else { -problem.time(n + 1) },
+                    if n < let_go[0] {
+                        -young * problem.timeline.time(n + 1) / (young + c)
+                    } else {
+                        -problem.timeline.time(n + 1)
+                    },
                     1e-13,
                     "r",
                 );
@@ -483,7 +495,7 @@ fn halved_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
             "{}: {} of {} steps halved, {} ambiguous",
             problem.name,
             states.last().unwrap().counts.halved_steps,
-            problem.steps,
+            problem.timeline.steps(),
             states.last().unwrap().counts.ambiguous_steps
         );
         for from in [halved.saturating_sub(1), halved, halved + 1] {

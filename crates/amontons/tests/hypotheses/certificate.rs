@@ -289,7 +289,7 @@ fn a_step_is_unique_with_32_steps_and_not_ensured_with_16() {
 
 /// λ_min(S, W) of the nodal rule by dense matrices.
 fn dense_least(problem: &Problem) -> f64 {
-    let (mesh, k) = (&problem.mesh, problem.k());
+    let (mesh, k) = (&problem.mesh, problem.timeline.longest());
     let graph = Arc::new(Graph::of_mesh(mesh));
     let mut matrix = forms::b(mesh, &graph, &[problem.materials[0].viscosity.as_ref()]);
     matrix.add_scaled(k, &forms::a(mesh, &graph, &[problem.materials[0].elasticity.as_ref()]));
@@ -429,7 +429,7 @@ fn farthest(problem: &Problem) -> f64 {
     let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = f64::NEG_INFINITY;
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         state = scheme.step(&state).expect("a step").0;
         let bottom = problem.mesh.facets["bottom"].node_list();
         largest = bottom.iter().fold(largest, |l, &n| l.max(-state.u[2 * n as usize + 1]));

@@ -60,7 +60,7 @@ fn weak_springs_make_no_step_unique() {
         let unique = find(&problem, "step-unique");
         if spring < 1.0 {
             assert!(
-                !unique.holds() && unique.value.is_none_or(|v| v <= 1.000_001 * spring * problem.k()),
+                !unique.holds() && unique.value.is_none_or(|v| v <= 1.000_001 * spring * problem.timeline.longest()),
                 "{steps} steps: {unique:?}"
             );
         } else {

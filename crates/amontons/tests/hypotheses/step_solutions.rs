@@ -350,7 +350,7 @@ impl Data {
 
     /// K_u on the degrees of freedom that are free, and there the diagonal of Σ c*_i W_i / max c*; with max c*.
     fn dense(&self, problem: &Problem) -> (Matrix, Vec<f64>, f64) {
-        let (k, [ratio, time]) = (problem.k(), self.branch);
+        let (k, [ratio, time]) = (problem.timeline.longest(), self.branch);
         let (elastic, mass) = assemble(problem, plane_strain(self.young));
         let (mut matrix, _) = assemble(problem, plane(self.viscosity[0], self.viscosity[1]));
         add(&mut matrix, k * (1.0 + ratio / (1.0 + k / time)), &elastic);
@@ -386,7 +386,7 @@ fn the_eigenvalue_of_a_step_is_that_of_dense_matrices() {
         let data = Data::new(&mut random, sample);
         let problem = data.problem();
         let (matrix, weights, loss) = data.dense(&problem);
-        let (expected, needed) = (least(&matrix, &weights), loss * problem.k());
+        let (expected, needed) = (least(&matrix, &weights), loss * problem.timeline.longest());
         let finding = find(&problem, "step-unique");
         let value = finding.value.expect("a value");
         assert!((value - expected).abs() < 1e-7 * expected, "sample {sample}: {value:e}, expected {expected:e}");

@@ -31,7 +31,7 @@ fn effect(problem: &Problem) -> [f64; 3] {
     let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = [0.0, 0.0, f64::NEG_INFINITY];
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         let (next, report) = scheme.step(&state).expect("a step");
         for point in &report.contact.states {
             largest[0] = point.q.iter().fold(point.pressure.abs(), |m: f64, q| m.max(q.abs())).max(largest[0]);

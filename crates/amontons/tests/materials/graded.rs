@@ -20,7 +20,7 @@ use amontons::tensor::{Point, Rotation, Sym};
 fn run(problem: &Problem) -> State {
     let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{error}")).0;
     }
     state

@@ -137,7 +137,8 @@ fn results_have_only_the_fields_of_the_case() {
         let mut results = Folder::create(&folder, FolderOptions { every: 0, force: true, ..case.folder_options() })
             .expect("a folder");
         run::run(&case.problem, &Settings::default(), &mut [&mut results]).expect("a run");
-        let file = fs::read(folder.join(format!("fields/step_{:07}.vtu", case.problem.steps))).expect("the fields");
+        let file =
+            fs::read(folder.join(format!("fields/step_{:07}.vtu", case.problem.timeline.steps()))).expect("the fields");
         let fields = String::from_utf8_lossy(&file);
         for name in &absent {
             assert!(!fields.contains(&format!("Name=\"{name}\"")), "{name}");

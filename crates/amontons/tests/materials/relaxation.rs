@@ -31,7 +31,7 @@ fn stress_relaxes_by_the_prony_series() {
             Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
         let problem = checked(problem);
         let memory = solve(&problem);
-        let k = problem.k();
+        let k = problem.timeline.longest();
         for states in memory.states.windows(2) {
             let [old, new] = [&states[0], &states[1]];
             // The springs of all branches have the strain ε(z), z = u (1 + k/τ)^(−n).
@@ -130,8 +130,9 @@ fn a_rod_whose_time_varies_creeps_as_its_points_do() {
     let memory = solve(&problem);
     let state = memory.states.last().unwrap();
     let cells = n as f64;
-    let expected: f64 =
-        (0..n).map(|i| strain(time_at(&[(i as f64 + 0.5) / cells, 0.0, 0.0]), problem.k(), steps) / cells).sum();
+    let expected: f64 = (0..n)
+        .map(|i| strain(time_at(&[(i as f64 + 0.5) / cells, 0.0, 0.0]), problem.timeline.longest(), steps) / cells)
+        .sum();
     let found = largest(&state.u);
     assert!((found / expected - 1.0).abs() < 1e-12, "{found:e}, expected {expected:e}");
     for values in cell_values(&problem, state) {
@@ -157,7 +158,7 @@ fn orders_of_a_time_that_varies() {
             let problem = creep(Mesh::rectangle_of(elements, [1.0, 0.25], [n, n / 4], Diagonal::Right).unwrap(), steps);
             let state = last(&problem);
             // Simpson's rule of many points stands for the integral of the strain.
-            let at = |i: usize| strain(time_at(&[i as f64 / 400.0, 0.0, 0.0]), problem.k(), steps);
+            let at = |i: usize| strain(time_at(&[i as f64 / 400.0, 0.0, 0.0]), problem.timeline.longest(), steps);
             let simpson = |i: usize| at(2 * i) + 4.0 * at(2 * i + 1) + at(2 * i + 2);
             let exact = (0..200).map(simpson).sum::<f64>() / 1200.0;
             let stresses = cell_values(&problem, &state);

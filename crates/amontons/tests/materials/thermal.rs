@@ -8,7 +8,6 @@ use amontons::case::{self, Source};
 use amontons::contract;
 use amontons::field::{Coefficient, Graded, TemperatureTable};
 use amontons::hypotheses::{FindingId, FindingStatus, certificate};
-use amontons::inclusion::Rule;
 use amontons::linalg::BlockMatrix;
 use amontons::material::{Isotropic, StressState, TensorLaw};
 use amontons::mesh::{Block, Mesh};
@@ -17,6 +16,7 @@ use amontons::problem::Problem;
 use amontons::run::{self, Settings};
 use amontons::scheme::{BackwardEuler, Scheme, State, StepError};
 use amontons::tensor::{Point, Sym};
+use amontons::time::Rule;
 
 const THERMAL: &str = "crates/amontons/benchmarks/manufactured-thermal.toml";
 const COUPLINGS: [&str; 3] = ["staggered", "fixed-point", "monolithic"];

@@ -1,5 +1,5 @@
-//! How often a step takes memory: never, once the first steps have taken it. A program of its own, because lists of
-//! other tests would come between.
+//! Memory that steps keep: none, once the first steps have made the factors. A program of its own, because other tests
+//! would come between.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[macro_use]
@@ -40,8 +40,7 @@ solver = "direct"
 "#
 );
 
-/// Benchmarks of further laws and supports. Not those of bodies that contact alone holds, whose motions are looked at
-/// in each step, and of pairs that wear, whose depths are: they take memory for it.
+/// Benchmarks of further laws and supports.
 const NAMES: [&str; 10] = [
     "bouncing-bar-signorini",
     "bowl-oscillation",
@@ -55,39 +54,37 @@ const NAMES: [&str; 10] = [
     "stribeck-steady-sliding",
 ];
 
-/// How often memory is taken for the factor of a contact pattern that is new, as long as less than eight are kept: for
-/// the matrix, its two permutations, and what tells the pattern from others.
-const FACTOR: usize = 6;
+/// The most bytes that the second half of the steps may keep, per step.
+const KEPT: i64 = 64;
 
-/// How often each step takes memory, but for factors that are new. On one thread, so that all of a step is counted.
-fn taken(problem: &Problem) -> Vec<usize> {
+/// The bytes that each step keeps beyond the state that it replaces. On one thread, so that all of a step is counted.
+fn kept(problem: &Problem) -> Vec<i64> {
     let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let mut state = scheme.initial().expect("finite initial data");
+    let mut state = Some(scheme.initial().expect("finite initial data"));
     let step = |_| {
-        let (before, mut made) = (scheme.factorizations().1, None);
-        let taken = pool.install(|| allocation_counter::measure(|| made = Some(scheme.step(&state)))).count_total;
-        state = made.expect("a result").expect("a step").0;
-        (taken as usize).saturating_sub(FACTOR * (scheme.factorizations().1 - before))
+        let advance = || {
+            let old = state.take().expect("a state");
+            state = Some(scheme.step(&old).expect("a step").0);
+        };
+        pool.install(|| allocation_counter::measure(advance)).bytes_current
     };
-    (0..problem.steps).map(step).collect()
+    (0..problem.timeline.steps()).map(step).collect()
 }
 
-/// A step that needs more lists at once than any before it takes memory; the first one for all of them. Otherwise what
-/// was taken is told.
-fn told(name: &str, problem: &Problem) -> Option<String> {
-    let taken = taken(problem);
-    let (first, later) = taken.split_first().expect("a step");
-    assert!(*first > 0, "{name}: nothing is counted");
-    let holds = later.iter().sum::<usize>() <= 8 && later[problem.steps / 2..].iter().all(|taken| *taken == 0);
-    (!holds).then(|| format!("{name}: {:?}", &taken[..taken.len().min(50)]))
+/// The name of a problem whose later steps keep memory, with the bytes of each step.
+fn growing(name: &str, problem: &Problem) -> Option<String> {
+    let kept = kept(problem);
+    let (first, later) = kept.split_at(problem.timeline.steps() / 2);
+    assert!(first[0] > 0, "{name}: nothing is counted");
+    let grows = later.iter().sum::<i64>() > KEPT * later.len() as i64;
+    grows.then(|| format!("{name}: {:?}", &kept[..kept.len().min(50)]))
 }
 
 /// The paper's case and a box, of few cells and of many. And further laws and supports: Signorini's contact, obstacles,
-/// pairs, springs, supports that move, creep. In one test: lists of several would come
-/// between.
+/// pairs, springs, supports that move, creep. In one test: the memory of several would be counted together.
 #[test]
-fn steps_take_no_memory() {
+fn later_steps_keep_no_memory() {
     let mut problems = Vec::new();
     for quadrature in ["nodal", "gauss"] {
         for n in [8, 32, 128] {
@@ -104,6 +101,6 @@ fn steps_take_no_memory() {
         let case = case::parse(&benchmark(name, text), &["solver.solver=direct".to_owned()]);
         problems.push(((*name).to_owned(), case.unwrap_or_else(|faults| panic!("{faults}")).problem));
     }
-    let told: Vec<String> = problems.iter().filter_map(|(name, problem)| told(name, problem)).collect();
-    assert!(told.is_empty(), "{}", told.join("\n"));
+    let growing: Vec<String> = problems.iter().filter_map(|(name, problem)| growing(name, problem)).collect();
+    assert!(growing.is_empty(), "{}", growing.join("\n"));
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
 use amontons::hypotheses::{self, FindingId, FindingStatus};
-use amontons::inclusion::Rule;
 use amontons::linalg::{
     Automatic, Backend, BlockMatrix, Condensed, Decided, EXACT, Factor, Layout, Multigrid, SolveError, Supernodal,
     System, Tangent, Unknowns,
@@ -17,6 +16,7 @@ use amontons::output::{Checkpoint, Memory, Work};
 use amontons::problem::{Coupling, Problem};
 use amontons::run::{self, Settings};
 use amontons::scheme::{BackwardEuler, Kept, Scheme, State};
+use amontons::time::Rule;
 use amontons::verify::{BENCHMARKS, benchmark};
 
 /// In the plane, by what they are made of: friction, obstacles, quadratic cells, heat, revolution, the mean dilatation,
@@ -44,7 +44,7 @@ fn state(problem: &Problem, backend: Arc<dyn Backend>) -> State {
     let problem = problem.with(|data| data.backend = backend).expect("valid data");
     let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
-    for _ in 0..STEPS.min(problem.steps) {
+    for _ in 0..STEPS.min(problem.timeline.steps()) {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{}: {error}", problem.name)).0;
     }
     state
@@ -71,7 +71,7 @@ fn an_iteration_has_the_results_of_a_factor() {
         let iterative = state(&problem, Arc::new(Multigrid::default()));
         let largest = |v: &[f64]| v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         // Of a body at rest w is the round-off of u over k.
-        let rate = largest(&direct.u) / problem.k();
+        let rate = largest(&direct.u) / problem.timeline.longest();
         for (name, a, b, least) in [
             ("u", &direct.u, &iterative.u, 0.0),
             ("w", &direct.w, &iterative.w, rate),
@@ -147,7 +147,7 @@ fn what_a_sweep_leaves_is_met_by_another_pass() {
 fn weakly_joined_nodes_and_threads() {
     let problem = case::parse(&Source::new("body.toml", BODY), &[]).unwrap_or_else(|f| panic!("{f}")).problem;
     let discrete = Discretization::new(&problem);
-    let stiffness = discrete.mechanical_matrix(Rule::backward_euler(problem.k()));
+    let stiffness = discrete.mechanical_matrix(Rule::backward_euler(problem.timeline.longest()));
     let mut inertia = BlockMatrix::zero(stiffness.graph(), 3, 3);
     for node in 0..problem.mesh.points.len() as u32 {
         inertia.add(&[node], &[1e3, 0.0, 0.0, 0.0, 1e3, 0.0, 0.0, 0.0, 1e3]);
@@ -261,7 +261,7 @@ fn hard_bodies_take_few_iterations() {
         let problem = case.problem;
         let problem = if name == "two materials" { halved(&problem) } else { problem };
         let discrete = Discretization::new(&problem);
-        let matrix = Arc::new(discrete.mechanical_matrix(Rule::backward_euler(problem.k())));
+        let matrix = Arc::new(discrete.mechanical_matrix(Rule::backward_euler(problem.timeline.longest())));
         let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
         let backend: Arc<dyn Backend> = Arc::new(Multigrid::default());
         let mut system = System::new(&backend, &matrix, &layout).expect("a system");
@@ -508,7 +508,8 @@ fn a_run_goes_on_with_the_solver_that_it_began_with() {
     let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned(), may_change: false };
     let kept = Kept { solvers: vec![decided(2), decided(1)], ..Kept::default() };
     let state = BackwardEuler::new(&problem).expect("a regular system").initial().expect("finite data");
-    let from = Checkpoint { state, report: None, work: Work::default(), kept, k: problem.k(), fallback: None };
+    let from =
+        Checkpoint { state, report: None, work: Work::default(), kept, k: problem.timeline.longest(), fallback: None };
     let mut resumed = Memory::new().states_every(1);
     let summary = run::resume(&problem, from, &settings(), &mut [&mut resumed]).expect("a run");
     assert_eq!(
@@ -591,7 +592,7 @@ fn an_iteration_that_lags_is_left_for_a_factor() {
     let mut scheme = BackwardEuler::new(&changing).expect("a regular system");
     let mut states = vec![scheme.initial().expect("finite data")];
     let mut kept = vec![scheme.kept()];
-    for _ in 0..problem.steps {
+    for _ in 0..problem.timeline.steps() {
         let next = scheme.step(states.last().expect("a state")).expect("a step").0;
         states.push(next);
         kept.push(scheme.kept());
@@ -605,7 +606,7 @@ fn an_iteration_that_lags_is_left_for_a_factor() {
     assert!(difference <= 1e-8 * scale, "{:.1e}", difference / scale);
     let products = [last, &iterative].map(|state| state.counts.krylov_iterations);
     assert!(products[0] > 0 && 4 * products[0] < products[1], "{products:?}");
-    for from in 0..problem.steps {
+    for from in 0..problem.timeline.steps() {
         let mut scheme = BackwardEuler::new(&changing).expect("a regular system");
         scheme.recall(&kept[from]).expect("the same factors");
         let mut state = states[from].clone();

@@ -3,9 +3,9 @@
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
 use crate::common::paper;
-use amontons::inclusion::Rule;
 use amontons::linalg::BlockMatrix;
 use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::time::Rule;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
@@ -157,9 +157,10 @@ fn condensed_and_plain_solutions_agree_to_1e_9() {
         let mut state = scheme.initial().expect("finite initial data");
         let mut plain = state.clone();
         let mut multiplier = vec![0.0; n + 1];
-        for step in 1..=problem.steps {
-            let (u, w, theta) = plain_step(&scheme, &plain, &mut multiplier, problem.k(), n, foundation);
-            plain = State { step, t: problem.time(step), u: u.into(), w: w.into(), theta: theta.into(), ..plain };
+        for step in 1..=problem.timeline.steps() {
+            let (u, w, theta) = plain_step(&scheme, &plain, &mut multiplier, problem.timeline.longest(), n, foundation);
+            plain =
+                State { step, t: problem.timeline.time(step), u: u.into(), w: w.into(), theta: theta.into(), ..plain };
             state = scheme.step(&state).expect("a step").0;
             for (name, a, b) in
                 [("u", &state.u, &plain.u), ("w", &state.w, &plain.w), ("theta", &state.theta, &plain.theta)]

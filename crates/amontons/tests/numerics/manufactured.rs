@@ -13,6 +13,7 @@ use amontons::material::{
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
 use amontons::problem::{BoundaryCondition, Initial, Problem};
 use amontons::tensor::{Rotation, Sym};
+use amontons::time::Timeline;
 
 type Matrix = [[f64; 3]; 3];
 const PLANE: [(Elements, [usize; 2]); 4] =
@@ -60,7 +61,7 @@ fn problem(mesh: Mesh, materials: Vec<Material>, data: &Data) -> Problem {
     let boundary = mesh.facets.keys().map(held).collect();
     let (body_force, heat_source) = (data.body_force.clone(), data.heat_source.clone());
     changed(&paper(&[]).problem, |of| {
-        (of.mesh, of.end, of.steps, of.materials) = (Arc::new(mesh), 1.0, 1, materials);
+        (of.mesh, of.timeline, of.materials) = (Arc::new(mesh), Timeline::equal(1.0, 1), materials);
         (of.body_force, of.heat_source, of.boundary) = (body_force, heat_source, boundary);
         (of.contacts, of.initial) = (Vec::new(), Initial::default());
     })

@@ -123,7 +123,7 @@ fn gauss_points_of_quadratic_faces() {
             (next, report.newton_mechanics)
         };
         let (mut total, start) = (0, state.clone());
-        for _ in 0..problem.steps {
+        for _ in 0..problem.timeline.steps() {
             let (next, newton) = step(&state);
             total += newton;
             state = next;
@@ -157,7 +157,7 @@ fn contact_conditions_hold_in_every_step_of_every_reading() {
             let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
             let (problem, mut scheme) = scheme(&overrides);
             let mut state = scheme.initial().expect("finite initial data");
-            for _ in 0..problem.steps {
+            for _ in 0..problem.timeline.steps() {
                 let (next, report) = scheme.step(&state).expect("a step");
                 assert_contact_conditions(&report, 1e4, 0.2);
                 state = next;
@@ -188,10 +188,10 @@ fn counted_work() {
             &format!("contact.heat.foundation_temperature={foundation}"),
         ]);
         let mut state = scheme.initial().expect("finite initial data");
-        for step in 1..=problem.steps {
+        for step in 1..=problem.timeline.steps() {
             let (next, report) = scheme.step(&state).expect("a step");
             assert!(
-                step <= problem.steps / 2 || report.newton_mechanics <= settled,
+                step <= problem.timeline.steps() / 2 || report.newton_mechanics <= settled,
                 "n = {n}, step {step}: {} iterations",
                 report.newton_mechanics
             );
@@ -199,13 +199,13 @@ fn counted_work() {
             state = next;
         }
         assert_eq!(scheme.factorizations().0, 2);
-        assert_eq!(state.counts.sweeps, 4 * problem.steps);
+        assert_eq!(state.counts.sweeps, 4 * problem.timeline.steps());
         assert!(
             state.counts.newton_mechanics_total <= newton,
             "n = {n}, θ_F = {foundation}: {} iterations",
             state.counts.newton_mechanics_total
         );
-        assert!(scheme.factorizations().1 <= state.counts.newton_mechanics_total + problem.steps);
+        assert!(scheme.factorizations().1 <= state.counts.newton_mechanics_total + problem.timeline.steps());
     }
 }
 
@@ -218,7 +218,7 @@ fn truncation_of_the_temperature_difference() {
         let (problem, mut scheme) = scheme(&overrides);
         let mut state = scheme.initial().expect("finite initial data");
         let mut flow = 0.0;
-        for _ in 0..problem.steps {
+        for _ in 0..problem.timeline.steps() {
             let (next, report) = scheme.step(&state).expect("a step");
             (state, flow) = (next, report.contact.heat_flow);
             for (temperature, flux) in report.contact.temperature.iter().zip(&report.contact.flux) {

@@ -274,7 +274,7 @@ fn the_file_of_all_fields_has_the_mesh_once() {
     assert_eq!(root["Type"].as_str(), Some("UnstructuredGrid"));
     let steps = file.group("VTKHDF/Steps").unwrap();
     assert_eq!(steps.attrs().unwrap()["NSteps"].as_i64(), Some(21));
-    let times: Vec<u64> = (0..=20).map(|n| case.problem.time(n).to_bits()).collect();
+    let times: Vec<u64> = (0..=20).map(|n| case.problem.timeline.time(n).to_bits()).collect();
     let found = file.dataset("VTKHDF/Steps/Values").unwrap().read_f64().unwrap();
     assert_eq!(found.iter().map(|t| t.to_bits()).collect::<Vec<_>>(), times);
     for name in ["NumberOfParts", "PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"] {

@@ -28,7 +28,7 @@ fn on_contact(text: &str, level: usize) -> [f64; 2] {
     let problem = case::parse(&Source::new("orders", text), &overrides).unwrap_or_else(|e| panic!("{e}")).problem;
     let run = common::solve(&problem);
     let states = &run.reports.last().expect("a step").contact.states;
-    let factor = problem.end + 0.1;
+    let factor = problem.timeline.end() + 0.1;
     let mut sums = [0.0; 2];
     for (point, state) in problem.contact_boundary().points.iter().zip(states) {
         let (s, c) = (PI * point.x[0]).sin_cos();

@@ -277,7 +277,7 @@ fn heat_is_split_by_what_it_passes_by() {
         let sum: f64 = out.values().sum();
         assert!(lost.abs() > 1e-3 && (lost - sum).abs() < 1e-11 * lost.abs(), "{lost}, {sum}");
 
-        let k = problem.k();
+        let k = problem.timeline.longest();
         let mut expected = [0.0; 3];
         for report in &memory.reports {
             let of = &report.contact;

@@ -172,7 +172,9 @@ fn a_gap_closes_before_the_bolts_bear() {
         let memory = solve(&problem);
         let found = forces(&memory, &problem);
         for (part, (bolt, clamp)) in [(1, (10.0, 10.0)), (2, (11.6, 3.6)), (3, (12.4, 0.4)), (4, (15.0, 0.0))] {
-            let [on_clamp, left, right, ..] = found[part * problem.steps / 4][..] else { panic!("three contacts") };
+            let [on_clamp, left, right, ..] = found[part * problem.timeline.steps() / 4][..] else {
+                panic!("three contacts")
+            };
             let off = [on_clamp - clamp, left + bolt / 2.0, right + bolt / 2.0];
             assert!(off.iter().all(|off| off.abs() < 1e-9), "{part}: {off:?}");
         }

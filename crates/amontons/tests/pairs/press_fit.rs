@@ -8,6 +8,7 @@ use amontons::case::{self, Source};
 use amontons::contact::Status;
 use amontons::problem::{BoundaryCondition, Problem};
 use amontons::scheme::StepReport;
+use amontons::time::Timeline;
 
 /// What both have: the laws, the steel, and a puller that moves the shaft by 0.1 mm from the second step on.
 const LAWS: &str = r#"
@@ -107,7 +108,7 @@ fn a_hub_at_rest_takes_no_iterations() {
         data.contacts.remove(0);
         let held = BoundaryCondition::on("hub_bottom").normal_displacement(0.0);
         data.boundary = vec![BoundaryCondition::on("shaft_bottom").displacement([0.0; 3]), held];
-        data.steps = 3;
+        data.timeline = Timeline::equal(data.timeline.end(), 3);
     });
     for turn in 0..2 {
         let problem = common::changed(&straight, |data| {

@@ -252,7 +252,7 @@ fn steps_agree_with_two_independent_programs() {
             *scale = scale.max(value.abs());
         }
         // In a steady state the amounts cancel: what passes the pair in a step is their scale.
-        let passed = scales.get("powers").copied().unwrap_or(0.0) * run.case.problem.k();
+        let passed = scales.get("powers").copied().unwrap_or(0.0) * run.case.problem.timeline.longest();
         scales.entry("heat".to_owned()).and_modify(|scale| *scale = scale.max(passed));
         let mut compared = 0;
         for (step, values) in &expected {

@@ -80,7 +80,7 @@ fn heat_content(problem: &Problem, state: &State) -> f64 {
 #[test]
 fn the_work_of_friction_is_the_heat_of_pad_disc_and_air() {
     let (problem, memory) = stop(&["boundary.2.convection.coefficient=0"]);
-    let (k, points) = (problem.k(), points(&problem));
+    let (k, points) = (problem.timeline.longest(), points(&problem));
     let work: f64 = memory
         .reports
         .iter()
@@ -126,7 +126,7 @@ fn the_work_of_friction_is_the_heat_of_pad_disc_and_air() {
 fn the_worn_volume_is_that_of_archard() {
     let coefficient = 5e-13;
     let (problem, memory) = stop(&[&format!("contact.wear={{ law = \"archard\", coefficient = {coefficient:e} }}")]);
-    let (k, points) = (problem.k(), points(&problem));
+    let (k, points) = (problem.timeline.longest(), points(&problem));
     let rubbing = |s: &PointState| s.pressure.max(0.0) * dot(&s.slip, &s.slip).sqrt();
     let expected: f64 = memory
         .reports

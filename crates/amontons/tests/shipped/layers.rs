@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules on one line may not use each other; a module may use those on the lines before.
 const LAYERS: &[&[&str]] = &[
-    &["list", "tensor", "units", "machine", "pulse"],
+    &["tensor", "units", "machine", "pulse", "time"],
     &["arrays", "expression"],
     &["quadrature", "field", "vtu"],
     &["element", "vtkhdf"],

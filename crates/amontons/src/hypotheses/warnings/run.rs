@@ -130,7 +130,7 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
          sudden change, and the consistent mass matrix undershoots there",
         units.write(extreme, Measure::Temperature),
         units.write(by, Measure::TemperatureDifference),
-        units.write(problem.k(), Measure::Time)
+        units.write(problem.timeline.longest(), Measure::Time)
     );
     let repair = format!(
         "use finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
@@ -142,7 +142,10 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
             if capacity <= 0.0 {
                 return String::new();
             }
-            format!(" = {}", units.write((6.0 * problem.k() * conductivity / capacity).sqrt(), Measure::Length))
+            format!(
+                " = {}",
+                units.write((6.0 * problem.timeline.longest() * conductivity / capacity).sqrt(), Measure::Length)
+            )
         })
     );
     Some(warning(FindingId::TemperatureRange, "time.steps", [by, RANGE * range], message, repair))
@@ -204,7 +207,8 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
 /// `no-contact`: of a run that has ended, and of contacts that nothing but pressure acts through.
 fn no_contact(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let may_press = problem.contacts.iter().any(|contact| !contact.is_tie());
-    if !may_press || problem.physics.has_heat() || figures.steps < problem.steps || figures.contact_steps > 0 {
+    if !may_press || problem.physics.has_heat() || figures.steps < problem.timeline.steps() || figures.contact_steps > 0
+    {
         return None;
     }
     let message = format!(
@@ -247,7 +251,7 @@ fn leak(problem: &Problem, figures: &Figures) -> Option<Finding> {
     );
     let place = format!("{}.fluid", problem.contact_path(side));
     let repair = "press the seal more, or lower the pressure of the fluid";
-    Some(warning(FindingId::Leak, &place, [t, problem.end], message, repair))
+    Some(warning(FindingId::Leak, &place, [t, problem.timeline.end()], message, repair))
 }
 
 /// `scheme-share`: where there is a motion that it could slow down. What the scheme takes of a slow process is that of

@@ -18,7 +18,7 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
     let layer = layers.into_iter().max_by(|a, b| (a.cell / a.end).total_cmp(&(b.cell / b.end)))?;
     // The layer has the depth of a cell after n = (h/δ)² steps.
     let unresolved = (layer.cell / layer.step).powi(2);
-    if unresolved <= SHARE * problem.steps as f64 {
+    if unresolved <= SHARE * problem.timeline.steps() as f64 {
         return None;
     }
     let length = |value: f64| problem.units().write(value, Measure::Length);
@@ -31,8 +31,8 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
         length(layer.cell),
         layer.cell / layer.step,
         at(&layer.x),
-        unresolved.min(problem.steps as f64).ceil(),
-        problem.steps
+        unresolved.min(problem.timeline.steps() as f64).ceil(),
+        problem.timeline.steps()
     );
     let needed = layer.end * SHARE.sqrt();
     let repair = format!(

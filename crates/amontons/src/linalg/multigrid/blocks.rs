@@ -274,6 +274,15 @@ where
     }
 }
 
+impl Blocks<f32> {
+    /// A block for writing to, or `None` if the matrix has none at (i, j).
+    pub fn block_mut(&mut self, i: usize, j: usize) -> Option<&mut [f32]> {
+        let (from, to, size) = (self.start[i] as usize, self.start[i + 1] as usize, self.shape[0] * self.shape[1]);
+        let at = self.columns[from..to].iter().position(|&column| column as usize == j)?;
+        Some(&mut self.values[(from + at) * size..][..size])
+    }
+}
+
 impl Blocks<f64> {
     /// The same in single precision, over a number.
     pub fn single(&self, scale: f64) -> Blocks<f32> {

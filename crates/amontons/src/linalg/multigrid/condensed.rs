@@ -12,13 +12,12 @@ use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
 use crate::linalg::relief::Account;
 use crate::linalg::schur::STIFFLESS;
-use crate::linalg::sparse::{BlockMatrix, Repeated};
+use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::Stop;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 use crate::linalg::vectors::{BLOCK, add_combination, copy, dot, max_abs, zeros};
-use crate::list::List;
 
 /// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps two
 /// vectors of each, and makes no more than have [`NUMBERS`] entries, where that is not too few.
@@ -29,9 +28,6 @@ const LOOKS: usize = 10;
 const NEARLY: f64 = 1.5;
 /// Share of b above which what is left is that of a singular matrix.
 const LEFT: f64 = 1e-2;
-/// How far entries of rows that the iteration takes for the same may be from each other, as a share of the largest of
-/// the row: nodes of an even mesh are translates to the round-off of their coordinates.
-const SAME: f64 = 1e-13;
 /// Residual at which a matrix has been found positive definite: all of its extreme eigenvalues have been seen.
 const SEEN: f64 = 1e-10;
 
@@ -39,8 +35,6 @@ const SEEN: f64 = 1e-10;
 #[derive(Debug)]
 pub(super) struct Iterative {
     matrix: Arc<BlockMatrix>,
-    /// Its rows, if they repeat, for the products of the iteration; residuals are those of the matrix.
-    repeated: Option<Repeated>,
     unknowns: Unknowns,
     /// Whether a degree of freedom is unknown, and which unknown it is.
     free: Vec<bool>,
@@ -49,8 +43,8 @@ pub(super) struct Iterative {
     /// The motions of rigid bodies that have no stiffness, with that of their bodies.
     stiffless: Vec<(u32, f64)>,
     /// The turns by unknown, and by degree of freedom.
-    turns: List<Turn>,
-    turns_by_degree: List<Turn>,
+    turns: Vec<Turn>,
+    turns_by_degree: Vec<Turn>,
     preconditioner: Option<Preconditioner>,
     /// What the preconditioner has taken up; none where that is in other bases.
     tangent: Option<Tangent>,
@@ -86,15 +80,14 @@ impl Iterative {
         let positions = unknowns.positions(free.len());
         let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
         Iterative {
-            repeated: matrix.repeats(SAME),
             matrix,
             unknowns,
             free,
             positions,
             scale,
             stiffless,
-            turns: List::new(),
-            turns_by_degree: List::new(),
+            turns: Vec::new(),
+            turns_by_degree: Vec::new(),
             preconditioner: None,
             tangent: None,
             iterations: 0,
@@ -106,7 +99,7 @@ impl Iterative {
     }
 
     /// A vector over all degrees of freedom.
-    fn spread(&self, x: &[f64]) -> List<f64> {
+    fn spread(&self, x: &[f64]) -> Vec<f64> {
         let of_unknown = |position: &Option<u32>| position.map_or(0.0, |at| x[at as usize]);
         self.positions.par_iter().with_min_len(BLOCK).map(of_unknown).collect()
     }
@@ -117,17 +110,17 @@ impl Iterative {
         Body { matrix: &self.matrix, points, free: &self.free, frames: &frames.0, rigid, stiffless: &self.stiffless }
     }
 
-    /// (S + J) x, S by its rows where they repeat.
-    fn sum(&self, repeated: Option<&Repeated>, tangent: &Tangent, x: &[f64]) -> List<f64> {
-        let mut y = self.product(repeated, x);
+    /// (S + J) x.
+    fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
+        let mut y = self.product(x);
         tangent.add_product(1.0, x, &mut y);
         y
     }
 
-    fn product(&self, repeated: Option<&Repeated>, x: &[f64]) -> List<f64> {
+    fn product(&self, x: &[f64]) -> Vec<f64> {
         let mut straight = self.spread(x);
         self.turns_by_degree.iter().for_each(|turn| turn.back(&mut straight));
-        let mut y = self.unknowns.pick(&self.matrix.apply_of(repeated, &straight));
+        let mut y = self.unknowns.pick(&self.matrix.apply(&straight));
         self.turns.iter().for_each(|turn| turn.forward(&mut y));
         y
     }
@@ -154,7 +147,7 @@ impl Iterative {
     }
 
     /// An approximate solution of (S + J) x = r, r over all degrees of freedom.
-    fn precondition(&self, r: List<f64>) -> List<f64> {
+    fn precondition(&self, r: Vec<f64>) -> Vec<f64> {
         match &self.preconditioner {
             Some(preconditioner) => self.unknowns.pick(&preconditioner.apply(&self.body(), r)),
             None => self.unknowns.pick(&r),
@@ -167,9 +160,9 @@ impl Iterative {
     }
 
     /// L r where contact acts, by unknown.
-    fn solution(&self, r: &[f64]) -> List<(usize, f64)> {
+    fn solution(&self, r: &[f64]) -> Vec<(usize, f64)> {
         let position = |dof: u32| self.positions[dof as usize].map(|at| at as usize);
-        let Some(local) = self.touched() else { return List::new() };
+        let Some(local) = self.touched() else { return Vec::new() };
         let solution = local.solution(|dof| position(dof).map_or(0.0, |at| r[at]));
         solution.into_iter().filter_map(|(dof, value)| Some((position(dof)?, value))).collect()
     }
@@ -189,7 +182,7 @@ impl Iterative {
     }
 
     /// The residual, over all degrees of freedom, of one that is weighed.
-    fn unweighed(&self, weighed: &[f64]) -> List<f64> {
+    fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
         let mut r = self.spread(weighed);
         if let Some(local) = self.touched() {
             let scale = |dof: u32| self.positions[dof as usize].map_or(1.0, |at| self.scale[at as usize]);
@@ -209,19 +202,19 @@ impl Iterative {
 
     /// b − (S + J) x.
     fn leave(&self, tangent: &Tangent, b: &[f64], x: &[f64], rest: &mut [f64]) {
-        rest.par_iter_mut().zip(b).zip(&self.sum(None, tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
+        rest.par_iter_mut().zip(b).zip(&self.sum(tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
     }
 
     /// GMRES with a preconditioner that is not quite linear, as one in single precision: what it makes of each vector
     /// is kept (Saad, SIAM J. Sci. Comput. 14 (1993) 461). The approximate solution, and the products made.
     fn flexible(
         &self,
-        product: impl Fn(&[f64]) -> Result<List<f64>, SolveError>,
+        product: impl Fn(&[f64]) -> Result<Vec<f64>, SolveError>,
         rest: &[f64],
         (goal, limit): (f64, usize),
-    ) -> Result<(List<f64>, usize), SolveError> {
-        let mut kept: List<List<f64>> = List::new();
-        let apply = |v: &[f64]| -> Result<List<f64>, SolveError> {
+    ) -> Result<(Vec<f64>, usize), SolveError> {
+        let mut kept: Vec<Vec<f64>> = Vec::new();
+        let apply = |v: &[f64]| -> Result<Vec<f64>, SolveError> {
             let made = self.precondition(self.unweighed(v));
             let mut image = product(&made)?;
             self.weigh(&mut image);
@@ -282,7 +275,7 @@ impl Iterative {
     }
 
     /// The solution of (S + J) x = b by the factor, if the iteration is left for it.
-    fn by_factor(&mut self, tangent: &Tangent, b: &[f64]) -> Result<Option<List<f64>>, SolveError> {
+    fn by_factor(&mut self, tangent: &Tangent, b: &[f64]) -> Result<Option<Vec<f64>>, SolveError> {
         if !self.is_relieved_of(tangent) {
             return Ok(None);
         }
@@ -312,16 +305,14 @@ impl Iterative {
 
     /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves. By conjugate
     /// gradients where J is symmetric, as long as they meet no energy that is not positive, else by GMRES.
-    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(List<f64>, f64), SolveError> {
+    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
         let mut has_energy = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (zeros(b.len()), copy(b), 1.0);
         let whole = self.weight(b);
         let most = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
-        let mut by_rows = self.repeated.is_some();
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
-            let repeated = self.repeated.as_ref().filter(|_| by_rows);
-            let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(repeated, tangent, v));
+            let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
             let (had_energy, products) = (has_energy, most.min(self.products_left(tangent)));
             let mut meets_none = false;
             let (change, made) = if has_energy {
@@ -348,10 +339,9 @@ impl Iterative {
             let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
             left = now;
             // The recurrence and the true residual differ a little.
-            if left <= NEARLY * wanted || (stalls && !by_rows) || self.is_relieved_of(tangent) {
+            if left <= NEARLY * wanted || stalls || self.is_relieved_of(tangent) {
                 break;
             }
-            by_rows &= !stalls;
         }
         Ok((x, left))
     }
@@ -362,8 +352,8 @@ impl Condensed for Iterative {
         &self.scale
     }
 
-    fn apply(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
-        Ok(self.product(None, x))
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+        Ok(self.product(x))
     }
 
     fn magnitude(&self, x: &[f64]) -> Result<f64, SolveError> {
@@ -411,8 +401,8 @@ impl Condensed for Iterative {
         // identity, and no energy that conjugate gradients meet is negative.
         self.prepare(&tangent.resisting())?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
-        let b: List<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
-        let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(None, tangent, v));
+        let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
+        let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
         let precondition = |r: &[f64]| self.precondition(self.spread(r));
         let solved = conjugate_gradients(product, precondition, &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
         self.count(solved.iterations);
@@ -430,7 +420,7 @@ impl Condensed for Iterative {
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
             let dof = |unknown: u32| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default();
-            self.turns = List::copied(turns);
+            self.turns = turns.to_vec();
             self.turns_by_degree =
                 turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(dof), ..*turn }).collect();
             self.tangent = None;
@@ -456,67 +446,4 @@ impl Condensed for Iterative {
 
 fn norm(v: &[f64]) -> f64 {
     dot(v, v).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Multigrid;
-    use super::*;
-    use crate::linalg::factor::Backend;
-    use crate::linalg::graph::Graph;
-    use crate::linalg::unknowns::Layout;
-    use crate::mesh::{Diagonal, Mesh, MeshError};
-
-    /// Springs along the axes between the nodes of an even mesh, those along x stiff and soft by turns, and soft ones
-    /// to the ground.
-    fn springs(mesh: &Mesh, n: usize) -> BlockMatrix {
-        let graph = Arc::new(Graph::of_mesh(mesh));
-        let mut matrix = BlockMatrix::zero(&graph, 1, 1);
-        for i in 0..graph.len() {
-            for &j in graph.row(i).iter().filter(|&&j| j as usize > i) {
-                let (from, to) = (mesh.points[i], mesh.points[j as usize]);
-                let column = (from[0].min(to[0]) * n as f64).round() as usize;
-                let (along_x, along_y) = ((from[1] - to[1]).abs() < 1e-9, (from[0] - to[0]).abs() < 1e-9);
-                let turn = if column.is_multiple_of(2) { 1.25 } else { 0.75 };
-                let stiffness = if along_x { turn } else { f64::from(u8::from(along_y)) };
-                matrix.add(&[i as u32, j], &[stiffness, -stiffness, -stiffness, stiffness]);
-            }
-            matrix.add(&[i as u32], &[0.01]);
-        }
-        matrix
-    }
-
-    /// Rows that are taken for the same and are not make the iteration no less accurate: it ends with the matrix.
-    #[test]
-    fn residuals_are_those_of_the_matrix() -> Result<(), Box<dyn std::error::Error>> {
-        let n = 24;
-        let mesh = Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Left).map_err(|error: MeshError| error.to_string())?;
-        let matrix = Arc::new(springs(&mesh, n));
-        let free = vec![true; mesh.points.len()];
-        let layout = Layout {
-            points: &mesh.points,
-            components: 1,
-            free: &free,
-            frames: &[],
-            links: &[],
-            rigid: &[],
-            contact: &[],
-        };
-        let unknowns = Multigrid::default().order(&matrix, &layout);
-        let b: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
-        for (same, is_wrong) in [(SAME, false), (0.5, true)] {
-            let mut iterative = Iterative::new(&matrix, &unknowns, Stop::default());
-            iterative.repeated = matrix.repeats(same);
-            assert!(iterative.repeated.is_some());
-            let difference = |(a, b): (&f64, &f64)| (a - b).abs();
-            let (read, whole) = (iterative.product(iterative.repeated.as_ref(), &b), iterative.product(None, &b));
-            let largest = read.iter().zip(&whole).map(difference).fold(0.0, f64::max);
-            assert_eq!(largest > 0.1, is_wrong, "{largest:e}");
-            let mut x = b.clone();
-            iterative.solve(&Tangent::new(), &mut x, 1e-12)?;
-            let left = iterative.product(None, &x).iter().zip(&b).map(difference).fold(0.0, f64::max);
-            assert!(left < 1e-11, "{left:e}");
-        }
-        Ok(())
-    }
 }

@@ -6,12 +6,10 @@ use rayon::prelude::*;
 
 use super::aggregate::{aggregates, strong, tentative};
 use super::blocks::Blocks;
-use super::stored::Stored;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Lu, Square};
 use crate::linalg::stop::Stop;
 use crate::linalg::vectors::{BLOCK, dot, max_abs};
-use crate::list::List;
 
 /// Unknowns below which a level is solved with a dense factor, and most levels.
 const COARSEST: usize = 600;
@@ -30,7 +28,7 @@ const SHIFT: f64 = 1e-7;
 #[derive(Debug)]
 struct Level {
     /// A, with what contact adds.
-    matrix: Stored,
+    matrix: Blocks<f32>,
     /// What contact adds where A has no blocks: between nodes of different bodies.
     beside: Beside,
     /// The inverse blocks on the diagonal.
@@ -101,7 +99,7 @@ impl Hierarchy {
             let diagonal = inverse_diagonal(&matrix);
             let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
             let single = |transfer| Level {
-                matrix: Stored::new(&matrix, scale),
+                matrix: matrix.single(scale),
                 beside: Beside::default(),
                 // What has no place in single precision is left to the iteration.
                 diagonal: diagonal
@@ -164,7 +162,7 @@ impl Hierarchy {
     /// damps.
     fn patch(&mut self, l: usize, added: &Blocks<f32>, couples: bool) {
         let level = &mut self.levels[l];
-        let n = level.matrix.size;
+        let n = level.matrix.shape[0];
         level.beside = Beside::default();
         for i in 0..added.len() {
             let others = added.row(i).filter(|(j, _)| couples && *j != i);
@@ -207,25 +205,25 @@ impl Hierarchy {
     }
 
     /// One V-cycle for A x = b from x = 0: a symmetric operator.
-    pub fn cycle(&self, b: &[f64]) -> List<f64> {
+    pub fn cycle(&self, b: &[f64]) -> Vec<f64> {
         // In the range of single precision, whatever the units of b.
         let size = max_abs(b);
         if size == 0.0 || !size.is_finite() {
-            return List::filled(0.0, b.len());
+            return vec![0.0; b.len()];
         }
-        let right: List<f32> = b.par_iter().with_min_len(BLOCK).map(|b| (b / size) as f32).collect();
+        let right: Vec<f32> = b.par_iter().with_min_len(BLOCK).map(|b| (b / size) as f32).collect();
         let factor = size / self.scale;
         self.level(0, &right).par_iter().with_min_len(BLOCK).map(|x| f64::from(*x) * factor).collect()
     }
 
-    fn level(&self, l: usize, b: &[f32]) -> List<f32> {
+    fn level(&self, l: usize, b: &[f32]) -> Vec<f32> {
         let level = &self.levels[l];
-        let mut x = List::filled(0.0, b.len());
+        let mut x = vec![0.0; b.len()];
         let Some([prolongation, restriction]) = &level.transfer else { return self.solved(level, b, x) };
         let mut work = Work::new(b.len());
         level.smooth(b, &mut x, &mut work, true);
         let rest = level.rest(b, &x, &mut work);
-        let mut coarse = List::filled(0.0, restriction.len() * restriction.shape[0]);
+        let mut coarse = vec![0.0; restriction.len() * restriction.shape[0]];
         restriction.apply(rest, &mut coarse, false);
         let correction = self.level(l + 1, &coarse);
         prolongation.apply(&correction, &mut x, true);
@@ -234,14 +232,14 @@ impl Hierarchy {
     }
 
     /// The coarsest level: by its factor, or by the smoother, twice so that the operator is symmetric.
-    fn solved(&self, level: &Level, b: &[f32], mut x: List<f32>) -> List<f32> {
+    fn solved(&self, level: &Level, b: &[f32], mut x: Vec<f32>) -> Vec<f32> {
         let Some((factor, _)) = &self.coarsest else {
             let mut work = Work::new(b.len());
             level.smooth(b, &mut x, &mut work, true);
             level.smooth(b, &mut x, &mut work, false);
             return x;
         };
-        let mut solved: List<f64> = b.iter().map(|b| f64::from(*b)).collect();
+        let mut solved: Vec<f64> = b.iter().map(|b| f64::from(*b)).collect();
         factor.solve(&mut solved);
         solved.into_iter().map(|x| x as f32).collect()
     }
@@ -259,13 +257,13 @@ impl Beside {
 
 /// Vectors that a level works with: A x, or what it leaves, and the last step of the smoother.
 struct Work {
-    product: List<f32>,
-    step: List<f32>,
+    product: Vec<f32>,
+    step: Vec<f32>,
 }
 
 impl Work {
     fn new(length: usize) -> Work {
-        Work { product: List::filled(0.0, length), step: List::filled(0.0, length) }
+        Work { product: vec![0.0; length], step: vec![0.0; length] }
     }
 }
 
@@ -275,8 +273,8 @@ const NODES: usize = 1024;
 impl Level {
     /// A x.
     fn multiply(&self, x: &[f32], product: &mut [f32]) {
-        self.matrix.apply(x, product);
-        self.beside.add(self.matrix.size, x, product);
+        self.matrix.apply(x, product, false);
+        self.beside.add(self.matrix.shape[0], x, product);
     }
 
     /// b − A x.
@@ -298,7 +296,7 @@ impl Level {
             if k > 0 || !from_zero {
                 self.multiply(x, &mut work.product);
             }
-            match self.matrix.size {
+            match self.matrix.shape[0] {
                 1 => self.advance::<1>(b, x, work, factors),
                 2 => self.advance::<2>(b, x, work, factors),
                 3 => self.advance::<3>(b, x, work, factors),
@@ -313,7 +311,7 @@ impl Level {
     /// The next step of the smoother, `carried` times the one before and `taken` times D⁻¹(b − A x), and x after it.
     /// `N` is the number of unknowns of a node, or 0, so that it is not known beforehand.
     fn advance<const N: usize>(&self, b: &[f32], x: &mut [f32], work: &mut Work, [carried, taken]: [f32; 2]) {
-        let size = self.matrix.size;
+        let size = self.matrix.shape[0];
         let blocks = self.diagonal.par_chunks(NODES * size * size).zip(b.par_chunks(NODES * size));
         let vectors = work.step.par_chunks_mut(NODES * size).zip(work.product.par_chunks(NODES * size));
         vectors.zip(x.par_chunks_mut(NODES * size)).zip(blocks).for_each(|(((step, product), x), (blocks, b))| {

@@ -18,7 +18,6 @@ use crate::linalg::lu::{Cholesky, Lu, Square};
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
 use crate::linalg::vectors::add_combination;
-use crate::list::List;
 use crate::tensor::Point;
 
 /// What contact touches, with J in the bases of the turns. Vectors over it, the degrees of freedom of its nodes one
@@ -82,12 +81,12 @@ impl Local {
     }
 
     /// L r, by degree of freedom.
-    pub fn solution(&self, r: impl Fn(u32) -> f64) -> List<(u32, f64)> {
+    pub fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         self.by_degree(self.solver.solution(|place| r(self.dofs[place as usize])))
     }
 
     /// L⁻¹ x, by degree of freedom.
-    pub fn load(&self, x: impl Fn(u32) -> f64) -> List<(u32, f64)> {
+    pub fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         let x = |place: u32| x(self.dofs[place as usize]);
         self.by_degree(match &self.solver {
             Solver::Surface(surface) => surface.load(x),
@@ -96,7 +95,7 @@ impl Local {
     }
 
     /// Values by place as values by degree of freedom.
-    fn by_degree(&self, mut values: List<(u32, f64)>) -> List<(u32, f64)> {
+    fn by_degree(&self, mut values: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
         for (place, _) in &mut values {
             *place = self.dofs[*place as usize];
         }
@@ -105,7 +104,7 @@ impl Local {
 
     /// An approximate solution of (K + J) x = r by `cycle`, which is in the axes of space, between two solutions on
     /// what contact touches: a symmetric operator where J is symmetric.
-    pub fn around(&self, body: &Body, mut r: List<f64>, cycle: impl Fn(&[f64]) -> List<f64>) -> List<f64> {
+    pub fn around(&self, body: &Body, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
         let own = self.taken(&r);
         let before = self.solved(&own);
         self.put(&self.straight(self.without_forces(&own, &before)), &mut r);
@@ -122,7 +121,7 @@ impl Local {
     }
 
     /// The entries of a vector of the body.
-    fn taken(&self, of_body: &[f64]) -> List<f64> {
+    fn taken(&self, of_body: &[f64]) -> Vec<f64> {
         self.dofs.iter().map(|&dof| of_body[dof as usize]).collect()
     }
 
@@ -132,19 +131,19 @@ impl Local {
     }
 
     /// In the bases of the turns, and in the axes of space.
-    fn turned(&self, mut x: List<f64>) -> List<f64> {
+    fn turned(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.turns.iter().for_each(|turn| turn.forward(&mut x));
         x
     }
 
-    fn straight(&self, mut x: List<f64>) -> List<f64> {
+    fn straight(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.turns.iter().for_each(|turn| turn.back(&mut x));
         x
     }
 
     /// L r.
-    fn solved(&self, r: &[f64]) -> List<f64> {
-        let mut x = List::filled(0.0, r.len());
+    fn solved(&self, r: &[f64]) -> Vec<f64> {
+        let mut x = vec![0.0; r.len()];
         for (place, value) in self.solver.solution(|place| r[place as usize]) {
             x[place as usize] = value;
         }
@@ -152,8 +151,8 @@ impl Local {
     }
 
     /// r − J x.
-    fn without_forces(&self, r: &[f64], x: &[f64]) -> List<f64> {
-        let mut rest = List::copied(r);
+    fn without_forces(&self, r: &[f64], x: &[f64]) -> Vec<f64> {
+        let mut rest = r.to_vec();
         self.tangent.add_product(-1.0, x, &mut rest);
         rest
     }
@@ -171,9 +170,9 @@ impl Local {
     }
 
     /// K x here.
-    fn product(&self, body: &Body, x: &[f64]) -> List<f64> {
+    fn product(&self, body: &Body, x: &[f64]) -> Vec<f64> {
         let (n, _) = body.matrix.block_shape();
-        let mut product = List::filled(0.0, self.dofs.len());
+        let mut product = vec![0.0; self.dofs.len()];
         for (&node, product) in self.nodes.iter().zip(product.chunks_exact_mut(n)) {
             for (j, block) in body.matrix.row(node as usize) {
                 for (product, row) in product.iter_mut().zip(block.chunks_exact(n)) {
@@ -203,7 +202,7 @@ impl Solver {
     }
 
     /// L r, by place.
-    fn solution(&self, r: impl Fn(u32) -> f64) -> List<(u32, f64)> {
+    fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         match self {
             Solver::Surface(surface) => surface.solution(r),
             Solver::Nodes(nodes) => products(nodes, |node| &node.inverse, r),
@@ -243,8 +242,8 @@ fn joined(body: &Body, entries: &[Entry]) -> Vec<u32> {
 }
 
 /// Products of a matrix of each node with the node's part of a vector.
-fn products(nodes: &[Node], matrix: impl Fn(&Node) -> &[f64], x: impl Fn(u32) -> f64) -> List<(u32, f64)> {
-    let mut products = List::with_capacity(3 * nodes.len());
+fn products(nodes: &[Node], matrix: impl Fn(&Node) -> &[f64], x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+    let mut products = Vec::with_capacity(3 * nodes.len());
     for node in nodes {
         let n = matrix(node).len().isqrt();
         for (at, row) in (node.first..).zip(matrix(node).chunks_exact(n)) {

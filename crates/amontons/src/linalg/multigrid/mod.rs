@@ -11,7 +11,6 @@ mod local;
 mod precondition;
 mod product;
 mod relieved;
-mod stored;
 mod surface;
 
 use std::sync::Arc;

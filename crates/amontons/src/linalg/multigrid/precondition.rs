@@ -13,7 +13,6 @@ use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::Stop;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
-use crate::list::List;
 use crate::space::{Frame, RigidNodes};
 use crate::tensor::{Point, Sym};
 
@@ -75,7 +74,7 @@ impl Preconditioner {
     }
 
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
-    pub fn apply(&self, body: &Body, r: List<f64>) -> List<f64> {
+    pub fn apply(&self, body: &Body, r: Vec<f64>) -> Vec<f64> {
         let cycle = |r: &[f64]| self.hierarchy.cycle(r);
         match &self.local {
             Some(local) => local.around(body, r, cycle),

@@ -12,7 +12,6 @@ use crate::linalg::system::System;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::{Layout, Unknowns};
-use crate::list::List;
 
 /// A system with a factor, by degree of freedom.
 #[derive(Debug)]
@@ -48,7 +47,7 @@ impl Relieved {
     ///
     /// # Errors
     /// When the system is singular.
-    pub fn solve(&mut self, tangent: &Tangent, turns: &[Turn], r: &[f64]) -> Result<List<f64>, SolveError> {
+    pub fn solve(&mut self, tangent: &Tangent, turns: &[Turn], r: &[f64]) -> Result<Vec<f64>, SolveError> {
         let tangent = self.turned(tangent, turns);
         self.system.linearised(&tangent, r)
     }

@@ -10,7 +10,6 @@ use super::precondition::{AXES, Body, in_basis};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::SparseLu;
 use crate::linalg::tangent::Entry;
-use crate::list::List;
 use crate::tensor::Point;
 
 /// Whether entries couple different nodes of `n` degrees of freedom each.
@@ -63,17 +62,17 @@ impl Surface {
     }
 
     /// (K + J)⁻¹ r on the surface, by degree of freedom.
-    pub fn solution(&self, r: impl Fn(u32) -> f64) -> List<(u32, f64)> {
+    pub fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         self.on_surface(r, |r| self.matrix.solve(r))
     }
 
     /// (K + J) x on the surface, by degree of freedom.
-    pub fn load(&self, x: impl Fn(u32) -> f64) -> List<(u32, f64)> {
+    pub fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         self.on_surface(x, |x| self.matrix.apply(x))
     }
 
-    fn on_surface(&self, x: impl Fn(u32) -> f64, operator: impl Fn(&[f64]) -> List<f64>) -> List<(u32, f64)> {
-        let own: List<f64> = self.dofs.iter().map(|&dof| x(dof)).collect();
+    fn on_surface(&self, x: impl Fn(u32) -> f64, operator: impl Fn(&[f64]) -> Vec<f64>) -> Vec<(u32, f64)> {
+        let own: Vec<f64> = self.dofs.iter().map(|&dof| x(dof)).collect();
         self.dofs.iter().copied().zip(operator(&own)).collect()
     }
 }

@@ -107,9 +107,9 @@ impl Folder {
             };
             self.manifest.list(&name, Some(written));
             if name == fields_file(n) {
-                self.snapshots.push((n, problem.time(n)));
+                self.snapshots.push((n, problem.timeline.time(n)));
             } else if name == surface_file(n) {
-                self.surfaces.push((problem.time(n), name));
+                self.surfaces.push((problem.timeline.time(n), name));
             }
         }
         let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n));

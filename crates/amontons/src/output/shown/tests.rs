@@ -70,7 +70,7 @@ fn ran(path: &str, overrides: &[&str]) -> Ran {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut case = case::read(&root.join(path), &overrides).unwrap_or_else(|error| panic!("{error}"));
-    case.every = case.problem.steps;
+    case.every = case.problem.timeline.steps();
     let name = format!("amontons-shown-{}-{}", std::process::id(), case.problem.name);
     let folder = std::env::temp_dir().join(name);
     let options = FolderOptions { force: true, ..case.folder_options() };

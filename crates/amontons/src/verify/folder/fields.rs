@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use super::tables::Table;
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
-use crate::list::List;
 use crate::material::VTK_COMPONENTS;
 use crate::mesh::Block;
 use crate::output::{PointValues, StoredFields, cell_values, columns};
@@ -70,7 +69,7 @@ impl Fields {
 
     /// Puts the fields into a state, and tells by how much they differ from those there.
     pub fn put(&self, problem: &Problem, state: &mut State, tell: &mut dyn FnMut(&str, f64, f64)) {
-        let mut take = |name: &str, into: &mut List<f64>, from: Option<Vec<f64>>| {
+        let mut take = |name: &str, into: &mut Vec<f64>, from: Option<Vec<f64>>| {
             let from = from.filter(|from| from.len() == into.len());
             let difference = from.as_ref().map_or(f64::NAN, |from| largest_difference(from, into));
             tell(name, difference, into.iter().fold(0.0f64, |m, v| m.max(v.abs())));
@@ -94,15 +93,11 @@ impl Fields {
         State {
             u: self.vector("displacement").unwrap_or_else(zero).into(),
             w: self.vector("velocity").unwrap_or_else(zero).into(),
-            theta: self.scalar("temperature").map_or_else(|| List::filled(0.0, nodes), List::copied),
+            theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], |values| values.to_vec()),
             step: 0,
             t: 0.0,
             multipliers: Multipliers::default(),
-            branches: discretization
-                .branches
-                .iter()
-                .map(|branch| List::filled(0.0, branch.size(nodes * self.dim)))
-                .collect(),
+            branches: discretization.branches.iter().map(|branch| vec![0.0; branch.size(nodes * self.dim)]).collect(),
             carried: Carried::default(),
             surface: Accumulated::default(),
             ledger: Ledger::default(),

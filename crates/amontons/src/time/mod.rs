@@ -1,0 +1,7 @@
+//! Time: the instants of a run, and the rule by which a step goes from one to the next.
+
+mod rule;
+mod timeline;
+
+pub use rule::Rule;
+pub use timeline::{Instant, Timeline};

@@ -1,0 +1,76 @@
+//! The rule in time: which unknown a step has, and how it enters displacements and accelerations.
+
+/// The rule of a step from t₀ to t₁ = t₀ + k. Its unknown x is the velocity at t_ϑ = t₀ + ϑk:
+///
+/// u_ϑ = u₀ + γ x and ẇ = (x − w₀)/δ, so that the step solves M (x − w₀)/δ + B x + A (u₀ + γ x) + … = f(t_ϑ).
+///
+/// At its end u₁ = u₀ + k x, and any other unknown v, of which the step finds v_ϑ, is v₁ = v₀ + (v_ϑ − v₀)/ϑ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Length k of the step, s.
+    pub k: f64,
+    /// γ in s.
+    pub gamma: f64,
+    /// δ in s.
+    pub delta: f64,
+    /// ϑ: the equations hold at t₀ + ϑk.
+    pub level: f64,
+}
+
+impl Rule {
+    /// The ϑ-scheme with step length k, ½ ≤ ϑ ≤ 1: γ = δ = ϑk. At ϑ = ½ it is of second order and adds no damping; at
+    /// ϑ = 1 it is backward Euler.
+    #[must_use]
+    pub fn theta(k: f64, theta: f64) -> Rule {
+        Rule { k, gamma: theta * k, delta: theta * k, level: theta }
+    }
+
+    /// Backward Euler with step length k: γ = δ = k, and the equations hold at the end of the step.
+    #[must_use]
+    pub fn backward_euler(k: f64) -> Rule {
+        Rule::theta(k, 1.0)
+    }
+
+    /// Returns true if the equations hold at the end of the step.
+    #[must_use]
+    pub fn is_at_end(&self) -> bool {
+        self.level == 1.0
+    }
+
+    /// The time t_ϑ of the equations in a step from `start` to `end`, s.
+    #[must_use]
+    pub fn time(&self, [start, end]: [f64; 2]) -> f64 {
+        self.between([start, end])
+    }
+
+    /// (1 − ϑ) v₀ + ϑ v₁: the value at t_ϑ of what is known at both ends of the step.
+    #[must_use]
+    pub fn between(&self, [start, end]: [f64; 2]) -> f64 {
+        if self.is_at_end() { end } else { start + self.level * (end - start) }
+    }
+
+    /// v₁ = v₀ + (v_ϑ − v₀)/ϑ: the value at the end of the step.
+    #[must_use]
+    pub fn end(&self, [start, at_level]: [f64; 2]) -> f64 {
+        if self.is_at_end() { at_level } else { start + (at_level - start) / self.level }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ends_of_a_step_and_its_level_agree() {
+        for theta in [0.5, 0.6, 1.0] {
+            let rule = Rule::theta(0.1, theta);
+            let at = rule.between([3.0, 7.0]);
+            assert!((rule.end([3.0, at]) - 7.0).abs() < 1e-14 && (at - (3.0 + theta * 4.0)).abs() < 1e-14);
+        }
+        let euler = Rule::backward_euler(0.1);
+        // To the bit, whatever the values.
+        assert_eq!((euler.gamma.to_bits(), euler.delta.to_bits()), (0.1f64.to_bits(), 0.1f64.to_bits()));
+        assert_eq!(euler.end([1e300, 0.1]).to_bits(), 0.1f64.to_bits());
+        assert_eq!(euler.between([1e300, 0.1]).to_bits(), 0.1f64.to_bits());
+    }
+}
