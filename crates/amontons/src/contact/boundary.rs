@@ -489,7 +489,7 @@ impl Lumping {
         }
         let weight = |i: usize| {
             let sum: f64 = (0..table.len()).map(|q| table.weights[q] * table.values(q)[i]).sum();
-            // The integral of a vertex function over the triangle is zero but for round-off.
+            // The integral of a vertex function over the triangle is zero up to round-off.
             if sum.abs() < 1e-12 * element.shape.measure() { 0.0 } else { sum }
         };
         let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };

@@ -61,7 +61,7 @@ pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
         .map(|part| part.message)
 }
 
-/// Loads are finite: bounded data are square integrable.
+/// Checks that loads are finite: bounded data are square integrable.
 fn finite(problem: &Problem) -> Clause {
     for datum in problem
         .data()

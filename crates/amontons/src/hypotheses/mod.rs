@@ -13,7 +13,7 @@
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
 //! | `pairs` | which part of the nonmortar side of each pair is faced; absent without pairs | the rows of the pair |
 //! | `energy`, `heat` | the audit of a run | the run |
-//! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
+//! | others of kind `warning` | traps in data and runs: [`warnings`]; absent if nothing is wrong | data, the run |
 //!
 //! The proofs are in `book/src/theory.md`. [`findings`] takes negligible time, [`certificate`] a few factorizations,
 //! and [`advice`] as many as its search needs.

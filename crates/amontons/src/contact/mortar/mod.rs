@@ -11,16 +11,17 @@
 //! P projects along the normal of the nonmortar facet. (B x)_k is the jump at a contact point with the weight ω_k: a
 //! force on one side acts on the other with the opposite sign, since Σ_j D_kj = ω_k = Σ_l M_kl.
 //!
-//! - `cut`: what the mortar side covers of each flat *part* of a nonmortar facet; a quadratic facet has the parts that
-//!   its nodes span. Facets face each other within 35° of opposite normals, the nearest counts of those behind each
-//!   other, and `sight`: none with a body between them.
+//! - `cut`: the region of each flat *part* of a nonmortar facet that the mortar side covers; a quadratic facet has the
+//!   parts that its nodes span. Facets face each other within 35° of opposite normals; of facets behind each other the
+//!   nearest counts.
+//! - `sight`: facets with a body between them do not face each other.
 //! - `candidate`: nodes with *hats* H, the linear functions of the parts, on *patches* without a kink.
-//! - `join`: a node that is covered too little for a law of its own, or that two laws would meet at, gives its function
+//! - `join`: a node that is covered too little for a law of its own, or at which two laws would meet, gives its function
 //!   to its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
 //! - `dual`: the functions ψ, dual to the hats.
-//! - The gap of a point, −ν·(B X), is kept within the range of the distances on the support of φ_k: dual functions
-//!   weigh a part of the wedge beside a corner negatively, and bodies that touch would overlap.
-//! - `image`: of a sector, facets face those of the neighbouring sectors, too, and a node on the cut has the facets on
+//! - The gap of a point, −ν·(B X), is limited to the range of the distances on the support of φ_k: dual functions have
+//!   negative weights on a part of the wedge next to a corner, and bodies that touch would overlap.
+//! - `image`: facets of a sector also face those of the neighbouring sectors, and a node on the cut has the facets on
 //!   both sides of it.
 //!
 //! Sources: dual functions, B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989; on covered parts, T. Cichosz and M.

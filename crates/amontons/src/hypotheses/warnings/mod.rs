@@ -8,14 +8,14 @@
 //! | `point-force` | a force acts on points, or in space along an edge | the data |
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
 //! | `rigid-on-rigid` | a rigid part meets a rigid foundation, or another rigid part, by rigid contact | the data |
-//! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep beside the gap between them | the gap of the mesh |
+//! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep compared with the gap between them | the gap of the mesh |
 //! | `obstacle-size` | an obstacle from a file is far larger or smaller than the body | its extent |
 //! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
-//! | `mean-dilatation` | the mean dilatation is asked of linear simplices, which it changes nothing in | the cells |
+//! | `mean-dilatation` | the mean dilatation is requested for linear simplices, where it has no effect | the cells |
 //! | `coefficient-jump` | a coefficient of the material jumps within a cell | its values along the edges of cells |
-//! | `thermal-layer` | the heat of Γ_C does not get through a cell | lengths |
+//! | `thermal-layer` | the heat from Γ_C does not penetrate a cell | lengths |
 //! | `strain` | the strain is not small | the run |
 //! | `temperature-range` | temperatures leave the range that the data allow | the run |
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
@@ -23,7 +23,7 @@
 //! | `undetermined-motion` | no support, contact or load determines a rigid motion | the run |
 //! | `no-contact` | no contact point presses in any step | the run |
 //! | `few-points` | a contact that ends within a side is borne by fewer than four points | the run |
-//! | `leak` | a fluid has come through a contact to where it should not be | the run |
+//! | `leak` | a fluid has passed through a contact to points that it should not reach | the run |
 //! | `scheme-share` | the scheme takes more than 5 % of the energy of a motion | the run |
 //! | `magnitude` | waves in a material are slower or faster than in any | the material |
 //! | `no-effect` | results do not depend on a datum | the data |

@@ -9,9 +9,9 @@
 //!   sections, they are the sets named by `*ELEMENT` lines. In a file of Gmsh, which names these Volume1, Volume2 and
 //!   so on, the other element sets come first: they are its physical groups.
 //! - Sides are the surfaces, the element sets of shells, membranes and plane elements (in the plane of lines) that are
-//!   facets of the boundary, and the node sets that hold all nodes of a facet of the boundary. Of one name the first
-//!   kind counts.
-//! - With several instances, the sets of a part have the name of the instance and a point in front of theirs.
+//!   facets of the boundary, and the node sets that contain all nodes of a facet of the boundary. For equal names the
+//!   first kind counts.
+//! - With several instances, the names of the sets of a part are prefixed by the instance: `INSTANCE.SET`.
 //! - Names are compared without regard to case, as Abaqus does, and keep the spelling of their first definition.
 //! - Sets may hold elements that are left out, and nodes and elements that the file lacks: these are skipped, too.
 
