@@ -1,20 +1,19 @@
 //! Laws that are evaluated for many points at once.
 //!
 //! A law is a function of one point, which the solver calls wherever it needs a value: in a loop over points, and
-//! within the scalar iteration of a point. A function of arrays is slow if it is called like that. [`Arrays`] calls it
-//! once per round for all points together: while [`per_point`] or [`all_at_once`] runs, arguments without a known value
-//! are collected and the points that need them are set aside; the function then gets all of them as rows, and these
-//! points are computed again. A law is a pure function, so the results are those of calls point by point, to the last
-//! bit.
+//! within the scalar iteration of a point. An array function is slow if called like that. [`Arrays`] calls it once per
+//! round for all points together: while [`per_point`] or [`all_at_once`] runs, arguments without a known value are
+//! collected and the points that need them are set aside; the function then gets all of them as rows, and these points
+//! are computed again. A law is a pure function, so the results equal those of calls point by point, to the last bit.
 //!
-//! Elsewhere a value is computed at once, from an array of one row.
+//! Outside of these functions a value is computed at once, from an array of one row.
 
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::fmt::{self, Debug};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Most arguments of a law.
+/// Largest number of arguments of a law.
 pub const INPUTS: usize = 10;
 
 /// The arguments of a law at a point; unused ones are 0.
@@ -26,7 +25,7 @@ pub trait ArrayFunction: Debug + Send + Sync {
     fn evaluate(&self, rows: &[Inputs], out: &mut [f64]);
 }
 
-/// A function of arrays that can be asked for the values of one point.
+/// An array function that can be evaluated at a single point.
 pub struct Arrays {
     function: Arc<dyn ArrayFunction>,
     outputs: usize,
@@ -42,25 +41,25 @@ impl Debug for Arrays {
 /// Arguments with their values.
 #[derive(Default)]
 struct Known {
-    /// How many collect arguments; without any, nothing is kept.
+    /// Number of active collections; values are kept only while there is one.
     collecting: usize,
-    /// How often a value was not known.
+    /// Number of times that a value was unknown.
     misses: u64,
     /// Number of each row by the bits of its arguments.
     rows: HashMap<[u64; INPUTS], usize>,
     /// Values of the first rows.
     values: Vec<f64>,
-    /// Arguments of the rows after these.
+    /// Arguments of the further rows, without values yet.
     wanted: Vec<Inputs>,
 }
 
-/// Whether what a thread computes is computed again where values are missing.
+/// State of a thread: true in `takes` if missing values are collected and the computation is repeated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Part {
     takes: bool,
-    /// Whether a value was missing.
+    /// True if a value was missing.
     lacks: bool,
-    /// Whether it is a single point, whose further arguments depend on what is missing.
+    /// True if a single point is computed, whose further arguments depend on missing values.
     is_point: bool,
 }
 
@@ -75,8 +74,8 @@ impl Arrays {
         Arrays { function, outputs: outputs.max(1), known: Mutex::default() }
     }
 
-    /// The values at a point, at most `N` of them. Where arguments are collected, values that are not known yet are 0,
-    /// and what needs them is computed again.
+    /// The values at a point, at most `N` of them. While arguments are collected, unknown values are 0, and results
+    /// that depend on them are computed again.
     #[must_use]
     pub fn at<const N: usize>(&self, inputs: &Inputs) -> [f64; N] {
         let (mut out, part) = ([0.0; N], PART.get());
@@ -105,14 +104,14 @@ impl Arrays {
         out
     }
 
-    /// Computes the values of the arguments collected.
+    /// Computes the values of the collected arguments.
     fn evaluate(&self) {
         let mut known = self.lock();
         let wanted = std::mem::take(&mut known.wanted);
         if wanted.is_empty() {
             return;
         }
-        // Those who ask meanwhile wait: the numbers of the rows are those of the values.
+        // Other threads wait meanwhile, so that row numbers and values correspond.
         let mut values = vec![0.0; wanted.len() * self.outputs];
         self.function.evaluate(&wanted, &mut values);
         known.values.extend(values);
@@ -123,7 +122,7 @@ impl Arrays {
     }
 }
 
-/// Laws that collect arguments, until it is dropped.
+/// Makes laws collect arguments until it is dropped.
 struct Collecting<'a>(&'a [&'a Arrays]);
 
 impl<'a> Collecting<'a> {
@@ -155,7 +154,7 @@ impl Drop for Collecting<'_> {
     }
 }
 
-/// Takes part in a collection while it lives.
+/// Takes part in a collection while it exists.
 struct TakingPart(Part);
 
 impl TakingPart {
@@ -163,7 +162,7 @@ impl TakingPart {
         TakingPart(PART.replace(Part { takes: true, lacks: false, is_point }))
     }
 
-    /// Ends it; whether a value was missing.
+    /// Ends the participation; returns true if a value was missing.
     fn end(self) -> bool {
         let lacks = PART.get().lacks;
         drop(self);
@@ -177,8 +176,8 @@ impl Drop for TakingPart {
     }
 }
 
-/// Computes `of` for each of so many points, the values of laws on arrays for all points together. At each point the
-/// laws may be asked for values that depend on others, one after the other. `of` works on the thread that calls it.
+/// Computes `of` for each of `count` points, with the values of array laws computed for all points together. At each
+/// point a law may depend on values of others, evaluated one after the other. `of` runs on the calling thread.
 pub fn per_point<T: Send + 'static>(laws: &[&Arrays], count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
     if laws.is_empty() || PART.get().takes {
         return (0..count).map(of).collect();
@@ -201,8 +200,8 @@ pub fn per_point<T: Send + 'static>(laws: &[&Arrays], count: usize, of: impl Fn(
     done.into_iter().flatten().collect()
 }
 
-/// Computes `pass` with the values of laws on arrays for all points together. `pass` works on the thread that calls it,
-/// and is computed again until no value is missing: twice where no argument of a law depends on values of laws.
+/// Computes `pass` with the values of array laws computed for all points together. `pass` runs on the calling thread
+/// and is repeated until no value is missing: twice if no argument of a law depends on values of laws.
 pub fn all_at_once<T>(laws: &[&Arrays], mut pass: impl FnMut() -> T) -> T {
     if laws.is_empty() || PART.get().takes {
         return pass();
@@ -218,7 +217,7 @@ pub fn all_at_once<T>(laws: &[&Arrays], mut pass: impl FnMut() -> T) -> T {
     }
 }
 
-/// The same for a pass that works on several threads: it asks the laws within [`taking_part`].
+/// Like [`all_at_once`] for a `pass` on several threads, which evaluates laws within [`taking_part`].
 pub fn all_at_once_in_parallel<T>(laws: &[&Arrays], mut pass: impl FnMut() -> T) -> T {
     if laws.is_empty() {
         return pass();
@@ -234,7 +233,7 @@ pub fn all_at_once_in_parallel<T>(laws: &[&Arrays], mut pass: impl FnMut() -> T)
     }
 }
 
-/// Asks laws within a pass of [`all_at_once_in_parallel`].
+/// Evaluates laws within a pass of [`all_at_once_in_parallel`].
 pub fn taking_part<T>(ask: impl FnOnce() -> T) -> T {
     let _part = TakingPart::begin(false);
     ask()
@@ -249,7 +248,7 @@ mod tests {
 
     use super::*;
 
-    /// x ↦ x², 3x, with the calls and the rows counted.
+    /// x ↦ x², 3x, counting calls and rows.
     #[derive(Debug, Default)]
     struct Square {
         calls: AtomicUsize,
@@ -276,7 +275,7 @@ mod tests {
     fn values_that_depend_on_values_take_a_call_each_for_all_points() {
         let square = Arc::new(Square::default());
         let (law, other) = (Arrays::new(Arc::<Square>::clone(&square), 2), Arrays::new(Arc::new(Square::default()), 2));
-        // ((i²)²)², at points of which every two have the same arguments.
+        // ((i²)²)² at points that share their arguments in pairs.
         let powers = per_point(&[&law, &other], 10, |i| {
             let square = at(&law, at(&law, (i / 2) as f64)[0])[0];
             at(&other, square)[0]
@@ -285,7 +284,7 @@ mod tests {
         assert_eq!(powers, expected);
         // 0 and 1 are their own squares: 0 1 2 3 4, then 4 9 16, of which 4 is known.
         assert_eq!((square.calls.load(Ordering::Relaxed), square.rows.load(Ordering::Relaxed)), (2, 7));
-        // Outside, a value takes a call.
+        // Outside a collection each value takes a call.
         assert_eq!(at(&law, 5.0), [25.0, 15.0]);
         assert_eq!(square.calls.load(Ordering::Relaxed), 3);
     }

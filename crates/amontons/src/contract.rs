@@ -1,7 +1,7 @@
-//! What every law, element and backend must satisfy: assertions to run on your own.
+//! Contracts of laws, elements and backends: assertions to run on your own ones.
 //!
-//! Each function panics with what was found and what was expected when its contract is broken. The
-//! library runs them over all that it ships; run them over yours in a test:
+//! Each function panics with the value found and the value expected if its contract is violated. The library runs them
+//! on all that it ships; run them on yours in a test:
 //!
 //! ```
 //! use amontons::{contact::Compliance, contract};
@@ -36,12 +36,12 @@ fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
     );
 }
 
-/// Shape functions are one at their node, zero at the others, sum to one and have the gradients they
-/// claim; facets have the nodes of their element and close the cell, and on a facet the functions are those of its
+/// Checks that shape functions are one at their node, zero at the others, sum to one and have the declared gradients;
+/// that facets have the nodes of their element and close the cell, and that on a facet the functions are those of its
 /// element.
 ///
 /// # Panics
-/// When the element breaks the contract.
+/// Panics if the element violates the contract.
 pub fn assert_element(element: &'static Element) {
     let n = element.nodes.len();
     assert!(n <= MAX_NODES, "{}: {n} nodes, more than MAX_NODES", element.name);
@@ -83,8 +83,8 @@ pub fn assert_element(element: &'static Element) {
     );
 }
 
-/// Facets have the nodes of their element in its order, and close the cell: with the outward normal,
-/// ∫ ν = 0 and ∫ x·ν = d |K| (Gauss), and x·ν > c·ν for the centre c of a convex cell.
+/// Checks that facets have the nodes of their element in its order and close the cell: with the outward normal, ∫ ν = 0
+/// and ∫ x·ν = d |K| (Gauss), and x·ν > c·ν for the centre c of a convex cell.
 fn assert_facets(element: &'static Element) {
     let mesh = Mesh {
         dim: element.dim().max(1),
@@ -106,7 +106,7 @@ fn assert_facets(element: &'static Element) {
             facet.nodes
         );
         let nodes: Vec<u32> = facet.nodes.iter().map(|&i| i as u32).collect();
-        // The corners of a facet determine the places of its other nodes.
+        // The corners of a facet determine the positions of its other nodes.
         let flat = Element::find(facet.element.shape, 1).unwrap_or(facet.element);
         let linear = ShapeTable::at(flat, facet.element.nodes);
         for (q, &node) in facet.nodes.iter().enumerate().filter(|_| facet.element.dim() > 0) {
@@ -140,8 +140,8 @@ fn assert_facets(element: &'static Element) {
     near(flux, volume, 1e-14, &format!("{}: ∫ x·ν over the facets", element.name));
 }
 
-/// On a facet the functions of its nodes are those of its element, and the others vanish: cells that meet there have
-/// the same values.
+/// Checks that on a facet the functions of its nodes are those of its element and all others vanish, so that adjacent
+/// cells have the same values there.
 fn assert_traces(element: &'static Element) {
     let n = element.nodes.len();
     for facet in element.facets {
@@ -162,12 +162,12 @@ fn assert_traces(element: &'static Element) {
     }
 }
 
-/// (H1), (H2): zero at zero, the tangent is the derivative, the value that of the potential (and the tangent symmetric)
-/// where there is one, and the declared constants m, M and bounds hold, on samples from a thousandth to a thousand
-/// times `size`.
+/// Checks (H1), (H2): zero at zero, the tangent is the derivative, a potential has the value as derivative (and the
+/// tangent is then symmetric), and the declared constants m, M and bounds hold, on samples from a thousandth to a
+/// thousand times `size`.
 ///
 /// # Panics
-/// When the law breaks the contract.
+/// Panics if the law violates the contract.
 pub fn assert_tensor_law(law: &dyn TensorLaw, dim: usize, size: f64) {
     let x = [0.3, 0.2, 0.1];
     let constants = law.constants();
@@ -219,7 +219,7 @@ pub fn assert_tensor_law(law: &dyn TensorLaw, dim: usize, size: f64) {
     }
 }
 
-/// m and M between two arguments; the constants refer to the d-dimensional part, which alone does work.
+/// Checks m and M between two arguments; the constants refer to the d-dimensional part, which alone does work.
 fn assert_monotone(law: &dyn TensorLaw, dim: usize, (a, b): (&Sym, &Sym), slack: f64) {
     let x = [0.3, 0.2, 0.1];
     let constants = law.constants();
@@ -241,10 +241,10 @@ fn assert_monotone(law: &dyn TensorLaw, dim: usize, (a, b): (&Sym, &Sym), slack:
     );
 }
 
-/// Objectivity of an isotropic law: a turned argument gives the turned value, and the same potential.
+/// Checks that an isotropic law is objective: a rotated argument gives the rotated value and the same potential.
 ///
 /// # Panics
-/// When the law has a direction of its own.
+/// Panics if the law has a preferred direction.
 pub fn assert_isotropic(law: &dyn TensorLaw, dim: usize, size: f64) {
     let x = [0.3, 0.2, 0.1];
     let mut random = samples();
@@ -273,12 +273,11 @@ pub fn assert_isotropic(law: &dyn TensorLaw, dim: usize, size: f64) {
     }
 }
 
-/// A slope lies between the two one-sided differences: at a kink either side is as good as the other. At a jump there
-/// is none.
+/// Checks that a slope lies between the two one-sided differences: at a kink either side is admissible. A jump has no
+/// slope.
 fn slope_between(slope: f64, f: impl Fn(f64) -> f64, h: f64, slack: f64, what: &str) {
     let (left, right) = ((f(0.0) - f(-h)) / h, (f(h) - f(0.0)) / h);
-    // A jump of f of 1e-3 of the size of f within h would be a slope of a thousand times the scale that slack is made
-    // of.
+    // A jump of 1e-3 of the size of f within h would be a slope of a thousand times the scale on which slack is based.
     let (low, high) = (left.min(right), left.max(right));
     assert!(
         slope >= low - slack && slope <= high + slack,
@@ -286,11 +285,10 @@ fn slope_between(slope: f64, f: impl Fn(f64) -> f64, h: f64, slack: f64, what: &
     );
 }
 
-/// The coefficient is a number that is not negative, whatever the point, and has the slope in the temperature that it
-/// claims.
+/// Checks that the coefficient is a nonnegative number at any point and has the temperature slope it returns.
 ///
 /// # Panics
-/// When the law breaks the contract.
+/// Panics if the law violates the contract.
 pub fn assert_wear_law(law: &dyn WearLaw) {
     let mut random = samples();
     for _ in 0..256 {
@@ -306,12 +304,12 @@ pub fn assert_wear_law(law: &dyn WearLaw) {
     }
 }
 
-/// The surface of an obstacle in `dim` dimensions: at points of a box of side 2 `size` around `about` the normal is of
-/// unit length and the gradient of the distance, and the point that it leads to, by the distance, lies on the surface.
-/// Points where two parts of the surface are nearly equally near have no gradient; one in ten may be such.
+/// Checks the surface of an obstacle in `dim` dimensions: at points of a box of side 2 `size` around `about` the normal
+/// has unit length and is the gradient of the distance, and the point at that distance along it lies on the surface.
+/// Points at nearly equal distance from two parts of the surface have no gradient; one point in ten may be such.
 ///
 /// # Panics
-/// When the shape breaks the contract.
+/// Panics if the shape violates the contract.
 pub fn assert_shape(shape: &dyn Shape, about: &Point, size: f64, dim: usize) {
     let mut random = samples();
     let (mut kinks, points) = (0, 100);

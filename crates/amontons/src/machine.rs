@@ -1,4 +1,4 @@
-//! What the machine allows: memory, disk space, a clock, and files that are safe to read.
+//! Resources of the machine: memory, disk space, a clock, and safe reading of files.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
@@ -10,28 +10,28 @@ pub(crate) use std::time::Instant;
 #[cfg(target_family = "wasm")]
 pub(crate) use web_time::Instant;
 
-/// Address space that a thread takes for products of dense blocks and for its own allocations.
+/// Address space per thread for products of dense blocks and its own allocations, bytes.
 #[cfg(unix)]
 const PER_THREAD: f64 = 2.0 * 67_108_864.0;
 
-/// Memory that can still be taken.
+/// Available memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Memory {
     /// Bytes.
     pub bytes: f64,
-    /// What limits it; none where it is the memory of the machine.
+    /// The limiting resource; `None` if it is the memory of the machine.
     pub limit: Option<&'static str>,
 }
 
-/// Memory that can still be taken, by the tightest of what limits it; none where the system does not report it.
+/// Available memory by the tightest limit; `None` if the system does not report it.
 pub(crate) fn memory() -> Option<Memory> {
     let limit = if cfg!(unix) { "the limit of the address space, `ulimit -v`" } else { "the address space" };
     let space = address_space().map(|bytes| Memory { bytes, limit: Some(limit) });
     least(physical_memory().into_iter().chain(space))
 }
 
-/// The same without the limit of the address space: beyond it an allocation fails, while memory that the machine or the
-/// control group does not have is promised, and ends the program when it is written to.
+/// Available memory without the limit of the address space: beyond that limit an allocation fails, while memory that
+/// the machine or the control group lacks is promised, and writing to it kills the program.
 pub(crate) fn physical_memory() -> Option<Memory> {
     let machine = machine_memory().map(|bytes| Memory { bytes, limit: None });
     let group = cgroup().map(|bytes| Memory { bytes, limit: Some("the memory limit of the control group") });
@@ -42,12 +42,12 @@ fn least(all: impl Iterator<Item = Memory>) -> Option<Memory> {
     all.min_by(|a, b| a.bytes.total_cmp(&b.bytes))
 }
 
-/// Bytes that the machine can give without swapping. On macOS these are the pages that are free, active or inactive.
+/// Bytes available without swapping. On macOS these are the free, active and inactive pages.
 #[cfg(any(target_os = "macos", windows))]
 fn machine_memory() -> Option<f64> {
     let mut system = sysinfo::System::new().ok()?;
     system.refresh_memory_specifics(sysinfo::MemoryRefreshKind::nothing().with_ram());
-    // Where the system does not answer, all numbers are zero.
+    // If the system does not answer, all numbers are zero.
     (system.total_memory() > 0).then(|| system.available_memory() as f64)
 }
 
@@ -56,17 +56,17 @@ fn machine_memory() -> Option<f64> {
     field("/proc/meminfo", "MemAvailable:")
 }
 
-/// Bytes of address space below the limit of the process.
+/// Bytes of address space left below the limit of the process.
 #[cfg(unix)]
 fn address_space() -> Option<f64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
     let taken = field("/proc/self/status", "VmSize:").unwrap_or(0.0);
-    // Outside of a pool there are no threads yet, and to ask for their number would start some.
+    // Outside of a pool there are no threads yet, and asking for their number would start some.
     let threads = rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads());
     Some((limit as f64 - taken - threads as f64 * PER_THREAD).max(0.0))
 }
 
-/// In a browser the addresses of 32 bits end it.
+/// In a browser, 32-bit addresses limit the memory.
 #[cfg(target_family = "wasm")]
 fn address_space() -> Option<f64> {
     const PAGE: f64 = 65_536.0;
@@ -78,7 +78,7 @@ fn address_space() -> Option<f64> {
     None
 }
 
-/// A field of a table of the kernel, given in kB there, in bytes.
+/// A field of a kernel table, converted from kB to bytes.
 fn field(table: &str, name: &str) -> Option<f64> {
     let text = read_text(Path::new(table), 1 << 20).ok()?;
     let kibibytes: f64 =
@@ -86,7 +86,7 @@ fn field(table: &str, name: &str) -> Option<f64> {
     Some(kibibytes * 1024.0)
 }
 
-/// Most memory that this process held, bytes, where the system reports it.
+/// Peak memory of this process in bytes; `None` if the system does not report it.
 pub(crate) fn peak_memory() -> Option<u64> {
     field("/proc/self/status", "VmHWM:").map(|bytes| bytes as u64)
 }
@@ -96,8 +96,8 @@ fn cgroup() -> Option<f64> {
     cgroup_free(&groups, Path::new("/sys/fs/cgroup"))
 }
 
-/// Bytes below the limits of the control groups that `/proc/self/cgroup` lists, of version 1 and 2, with those above
-/// them; `root` is where the groups are mounted.
+/// Bytes below the limits of the control groups listed in `/proc/self/cgroup`, of version 1 and 2, and of their
+/// parents; `root` is their mount point.
 fn cgroup_free(groups: &str, root: &Path) -> Option<f64> {
     let number = |path: &Path| read_text(path, 1 << 16).ok()?.trim().parse::<f64>().ok();
     let mut least: Option<f64> = None;
@@ -112,11 +112,11 @@ fn cgroup_free(groups: &str, root: &Path) -> Option<f64> {
             _ => continue,
         };
         let inside = mount.join(path.trim_start_matches('/'));
-        // In a container the path may be one that is seen from outside only: the mount itself is then the group.
+        // In a container the path may be valid only outside: the mount itself is then the group.
         for group in inside.ancestors().take_while(|group| group.starts_with(&mount)) {
-            // Version 1 writes no limit as a number beyond any memory.
+            // Version 1 writes a huge number for no limit.
             let Some(limit) = number(&group.join(limit)).filter(|limit| *limit < 1e18) else { continue };
-            // Pages of files that were read are given back when memory is needed.
+            // Cached pages of files are released when memory is needed.
             let cache = read_text(&group.join("memory.stat"), 1 << 20).ok().and_then(|stat| {
                 let line = stat.lines().find_map(|line| line.strip_prefix("inactive_file "))?;
                 line.trim().parse::<f64>().ok()
@@ -129,7 +129,7 @@ fn cgroup_free(groups: &str, root: &Path) -> Option<f64> {
     least
 }
 
-/// Bytes that can still be written to the file system of a path, where the system reports it.
+/// Free bytes on the file system of a path; `None` if the system does not report it.
 #[cfg(unix)]
 pub(crate) fn disk_free(path: &Path) -> Option<u64> {
     let system = rustix::fs::statvfs(path).ok()?;
@@ -143,10 +143,10 @@ pub(crate) fn disk_free(_path: &Path) -> Option<u64> {
 
 /// Opens a regular file for reading.
 ///
-/// Pipes, devices and folders are refused and never waited for.
+/// Pipes, devices and folders are refused without waiting for them.
 ///
 /// # Errors
-/// When the file cannot be opened or is none.
+/// Fails if the file cannot be opened or is not regular.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -164,10 +164,10 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{found}, expected a regular file")))
 }
 
-/// What a file holds that is a regular file of at most `longest` bytes.
+/// The contents of a regular file of at most `longest` bytes.
 ///
 /// # Errors
-/// When the file cannot be read, is none, or is longer.
+/// Fails if the file cannot be read, is not regular, or is longer.
 pub(crate) fn read(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata()?.len();
@@ -180,22 +180,21 @@ pub(crate) fn read(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length as usize).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
-    // A file may grow while it is read, and those of the kernel have no length.
+    // A file may grow while it is read, and kernel files report no length.
     file.take(longest + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > longest { Err(too_long()) } else { Ok(bytes) }
 }
 
-/// The text of a file, as [`read`] reads it.
+/// The text of a file, read by [`read`].
 ///
 /// # Errors
-/// As [`read`]; also when it is not UTF-8.
+/// Fails like [`read`], and if the contents are not UTF-8.
 pub(crate) fn read_text(path: &Path, longest: u64) -> io::Result<String> {
     String::from_utf8(read(path, longest)?)
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "found bytes that are no UTF-8 text"))
 }
 
-/// Whether a path, links followed, is one below a folder. Of a file that is not there the folder counts that it would
-/// be in.
+/// True if a path, with links resolved, is inside a folder. For a missing file its parent folder counts.
 pub(crate) fn is_inside(folder: &Path, path: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let real = path.canonicalize().or_else(|_| path.parent().unwrap_or(folder).canonicalize());

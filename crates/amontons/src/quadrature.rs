@@ -1,8 +1,8 @@
 //! Quadrature on the reference cells, of any degree and with all symmetries of the cell.
 //!
-//! Gauss–Legendre points come from Newton's method on the Legendre recurrence. A rule on a simplex is the orbits of a
-//! few points under the permutations of its vertices: known ones up to degree 6; beyond, those of a cube that is
-//! collapsed onto the simplex (Duffy), where each collapse raises the degree to be met by one.
+//! Gauss–Legendre points come from Newton's method on the Legendre recurrence. A rule on a simplex consists of the
+//! orbits of a few points under the permutations of its vertices: known ones up to degree 6, above that those of a cube
+//! collapsed onto the simplex (Duffy), where each collapse raises the required degree by one.
 
 use crate::tensor::Point;
 
@@ -22,7 +22,7 @@ impl Rule {
     }
 }
 
-/// The shapes that cells and facets have.
+/// The shapes of cells and facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// One vertex; the facet of an interval.
@@ -92,8 +92,8 @@ impl Shape {
         }
     }
 
-    /// How far a reference point lies inside the cell: the least of the distances to the faces, up to constant
-    /// factors; negative outside.
+    /// Depth of a reference point inside the cell: the least distance to its faces, up to constant factors; negative
+    /// outside.
     #[must_use]
     pub fn depth(self, x: &Point) -> f64 {
         let [x, y, z] = *x;
@@ -138,7 +138,7 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
             (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * dp * dp))
         })
         .collect();
-    // The rule is symmetric; make it so to the last bit.
+    // The rule is symmetric; makes it so to the last bit.
     for i in 0..n / 2 {
         let (x, w) = (0.5 * (rule[i].0 + 1.0 - rule[n - 1 - i].0), 0.5 * (rule[i].1 + rule[n - 1 - i].1));
         rule[i] = (x, w);
@@ -150,15 +150,15 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// A rule on `shape` with positive weights at inner points that integrates exactly the polynomials of degree `degree`:
-/// of that total degree on simplices and pyramids, of that degree in each coordinate on quadrilaterals and hexahedra,
-/// of that degree in the plane and in the height on prisms.
+/// A rule on `shape` with positive weights at inner points that is exact for polynomials of degree `degree`: the total
+/// degree on simplices and pyramids, the degree in each coordinate on quadrilaterals and hexahedra, the degree in the
+/// plane and in the height on prisms.
 ///
-/// Every rule has the symmetries of its shape, so that an integral over a cell does not depend on the vertex that its
-/// numbering starts with.
+/// Every rule has the symmetries of its shape, so an integral over a cell does not depend on the vertex with which its
+/// numbering starts.
 #[must_use]
 pub fn rule(shape: Shape, degree: usize) -> Rule {
-    // n Gauss points meet degree 2n − 1; each collapse of a direction multiplies by a distance to the vertex.
+    // n Gauss points reach degree 2n − 1; each collapse of a direction multiplies by a distance to the vertex.
     let line = |extra: usize| gauss_legendre(usize::midpoint(degree, extra) + 1);
     let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
     let mut push = |x: Point, w: f64| {
@@ -184,11 +184,11 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
     rule
 }
 
-/// Points of a simplex that its symmetries carry into each other: their share in the measure, and the barycentric
+/// Points of a simplex that its symmetries map onto each other: their fraction of the measure, and the barycentric
 /// coordinates of one of them.
 type Orbit<const N: usize> = (f64, [f64; N]);
 
-/// Orbits of a rule on the triangle: of degree 2 (Strang, Fix, 1973), of 4 and 6 (Cowper, 1973), of 5 (Radon, 1948).
+/// Orbits of rules on the triangle: degree 2 (Strang, Fix, 1973), 4 and 6 (Cowper, 1973), 5 (Radon, 1948).
 fn triangle_orbits(degree: usize) -> Vec<Orbit<3>> {
     let median = |share: f64, a: f64| (share, [a, a, 1.0 - 2.0 * a]);
     match degree {
@@ -222,7 +222,7 @@ fn triangle_orbits(degree: usize) -> Vec<Orbit<3>> {
     }
 }
 
-/// Orbits of a rule on the tetrahedron: of degree 2 and 6 (Keast, 1986), of 5 (Walkington, 2000).
+/// Orbits of rules on the tetrahedron: degree 2 and 6 (Keast, 1986), 5 (Walkington, 2000).
 fn tetrahedron_orbits(degree: usize) -> Vec<Orbit<4>> {
     let median = |share: f64, a: f64| (share, [a, a, a, 1.0 - 3.0 * a]);
     match degree {
@@ -257,7 +257,7 @@ fn tetrahedron_orbits(degree: usize) -> Vec<Orbit<4>> {
     }
 }
 
-/// The points of an n-point Gauss–Legendre rule in [0, ½], with the weights of those that mirror them added.
+/// The points of an n-point Gauss–Legendre rule in [0, ½], with the weights of their mirror images added.
 fn half(n: usize) -> Vec<(f64, f64)> {
     gauss_legendre(n)
         .into_iter()
@@ -266,7 +266,7 @@ fn half(n: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The points of orbits with their weights, on a simplex of some measure.
+/// The points of orbits with their weights, on a simplex of a given measure.
 fn images<const N: usize>(orbits: &[Orbit<N>], measure: f64, mut push: impl FnMut(Point, f64)) {
     for (share, at) in orbits {
         let (mut at, mut points) = (*at, Vec::new());
@@ -361,7 +361,7 @@ mod tests {
     }
 
     /// Degrees at which a rule gains points, each with their number: n Gauss points in each direction, and the orbits
-    /// of the books.
+    /// from the literature.
     #[test]
     fn the_next_degree_is_not_met() {
         let known: [(Shape, &[(usize, usize)]); 7] = [
@@ -408,7 +408,7 @@ mod tests {
         }
     }
 
-    /// However the vertices of a cell are numbered, its points and their weights are the same.
+    /// The points and weights of a cell do not depend on the numbering of its vertices.
     #[test]
     fn rules_have_the_symmetries_of_their_shape() {
         for shape in Shape::ALL {

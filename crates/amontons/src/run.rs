@@ -1,7 +1,7 @@
-//! A run: a problem driven from the start, or from a checkpoint, to its end, its results pushed to sinks.
+//! A run: solves a problem from the start, or from a checkpoint, to its end, and passes its results to sinks.
 //!
-//! A run ends for a named reason: it is done ([`Summary`]), or the [`RunError`] says why not. A step that
-//! could not be made is never a result; what the steps before it gave is kept.
+//! A run ends with a [`Summary`], or with a [`RunError`] that gives the reason. A failed step is never a result; the
+//! results of the steps before it are kept.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,34 +20,35 @@ use crate::problem::Problem;
 use crate::pulse::Pulse;
 use crate::scheme::{BackwardEuler, Kept, MakeScheme, Scheme, SetupError, State, StepError, StepReport};
 
-/// How a run is made. Only the scheme changes results.
+/// Settings of a run. Only the scheme changes results.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Number of threads; without it, those of the thread pool that the run is started in, else one per core.
+    /// Number of threads; `None` for those of the current thread pool, or else one per core.
     pub threads: Option<usize>,
     /// Ends the run before its next step when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
-    /// Judges all hypotheses for the summary, which takes some factorizations; without it, those that cost nothing.
+    /// Evaluates all hypotheses for the summary, which takes some factorizations; if false, only those that cost
+    /// nothing.
     pub certificate: bool,
-    /// The certificate of an earlier run of the same inputs, [`crate::output::known_certificate`]: it is not computed
-    /// again.
+    /// The certificate of an earlier run with the same inputs, [`crate::output::known_certificate`]; it is not
+    /// recomputed.
     pub known: Option<Vec<Finding>>,
     /// Called when a phase of the run begins.
     pub watch: Option<Watch>,
-    /// Told where each step is.
+    /// Receives the progress within each step.
     pub pulse: Pulse,
-    /// The time-stepping scheme. A run is resumed with the scheme that it began with.
+    /// The time-stepping scheme. A run must be resumed with the scheme that it began with.
     pub scheme: MakeScheme,
 }
 
-/// What a run is doing.
+/// Phase of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Assembles the matrices, before the hypotheses are evaluated and after.
+    /// Assembles the matrices, before and after the hypotheses are evaluated.
     Assembly,
     /// Evaluates the hypotheses.
     Certificate,
-    /// Factorizes them.
+    /// Factorizes the matrices.
     Factor,
     /// Makes the steps and passes each to the sinks.
     Steps,
@@ -79,29 +80,29 @@ impl Default for Settings {
     }
 }
 
-/// Why a run is not done.
+/// Reason why a run failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The threads could not be started.
     #[error("cannot start {threads} threads: {message}; ask for fewer with --threads")]
     Threads {
-        /// Number asked for.
+        /// Number requested.
         threads: usize,
-        /// What went wrong.
+        /// The error of the system.
         message: String,
     },
     /// The problem could not be set up.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// A step could not be made; sinks have the results up to the step before.
+    /// A step failed; sinks have the results up to the step before.
     #[error("{source}")]
     Step {
-        /// Why.
+        /// The cause.
         source: StepError,
         /// The run up to the last good step.
         summary: Box<Summary>,
     },
-    /// All steps were made, and what they came to cannot be trusted; sinks have the results.
+    /// All steps were made, but the results cannot be trusted; sinks have the results.
     #[error("the results cannot be trusted: {}", .0.error.as_deref().unwrap_or("a figure is not finite"))]
     Unsound(Box<Summary>),
     /// The run was asked to stop; sinks have the results so far.
@@ -110,22 +111,22 @@ pub enum RunError {
     /// The run was asked to stop before its first step; sinks were not started.
     #[error("interrupted before a step was made")]
     Unstarted {
-        /// Whether it was to go on from a checkpoint.
+        /// True if the run was to resume from a checkpoint.
         resumes: bool,
     },
     /// Results could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The run cannot go on from the checkpoint.
+    /// The run cannot be resumed from the checkpoint.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
 }
 
-/// Relative residual above which what is left of a step is more than round-off.
+/// Relative residual above which the remaining residual is more than round-off.
 const ROUND_OFF: f64 = 1e-5;
 
 impl RunError {
-    /// The run up to its last good step; none if it ended before its steps.
+    /// The run up to its last good step; `None` if it ended before its steps.
     #[must_use]
     pub fn summary(&self) -> Option<&Summary> {
         match self {
@@ -136,7 +137,7 @@ impl RunError {
         }
     }
 
-    /// What to do about a step that could not be made or results that cannot be trusted; none for other errors.
+    /// An instruction for a failed step or untrustworthy results; `None` for other errors.
     #[must_use]
     pub fn advice(&self) -> Option<String> {
         let text = match self {
@@ -176,15 +177,15 @@ impl RunError {
 /// Runs a problem from t = 0.
 ///
 /// # Errors
-/// When the run does not reach its end: see [`RunError`].
+/// Fails if the run does not reach its end: see [`RunError`].
 pub fn run(problem: &Problem, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
     drive(problem, None, settings, sinks)
 }
 
-/// Runs a problem on from a checkpoint. States and reports have the same bits as those of a run without a break.
+/// Resumes a run from a checkpoint. States and reports have the same bits as those of a run without interruption.
 ///
 /// # Errors
-/// When the checkpoint is not one of this problem or the run does not reach its end: see [`RunError`].
+/// Fails if the checkpoint belongs to another problem or the run does not reach its end: see [`RunError`].
 pub fn resume(
     problem: &Problem,
     from: Checkpoint,
@@ -210,7 +211,7 @@ fn drive(
     begins(Phase::Assembly);
     let discrete = Arc::new(within(pool.as_ref(), || Discretization::new(problem)));
     unless_interrupted(settings, resumed, Ok(()))?;
-    // Before the factors of the run, so that they are not in memory at once.
+    // Evaluated before the factors of the run are made, so that both are not in memory at once.
     begins(Phase::Certificate);
     let judging = Instant::now();
     let findings = within(pool.as_ref(), || judged(problem, &discrete, settings));
@@ -223,7 +224,7 @@ fn drive(
     let mut scheme = unless_interrupted(settings, resumed, made)?;
     let unknowns = counted(&*scheme);
     let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
-    // What a run that goes on factorizes again has been counted.
+    // Factorizations repeated by a resumed run have been counted already.
     unless_interrupted(settings, resumed, within(pool.as_ref(), || scheme.recall(&kept)))?;
     let again = if resumed { scheme.factorizations() } else { (0, 0) };
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
@@ -266,7 +267,7 @@ fn drive(
     ended(failed, summary)
 }
 
-/// The scheme, which tells from now on where each step is.
+/// The scheme, set up to report its progress within each step.
 fn scheme(
     problem: &Problem,
     discrete: &Arc<Discretization>,
@@ -278,7 +279,7 @@ fn scheme(
     Ok(scheme)
 }
 
-/// What sinks see of a run.
+/// The snapshot passed to sinks.
 fn seen<'a>(
     problem: &'a Problem,
     scheme: &'a dyn Scheme,
@@ -294,7 +295,7 @@ fn counted(scheme: &dyn Scheme) -> UnknownCounts {
     UnknownCounts { displacement, temperature, contact }
 }
 
-/// The findings on the data that the settings ask for.
+/// The findings on the data requested by the settings.
 fn judged(problem: &Problem, discrete: &Arc<Discretization>, settings: &Settings) -> Vec<Finding> {
     match &settings.known {
         Some(known) if settings.certificate => known.clone(),
@@ -303,7 +304,7 @@ fn judged(problem: &Problem, discrete: &Arc<Discretization>, settings: &Settings
     }
 }
 
-/// The state that a run begins with.
+/// The initial state of a run, or that of its checkpoint.
 fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -> Result<Checkpoint, RunError> {
     let Some(checkpoint) = from else {
         let state = scheme.initial()?;
@@ -320,7 +321,7 @@ fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -
     Ok(checkpoint)
 }
 
-/// How a run ends after so many of its steps.
+/// The outcome of a run from its error and its number of steps.
 fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
     match failed {
         Some(_) => Outcome::NotConverged,
@@ -329,7 +330,7 @@ fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
     }
 }
 
-/// The summary of a run, which is unsound where its figures cannot be trusted.
+/// Marks the summary of a run as unsound if its figures cannot be trusted.
 fn sound(mut summary: Summary, scheme: &dyn Scheme) -> Summary {
     scheme.backend().clone_into(&mut summary.solver.backend);
     summary.solver.backend_reason = scheme.backend_reason();
@@ -341,7 +342,7 @@ fn sound(mut summary: Summary, scheme: &dyn Scheme) -> Summary {
     summary
 }
 
-/// What a run gives that ended with this error, if any, and this summary.
+/// The result of a run from its error, if any, and its summary.
 fn ended(failed: Option<StepError>, summary: Summary) -> Result<Summary, RunError> {
     match (failed, summary.outcome) {
         (Some(source), _) => Err(RunError::Step { source, summary: Box::new(summary) }),
@@ -351,12 +352,13 @@ fn ended(failed: Option<StepError>, summary: Summary) -> Result<Summary, RunErro
     }
 }
 
-/// What was made before the first step. What is interrupted there has nothing to keep: half a certificate is none.
+/// The result of work before the first step. An interruption there leaves nothing to keep: half a certificate is
+/// useless.
 fn unless_interrupted<T>(settings: &Settings, resumes: bool, made: Result<T, SetupError>) -> Result<T, RunError> {
     if interrupted(settings) { Err(RunError::Unstarted { resumes }) } else { Ok(made?) }
 }
 
-/// Hands the last good step to a sink.
+/// Passes the last good step to a sink.
 fn hand_over(sink: &mut dyn Sink, last: &Snapshot, outcome: Outcome) -> Result<(), OutputError> {
     if outcome == Outcome::Interrupted { sink.interrupted(last) } else { sink.last(last) }
 }
@@ -365,16 +367,16 @@ fn interrupted(settings: &Settings) -> bool {
     settings.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
-/// Stack of a thread: that of the first one on most systems, whichever thread the work is done on.
+/// Stack size of a thread in bytes, equal to that of the main thread on most systems.
 const STACK: usize = 8 << 20;
-/// Bound of the threads on a machine with few cores, and threads per core on others: more starve the machine.
+/// Largest number of threads on machines with few cores, and threads per core on others: more starve the machine.
 const LEAST_BOUND: usize = 64;
 const PER_CORE: usize = 4;
 
-/// A pool of its own, so that nothing global is set and a thread that cannot be started is an error; none where the
-/// work is in a pool already that will do.
+/// A separate pool, so that nothing global is set and a failure to start a thread is an error; `None` if the current
+/// pool will do.
 fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
-    // A browser has one thread, in which everything is computed.
+    // A browser has one thread, which does all computations.
     if cfg!(target_family = "wasm") {
         return Ok(None);
     }
@@ -394,7 +396,7 @@ fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
     })
 }
 
-/// Most threads that can be asked for: 64 on every machine, and more on one with many cores.
+/// Largest number of threads that can be requested: 64 on every machine, more with many cores.
 #[must_use]
 pub fn most_threads() -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -404,12 +406,12 @@ pub fn most_threads() -> usize {
 /// Computes with a number of threads, or with all available ones.
 ///
 /// # Errors
-/// [`RunError::Threads`] when they cannot be started.
+/// [`RunError::Threads`] if they cannot be started.
 pub fn with_threads<T: Send>(threads: Option<usize>, compute: impl FnOnce() -> T + Send) -> Result<T, RunError> {
     Ok(within(pool(threads)?.as_ref(), compute))
 }
 
-/// Computes in a pool of its own, so that nothing global is set.
+/// Computes in the given pool, or in the current one if `None`.
 fn within<T: Send>(pool: Option<&ThreadPool>, compute: impl FnOnce() -> T + Send) -> T {
     match pool {
         Some(pool) => pool.install(compute),
@@ -421,14 +423,14 @@ fn within<T: Send>(pool: Option<&ThreadPool>, compute: impl FnOnce() -> T + Send
 struct Clock {
     begin: Instant,
     seconds: Seconds,
-    /// Total of the sessions before.
+    /// Total of the earlier sessions.
     before: f64,
-    /// Factorizations of this session that one before has made, too.
+    /// Factorizations of this session that an earlier one also made.
     again: (usize, usize),
 }
 
 impl Clock {
-    /// Work up to now.
+    /// Work so far.
     fn work(&self, before: Work, scheme: &dyn Scheme) -> Work {
         let (factorizations, contact_factorizations) = scheme.factorizations();
         Work {
@@ -438,7 +440,7 @@ impl Clock {
         }
     }
 
-    /// Counts what `write` takes as output.
+    /// Counts the time of `write` as output.
     fn output(&mut self, write: impl FnOnce() -> Result<(), OutputError>) -> Result<(), OutputError> {
         let begin = Instant::now();
         let result = write();
@@ -447,11 +449,11 @@ impl Clock {
     }
 }
 
-/// A backend that notes when it factorizes.
+/// A backend that records when it factorizes.
 #[derive(Debug)]
 struct Timed {
     backend: Arc<dyn Backend>,
-    /// Notes the first factorization.
+    /// Called at the first factorization.
     watch: Mutex<Option<Watch>>,
     intervals: Mutex<Vec<(Instant, Instant)>>,
 }
@@ -461,7 +463,7 @@ impl Timed {
         Timed { backend: Arc::clone(backend), watch: Mutex::new(watch), intervals: Mutex::default() }
     }
 
-    /// Seconds during which it factorized; factorizations at the same time count once.
+    /// Seconds spent in factorizations; simultaneous ones count once.
     fn seconds(&self) -> f64 {
         let mut intervals = self.intervals.lock().unwrap_or_else(PoisonError::into_inner).clone();
         intervals.sort();

@@ -17,29 +17,28 @@ use rigid::rigid_of;
 
 /// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
 ///
-/// A degree of freedom is a component of the value at a node; at a node with a prescribed direction that is along no
-/// axis it is a component in the [`Frame`] of the node. Vectors over the degrees of freedom that are given to the
-/// methods have components along the axes everywhere.
+/// A degree of freedom is a component of the value at a node, along an axis or, at a node with an oblique prescribed
+/// direction, in the [`Frame`] of the node. Vectors passed to the methods always have components along the axes.
 ///
-/// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of the other node. The
-/// nodes of a rigid body ([`RigidNodes`]) have the degrees of freedom of its motions, in the place of those of its
-/// first nodes.
+/// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of its leader. The
+/// nodes of a rigid body ([`RigidNodes`]) have the degrees of freedom of its motions, stored in those of its first
+/// nodes.
 #[derive(Clone, Debug)]
 pub struct Space {
-    /// Components a node.
+    /// Number of components per node.
     pub components: usize,
-    /// Which degrees of freedom are unknown.
+    /// For each degree of freedom, true if it is unknown.
     pub free: Vec<bool>,
-    /// The directions of the degrees of freedom of the nodes where they are not the axes, by node.
+    /// Directions of the degrees of freedom of nodes where they differ from the axes, by node.
     pub frames: Vec<Frame>,
     /// Nodes that follow others.
     pub links: Vec<Link>,
     /// Nodes that move as rigid bodies.
     pub rigid: Vec<RigidNodes>,
     prescribed: Vec<Prescribed>,
-    /// The degrees of freedom that are prescribed.
+    /// The prescribed degrees of freedom.
     held: Vec<u32>,
-    /// Which of the prescriptions gives the value of each of them, and its number there.
+    /// For each of them, number of the prescription that gives its value, and its index there.
     given: Vec<(usize, usize)>,
 }
 
@@ -48,13 +47,13 @@ pub struct Space {
 pub struct Prescription<'a> {
     /// Name of the side, the edge or the points.
     pub on: &'a str,
-    /// The direction, a unit vector; of scalars the first axis.
+    /// The direction, a unit vector; for scalars the first axis.
     pub direction: Point,
     /// The value along it.
     pub field: &'a Field,
 }
 
-/// The values that one prescription gives, in the order of the prescriptions.
+/// The values given by one prescription.
 #[derive(Clone, Debug)]
 struct Prescribed {
     field: Field,
@@ -62,28 +61,28 @@ struct Prescribed {
     dofs: Vec<u32>,
     /// Factor of the field at each of them.
     factors: Vec<f64>,
-    /// Multiples of values prescribed before that are subtracted: where directions are not at right angles.
+    /// Multiples of values prescribed before that are subtracted if directions are not orthogonal.
     less: Vec<(u32, u32, f64)>,
 }
 
-/// Length of the part of a direction, across those prescribed before, that is none: the precision with which mesh files
-/// are written at the least.
+/// Length of the component of a direction orthogonal to those prescribed before that counts as zero: the least
+/// precision of mesh files.
 const ACROSS: f64 = 1e-6;
-/// Cosine of two directions from which on they are one.
+/// Cosine above which two directions count as equal.
 const PARALLEL: f64 = 1.0 - 1e-12;
-/// Relative difference of two values that are the same but for round-off.
+/// Relative difference of two values that are equal up to round-off.
 const SAME: f64 = 1e-12;
 
 impl Space {
-    /// The space in which some directions are prescribed on parts of the boundary.
-    /// At a node of two facet sets the prescription of a direction that comes first holds.
+    /// The space with some directions prescribed on parts of the boundary. At a node of two facet sets the first
+    /// prescription of a direction counts.
     pub fn new<'a>(mesh: &Mesh, components: usize, prescriptions: impl IntoIterator<Item = Prescription<'a>>) -> Space {
         Space::linked(mesh, components, prescriptions, Links::default(), Vec::new())
     }
 
-    /// The same with nodes that follow others, and nodes that move as rigid bodies. What is prescribed at a node that
-    /// follows another one is prescribed at that one; what is prescribed at a node of a rigid body is a condition on
-    /// its motion. No node is one of two bodies, or of a body and one that follows or is followed.
+    /// Like [`Space::new`], with nodes that follow others, and nodes that move as rigid bodies. A value prescribed at a
+    /// follower is prescribed at its leader; a value prescribed at a node of a rigid body is a condition on its motion.
+    /// A node belongs to at most one body, and not to both a body and a link.
     pub fn linked<'a>(
         mesh: &Mesh,
         components: usize,
@@ -150,7 +149,7 @@ impl Space {
         frame::directions(&self.frames, node)
     }
 
-    /// Whether the degrees of freedom of a node have directions of their own, or are those of a rigid body.
+    /// True if the degrees of freedom of a node have their own directions, or are those of a rigid body.
     #[must_use]
     pub fn is_turned(&self, node: u32) -> bool {
         rigid_of(&self.rigid, node).is_some() || self.frames.binary_search_by_key(&node, |frame| frame.node).is_ok()
@@ -170,20 +169,20 @@ impl Space {
         (0..self.components.min(3)).filter(move |&c| !is_free[c]).map(move |c| axes[c])
     }
 
-    /// The same, filled up with zeros.
+    /// The directions in which the value at a node is prescribed, filled up with zeros.
     #[must_use]
     pub fn held(&self, node: u32) -> [Point; 3] {
         let mut directions = self.held_directions(node);
         std::array::from_fn(|_| directions.next().unwrap_or_default())
     }
 
-    /// Whether the value at a node is prescribed in all directions.
+    /// True if the value at a node is prescribed in all directions.
     #[must_use]
     pub fn is_held(&self, node: u32) -> bool {
         self.held_directions(node).count() == self.components
     }
 
-    /// Whether the values at two nodes are prescribed alike in a direction: by the same number, or by the same function
+    /// True if the values at two nodes are prescribed alike in a direction: by the same number, or by the same function
     /// of time.
     #[must_use]
     pub fn is_alike(&self, nodes: [u32; 2], direction: &Point) -> bool {
@@ -196,13 +195,14 @@ impl Space {
         is_same(factor * first.value(&x, 0.0), other * second.value(&y, 0.0))
     }
 
-    /// Which of the prescriptions gives the value of a prescribed degree of freedom, by its number among these.
+    /// Number of the prescription that gives the value of prescribed degree of freedom `number`.
     #[must_use]
     pub fn prescription_of(&self, number: usize) -> Option<usize> {
         self.given.get(number).map(|(prescription, _)| *prescription)
     }
 
-    /// The field that prescribes the value at a node in a direction, where it is taken, and its factor.
+    /// The field that prescribes the value at a node in a direction, the position at which it is evaluated, and its
+    /// factor.
     fn source(&self, node: u32, direction: &Point) -> Option<(&Field, Point, f64)> {
         let (node, direction) = match link_of(&self.links, node) {
             Some(link) => (link.to, link.back(direction)),
@@ -224,7 +224,7 @@ impl Space {
         self.free.iter().filter(|&&f| f).count()
     }
 
-    /// Whether every prescribed value is the number zero.
+    /// True if every prescribed value is the number zero.
     #[must_use]
     pub fn is_homogeneous(&self) -> bool {
         self.prescribed.iter().all(|p| p.field.is_zero())
@@ -250,7 +250,7 @@ impl Space {
         self.leave(values);
     }
 
-    /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; whether that changes them.
+    /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; returns true if that changes them.
     pub fn prescribe_rates(&self, t: f64, gamma: f64, bar: &[f64], w: &mut [f64]) -> bool {
         let (mut values, mut changes) = (bar.to_vec(), false);
         self.prescribe(t, &mut values);
@@ -266,7 +266,7 @@ impl Space {
         changes
     }
 
-    /// Each degree of freedom that follows another one, with that one.
+    /// Calls `act` with each following degree of freedom and its leader.
     fn each_linked(&self, mut act: impl FnMut(usize, usize)) {
         for link in &self.links {
             for c in 0..self.components {
@@ -275,13 +275,13 @@ impl Space {
         }
     }
 
-    /// Gives the nodes that follow others the values of these.
+    /// Copies the values of leading nodes to their followers.
     pub fn follow(&self, values: &mut [f64]) {
         links::follow(&self.links, &self.frames, self.components, values);
     }
 
-    /// Adds the forces at nodes that follow others to these nodes, and leaves none; those at the nodes of rigid bodies
-    /// become forces there that do the same work along their motions and none besides.
+    /// Moves the forces at followers to their leaders; forces at the nodes of rigid bodies are replaced by nodal forces
+    /// that do the same work along their motions and no other work.
     pub fn gather(&self, forces: &mut [f64]) {
         if !self.links.is_empty() || !self.rigid.is_empty() {
             self.enter(forces);
@@ -290,7 +290,7 @@ impl Space {
         }
     }
 
-    /// A vector by its components along the directions of the degrees of freedom.
+    /// A vector in components along the directions of the degrees of freedom.
     #[must_use]
     pub fn in_frames<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
         if self.rigid.is_empty() {
@@ -301,28 +301,29 @@ impl Space {
         Cow::Owned(values)
     }
 
-    /// From components along the axes to those along the degrees of freedom.
+    /// Converts components along the axes to those along the degrees of freedom.
     fn enter(&self, values: &mut [f64]) {
         enter(&self.frames, &self.rigid, self.components, values);
     }
 
-    /// From components along the degrees of freedom to those along the axes.
+    /// Converts components along the degrees of freedom to those along the axes.
     fn leave(&self, values: &mut [f64]) {
         leave(&self.frames, &self.rigid, self.components, values);
     }
 
-    /// Some nodes with those after them in whose place the motions of rigid bodies stand.
+    /// The given nodes, followed by those that hold the motions of rigid bodies.
     pub fn with_rigid<'s>(&'s self, nodes: &'s [u32]) -> impl Iterator<Item = u32> + 's {
         nodes.iter().chain(self.rigid.iter().flat_map(RigidNodes::slots)).copied()
     }
 
-    /// Whether a node is one of a rigid body.
+    /// True if a node is one of a rigid body.
     #[must_use]
     pub fn is_rigid(&self, node: u32) -> bool {
         rigid_of(&self.rigid, node).is_some()
     }
 
-    /// Largest magnitude of the forces at some nodes that are free: those of an equation that is solved.
+    /// Largest magnitude of the forces at some nodes on free degrees of freedom: the residual of equations that are
+    /// solved.
     #[must_use]
     pub fn largest_at(&self, nodes: &[u32], forces: &[f64]) -> f64 {
         let mut values = self.in_frames(forces);
@@ -335,22 +336,21 @@ impl Space {
         dofs.filter(|&dof| self.free[dof]).fold(0.0, |most, dof| most.max(values[dof].abs()))
     }
 
-    /// The entries of prescribed degrees of freedom, in their order.
+    /// The entries of the prescribed degrees of freedom, in their order.
     #[must_use]
     pub fn prescribed_of(&self, values: &[f64]) -> Vec<f64> {
         let values = self.in_frames(values);
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }
 
-    /// Sets the entries of prescribed degrees of freedom to zero, after those of nodes that follow others were
-    /// gathered.
+    /// Sets the entries of prescribed degrees of freedom to zero; entries of followers must have been gathered.
     pub fn mask(&self, values: &mut [f64]) {
         self.enter(values);
         self.held.iter().for_each(|&dof| values[dof as usize] = 0.0);
         self.leave(values);
     }
 
-    /// Sets all entries but those of prescribed degrees of freedom to zero.
+    /// Sets all entries except those of prescribed degrees of freedom to zero.
     pub fn mask_free(&self, values: &mut [f64]) {
         self.enter(values);
         values.iter_mut().zip(&self.free).filter(|(_, free)| **free).for_each(|(value, _)| *value = 0.0);
@@ -358,7 +358,7 @@ impl Space {
         self.leave(values);
     }
 
-    /// The interpolant of fields, one per component (zero where there are none).
+    /// The interpolant of fields, one per component; missing fields are zero.
     #[must_use]
     pub fn interpolate(&self, mesh: &Mesh, fields: &[Field], t: f64) -> Vec<f64> {
         let mut values = vec![0.0; mesh.points.len() * self.components];
@@ -376,7 +376,7 @@ impl Space {
     }
 }
 
-/// From components along the axes to those in frames, and of rigid bodies to those of their motions.
+/// Converts components along the axes to those in frames, and for rigid bodies to those of their motions.
 pub(crate) fn enter(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
     frame::enter(frames, components, values);
     for body in rigid {
@@ -384,7 +384,7 @@ pub(crate) fn enter(frames: &[Frame], rigid: &[RigidNodes], components: usize, v
     }
 }
 
-/// Back from these to components along the axes.
+/// Converts these components back to those along the axes.
 pub(crate) fn leave(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
     frame::leave(frames, components, values);
     for body in rigid {
@@ -398,8 +398,8 @@ impl Prescribed {
         Prescribed { field: field.clone(), points, dofs, factors, less }
     }
 
-    /// Prescribes the value of a node of a rigid body in a direction: the degree of freedom of the motion that it is
-    /// one of, none if it was prescribed before.
+    /// Prescribes the value of a node of a rigid body in a direction; returns the degree of freedom of the motion
+    /// prescribed by it, or `None` if it was prescribed before.
     fn hold(&mut self, body: &mut RigidNodes, (node, x): (u32, Point), direction: &Point) -> Option<usize> {
         let (number, along, scale) = body.hold(node, direction)?;
         let new = body.dof(number);
@@ -416,8 +416,8 @@ impl Prescribed {
     }
 }
 
-/// For each of the degrees of freedom that are prescribed, in their order, which prescription gives its value last, and
-/// its number there.
+/// For each prescribed degree of freedom, in order, number of the prescription that gives its value last, and its index
+/// there.
 fn sources(held: &[u32], prescribed: &[Prescribed]) -> Vec<(usize, usize)> {
     let mut given = vec![(usize::MAX, 0); held.len()];
     for (number, part) in prescribed.iter().enumerate() {
@@ -430,17 +430,17 @@ fn sources(held: &[u32], prescribed: &[Prescribed]) -> Vec<(usize, usize)> {
     given
 }
 
-/// The axis that a direction is along, with its sign.
+/// The axis along which a direction lies, with its sign; `None` if it is oblique.
 fn axis(direction: &Point) -> Option<(usize, f64)> {
     let c = (0..3).find(|&c| direction[c] != 0.0)?;
     (0..3).all(|d| d == c || direction[d] == 0.0).then(|| (c, direction[c].signum()))
 }
 
-/// What a direction has along others, and the direction and length of the rest; none if nothing is left.
+/// The components of a direction along others, and the direction and length of the remainder; `None` if it is zero.
 fn across(direction: &Point, axes: &[Point]) -> Option<(Vec<f64>, Point, f64)> {
     let along: Vec<f64> = axes.iter().map(|axis| dot(direction, axis)).collect();
     let mut rest = *direction;
-    // Twice, so that the rest is at right angles to the last digit.
+    // Done twice, so that the remainder is orthogonal to the last digit.
     for _ in 0..2 {
         for axis in axes {
             let share = dot(&rest, axis);
@@ -451,7 +451,7 @@ fn across(direction: &Point, axes: &[Point]) -> Option<(Vec<f64>, Point, f64)> {
     (scale > ACROSS).then(|| (along, rest.map(|c| c / scale), scale))
 }
 
-/// Directions completed to a basis of the first axes, by what is left of these.
+/// Directions completed to a basis of the first `components` axes, by the remainders of these.
 fn completed(mut axes: Vec<Point>, components: usize) -> [Point; 3] {
     while axes.len() < components {
         let unit = |c: usize| -> Point { std::array::from_fn(|d| f64::from(u8::from(c == d))) };

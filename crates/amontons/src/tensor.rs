@@ -107,8 +107,8 @@ impl Sym {
         (1.5 * s.dot(&s)).sqrt() / scale
     }
 
-    /// The tensor with the principal values `values` along the axes that `rotation` turns the
-    /// coordinate axes to: 𝓚, 𝓜 or 𝓡 of a material with axes of its own. Missing values are zero.
+    /// The tensor with the principal values `values` along the axes to which `rotation` turns the coordinate axes: 𝓚, 𝓜
+    /// or 𝓡 of a material with its own axes. Missing values are zero.
     #[must_use]
     pub fn principal(values: &[f64], rotation: &Rotation) -> Sym {
         rotation.tensor(&Sym::from_fn(3, |i, j| if i == j { values.get(i).copied().unwrap_or(0.0) } else { 0.0 }))
@@ -120,8 +120,8 @@ impl Sym {
         symmetric_eigenvalues(dim, |i, j| self.get(i, j))
     }
 
-    /// Principal values σ₁ ≥ σ₂ ≥ σ₃ in three dimensions, each with its unit direction; of the two signs of a direction
-    /// the one with which its largest component is positive.
+    /// Principal values σ₁ ≥ σ₂ ≥ σ₃ in three dimensions, each with its unit direction, whose sign makes its largest
+    /// component positive.
     #[must_use]
     pub fn principal_axes(&self) -> [(f64, Point); 3] {
         let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -177,7 +177,7 @@ impl Mul<Sym> for f64 {
 pub struct SymMap(pub [[f64; 6]; 6]);
 
 impl SymMap {
-    /// The map τ ↦ λ tr(τ) I + c τ on 𝕊^d, trace and identity those of d dimensions.
+    /// The map τ ↦ λ tr(τ) I + c τ on 𝕊^d, with trace and identity in d dimensions.
     #[must_use]
     pub fn isotropic(dim: usize, lambda: f64, c: f64) -> SymMap {
         let identity = Sym::identity(dim);
@@ -204,9 +204,9 @@ impl SymMap {
     }
 }
 
-/// A rotation of ℝ³, by the matrix R whose columns are the turned coordinate axes.
+/// A rotation of ℝ³, given by the matrix R whose columns are the turned coordinate axes.
 ///
-/// It carries what is given in the axes of a material to those of the body: τ ↦ R τ Rᵀ.
+/// It converts tensors from the axes of a material to those of the body: τ ↦ R τ Rᵀ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation([[f64; 3]; 3]);
 
@@ -226,14 +226,14 @@ impl Rotation {
     /// No rotation.
     pub const IDENTITY: Rotation = Rotation([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
-    /// Axis 1 turned towards axis 2 by `angle` in radians.
+    /// The rotation of axis 1 towards axis 2 by `angle` in radians.
     #[must_use]
     pub fn in_plane(angle: f64) -> Rotation {
         let (s, c) = angle.sin_cos();
         Rotation([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     }
 
-    /// About a vector by `angle` in radians, by the right-hand rule: Rodrigues' formula.
+    /// The rotation about a vector by `angle` in radians, by the right-hand rule (Rodrigues' formula).
     #[must_use]
     pub fn about(axis: &Point, angle: f64) -> Rotation {
         let size = length(axis);
@@ -265,7 +265,7 @@ impl Rotation {
     /// The rotation with the matrix `rows`.
     ///
     /// # Errors
-    /// When an entry of RRᵀ − I exceeds 1e-9, or R changes the handedness.
+    /// Fails if an entry of RRᵀ − I exceeds 1e-9, or if R changes the handedness.
     pub fn new(rows: [[f64; 3]; 3]) -> Result<Rotation, NotARotation> {
         let [a, b, c] = rows;
         let determinant = dot(&a, &[b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]]);
@@ -278,7 +278,7 @@ impl Rotation {
         }
     }
 
-    /// The rotation that first does `first`, then this one.
+    /// The rotation that applies `first`, then this one.
     #[must_use]
     pub fn after(&self, first: &Rotation) -> Rotation {
         Rotation(std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| self.0[i][k] * first.0[k][j]).sum())))
@@ -290,10 +290,10 @@ impl Rotation {
         Sym::from_fn(3, |i, j| dot(&self.0[i], &tau.apply(&self.0[j])))
     }
 
-    /// The map τ ↦ R A(Rᵀ τ R) Rᵀ: a material's law in the axes of the body.
+    /// The map τ ↦ R A(Rᵀ τ R) Rᵀ: a material law in the axes of the body.
     #[must_use]
     pub fn map(&self, a: &SymMap) -> SymMap {
-        // Columns of the orthogonal matrix by which Mandel vectors turn.
+        // Columns of the orthogonal matrix that rotates Mandel vectors.
         let q: [Sym; 6] = std::array::from_fn(|m| {
             let mut unit = Sym::ZERO;
             unit.0[m] = 1.0;
@@ -308,15 +308,15 @@ impl Rotation {
 
 /// Eigenvalues, ascending, of a small symmetric matrix by cyclic Jacobi rotations.
 ///
-/// Jacobi is backward stable and gives small eigenvalues of semidefinite matrices to the last
-/// bits, which the verdict on (H3) depends on.
+/// Jacobi's method is backward stable and gives small eigenvalues of semidefinite matrices to the last bits, on which
+/// the verdict on (H3) depends.
 pub fn symmetric_eigenvalues(n: usize, f: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let mut values: Vec<f64> = jacobi(n, f, &mut []).iter().enumerate().map(|(i, row)| row[i]).collect();
     values.sort_by(f64::total_cmp);
     values
 }
 
-/// The matrix after rotations that make it diagonal; the rows of `vectors`, if any, are turned along.
+/// The matrix after rotations that make it diagonal; the rows of `vectors`, if any, are rotated, too.
 fn jacobi(n: usize, f: impl Fn(usize, usize) -> f64, vectors: &mut [Point]) -> Vec<Vec<f64>> {
     let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f(i, j)).collect()).collect();
     for _sweep in 0..64 {
@@ -363,7 +363,7 @@ pub fn dot(a: &Point, b: &Point) -> f64 {
 }
 
 /// A power of two by which numbers up to `largest` can be multiplied so that their squares neither under- nor overflow;
-/// 1 where they do not.
+/// 1 if none is needed.
 #[must_use]
 pub(crate) fn safe_scale(largest: f64) -> f64 {
     if largest == 0.0 || !largest.is_finite() || (1e-140..=1e140).contains(&largest) {
@@ -373,12 +373,12 @@ pub(crate) fn safe_scale(largest: f64) -> f64 {
     }
 }
 
-/// Those of some directions, filled up with zeros, that are given.
+/// The nonzero directions among three, of which unused ones are zero.
 pub fn given(directions: &[Point; 3]) -> impl Iterator<Item = &Point> {
     directions.iter().filter(|direction| direction.iter().any(|c| *c != 0.0))
 }
 
-/// Euclidean length of a vector, of any size: squares that under- or overflow are scaled first.
+/// Euclidean length of a vector of any size; squares that would under- or overflow are scaled first.
 #[must_use]
 pub fn length(a: &Point) -> f64 {
     let scale = safe_scale(a.iter().fold(0.0, |m, c| m.max(c.abs())));
@@ -413,7 +413,7 @@ mod tests {
         }
     }
 
-    /// A quarter turn exchanges axes; powers of tensors and eigenvalues of maps do not turn; the angles are Bunge's
+    /// A quarter turn exchanges axes; powers of tensors and eigenvalues of maps are invariant; the angles are Bunge's
     /// (1982, *Texture Analysis in Materials Science*).
     #[test]
     fn rotations_turn_tensors_and_maps() -> Result<(), NotARotation> {
@@ -454,8 +454,7 @@ mod tests {
         assert!(e[0].abs() < 1e-15 && e[1].abs() < 1e-15 && (e[2] - 3.0).abs() < 1e-14);
     }
 
-    /// σ v = λ v with right-handed or left-handed orthonormal v, in descending order; those of uniaxial stress along a
-    /// known axis.
+    /// σ v = λ v with orthonormal v of either handedness, in descending order; uniaxial stress has a known axis.
     #[test]
     fn principal_axes_are_eigenvectors() {
         let s = Sym::from_fn(3, |i, j| [[3.0, -1.0, 0.5], [-1.0, 2.0, 4.0], [0.5, 4.0, -6.0]][i][j]);

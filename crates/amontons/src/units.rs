@@ -1,10 +1,10 @@
-//! What a number is: its unit by the dimension of the body, and how it is written for reading.
+//! Units of numbers, which depend on the dimension of the body, and their readable form.
 //!
 //! Units are defined in this module only. A plane body without a thickness is taken per metre of it, a body on a line
-//! per square metre of cross-section; integrals over a body of revolution are those over the full turn, 2πr dr dz, and
-//! so are in the units of a body in space. Summary, pictures, the units of columns in `manifest.json` and the tables of
-//! the book ask here. Files for programs keep all digits: only [`Units::write`], [`Units::range`] and [`Units::vector`]
-//! round.
+//! per square metre of cross-section; integrals over a body of revolution extend over the full turn, 2πr dr dz, and so
+//! have the units of a body in space. Summary, pictures, the units of columns in `manifest.json` and the tables of the
+//! book use this module. Files for programs keep all digits: only [`Units::write`], [`Units::range`] and
+//! [`Units::vector`] round.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub enum System {
     Dimensionless,
 }
 
-/// The scale of the temperatures of a case. Differences of temperature are in K on both.
+/// The temperature scale of a case. Temperature differences are in K on both scales.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TemperatureScale {
     /// K.
@@ -33,14 +33,14 @@ pub enum TemperatureScale {
 }
 
 impl TemperatureScale {
-    /// Whether it is that of a case that does not name one.
+    /// True for kelvin, the default scale.
     #[must_use]
     pub fn is_kelvin(&self) -> bool {
         *self == TemperatureScale::Kelvin
     }
 }
 
-/// What integrals over a body are over.
+/// Domain of integrals over a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extent {
@@ -49,7 +49,7 @@ pub enum Extent {
     /// A plane body: per m of its thickness.
     #[default]
     Plane,
-    /// A plane body of a given thickness: all of it.
+    /// A plane body of a given thickness: the whole body.
     Sheet,
     /// A body of revolution: the full turn.
     Revolution,
@@ -62,14 +62,14 @@ pub enum Extent {
 pub struct Units {
     /// SI or none.
     pub system: System,
-    /// What forces, energies, powers, areas and volumes are over.
+    /// Domain of forces, energies, powers, areas and volumes.
     pub extent: Extent,
-    /// The scale of temperatures; absent from files where it is that in K.
+    /// The temperature scale; omitted from files if it is kelvin.
     #[serde(default, skip_serializing_if = "TemperatureScale::is_kelvin")]
     pub temperature: TemperatureScale,
 }
 
-/// What a number measures.
+/// The quantity measured by a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// A count or a ratio.
@@ -115,14 +115,14 @@ const PREFIXES: [(i32, &str); 9] =
 /// 3 − log₁₀ 999.5.
 const ROUNDED_UP: f64 = 2.172_02e-4;
 
-/// The powers of ten between which a unit takes prefixes.
+/// The least and the largest power of ten of the prefixes of a unit.
 fn prefixes(symbol: &str) -> [i32; 2] {
     match symbol {
-        // Seconds, kelvins and radians are not counted in thousands, and a prefix of an area or volume would count
-        // twice or thrice.
+        // Seconds, kelvins and radians are not counted in thousands, and prefixes of areas or volumes would be squared
+        // or cubed.
         "s" | "K" | "rad" => [-12, 0],
         "m" | "m/s" => [-12, 3],
-        // Nobody counts in millipascals.
+        // Millipascals are not in use.
         "Pa" => [0, 12],
         "" | "°C" | "m²" | "m³" | "m²/m" | "m³/m" | "m²/m²" | "m³/m²" => [0, 0],
         _ => [-12, 12],
@@ -135,13 +135,13 @@ impl Units {
     /// SI units of a body in space.
     pub const SPACE: Units = Units { extent: Extent::Space, ..Units::PLANE };
 
-    /// The same numbers without units.
+    /// Makes the numbers dimensionless.
     #[must_use]
     pub fn without(self) -> Units {
         Units { system: System::Dimensionless, ..self }
     }
 
-    /// The unit of a number, without prefix; empty for counts, ratios and dimensionless cases.
+    /// The unit of a quantity without prefix; empty for counts, ratios and dimensionless cases.
     #[must_use]
     pub fn of(self, measure: Measure) -> &'static str {
         let by_extent = |all: [&'static str; 3]| match self.extent {
@@ -173,8 +173,8 @@ impl Units {
         }
     }
 
-    /// The power of ten, a multiple of three, of the prefix with which a number of this size is written; zero where its
-    /// unit takes none.
+    /// The power of ten, a multiple of three, of the prefix with which a number of this size is written; zero if its
+    /// unit takes no prefix.
     #[must_use]
     pub fn power(self, value: f64, measure: Measure) -> i32 {
         let [least, most] = prefixes(self.of(measure));
@@ -182,13 +182,13 @@ impl Units {
         if !(size.is_finite() && size > 0.0) {
             return 0;
         }
-        // What three digits round up to the next thousand has the next prefix: 999.96 is 1.00 k.
+        // A number that three digits round up to the next thousand has the next prefix: 999.96 is 1.00 k.
         let power = 3 * ((size.log10() + ROUNDED_UP).floor() as i32).div_euclid(3);
-        // What is too small for every prefix has a power of ten, and not both.
+        // A number too small for every prefix has a power of ten instead.
         if power < least { 0 } else { power.min(most) }
     }
 
-    /// The unit with the prefix of a power of ten: `kPa`; none if the unit has no such prefix.
+    /// The unit with the prefix of a power of ten: `kPa`; `None` if the unit has no such prefix.
     #[must_use]
     pub fn prefixed(self, power: i32, measure: Measure) -> Option<String> {
         let unit = self.of(measure);
@@ -205,20 +205,20 @@ impl Units {
         format!("{} {unit}", Units::digits(value, power, measure)).trim_end().to_owned()
     }
 
-    /// The same of one of several values, of which the largest is `beside`: its round-off is zero.
+    /// Writes one of several values, the largest of which is `beside`: round-off of that is written as zero.
     #[must_use]
     pub fn write_beside(self, value: f64, beside: f64, measure: Measure) -> String {
         self.write(beyond(value, beside), measure)
     }
 
-    /// The ends of a range in one unit, and the unit: `("-3.2", "12", "µm")`.
+    /// The ends of a range in a common unit, and the unit: `("-3.2", "12", "µm")`.
     #[must_use]
     pub fn range(self, [low, high]: [f64; 2], measure: Measure) -> (String, String, String) {
         let largest = low.abs().max(high.abs());
         let power = self.power(largest, measure);
         let unit = self.prefixed(power, measure).unwrap_or_default();
         let scaled = |value: f64| value / 10f64.powi(power);
-        // As many decimals as the larger end has with its digits.
+        // The number of decimals is that of the larger end.
         let digits = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32 - 1;
         let decimals = digits.saturating_sub(scaled(largest).log10().floor() as i32);
         let number = |value: f64| match usize::try_from(decimals) {
@@ -240,8 +240,8 @@ impl Units {
         self.vector_beside(components, 0.0, measure)
     }
 
-    /// The same of a sum of vectors whose components are as large as `beside`: what is the round-off of these, or of
-    /// the largest component, is zero.
+    /// Writes a sum of vectors with components as large as `beside`: round-off of these, or of the largest component,
+    /// is written as zero.
     #[must_use]
     pub fn vector_beside(self, components: &[f64], beside: f64, measure: Measure) -> String {
         let largest = components.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -252,7 +252,7 @@ impl Units {
         format!("({}) {}", numbers.join(", "), self.prefixed(power, measure).unwrap_or_default()).trim_end().to_owned()
     }
 
-    /// Three digits, of temperatures four: they count from a zero that is far away.
+    /// Three digits, but four for temperatures, whose zero is far away.
     const DIGITS: [usize; 2] = [3, 4];
 
     fn digits(value: f64, power: i32, measure: Measure) -> String {
@@ -260,17 +260,17 @@ impl Units {
     }
 }
 
-/// Share of the largest of several values that is its round-off, and a value that is none in any unit.
+/// Fraction of the largest of several values that is round-off, and a value that counts as zero in any unit.
 const ROUND_OFF: f64 = 1e-9;
 const NOTHING: f64 = 1e-290;
 
-/// A value beside others of which the largest is `beside`: zero where it is the round-off of that.
+/// A value, or zero if it is round-off of the largest value `beside`.
 #[must_use]
 pub fn beyond(value: f64, beside: f64) -> f64 {
     if value.abs() < (ROUND_OFF * beside).max(NOTHING) { 0.0 } else { value }
 }
 
-/// A number rounded to a number of digits, without trailing zeros.
+/// A number rounded to `digits` digits, without trailing zeros.
 fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -284,18 +284,18 @@ fn significant(value: f64, digits: usize) -> String {
     if !(-4..6).contains(&exponent) {
         return format!("{}e{exponent}", trimmed(mantissa));
     }
-    // Rounded once, to these digits: zeros stand for those that are cut.
+    // Rounded once, to these digits: zeros replace the digits cut off.
     let rounded: f64 = scientific.parse().unwrap_or(value);
     self::rounded(rounded, usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0))
 }
 
-/// A number with at most so many decimals; zero has no sign.
+/// A number with at most `decimals` decimals; zero has no sign.
 fn rounded(value: f64, decimals: usize) -> String {
     let text = trimmed(&format!("{value:.decimals$}"));
     if text == "-0" { "0".to_owned() } else { text }
 }
 
-/// A decimal number without zeros behind that say nothing.
+/// A decimal number without trailing zeros.
 fn trimmed(text: &str) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
 }
@@ -334,7 +334,7 @@ mod tests {
         }
     }
 
-    /// Whatever the size, what is written reads back to the number within half a unit of the third digit.
+    /// A written number of any size reads back within half a unit of the third digit.
     #[test]
     fn what_is_written_is_the_number() {
         for i in -119..140 {
@@ -364,13 +364,13 @@ mod tests {
         assert_eq!(text([-0.003_484, 15.108], Measure::Temperature), "0 … 15.11 K");
         assert_eq!(text([0.0, 0.0], Measure::Stress), "0 … 0 Pa");
         assert_eq!(text([1.694e-6, 7.5e-5], Measure::Length), "1.7 … 75 µm");
-        // The round-off of the largest is zero.
+        // Round-off of the largest component is zero.
         assert_eq!(Units::PLANE.vector(&[-1.8e-13, -823.9], Measure::Force), "(0, -824) N/m");
         assert_eq!(Units::SPACE.without().vector(&[0.5, -2.0, 1e-3], Measure::Force), "(0.5, -2, 0.001)");
     }
 
-    /// Per metre of thickness in the plane, per square metre of cross-section on a line, for the full turn and in space
-    /// as a whole; nothing without units.
+    /// Per metre of thickness in the plane, per square metre of cross-section on a line, whole for the full turn and in
+    /// space; nothing without units.
     #[test]
     fn integrals_have_the_units_of_their_extent() {
         let of = |extent, measure| Units { extent, ..Units::PLANE }.of(measure);
@@ -398,10 +398,10 @@ mod tests {
         let celsius = Units { temperature: TemperatureScale::Celsius, ..Units::SPACE };
         let written = [Measure::Temperature, Measure::TemperatureDifference].map(|of| celsius.write(-1.25, of));
         assert_eq!(written, ["-1.25 °C", "-1.25 K"]);
-        // No prefix is beside a power of ten, and no pressure in mPa.
+        // A power of ten has no prefix, and no pressure is in mPa.
         assert_eq!(Units::SPACE.write(6.26e-34, Measure::Length), "6.26e-34 m");
         assert_eq!(Units::SPACE.write(0.65, Measure::Stress), "0.65 Pa");
-        // A sum that is the round-off of what it is the sum of.
+        // A sum that is the round-off of its terms.
         assert_eq!(Units::SPACE.vector_beside(&[1.3e-12, 1e-13], 1e3, Measure::Force), "(0, 0) N");
         assert_eq!(Units::SPACE.prefixed(-3, Measure::Area), None);
         assert_eq!(Units::SPACE.without().prefixed(3, Measure::Stress), None);

@@ -1,7 +1,7 @@
-//! Cases with an `[expected]` or a `[verify]` block, run and compared, and the benchmark problems that are shipped.
+//! Runs and compares cases with an `[expected]` or a `[verify]` block, and the shipped benchmark problems.
 //!
-//! A benchmark is one file in the crate's `benchmarks/`: a case, its source, and reference values that are not this
-//! program's own.
+//! A benchmark is one file in the crate's `benchmarks/`: a case, its source, and reference values that this program did
+//! not compute.
 
 use crate::case::{
     self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take,
@@ -16,10 +16,10 @@ mod folder;
 
 pub use folder::{Recomputed, recompute};
 
-/// Names and texts of the shipped benchmarks, by name.
+/// Names and texts of the shipped benchmarks, sorted by name.
 pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
 
-/// The meshes beside them, by the names that the cases give them.
+/// The shipped meshes, by the names used in the cases.
 const MESHES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/benchmark_meshes.rs"));
 
 /// A computed value compared with its reference.
@@ -27,7 +27,7 @@ const MESHES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/benchmark_m
 pub struct Verdict {
     /// The benchmark, or the name of the case.
     pub benchmark: String,
-    /// What is compared.
+    /// The compared quantity.
     pub what: String,
     /// The value computed.
     pub computed: f64,
@@ -35,13 +35,13 @@ pub struct Verdict {
     pub reference: f64,
     /// Their difference, relative to the scale of the comparison.
     pub error: f64,
-    /// The difference that is allowed.
+    /// The allowed difference.
     pub tolerance: f64,
-    /// Whether the difference is allowed.
+    /// True if the difference is allowed.
     pub holds: bool,
 }
 
-/// Why a case could not be verified.
+/// Reason why a case could not be verified.
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
     /// The case has faults.
@@ -62,12 +62,12 @@ pub enum VerifyError {
     /// The case has no value to compare.
     #[error("{0} has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]")]
     Nothing(String),
-    /// A check asks for something that is not there.
+    /// A check refers to something that does not exist.
     #[error("{0}")]
     Check(String),
 }
 
-/// Runs a shipped benchmark and compares what it asks for.
+/// Runs a shipped benchmark and makes its comparisons.
 ///
 /// # Errors
 /// See [`verify_case`].
@@ -75,18 +75,18 @@ pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict
     verify_case(&benchmark(name, text), &[], settings)
 }
 
-/// The case of a benchmark, with the meshes that are shipped.
+/// The case of a benchmark, with the shipped meshes.
 #[must_use]
 pub fn benchmark(name: &str, text: &str) -> Source {
     let files = Files::Memory(MESHES.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect());
     Source { files, ..Source::new(format!("{name}.toml"), text) }
 }
 
-/// Runs a case with overrides and compares what its `[expected]` and `[verify]` ask for.
+/// Runs a case with overrides and makes the comparisons of its `[expected]` and `[verify]` blocks.
 ///
 /// # Errors
-/// When the case has faults, nothing to compare, or a path of the summary that does not exist, and when the run or a
-/// study fails. Values that do not agree are no error: their verdict says so.
+/// Fails if the case has faults, nothing to compare, or a path missing in the summary, or if the run or a study fails.
+/// Values that disagree are no error: their verdict says so.
 pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
     let case = case::parse(source, overrides)?;
     let checks = case.verify.as_ref().map_or(&[][..], |block| &block.checks);
@@ -123,7 +123,7 @@ pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -
     Ok(verdicts)
 }
 
-/// What a check compares.
+/// The quantity compared by a check.
 fn title(check: &Check) -> String {
     match check {
         Check::Probe { probe, time, .. } => format!("{}, t = {time}", probe.name),
@@ -146,7 +146,7 @@ fn title(check: &Check) -> String {
     }
 }
 
-/// The values of `[expected]` against those of a summary, one verdict per component.
+/// Compares the values of `[expected]` with those of a summary, one verdict per component.
 fn of_summary(name: &str, summary: &serde_json::Value, expected: &Expected) -> Result<Vec<Verdict>, VerifyError> {
     let mut verdicts = Vec::new();
     for (path, values) in &expected.values {
@@ -183,13 +183,13 @@ fn of_summary(name: &str, summary: &serde_json::Value, expected: &Expected) -> R
     Ok(verdicts)
 }
 
-/// The studies of a case, each made once.
+/// The studies of a case; each is made once.
 struct Studies<'a> {
     source: &'a Source,
     overrides: &'a [String],
     case: &'a Case,
     done: Vec<(StudyRequest, Vec<Row>)>,
-    /// Errors with the mesh and the steps of the case.
+    /// Errors with the mesh and steps of the case.
     own: Option<Row>,
 }
 
@@ -205,7 +205,7 @@ impl Studies<'_> {
         Ok(slope(&rows.iter().map(|row| (size(row), error.of(row))).collect::<Vec<_>>()))
     }
 
-    /// An error against the exact solution with the mesh and the steps of the case.
+    /// An error against the exact solution with the mesh and steps of the case.
     fn own_error(&mut self, error: ErrorName) -> Result<f64, VerifyError> {
         if self.own.is_none() {
             self.own = Some(own_errors(&self.case.problem.name, self.case)?);
@@ -217,7 +217,7 @@ impl Studies<'_> {
 fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict {
     let difference = (computed - is.reference).abs();
     let error = if difference == 0.0 { 0.0 } else { difference / is.scale };
-    // Not `error > tolerance`: a value that is no number does not hold.
+    // Not `error > tolerance`: a NaN must not hold.
     let holds = error <= is.tolerance;
     Verdict {
         benchmark: name.to_owned(),
@@ -230,7 +230,7 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
     }
 }
 
-/// Errors against the exact solution with the mesh and the steps of the case.
+/// Errors against the exact solution with the mesh and steps of the case.
 fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
     let level = Level {
@@ -243,14 +243,14 @@ fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     table.rows.pop().ok_or_else(|| VerifyError::Check(format!("{name}: an empty study")))
 }
 
-/// Keeps what the checks of a benchmark read, step by step.
+/// Records the data for the checks of a benchmark, step by step.
 struct Recorder {
     columns: Vec<String>,
     times: Vec<f64>,
     /// One row per step.
     history: Vec<Vec<f64>>,
     set: ProbeSet,
-    /// Of each probe, by the index of its check: one value per time, t = 0 included.
+    /// Values of each probe, by the index of its check: one value per time, including t = 0.
     probes: Vec<(usize, Vec<f64>)>,
 }
 
@@ -298,7 +298,7 @@ impl Recorder {
     }
 }
 
-/// Piecewise linear in time; none outside.
+/// Linear interpolation in time; `None` outside the range.
 fn interpolate(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
     let slack = 1e-12 * times.last()?.abs();
     let after = times.iter().position(|&time| time >= t - slack)?;
@@ -307,7 +307,7 @@ fn interpolate(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
     }
     let (t0, t1) = (times[after - 1], times[after]);
     let share = ((t - t0) / (t1 - t0)).clamp(0.0, 1.0);
-    // What is not known at t = 0 does not count at the end of the first step.
+    // A value unknown at t = 0 does not count at the end of the first step.
     let part = |value: f64, share: f64| if share > 0.0 { value * share } else { 0.0 };
     Some(part(*values.get(after - 1)?, 1.0 - share) + part(*values.get(after)?, share))
 }

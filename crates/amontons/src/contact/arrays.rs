@@ -43,11 +43,11 @@ pub struct ArrayNormal {
     pub pressure: Arrays,
     /// ∫₀^r p at ṙ = 0 in J/m².
     pub potential: Arrays,
-    /// L_ν in Pa/m; none if slopes are not bounded.
+    /// L_ν in Pa/m; `None` if slopes are not bounded.
     pub lipschitz: Option<f64>,
-    /// Largest derivative in the rate, Pa s/m; none if it is not bounded.
+    /// Largest derivative in the rate, Pa s/m; `None` if it is not bounded.
     pub lipschitz_in_rate: Option<f64>,
-    /// Least slope in Pa/m; negative for a law that falls.
+    /// Least slope in Pa/m; negative if the law softens.
     pub least_slope: f64,
 }
 
@@ -84,12 +84,12 @@ impl NormalLaw for ArrayNormal {
 pub struct ArrayFriction {
     /// The bound with its slopes, the values of [`Bound`] in their order.
     pub bound: Arrays,
-    /// L_τ/L_ν, the largest slope of the bound in the pressure; none if it is not bounded, or the bound does not vanish
-    /// with the pressure.
+    /// L_τ/L_ν, the largest slope of the bound in the pressure; `None` if it is unbounded, or if the bound does not
+    /// vanish with the pressure.
     pub lipschitz: Option<f64>,
-    /// Least slope in the slip speed in Pa s/m; negative for a law that falls.
+    /// Least slope in the slip speed in Pa s/m; negative if the bound decreases with the slip speed.
     pub least_slope: f64,
-    /// Whether the bound drops when slip starts.
+    /// True if the bound drops when slip starts.
     pub drops_from_rest: bool,
 }
 
@@ -119,7 +119,7 @@ pub struct ArrayHeat {
     pub flux: Arrays,
     /// M_kc of (H7) in W/(m² K); infinite if there is none.
     pub conductance_bound: f64,
-    /// L_kc of (H7) in W/(m³ K); none if there is none.
+    /// L_kc of (H7) in W/(m³ K); `None` if there is none.
     pub conductance_lipschitz: Option<f64>,
 }
 
@@ -159,7 +159,7 @@ impl WearLaw for ArrayWear {
     }
 }
 
-/// The functions of arrays in the laws of contacts; empty if there are none.
+/// All array functions in the laws of these contacts.
 pub(crate) fn arrays(contacts: &[Contact]) -> Vec<&Arrays> {
     let mut all = Vec::new();
     for contact in contacts {

@@ -16,7 +16,7 @@ use crate::tensor::Point;
 #[cfg(test)]
 mod tests;
 
-/// Where the integrals over Γ_C are evaluated.
+/// Points at which the integrals over Γ_C are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Quadrature {
     /// At the nodes, with positive weights ω_i (∫ N_i of linear facets): each contact node obeys the laws on its own.
@@ -27,20 +27,20 @@ pub enum Quadrature {
     Gauss,
 }
 
-/// Contact of one part of the boundary with the foundation, or with a side of a deformable body: made by
-/// [`Contact::new`], its fields then set.
+/// Contact of one part of the boundary with the foundation or with a side of a deformable body. Make it by
+/// [`Contact::new`], then set its fields.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Contact {
     /// Name of the facet set that is Γ_C. Several contacts may be on one side.
     pub on: String,
-    /// Its name in results; empty for one by the name of its side, see [`super::names`].
+    /// Name of the contact in results; if empty, the name of its side is used, see [`super::names`].
     pub name: String,
-    /// The other side of a pair; none where the foundation is rigid.
+    /// The other side of a pair; `None` if the foundation is rigid.
     pub pair: Option<Pair>,
-    /// g in m; of a pair what is added to the gap of its geometry, or given instead.
+    /// g in m; for a pair, an offset added to the geometric gap, or the gap itself if it is given.
     pub gap: Field,
-    /// Where the laws are evaluated.
+    /// Points at which the laws are evaluated.
     pub quadrature: Quadrature,
     /// p_ν.
     pub normal: Arc<dyn NormalLaw>,
@@ -48,22 +48,22 @@ pub struct Contact {
     pub friction: Arc<dyn FrictionLaw>,
     /// k_c and φ_L.
     pub heat: Arc<dyn HeatLaw>,
-    /// θ_F in K; of a foundation with a heat capacity, where it starts.
+    /// θ_F in K; the initial value if the foundation has a heat capacity.
     pub foundation_temperature: Field,
-    /// The heat capacity of the foundation; none where θ_F is prescribed.
+    /// The heat capacity of the foundation; `None` if θ_F is prescribed.
     pub foundation_heat: Option<LumpedFoundation>,
-    /// The foundation as a rigid surface; none where the gap alone says where it is, along the normal of the body.
+    /// The foundation as a rigid surface; `None` if the gap alone describes it, along the normal of the body.
     pub obstacle: Option<Obstacle>,
-    /// The depth that rubs off; none without wear.
+    /// The wear law; `None` without wear.
     pub wear: Option<Arc<dyn WearLaw>>,
-    /// Fraction of the depth that comes off the side `on`; the rest comes off what it faces.
+    /// Fraction of the wear depth that comes off the side `on`; the rest comes off the opposite side.
     pub wear_fraction: f64,
-    /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it
-    /// moves by the gap. Of a pair it is a velocity of the side `with` besides that of its body.
+    /// v_F in m/s, one field per component; empty for a foundation at rest. Only its tangential part counts: motion
+    /// along ν is described by the gap. For a pair it is added to the velocity of the side `with`.
     pub foundation_velocity: Vec<Field>,
-    /// The tension to which the section of a tie is tightened; none where nothing draws its sides together.
+    /// The tension to which the section of a tie is tightened; `None` without preload.
     pub preload: Option<Preload>,
-    /// A fluid that enters where the contact is open; none where there is none.
+    /// A fluid that enters where the contact is open; `None` without a fluid.
     pub fluid: Option<Fluid>,
 }
 
@@ -92,19 +92,19 @@ impl Contact {
         }
     }
 
-    /// The same contact against a side of a deformable body.
+    /// Makes it a contact with a side of a deformable body.
     #[must_use]
     pub fn with(self, pair: Pair) -> Contact {
         Contact { pair: Some(pair), ..self }
     }
 
-    /// The side that bears the contact points: of a pair the nonmortar side.
+    /// The side with the contact points: for a pair the nonmortar side.
     #[must_use]
     pub fn bearing(&self) -> &str {
         self.pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&self.on, |pair| &pair.with)
     }
 
-    /// The side that the bearing one faces; none where the foundation is rigid.
+    /// The side opposite to the bearing one; `None` if the foundation is rigid.
     #[must_use]
     pub fn facing(&self) -> Option<&str> {
         self.pair.as_ref().map(|pair| if pair.on_is_mortar { self.on.as_str() } else { pair.with.as_str() })
@@ -115,58 +115,57 @@ impl Contact {
         std::iter::once(self.on.as_str()).chain(self.pair.as_ref().map(|pair| pair.with.as_str()))
     }
 
-    /// Whether heat passes between the side and a rigid foundation.
+    /// True if heat passes between the side and a rigid foundation.
     #[must_use]
     pub fn warms_from_foundation(&self) -> bool {
         self.pair.is_none() && self.heat.conductance_bound() > 0.0
     }
 
-    /// Whether the foundation, or the mortar side, slides where a body in `dim` dimensions does not move: out of its
-    /// plane or line, or about its axis of revolution.
+    /// True if the foundation, or the mortar side, slides in a direction in which a body in `dim` dimensions cannot
+    /// move: out of its plane or line, or about its axis of revolution.
     #[must_use]
     pub fn slides_out(&self, dim: usize) -> bool {
         self.foundation_velocity.iter().skip(dim).any(|v| !v.is_zero())
     }
 
-    /// Factor of a force on the bearing side that makes it one on the side `on`.
+    /// Factor ±1 that converts a force on the bearing side into a force on the side `on`.
     #[must_use]
     pub fn sign(&self) -> f64 {
         if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
     }
 
-    /// The fractions of the wear depth that come off the side `on` and off what it faces.
+    /// The fractions of the wear depth that come off the side `on` and off the opposite side.
     #[must_use]
     pub fn wear_fractions(&self) -> [f64; 2] {
         [self.wear_fraction, 1.0 - self.wear_fraction]
     }
 
-    /// Whether the power of friction enters the bodies whole, as at a pair: what does not enter the bearing side enters
+    /// True if all friction power enters the bodies, as at a pair: the part that does not enter the bearing side enters
     /// the other.
     #[must_use]
     pub fn rubs(&self) -> bool {
         self.pair.is_some()
     }
 
-    /// Whether the contact is a tie: two sides that neither part nor slip, and keep the distance that they have at
-    /// rest.
+    /// True if the contact is a tie: its two sides neither separate nor slip and keep their distance at rest.
     #[must_use]
     pub fn is_tie(&self) -> bool {
         self.pair.is_some() && self.normal.graph() == GraphKind::Bilateral && self.friction.never_slips()
     }
 
-    /// The same contact with this law p_τ.
+    /// Sets the friction law p_τ.
     #[must_use]
     pub fn friction(self, law: impl FrictionLaw + 'static) -> Contact {
         Contact { friction: Arc::new(law), ..self }
     }
 
-    /// The same contact with this law of heat exchange, with a foundation of the temperature θ_F in K.
+    /// Sets the law of heat exchange and the foundation temperature θ_F in K.
     #[must_use]
     pub fn heat(self, law: impl HeatLaw + 'static, foundation_temperature: impl Into<Field>) -> Contact {
         Contact { heat: Arc::new(law), foundation_temperature: foundation_temperature.into(), ..self }
     }
 
-    /// The contact with its laws at a time; none where they do not change with time.
+    /// The contact with its laws at a time; `None` if no law changes with time.
     #[must_use]
     pub fn at_time(&self, t: f64) -> Option<Contact> {
         let wear = self.wear.as_ref().and_then(|law| law.at_time(t));
@@ -184,7 +183,7 @@ impl Contact {
         })
     }
 
-    /// The gap in m at points of the body at rest: the datum, and the distance to the obstacle.
+    /// The gap in m at points of the body at rest: the given gap plus the distance to the obstacle.
     #[must_use]
     pub fn gaps(&self, points: &[Point], t: f64) -> Vec<f64> {
         let mut gaps = self.gap.values(points, t);
@@ -194,7 +193,7 @@ impl Contact {
         gaps
     }
 
-    /// Whether the gap of the body at rest may change.
+    /// True if the gap of the body at rest may change with time.
     #[must_use]
     pub fn gap_depends_on_time(&self) -> bool {
         let moves = self.obstacle.as_ref().is_some_and(Obstacle::depends_on_time);
@@ -211,32 +210,32 @@ pub struct PointOnBoundary {
     pub normal: Point,
     /// Weight ω in m^(d−1).
     pub weight: f64,
-    /// Which of the contacts of the problem this is a point of.
+    /// Number of the contact of the problem to which the point belongs.
     pub contact: usize,
-    /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here; of a pair
-    /// those of the other side as well, with the opposite sign, so that their sum is the jump.
+    /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here; for a pair
+    /// also the nodes of the other side, with the opposite sign, so that the sum is the jump.
     pub nodes: Vec<(usize, f64)>,
-    /// How many of these are on the side of the point; they come first.
+    /// Number of these entries on the side of the point; they come first.
     pub own: usize,
-    /// Entries of `nodes`, by their numbers, whose nodes are in another sector: vectors there are turned into that of
-    /// the point. None but at the cut of a sector.
+    /// Numbers of the entries of `nodes` whose nodes are in another sector: vectors there are turned into the sector of
+    /// the point. Empty except at the cut of a sector.
     pub turned: Vec<(usize, Image)>,
-    /// The gap of the geometry of a pair in m; zero at a foundation.
+    /// The geometric gap of a pair in m; zero at a foundation.
     pub gap: f64,
-    /// What was added to −ν·(B X) to bring the gap into the range of the distances about the point, m.
+    /// Amount added to −ν·(B X) to bring the gap into the range of the distances about the point, m.
     pub clamped: f64,
-    /// What was added to the gap to close an overlap of the bodies at rest, m.
+    /// Amount added to the gap to close an overlap of the bodies at rest, m.
     pub closed: f64,
-    /// Of a pair how what happens at the point is shared out among the nodes of its own and of the other side; empty at
-    /// a foundation.
+    /// For a pair, shares by which quantities at the point are distributed to the nodes of its own and of the other
+    /// side; empty at a foundation.
     pub shares: [Vec<Share>; 2],
-    /// Directions along the side in which friction has no component, filled up with zeros: those in which both sides of
-    /// a pair are held alike.
+    /// Directions along the side in which friction has no component because both sides of a pair are held alike in
+    /// them; filled up with zeros.
     pub held: [Point; 3],
 }
 
 impl PointOnBoundary {
-    /// The entries of the jump: contact node, value, and the sector that the node is in where it is another one.
+    /// The entries of the jump: contact node, value, and the sector of the node if it differs from that of the point.
     pub fn entries(&self) -> impl Iterator<Item = (usize, f64, Option<&Image>)> {
         let mut turned = self.turned.iter().peekable();
         self.nodes.iter().enumerate().map(move |(entry, &(node, value))| {
@@ -249,7 +248,7 @@ impl PointOnBoundary {
 pub enum Side<'a> {
     /// A side that faces a rigid foundation, and nodes that follow others.
     Foundation(&'a FacetSet, Quadrature, &'a [Link]),
-    /// A pair of sides, and nodes that are contact nodes besides those of its rows.
+    /// A pair of sides, and additional contact nodes besides those of its rows.
     Pair(Mortar, Vec<u32>),
 }
 
@@ -269,15 +268,14 @@ impl ContactBoundary {
         ContactBoundary::on(mesh, &[(set, quadrature)])
     }
 
-    /// Places the contact points on several facet sets, those of one after those of the other. A node of two sets has a
-    /// point on each.
+    /// Places the contact points on several facet sets, set after set. A node of two sets has a point on each.
     #[must_use]
     pub fn on(mesh: &Mesh, sides: &[(&FacetSet, Quadrature)]) -> ContactBoundary {
         let sides: Vec<Side> = sides.iter().map(|&(set, quadrature)| Side::Foundation(set, quadrature, &[])).collect();
         ContactBoundary::of(mesh, &sides)
     }
 
-    /// The same for sides that face foundations or each other.
+    /// Places the contact points on sides that face foundations or each other.
     #[must_use]
     pub fn of(mesh: &Mesh, sides: &[Side]) -> ContactBoundary {
         let of_side = |side: &Side| match side {
@@ -306,7 +304,7 @@ impl ContactBoundary {
         ContactBoundary { nodes, points }
     }
 
-    /// The same contact nodes with the points of some pairs, by their contacts, made anew: as many as there were.
+    /// Replaces the points of some pairs, given by contact number; nodes and number of points do not change.
     #[must_use]
     pub fn with(&self, mesh: &Mesh, pairs: &[(usize, Mortar)]) -> ContactBoundary {
         let local = |node: u32| self.nodes.binary_search(&node).unwrap_or_else(|slot| slot);
@@ -320,7 +318,7 @@ impl ContactBoundary {
         ContactBoundary { nodes: self.nodes.clone(), points }
     }
 
-    /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
+    /// The values at the contact nodes of a field with `components` components per node, both node-major.
     #[must_use]
     pub fn restricted(&self, components: usize, values: &[f64]) -> Vec<f64> {
         let mut restricted = Vec::with_capacity(self.nodes.len() * components);
@@ -343,8 +341,8 @@ impl ContactBoundary {
         v
     }
 
-    /// The values of a scalar field over all nodes at the contact points, on the side `on` of each contact, whichever
-    /// side of a pair bears the points; zero where a point of the other side faces nothing.
+    /// The values of a scalar field over all nodes at the contact points, on the side `on` of each contact, regardless
+    /// of which side of a pair bears the points; zero where a point of the other side faces nothing.
     #[must_use]
     pub fn scalars_on(&self, contacts: &[Contact], values: &[f64]) -> Vec<f64> {
         let at = |point: &PointOnBoundary| {
@@ -358,8 +356,8 @@ impl ContactBoundary {
         self.points.iter().map(at).collect()
     }
 
-    /// Adds Σ ω Nᵀ f of scalars at the contact points that leave one side, the first of each pair, and enter the other,
-    /// the second.
+    /// Adds Σ ω Nᵀ f for scalars at the contact points: the first of each two values leaves one side, the second enters
+    /// the other.
     pub fn scatter_heat(&self, fluxes: impl Iterator<Item = [f64; 2]>, sum: &mut [f64]) {
         for (point, [out, into]) in self.points.iter().zip(fluxes) {
             for (i, &(node, value)) in point.nodes.iter().enumerate() {
@@ -369,8 +367,8 @@ impl ContactBoundary {
         }
     }
 
-    /// Adds Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, to a field with so many
-    /// components at all nodes.
+    /// Adds Σ ω Nᵀ f of vectors at the contact points (or of scalars, in their first component) to a field with
+    /// `components` components at all nodes.
     pub fn scatter(&self, components: usize, vectors: impl Iterator<Item = Point>, sum: &mut [f64]) {
         for (point, vector) in self.points.iter().zip(vectors) {
             for (node, value, turn) in point.entries() {
@@ -383,7 +381,7 @@ impl ContactBoundary {
     }
 }
 
-/// The point of a pair.
+/// The contact point of a mortar row.
 fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> PointOnBoundary {
     let own = row.own.iter().map(|&(node, share)| (local(node), share));
     let other = row.other.iter().map(|&(node, share)| (local(node), -share));
@@ -403,8 +401,8 @@ fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> Poi
     }
 }
 
-/// One point per node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in
-/// the weight. The facets at a node are those at a node that follows it as well, turned.
+/// One point per node: weight ω_i = ∫ φ_i, and the mean of the facet normals there, weighted by their shares in ω_i.
+/// The facets at a node include, turned, those at a node that follows it.
 fn nodal_points(mesh: &Mesh, set: &FacetSet, links: &[Link], local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let nodes = set.node_list();
     let on_set = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
@@ -427,8 +425,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, links: &[Link], local: impl Fn(u32)
         .collect();
     for block in &set.blocks {
         let lumping = Lumping::new(mesh, block.element);
-        // The normal at the node: a mean over the facet would be off by the order of its size where the facet is
-        // curved.
+        // The normal at the node: on a curved facet a mean over the facet would be wrong by the order of its size.
         let at_nodes = ShapeTable::at(block.element, block.element.nodes);
         let (mut map, mut node_map, n) =
             (FacetMap::new(mesh, &lumping.table), FacetMap::new(mesh, &at_nodes), block.element.nodes.len());
@@ -457,16 +454,16 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, links: &[Link], local: impl Fn(u32)
     points
 }
 
-/// Functions φ_i that share a facet out among its nodes: the weights ω_i = ∫ φ_i are those of the shape functions on a
-/// flat facet, so that a uniform pressure at the contact points is the load of a uniform pressure, and nodal quadrature
-/// passes the patch test.
+/// Functions φ_i that distribute a facet to its nodes: the weights ω_i = ∫ φ_i are those of the shape functions on a
+/// flat facet, so that a uniform pressure at the contact points is the consistent load, and nodal quadrature passes the
+/// patch test.
 ///
-/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for two
+/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, except on two
 /// facets where ∫ N_i is zero at some nodes: the quadratic triangle (its vertices) and the quadratic segment swept
 /// around an axis (an end on the axis). There the facet is integrated by the rule whose points are its nodes, so that
 /// curvature makes no weight negative; nodes without a weight are no contact points. Weights from a split into linear
-/// parts would be positive at every node, but not those of the shape functions: pressures at vertices and middle nodes
-/// would oscillate.
+/// parts would be positive at every node but differ from those of the shape functions: pressures at vertices and middle
+/// nodes would oscillate.
 pub(super) struct Lumping {
     pub table: ShapeTable,
     /// φ at the points of the table, one per node.
@@ -491,7 +488,7 @@ impl Lumping {
         }
         let weight = |i: usize| {
             let sum: f64 = (0..table.len()).map(|q| table.weights[q] * table.values(q)[i]).sum();
-            // The integral of a vertex function over the triangle is zero but for round-off.
+            // The integral of a vertex function over the triangle is zero up to round-off.
             if sum.abs() < 1e-12 * element.shape.measure() { 0.0 } else { sum }
         };
         let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };

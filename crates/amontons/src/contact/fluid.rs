@@ -6,17 +6,16 @@ use super::{Contact, ContactBoundary, PointOnBoundary};
 use crate::field::Field;
 use crate::mesh::{FacetSet, Mesh};
 
-/// A fluid beside a contact.
+/// A fluid that can enter a contact.
 ///
-/// It wets the contact points that it reaches from a place through points that are open, and presses both sides apart
-/// there:
+/// It wets the contact points that it reaches from `from` through open points, and pushes both sides apart there:
 ///
 /// ```text
 ///     σν = −(p + p_f) ν + …  where it is wet,      σν = −p ν + …  elsewhere
 /// ```
 ///
-/// p is the pressure of the bodies on each other, which the laws of contact see. A point is open where its sides are
-/// apart, or press by no more than a limit: that of faces that are rough.
+/// p is the contact pressure, which the contact laws see. A point is open if its sides are apart, or if p does not
+/// exceed the limit `sealed_above`, as on rough faces.
 ///
 /// Source: pressure penetration of finite element programs; B. N. J. Persson, C. Yang, J. Phys.: Condens. Matter 20
 /// (2008) 315011, for the limit.
@@ -24,17 +23,17 @@ use crate::mesh::{FacetSet, Mesh};
 pub struct Fluid {
     /// p_f in Pa, at a place and time.
     pub pressure: Field,
-    /// Name of the side, edge or points at which it stands before the contact.
+    /// Name of the side, edge or points at which the fluid stands before the contact.
     pub from: String,
     /// Name of the side, edge or points that it should not reach; empty for none.
     pub to: String,
-    /// Pressure p in Pa above which a point keeps it out; with 0 every point that is pressed does.
+    /// Contact pressure p in Pa above which a point keeps the fluid out; with 0 every point under pressure does.
     pub sealed_above: f64,
 }
 
 impl Fluid {
-    /// Whether it passes a point in this state: one that faces nothing, or is not pressed enough. Sides that hold
-    /// together are closed.
+    /// True if the fluid passes a point in this state: the point faces nothing, or its pressure is too low. Sides that
+    /// adhere are closed.
     #[must_use]
     pub fn passes(&self, point: &PointOnBoundary, penetration: f64, pressure: f64) -> bool {
         if point.weight == 0.0 {
@@ -47,39 +46,38 @@ impl Fluid {
     }
 }
 
-/// What is wet, and where the fluid has got through.
+/// The wet contact points, and the places where the fluid has passed through.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Wet {
-    /// Whether the fluid is at each contact point; empty without a fluid.
+    /// True for each contact point that the fluid has reached; empty without a fluid.
     pub points: Vec<bool>,
-    /// The first passage through each contact, as far as there was one; empty without a fluid.
+    /// The first passage through each contact, if any; empty without a fluid.
     pub leaks: Vec<Option<Leak>>,
 }
 
 /// A passage of fluid through a contact.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Leak {
-    /// When it was there first, the end of a step, s.
+    /// Time at which the passage was first found, the end of a step, s.
     pub t: f64,
-    /// Its narrowest point, the number of a contact point, and the gap there, m; negative where it is pressed
-    /// together.
+    /// Number of the contact point with the narrowest gap along the passage.
     pub narrowest: usize,
-    /// That gap.
+    /// The gap there, m; negative where the sides are pressed together.
     pub gap: f64,
 }
 
-/// The ways of fluids along contact points.
+/// The possible paths of fluids along contact points.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
-    /// The points next to each point of a contact with a fluid.
+    /// The neighbours of each contact point of a contact with a fluid.
     next: Vec<Vec<usize>>,
-    /// Points at which a fluid stands, and those that it should not reach.
+    /// Points at which a fluid stands, and points that it should not reach.
     from: Vec<usize>,
     to: BTreeSet<usize>,
 }
 
 impl Ways {
-    /// Along the facets of the sides that bear contact points.
+    /// The paths along the facets of the sides that bear contact points.
     #[must_use]
     pub fn new(mesh: &Mesh, contacts: &[Contact], boundary: &ContactBoundary) -> Ways {
         let mut ways = Ways::default();
@@ -99,7 +97,7 @@ impl Ways {
         ways
     }
 
-    /// Whether there is no fluid.
+    /// True if there is no fluid.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.next.is_empty()
@@ -120,8 +118,8 @@ impl Ways {
         }
     }
 
-    /// The points that fluids reach through open ones, each with the one that it was reached from, itself where the
-    /// fluid stands before the contact; none where it does not come.
+    /// The points that fluids reach through open ones, each with its predecessor on the path (itself where the fluid
+    /// stands before the contact); `None` if the fluid does not reach the point.
     #[must_use]
     pub fn reached(&self, is_open: impl Fn(usize) -> bool) -> Vec<Option<usize>> {
         let mut reached = vec![None; self.next.len()];
@@ -141,7 +139,7 @@ impl Ways {
         reached
     }
 
-    /// The first ways that fluids have found to points that they should not reach, each from its end on.
+    /// The paths by which fluids first reached points that they should not reach, each from its end backwards.
     pub fn through<'a>(&'a self, reached: &'a [Option<usize>]) -> impl Iterator<Item = Vec<usize>> + 'a {
         let ends = self.to.iter().filter(|i| reached.get(**i).is_some_and(Option::is_some));
         ends.map(|&end| {
@@ -157,7 +155,7 @@ impl Ways {
     }
 }
 
-/// The points of a contact by the nodes of their own side that they stand for.
+/// The points of a contact by the node of their own side that they represent.
 fn own_points(boundary: &ContactBoundary, contact: usize) -> BTreeMap<u32, Vec<usize>> {
     let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == contact) {
@@ -168,15 +166,15 @@ fn own_points(boundary: &ContactBoundary, contact: usize) -> BTreeMap<u32, Vec<u
     of_node
 }
 
-/// The contact node of its own side that a point stands for; at a point of a quadrature within a facet all of them.
+/// The contact nodes of its own side that a point represents; for a quadrature point within a facet, all of them.
 fn own_nodes(point: &PointOnBoundary) -> Vec<usize> {
     let own = point.nodes.get(..point.own).unwrap_or(&point.nodes);
     let most = own.iter().fold(0.0, |most: f64, (_, value)| most.max(*value));
     own.iter().filter(|(_, value)| *value > 0.9 * most).map(|(node, _)| *node).collect()
 }
 
-/// The points of a contact at the nodes of a side, an edge or points: of the side that bears them, else those nearest
-/// to nodes of the other one.
+/// The points of a contact at the nodes of a side, an edge or points: those on the bearing side, or else those nearest
+/// to nodes of the other side.
 fn beside(
     mesh: &Mesh,
     contact: &Contact,

@@ -1,4 +1,4 @@
-//! Laws of contact whose coefficients vary over the side and in time.
+//! Contact laws whose coefficients vary over the side and in time.
 
 use std::sync::Arc;
 
@@ -6,11 +6,11 @@ use super::{Bound, Cone, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, No
 use crate::field::Graded;
 use crate::tensor::Point;
 
-/// What stands for a constant that a law lacks.
+/// Replaces a constant that a law does not have.
 const NONE: f64 = f64::INFINITY;
 
 impl Graded<dyn NormalLaw> {
-    /// A pressure by the law that `at` gives at each point of a side; L_ν is the largest of those at the points.
+    /// A pressure by the law `at` per point of a side; L_ν is the largest over the points.
     #[must_use]
     pub fn normal(
         points: &[Point],
@@ -19,8 +19,8 @@ impl Graded<dyn NormalLaw> {
         Graded::normal_in_time(points, &[0.0], move |x, _| at(x))
     }
 
-    /// The same of a law that changes with time, with L_ν the largest of the points and times. With less than two times
-    /// the law does not change.
+    /// A pressure by the law `at` per point and time, with L_ν the largest over points and times. With fewer than two
+    /// times the law does not change.
     #[must_use]
     pub fn normal_in_time(
         points: &[Point],
@@ -56,8 +56,8 @@ impl NormalLaw for Graded<dyn NormalLaw> {
 }
 
 impl Graded<dyn FrictionLaw> {
-    /// A friction bound by the law that `at` gives at each point of a side and each time; L_τ is the largest of those
-    /// at the points and times. With less than two times the law does not change.
+    /// A friction bound by the law `at` per point of a side and time; L_τ is the largest over points and times. With
+    /// fewer than two times the law does not change.
     #[must_use]
     pub fn friction(
         points: &[Point],
@@ -66,7 +66,7 @@ impl Graded<dyn FrictionLaw> {
     ) -> Graded<dyn FrictionLaw> {
         Graded::over(points, times, at, |law| {
             let tau = law.lipschitz(Some(1.0)).unwrap_or(NONE);
-            // A law that rubs counts before one that does not, whatever its constant.
+            // A law with friction ranks before a frictionless one, whatever its constant.
             ([tau, if law.is_frictionless() { -1.0 } else { tau }], law.drops_from_rest())
         })
     }
@@ -100,8 +100,8 @@ impl FrictionLaw for Graded<dyn FrictionLaw> {
 }
 
 impl Graded<dyn HeatLaw> {
-    /// A heat flux by the law that `at` gives at each point of a side and each time; M_kc is the largest of those at
-    /// the points and times. With less than two times the law does not change.
+    /// A heat flux by the law `at` per point of a side and time; M_kc is the largest over points and times. With fewer
+    /// than two times the law does not change.
     #[must_use]
     pub fn heat(
         points: &[Point],
@@ -109,7 +109,7 @@ impl Graded<dyn HeatLaw> {
         at: impl Fn(&Point, f64) -> Arc<dyn HeatLaw> + Send + Sync + 'static,
     ) -> Graded<dyn HeatLaw> {
         Graded::over(points, times, at, |law| {
-            // The first is the law with the largest L_kc, the second that with the largest M_kc.
+            // The first key selects the law with the largest L_kc, the second that with the largest M_kc.
             ([-law.conductance_lipschitz().unwrap_or(NONE), law.conductance_bound()], false)
         })
     }
@@ -144,8 +144,7 @@ impl HeatLaw for Graded<dyn HeatLaw> {
 }
 
 impl Graded<dyn WearLaw> {
-    /// A wear by the law that `at` gives at each point of a side and each time. With less than two times the law does
-    /// not change.
+    /// A wear law `at` per point of a side and time. With fewer than two times the law does not change.
     #[must_use]
     pub fn wear(
         points: &[Point],

@@ -1,16 +1,16 @@
-//! Values on Γ_C that can be read point by point: means about the vertices of quadratic facets.
+//! Readable values on Γ_C: means about the vertices of quadratic facets.
 //!
 //! A node of a stuck contact keeps the traction that it had when the edge of contact passed it, and quadratic facets
-//! resolve that edge in one way at their vertices and in another at their middle nodes. Tractions there alternate from
-//! node to node, while their resultants are right. What can be read is the mean about each vertex,
+//! resolve that edge differently at vertices and at middle nodes. Tractions there alternate from node to node, while
+//! their resultants are right. The readable value is the mean about each vertex,
 //!
 //! ```text
 //!     v̄ = Σ ω_i φ(x_i) v_i / Σ ω_i φ(x_i),
 //! ```
 //!
 //! with φ the linear function of the vertex. Inside a side it is the value at the vertex, up to second order. At the
-//! end of a side all points lie to one side of the vertex; there it is the value of the linear function that is nearest
-//! to the v_i of the facet in the mean square.
+//! end of a side all points lie to one side of the vertex; there it is the value of the linear function closest to the
+//! v_i of the facet in the mean square.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,11 +22,11 @@ use crate::element::Element;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::tensor::{Point, length};
 
-/// Contact points with their shares in a value.
+/// Contact points with their weights in a value.
 pub type Shares = Vec<(usize, f64)>;
 
-/// A number at contact points, read with shares: within the range of the values that it is made of, which the linear
-/// function at the end of a side may leave where the contact ends in the facet.
+/// The weighted sum of a number at contact points, limited to the range of these values, which the linear function at
+/// the end of a side may leave if the contact ends in the facet.
 #[must_use]
 pub fn read(shares: &[(usize, f64)], value: impl Fn(usize) -> f64) -> f64 {
     let values = || shares.iter().map(|&(i, _)| value(i));
@@ -35,7 +35,7 @@ pub fn read(shares: &[(usize, f64)], value: impl Fn(usize) -> f64) -> f64 {
     if low <= high { sum.clamp(low, high) } else { sum }
 }
 
-/// A vector likewise: no longer than the longest that it is made of.
+/// The weighted sum of a vector, limited to the length of the longest one.
 #[must_use]
 pub fn read_vector(shares: &[(usize, f64)], value: impl Fn(usize) -> Point) -> Point {
     let longest = shares.iter().map(|&(i, _)| length(&value(i))).fold(0.0, f64::max);
@@ -47,7 +47,7 @@ pub fn read_vector(shares: &[(usize, f64)], value: impl Fn(usize) -> Point) -> P
     if found > longest { sum.map(|c| c * (longest / found)) } else { sum }
 }
 
-/// Sums of shares by contact point, and of what they were weighed with.
+/// Weighted sums of shares by contact point, and the sum of the weights.
 #[derive(Default)]
 struct Sum {
     shares: BTreeMap<usize, f64>,
@@ -72,8 +72,8 @@ impl Sum {
 }
 
 impl ContactBoundary {
-    /// Contact points of a side with their shares in the value at each of its vertices, as the head of this file says.
-    /// At linear facets these are the values at the nodes; with Gauss points each point stands alone.
+    /// Contact points of a side with their shares in the value at each of its vertices, as described at the top of this
+    /// file. For linear facets these are the nodal values; with Gauss points each point stands alone.
     #[must_use]
     pub fn vertex_means(&self, mesh: &Mesh, side: usize, set: &FacetSet) -> Vec<Shares> {
         match self.points_of_nodes(side) {
@@ -88,8 +88,8 @@ impl ContactBoundary {
         }
     }
 
-    /// What can be read at each contact point of a side: the mean about the vertex that it is, or between such means at
-    /// a middle node. Where vertices bear no contact points (triangles of six nodes), with linear facets and with Gauss
+    /// The readable value at each contact point of a side: the mean about the vertex, or the interpolated means at a
+    /// middle node. If vertices bear no contact points (triangles of six nodes), with linear facets and with Gauss
     /// points it is the value itself.
     #[must_use]
     pub fn readable(&self, mesh: &Mesh, side: usize, set: &FacetSet) -> Vec<(usize, Shares)> {
@@ -121,7 +121,7 @@ impl ContactBoundary {
         readable.into_iter().collect()
     }
 
-    /// The contact point of each node of a side; none with Gauss points, which see several nodes.
+    /// The contact point of each node of a side; `None` with Gauss points, which depend on several nodes.
     fn points_of_nodes(&self, side: usize) -> Option<BTreeMap<u32, usize>> {
         let on_side = self.points.iter().enumerate().filter(|(_, point)| point.contact == side);
         on_side
@@ -133,7 +133,7 @@ impl ContactBoundary {
     }
 }
 
-/// The shares in the value at each vertex of a side.
+/// The shares of contact points in the value at each vertex of a side.
 fn means(mesh: &Mesh, set: &FacetSet, own: &BTreeMap<u32, usize>) -> BTreeMap<u32, Shares> {
     let ends = ends(set);
     let mut sums: BTreeMap<u32, Sum> = BTreeMap::new();
@@ -161,7 +161,7 @@ fn means(mesh: &Mesh, set: &FacetSet, own: &BTreeMap<u32, usize>) -> BTreeMap<u3
     sums.into_iter().map(|(vertex, sum)| (vertex, sum.mean())).collect()
 }
 
-/// The linear element of the shape of another.
+/// The linear element of the same shape.
 fn linear(element: &'static Element) -> &'static Element {
     Element::find(element.shape, 1).unwrap_or(element)
 }
@@ -177,8 +177,8 @@ fn at_nodes(element: &'static Element) -> Vec<Vec<f64>> {
     element.nodes.iter().map(of).collect()
 }
 
-/// Vertices at the ends of a side: of a curve those of one facet alone, of a surface those of edges that one facet
-/// alone has.
+/// Vertices at the ends of a side: of a curve the vertices of a single facet, of a surface those of edges with a single
+/// facet.
 fn ends(set: &FacetSet) -> BTreeSet<u32> {
     let mut seen: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     for block in &set.blocks {
@@ -200,9 +200,9 @@ mod tests {
     use crate::contact::Quadrature;
     use crate::mesh::{Diagonal, Elements, MeshError};
 
-    /// A linear function is read as it is at every vertex and, with the vertices, at every point, on uneven curved-free
-    /// meshes of every cell; what alternates between vertices and middle nodes with no resultant on any facet is read
-    /// as nothing.
+    /// A linear function is reproduced at every vertex and, by the vertices, at every point, on uneven meshes of every
+    /// flat cell; values that alternate between vertices and middle nodes with zero resultant on each facet average to
+    /// zero.
     #[test]
     fn linear_functions_are_read_exactly_at_the_ends_and_alternations_vanish() -> Result<(), MeshError> {
         for elements in [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2] {
@@ -243,8 +243,8 @@ mod tests {
     }
 
     /// A contact that ends within the last facet of a side: the linear function nearest to 0, 0, 3 at its nodes is
-    /// negative at the open end, which is read as 0, and so is the other end within the range. A traction is no longer
-    /// than those that it is made of, whatever its direction.
+    /// negative at the open end, where 0 is read; the other end stays within the range, too. A traction is no longer
+    /// than the longest one it is made of, whatever its direction.
     #[test]
     fn what_is_read_stays_within_the_range_of_the_values() -> Result<(), MeshError> {
         let mesh = Mesh::rectangle_of(Elements::Q2, [1.0, 1.0], [1, 1], Diagonal::Left)?;

@@ -1,8 +1,8 @@
-//! Contact on Γ_C: laws at a point, and their place on the boundary of a mesh.
+//! Contact on Γ_C: laws at a point, and the contact points on the boundary of a mesh.
 //!
-//! A law is a pure function: it sees the state of one point of Γ_C and returns a pressure, a
-//! friction bound or a heat flux with slopes. The projection onto the friction cone, the
-//! elimination of the multipliers and all that couples points belongs to [`crate::inclusion`].
+//! A law is a pure function: it sees the state of one point of Γ_C and returns a pressure, a friction bound or a heat
+//! flux with slopes. The projection onto the friction cone, the elimination of the multipliers and all coupling between
+//! points belong to [`crate::inclusion`].
 
 mod arrays;
 mod boundary;
@@ -55,33 +55,33 @@ pub(crate) use {
     wear::samples as wear_samples,
 };
 
-/// What a law may look at: the state of one point of Γ_C.
+/// State of one point of Γ_C, the argument of contact laws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactPoint {
     /// Position in m.
     pub x: crate::tensor::Point,
-    /// Penetration r = u_ν − g in m; negative where the gap is open.
+    /// Penetration r = u_ν − g in m; negative if the gap is open.
     pub penetration: f64,
-    /// Pressure p = −σ_ν in Pa; friction sees its part that presses, or |p| where contact is bilateral.
+    /// Pressure p = −σ_ν in Pa; friction laws see p₊, or |p| if contact is bilateral.
     pub pressure: f64,
-    /// Slip speed ‖w_τ‖ against the foundation in m/s; friction sees zero where the point sticks.
+    /// Slip speed ‖w_τ‖ against the foundation in m/s; friction laws see zero while the point sticks.
     pub slip_speed: f64,
-    /// Power of friction q·w_τ in W/m²; heat laws see it.
+    /// Power of friction q·w_τ in W/m², used by heat laws.
     pub friction_power: f64,
-    /// Temperature θ of the body in K; of a pair that of the side `on`.
+    /// Temperature θ of the body in K; for a pair that of the side `on`.
     pub temperature: f64,
-    /// Temperature θ_F of the foundation in K; of a pair that of the side `with`. Heat laws see it.
+    /// Temperature θ_F of the foundation in K, used by heat laws; for a pair that of the side `with`.
     pub foundation_temperature: f64,
 }
 
-/// State of a point of Γ_C.
+/// Contact state of a point of Γ_C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// No pressure and no friction bound.
     Open,
-    /// A friction traction inside the cone: no slip.
+    /// Friction traction inside the cone, no slip.
     Stick,
-    /// Pressure, and a friction traction at its bound.
+    /// Pressure, and friction traction at its bound.
     Slip,
 }
 

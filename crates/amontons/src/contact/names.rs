@@ -1,11 +1,10 @@
-//! The names of contacts in results: a side may bear several.
+//! Names of contacts in results; a side may bear several contacts.
 
 use std::collections::BTreeSet;
 
 use super::Contact;
 
-/// A name for each contact, none of them twice: the one that it is given, else its side `on`, with a number from the
-/// second contact of that name on.
+/// A unique name for each contact: the given one, else its side `on`, numbered from the second contact of that name on.
 #[must_use]
 pub fn names(contacts: &[Contact]) -> Vec<String> {
     let mut taken: BTreeSet<String> = contacts.iter().map(|contact| contact.name.clone()).collect();
@@ -24,8 +23,8 @@ pub fn names(contacts: &[Contact]) -> Vec<String> {
     all
 }
 
-/// What the points of each contact are called: by the side that bears them, or, where a side bears those of several
-/// contacts, by the names of the contacts.
+/// Names for the points of each contact: the bearing side, or the names of the contacts if a side bears points of
+/// several.
 #[must_use]
 pub fn names_of_points(contacts: &[Contact]) -> Vec<String> {
     let sides: Vec<String> = contacts.iter().map(|contact| contact.bearing().to_owned()).collect();
@@ -50,7 +49,7 @@ mod tests {
         assert!(names(&[]).is_empty());
     }
 
-    /// Where every side bears one contact, its points are called by it, also those of a pair that `with` bears.
+    /// If every side bears one contact, its points are named by it, also for a pair whose points are on `with`.
     #[test]
     fn points_are_named_by_their_side() {
         let pair = Contact::new("a", Signorini).with(Pair { on_is_mortar: true, ..Pair::new("b") });

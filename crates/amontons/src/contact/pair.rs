@@ -9,7 +9,7 @@ use super::{Contact, ContactBoundary, PointOnBoundary, Side};
 use crate::mesh::{FacetSet, Link, Mesh, cross};
 use crate::tensor::Point;
 
-/// When the points of a pair that face each other are found.
+/// Configuration in which the facing points of a pair are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Geometry {
     /// From the bodies at rest, once.
@@ -19,24 +19,23 @@ pub enum Geometry {
     Updated,
 }
 
-/// The other side of a pair, on a deformable body.
+/// The opposite side of a pair, on a deformable body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
     /// Name of the facet set that the side `on` faces.
     pub with: String,
-    /// Whether `on` is the mortar side: the points are then on `with`.
+    /// True if `on` is the mortar side: the points are then on `with`.
     pub on_is_mortar: bool,
-    /// When the pairing is made.
+    /// Configuration in which the pairing is made.
     pub geometry: Geometry,
-    /// Whether the gap is the datum alone, and not that of the geometry.
+    /// True if the gap is the given one alone, without the geometric gap.
     pub gap_is_given: bool,
-    /// Whether bodies that overlap at rest are taken to touch there. The sides of a tie always are.
+    /// True if bodies that overlap at rest are treated as just touching there. The sides of a tie always are.
     pub closes: bool,
 }
 
 impl Pair {
-    /// The side `with` as mortar side of a pair that keeps the pairing of the bodies at rest, with the gap of the
-    /// geometry.
+    /// The side `with` as mortar side of a pair that keeps the pairing of the bodies at rest and the geometric gap.
     #[must_use]
     pub fn new(with: impl Into<String>) -> Pair {
         Pair {
@@ -48,34 +47,34 @@ impl Pair {
         }
     }
 
-    /// Whether the pairing is made anew in each step.
+    /// True if the pairing is recomputed in each step.
     #[must_use]
     pub fn is_updated(&self) -> bool {
         self.geometry == Geometry::Updated
     }
 }
 
-/// What is known of the motion of the nodes of a body.
+/// Known motion of the nodes of a body.
 #[derive(Clone, Copy)]
 pub struct Supports<'a> {
     /// The directions in which the displacement of a node is prescribed, filled up with zeros.
     pub held: &'a (dyn Fn(u32) -> [Point; 3] + Sync),
-    /// Whether the displacement of two nodes is prescribed alike in a direction.
+    /// True if the displacement of two nodes is prescribed alike in a direction.
     pub alike: &'a (dyn Fn(u32, u32, &Point) -> bool + Sync),
     /// Nodes that follow others.
     pub links: &'a [Link],
-    /// The facets that bound the bodies, kept from one pairing to the next; they are found where none are given.
+    /// The facets that bound the bodies, reused by later pairings; computed if `None`.
     pub boundary: Option<&'a OnceLock<FacetSet>>,
 }
 
 impl Supports<'_> {
-    /// Nothing holds a node, and none follows another one.
+    /// No node is held, and none follows another.
     pub const NONE: Supports<'static> =
         Supports { held: &|_| [[0.0; 3]; 3], alike: &|_, _, _| false, links: &[], boundary: None };
 }
 
 impl Contact {
-    /// The sides of a pair on a mesh with the nodes at `x`; none where the foundation is rigid.
+    /// The sides of a pair on a mesh with the nodes at `x`; `None` if the foundation is rigid.
     #[must_use]
     pub fn pairing<'a>(&self, mesh: &'a Mesh, x: &'a [Point], supports: Supports<'a>) -> Option<Sides<'a>> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
@@ -85,8 +84,8 @@ impl Contact {
     }
 }
 
-/// The rows of the pairs among some contacts, by the number of the contact; `place` says where the nodes are for each,
-/// none for a pair that is left out. Of a pairing that is updated all nodes have a row.
+/// Mortar rows of the pairs among some contacts, by the number of the contact; `place` gives the nodal positions per
+/// contact, `None` to leave the pair out. In an updated pairing all nodes have a row.
 fn mortars<'a>(
     contacts: &[Contact],
     mesh: &'a Mesh,
@@ -100,7 +99,7 @@ fn mortars<'a>(
 }
 
 impl ContactBoundary {
-    /// Γ_C of contacts on the bodies at rest; sides that the mesh does not have are left out.
+    /// Γ_C of contacts on the bodies at rest; sides missing in the mesh are left out.
     #[must_use]
     pub fn of_contacts(contacts: &[Contact], mesh: &Mesh, supports: Supports) -> ContactBoundary {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
@@ -126,8 +125,7 @@ impl ContactBoundary {
         boundary
     }
 
-    /// The boundary with the pairs that are updated made anew on bodies with the displacement `u`; none without such a
-    /// pair.
+    /// The boundary with updated pairs recomputed on bodies with the displacement `u`; `None` if no pair is updated.
     #[must_use]
     pub fn updated(
         &self,
@@ -146,7 +144,7 @@ impl ContactBoundary {
         }
         let bearing = |contact: &Contact| mesh.facets.get(contact.bearing()).map_or_else(Vec::new, FacetSet::node_list);
         let moving: BTreeSet<u32> = contacts.iter().filter(|contact| is_updated(contact)).flat_map(&bearing).collect();
-        // The laws of a pair that stays as it is may meet those of the others at a node.
+        // The laws of a pair that is not updated may meet those of the others at a node.
         let meets = |contact: &Contact| bearing(contact).iter().any(|node| moving.contains(node));
         let place = |contact: &Contact| {
             let at_rest = || meets(contact).then_some(mesh.points.as_slice());
@@ -155,8 +153,8 @@ impl ContactBoundary {
         let mut made = mortars(contacts, mesh, supports, place);
         made.retain(|(i, _)| is_updated(&contacts[*i]));
         let mut boundary = self.with(mesh, &made);
-        // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), and by how much the gap was brought into its
-        // range and an overlap closed.
+        // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), plus the amounts by which the gap was brought
+        // into its range and an overlap closed.
         let of_pairs = boundary.points.iter_mut().zip(&self.points);
         for (point, at_rest) in of_pairs.filter(|(point, _)| is_updated(&contacts[point.contact])) {
             point.closed = at_rest.closed;
@@ -169,9 +167,9 @@ impl ContactBoundary {
 }
 
 impl ContactBoundary {
-    /// The moment of the forces on both bodies of each of so many contacts, N m, with tractions λ on what the bearing
-    /// sides face: −Σ ω (B X) × λ, zero where λ is along the distance B X. Pairs that are updated are where they are
-    /// with the displacement `u`. Zero at foundations.
+    /// Moment of the forces on both bodies of each contact, N m, for tractions λ on the side opposite to the bearing
+    /// one: −Σ ω (B X) × λ, zero if λ is along the distance B X. Updated pairs are placed by the displacement `u`. Zero
+    /// at foundations.
     pub(crate) fn moments(
         &self,
         contacts: &[Contact],

@@ -1,19 +1,19 @@
-//! A tree of spheres around parts of a surface: those that may meet something, or the one nearest to a point, are found
-//! without a look at each part.
+//! A tree of spheres around parts of a surface: finds the parts that may meet something, or the one nearest to a point,
+//! without testing each part.
 
 use crate::tensor::{Point, length};
 
-/// Parts in a leaf at the most.
+/// Largest number of parts in a leaf.
 const LEAF: usize = 6;
 /// Relative round-off of a radius.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The tree over parts that are known by their numbers.
+/// The tree over numbered parts.
 #[derive(Clone, Debug)]
 pub(super) struct Spheres {
-    /// Numbers of the parts, those of each sphere together.
+    /// Numbers of the parts, grouped by sphere.
     order: Vec<usize>,
-    /// The whole first.
+    /// The spheres; the root comes first.
     all: Vec<Sphere>,
 }
 
@@ -24,19 +24,20 @@ struct Sphere {
     radius: f64,
     from: usize,
     to: usize,
-    /// The spheres around either half of the parts; none for a leaf.
+    /// The spheres around the two halves of the parts; `None` for a leaf.
     halves: Option<[usize; 2]>,
 }
 
 impl Spheres {
-    /// The tree over so many parts, with the centre and the radius of a sphere around each.
+    /// The tree over `count` parts; `around` gives the centre and radius of a sphere around each.
     pub fn new(count: usize, around: &dyn Fn(usize) -> (Point, f64)) -> Spheres {
         let mut tree = Spheres { order: (0..count).collect(), all: Vec::new() };
         tree.add(0, count, around);
         tree
     }
 
-    /// Adds the sphere around some parts and those in it, halved where their centres are spread the widest.
+    /// Adds the sphere around some parts and, recursively, those of its halves, split along the axis where their
+    /// centres are spread the widest.
     fn add(&mut self, from: usize, to: usize, around: &dyn Fn(usize) -> (Point, f64)) -> usize {
         let own = &self.order[from..to];
         let along = |c: usize| own.iter().map(move |&part| around(part).0[c]);
@@ -56,7 +57,7 @@ impl Spheres {
             let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
             let middle = (to - from) / 2;
             let coordinate = |part: usize| around(part).0[axis];
-            // Equal coordinates by number, so that the tree is the same always.
+            // Equal coordinates are ordered by number, so that the tree is reproducible.
             self.order[from..to]
                 .select_nth_unstable_by(middle, |&a, &b| coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(&b)));
             self.all[place].halves = Some([self.add(from, from + middle, around), self.add(from + middle, to, around)]);
@@ -64,8 +65,8 @@ impl Spheres {
         place
     }
 
-    /// The numbers of the parts that may meet something, ascending: those of the leaves whose sphere `meets` it. What
-    /// meets a sphere must meet every sphere around it.
+    /// The numbers of the parts that may meet something, ascending: parts of the leaves whose sphere `meets` it.
+    /// Whatever meets a sphere must meet every sphere around it.
     pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool, meets_part: &dyn Fn(usize) -> bool) -> Vec<usize> {
         let (mut open, mut found) = (vec![0], Vec::new());
         while let Some(sphere) = open.pop().map(|place: usize| &self.all[place]) {
@@ -83,7 +84,7 @@ impl Spheres {
         found
     }
 
-    /// The number of the part that is nearest to a point, by the distances of parts from it; of several the first.
+    /// The number of the part nearest to a point, by `distance`; the first of several.
     pub fn nearest(&self, x: &Point, distance: &dyn Fn(usize) -> f64) -> Option<usize> {
         let least = |place: usize| {
             let sphere = &self.all[place];
@@ -96,7 +97,7 @@ impl Spheres {
             }
             let sphere = &self.all[place];
             if let Some([a, b]) = sphere.halves {
-                // The nearer half last, which is looked at first.
+                // The nearer half comes last, as it is visited first.
                 open.extend(if least(a) < least(b) { [b, a] } else { [a, b] });
                 continue;
             }

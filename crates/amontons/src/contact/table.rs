@@ -1,4 +1,4 @@
-//! Functions given by points: linear between them.
+//! Piecewise linear functions given by points.
 
 /// A piecewise linear function of one number.
 #[derive(Clone, Debug, PartialEq)]
@@ -6,7 +6,7 @@ pub struct PiecewiseLinear {
     points: Vec<(f64, f64)>,
 }
 
-/// Why points are no function.
+/// Reason why points define no function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TableFault {
     /// The lists do not have the same length.
@@ -21,7 +21,7 @@ pub enum TableFault {
         /// Number of points.
         found: usize,
     },
-    /// The arguments do not grow.
+    /// The arguments do not increase.
     Order {
         /// An argument.
         before: f64,
@@ -31,7 +31,7 @@ pub enum TableFault {
 }
 
 impl TableFault {
-    /// What was found.
+    /// The value found, for messages.
     #[must_use]
     pub fn found(&self) -> String {
         match self {
@@ -41,7 +41,7 @@ impl TableFault {
         }
     }
 
-    /// What was expected.
+    /// The value expected, for messages.
     #[must_use]
     pub fn expected(&self) -> &'static str {
         match self {
@@ -64,7 +64,7 @@ impl PiecewiseLinear {
     /// The function through the points (arguments, values).
     ///
     /// # Errors
-    /// When there are less than two points, or the arguments do not grow.
+    /// Fails if there are less than two points, or the arguments do not grow.
     pub fn new(arguments: &[f64], values: &[f64]) -> Result<PiecewiseLinear, TableFault> {
         if arguments.len() != values.len() {
             return Err(TableFault::Lengths { arguments: arguments.len(), values: values.len() });
@@ -72,7 +72,7 @@ impl PiecewiseLinear {
         if arguments.len() < 2 {
             return Err(TableFault::Few { found: arguments.len() });
         }
-        // A NaN is not larger either.
+        // A NaN is not larger, either.
         if let Some(pair) = arguments
             .windows(2)
             .find(|pair| !matches!(pair[1].partial_cmp(&pair[0]), Some(std::cmp::Ordering::Greater)))
@@ -88,7 +88,7 @@ impl PiecewiseLinear {
         &self.points
     }
 
-    /// Value and slope, the first and the last piece going on outside the points.
+    /// Value and slope, with the first and the last piece extended beyond the points.
     #[must_use]
     pub fn extended(&self, at: f64) -> (f64, f64) {
         let above = self.points.partition_point(|&(x, _)| x <= at).clamp(1, self.points.len() - 1);
@@ -97,7 +97,7 @@ impl PiecewiseLinear {
         (y0 + slope * (at - x0), slope)
     }
 
-    /// Value and slope, the first and the last value held outside the points.
+    /// Value and slope, constant beyond the first and the last point.
     #[must_use]
     pub fn held(&self, at: f64) -> (f64, f64) {
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);

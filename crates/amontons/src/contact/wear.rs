@@ -9,15 +9,15 @@ use std::sync::Arc;
 use super::{ContactPoint, PiecewiseLinear};
 use crate::arrays::Arrays;
 
-/// A wear rate ḣ = κ p₊ ‖w_τ‖ in m/s, κ of the temperature; the gap grows by h.
+/// A wear rate ḣ = κ p₊ ‖w_τ‖ in m/s, κ a function of temperature; the gap grows by h.
 pub trait WearLaw: Debug + Send + Sync {
     /// κ ≥ 0 in 1/Pa.
     fn coefficient(&self, at: &ContactPoint) -> f64;
-    /// The law at a time; none for a law that does not change with time.
+    /// The law at a time; `None` for a law that does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn WearLaw>> {
         None
     }
-    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    /// The array functions of the law; they are evaluated for all contact points at once.
     fn arrays(&self) -> Vec<&Arrays> {
         Vec::new()
     }
@@ -25,12 +25,12 @@ pub trait WearLaw: Debug + Send + Sync {
     fn by_temperature(&self, at: &ContactPoint) -> f64;
 }
 
-/// Archard's law with a coefficient by the temperature.
+/// Archard's law with a constant or temperature-dependent coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Archard {
-    /// κ in 1/Pa: Archard's number over the hardness.
+    /// κ in 1/Pa: wear coefficient over hardness.
     Constant(f64),
-    /// κ in 1/Pa by the temperature of the body in K, the first and the last value held outside the table.
+    /// κ in 1/Pa over the temperature of the body in K, constant beyond the table.
     ByTemperature(PiecewiseLinear),
 }
 

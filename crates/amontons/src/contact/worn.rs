@@ -1,17 +1,17 @@
-//! Sides of pairs that wear: the depth belongs to the surface of a body and moves with it, whichever side bears the
-//! contact points.
+//! Wear of the sides of pairs: the depth belongs to the surface of a body and moves with it, regardless of which side
+//! bears the contact points.
 //!
-//! The depth of a side is h = Σ_a h_a L_a, L_a the linear functions of the vertices of its facets. What wears off at a
-//! contact point i in a step is the volume ω_i d_i, d_i = k κ p_i ‖w_τ‖: a fraction of it comes off the side `on`, the
-//! rest off the side `with`. On either side it goes to the vertices by shares W_ia ≥ 0, Σ_a W_ia = 1, and there the
-//! depth grows by the volume over the area A_a of the vertex,
+//! The depth of a side is h = Σ_a h_a L_a, L_a the linear functions of the vertices of its facets. The volume worn off
+//! at a contact point i in a step is ω_i d_i, d_i = k κ p_i ‖w_τ‖: a fraction of it comes off the side `on`, the rest
+//! off the side `with`. On each side it is distributed to the vertices by shares W_ia ≥ 0, Σ_a W_ia = 1, and the depth
+//! there grows by the volume over the area A_a of the vertex,
 //!
 //! ```text
 //!     δh_a = Σ_i W_ia ω_i d_i / A_a,      g_i = gap of the geometry + Σ_a W_ia h_a of both sides,
 //! ```
 //!
-//! so that ∫h = Σ A_a h_a is the volume that has come off. A_a is ∫L_a where the pair is updated; of a pair that stays
-//! as it is at rest it is the part of it that the other side faces, Σ_i W_ia ω_i.
+//! so that ∫h = Σ A_a h_a is the volume worn off. A_a is ∫L_a if the pair is updated; otherwise it is the part that the
+//! other side faces, Σ_i W_ia ω_i.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ use crate::element::{Element, ShapeTable};
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh, leader};
 use crate::quadrature::rule;
 
-/// Share of the area of a vertex that is round-off.
+/// Fraction of the area of a vertex that is round-off.
 const NONE: f64 = 1e-12;
 
 /// Values by vertex of a side.
@@ -31,7 +31,7 @@ type Shares = Vec<(usize, f64)>;
 #[derive(Clone, Debug, Default)]
 pub struct WornSides {
     sides: Vec<WornSide>,
-    /// By contact the numbers of the sides `on` and `with`; none for a side that does not wear.
+    /// By contact, the numbers of the sides `on` and `with`; `None` for a side that does not wear.
     of_contact: Vec<[Option<usize>; 2]>,
 }
 
@@ -39,24 +39,24 @@ pub struct WornSides {
 #[derive(Clone, Debug)]
 struct WornSide {
     name: String,
-    /// The vertices in which each node of the side takes part, with the values of their linear functions there.
+    /// The vertices whose linear functions do not vanish at each node of the side, with the values there.
     vertices: BTreeMap<u32, Shares>,
     /// A_a by vertex, m^(d−1).
     areas: Vec<f64>,
 }
 
-/// What has come off the sides of pairs: in a step, or since the start.
+/// Material worn off the sides of pairs, in a step or since the start.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Worn {
-    /// Depth off each side by vertex, m.
+    /// Wear depth of each side by vertex, m.
     pub depths: Vec<Vec<f64>>,
-    /// Volume off the sides `on` and `with` of each contact, m^d; none of foundations.
+    /// Volume worn off the sides `on` and `with` of each contact, m^d; zero for foundations.
     pub volumes: Vec<[f64; 2]>,
 }
 
 impl WornSides {
     /// The sides of pairs that wear, with the contact points of the bodies at rest. Nodes that follow others, as on the
-    /// cut of a sector, have the depth of those.
+    /// cut of a sector, share the depth of their leaders.
     #[must_use]
     pub fn new(mesh: &Mesh, contacts: &[Contact], boundary: &ContactBoundary, links: &[Link]) -> WornSides {
         let mut all = WornSides::default();
@@ -84,14 +84,14 @@ impl WornSides {
         all
     }
 
-    /// Nothing worn off.
+    /// The state without wear.
     #[must_use]
     pub fn fresh(&self) -> Worn {
         let depths = self.sides.iter().map(|side| vec![0.0; side.areas.len()]).collect();
         Worn { depths, volumes: vec![[0.0; 2]; self.of_contact.len()] }
     }
 
-    /// The lengths of the depths of a state.
+    /// The number of depths per side in a state.
     #[must_use]
     pub fn lengths(&self) -> Vec<usize> {
         self.sides.iter().map(|side| side.areas.len()).collect()
@@ -101,7 +101,7 @@ impl WornSides {
         self.sides.iter().position(|side| side.name == name)
     }
 
-    /// By side and vertex the part of its area that the points face: Σ_i W_ia ω_i.
+    /// By side and vertex, the part of its area that the points face: Σ_i W_ia ω_i.
     fn faced(&self, contacts: &[Contact], boundary: &ContactBoundary) -> Vec<Vec<f64>> {
         let mut faced: Vec<Vec<f64>> = self.sides.iter().map(|side| vec![0.0; side.areas.len()]).collect();
         for point in boundary.points.iter().filter(|point| contacts[point.contact].wear.is_some()) {
@@ -132,9 +132,9 @@ impl WornSides {
         })
     }
 
-    /// At each contact point the depth off both sides of its pair, m, and by how much the gap opens per depth that
-    /// wears off there: the part of the areas of its vertices that is faced, 1 where they are faced as a whole. Those
-    /// of points at foundations are `worn` and 1.
+    /// At each contact point, the depth off both sides of its pair in m, and the opening of the gap per depth worn off
+    /// there: the fraction of the areas of its vertices that is faced, 1 if all of it is. At foundations they are
+    /// `worn` and 1.
     #[must_use]
     pub fn at_points(
         &self,
@@ -165,7 +165,7 @@ impl WornSides {
         boundary.points.iter().enumerate().map(at).collect()
     }
 
-    /// What has come off after these depths d have worn off at the contact points.
+    /// The wear after the depths `worn` in m have come off at the contact points.
     #[must_use]
     pub fn after(&self, contacts: &[Contact], boundary: &ContactBoundary, before: &Worn, worn: &[f64]) -> Worn {
         let mut after = before.clone();
@@ -187,7 +187,7 @@ impl WornSides {
         after
     }
 
-    /// The depth off a side of a contact at a node, m; none where this side does not wear, or has no such node.
+    /// The depth off a side of a contact at a node, m; `None` if this side does not wear or has no such node.
     #[must_use]
     pub fn depth(&self, contact: usize, is_on: bool, node: u32, depths: &[Vec<f64>]) -> Option<f64> {
         let side = self.of_contact.get(contact)?[usize::from(!is_on)]?;
@@ -195,14 +195,14 @@ impl WornSides {
         Some(vertices.iter().map(|&(vertex, value)| value * depths[side][vertex]).sum())
     }
 
-    /// The area and the depth of each vertex of a side; none of a side that does not wear.
+    /// The area and the depth of each vertex of a side; `None` if the side does not wear.
     #[must_use]
     pub fn of_side<'a>(&'a self, name: &str, depths: &'a [Vec<f64>]) -> Option<impl Iterator<Item = (f64, f64)> + 'a> {
         let side = self.find(name)?;
         Some(self.sides[side].areas.iter().copied().zip(depths.get(side)?.iter().copied()))
     }
 
-    /// The largest depth off a side of a contact, m.
+    /// The largest depth on either side of a contact, m.
     #[must_use]
     pub fn largest(&self, contact: usize, depths: &[Vec<f64>]) -> f64 {
         let sides = self.of_contact.get(contact).into_iter().flatten().flatten();
@@ -246,7 +246,7 @@ impl WornSide {
         WornSide { name: name.to_owned(), vertices, areas }
     }
 
-    /// The part of the area of a vertex that is faced.
+    /// The fraction of the area of a vertex that is faced.
     fn part(&self, vertex: usize, faced: f64) -> f64 {
         let area = self.areas[vertex];
         if faced >= area * (1.0 - NONE) { 1.0 } else { faced / area }

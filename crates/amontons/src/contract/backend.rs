@@ -1,4 +1,4 @@
-//! What a backend of linear systems must satisfy.
+//! The contract of backends of linear systems.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::linalg::{Backend, BlockMatrix, EXACT, Graph, Layout, Share, SolveErro
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{Diagonal, Mesh};
 
-/// The slope of the laws of points that stick, slide under pressure, and are open, in turn.
+/// The slopes of the laws of points that stick, that slide under pressure, and that are open, in turn.
 fn slope_of(i: usize) -> [[f64; 3]; 3] {
     match i % 3 {
         0 => [[1e8, 0.0, 0.0], [0.0, 1e8, 0.0], [0.0; 3]],
@@ -17,8 +17,8 @@ fn slope_of(i: usize) -> [[f64; 3]; 3] {
     }
 }
 
-/// A tangent as of contact points that see a node and, with the opposite sign, two others, as the points of a pair do:
-/// one holds them together, one presses and slides, one is open.
+/// A tangent like that of a pair, whose contact points act on a node and, with the opposite sign, on two others: in
+/// turn one sticks, one slides under pressure, one is open.
 fn pair_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
     let mut tangent = Tangent::new();
     for (i, nodes) in contact.windows(3).enumerate() {
@@ -32,12 +32,13 @@ fn pair_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
     tangent
 }
 
-/// The sweeps around a contact problem without forces solve the system; the condensed operator is symmetric, has the
-/// scale and the magnitude that it claims, and is solved with stiff and nonsymmetric entries in any basis; a body that
-/// only contact holds is solved with contact and singular without; a matrix that is not positive definite is refused.
+/// Checks that the sweeps around a contact problem without forces solve the system; that the condensed operator is
+/// symmetric, has the scale and magnitude that it declares, and is solved with stiff and nonsymmetric entries in any
+/// basis; that a body held only by contact is solved with contact and reported as singular without; that a matrix that
+/// is not positive definite is refused.
 ///
 /// # Panics
-/// When the backend breaks the contract, or the small mesh of the test cannot be made.
+/// Panics if the backend violates the contract, or if the small mesh of the test cannot be made.
 pub fn assert_backend(backend: &Arc<dyn Backend>) {
     let Ok(mesh) = Mesh::rectangle([1.0, 0.7], [9, 7], Diagonal::Left) else { panic!("a mesh of 9 × 7 squares") };
     let graph = Arc::new(Graph::of_mesh(&mesh));
@@ -72,7 +73,7 @@ pub fn assert_backend(backend: &Arc<dyn Backend>) {
     assert_solutions(backend, &mut system, &tangent);
     assert_bases(backend, &mut system, &tangent, &contact);
     assert_solutions(backend, &mut system, &pair_tangent(&contact, &on_contact));
-    // Without its support the body is held by the entries alone.
+    // Without its support the body is held only by the entries.
     let loose = Layout { free: &all, ..layout };
     let Ok(mut system) = System::new(backend, &stiffness, &loose) else {
         panic!("{backend:?}: a body that only contact holds was refused")
@@ -91,12 +92,12 @@ pub fn assert_backend(backend: &Arc<dyn Backend>) {
     }
 }
 
-/// What a call of a backend gives.
+/// The result of a backend call; panics on an error.
 fn given<T>(result: Result<T, SolveError>, what: &str) -> T {
     result.unwrap_or_else(|error| panic!("{what}: {error}"))
 }
 
-/// A tangent as of contact points that are stuck, pressed and sliding in turn: stiff, and not symmetric.
+/// A stiff, nonsymmetric tangent like that of contact points that stick, press and slide in turn.
 fn contact_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
     let mut tangent = Tangent::new();
     for (i, &node) in contact.iter().enumerate() {
@@ -106,12 +107,12 @@ fn contact_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
     tangent
 }
 
-/// The sweeps around the problem on the kept unknowns.
+/// Checks the sweeps around the problem on the kept unknowns.
 fn assert_sweeps(backend: &Arc<dyn Backend>, system: &mut System, matrix: &BlockMatrix, free: &[bool]) {
     let mut random = samples();
     let solution: Vec<f64> = free.iter().map(|&f| if f { random.number() } else { 0.0 }).collect();
     let right = matrix.apply(&solution);
-    // Without forces on Γ_C its unknowns are those of S w = r̂; taken from the solution they must satisfy it.
+    // Without forces on Γ_C its unknowns solve S w = r̂; those of the solution must satisfy it.
     let text = format!("{backend:?}: the forward sweep");
     let reduced = given(system.reduce(&right), &text);
     let kept = system.kept_of(&solution);
@@ -130,7 +131,7 @@ fn assert_sweeps(backend: &Arc<dyn Backend>, system: &mut System, matrix: &Block
     }
 }
 
-/// Symmetry, scale and magnitude of the condensed operator.
+/// Checks symmetry, scale and magnitude of the condensed operator.
 fn assert_condensed(backend: &Arc<dyn Backend>, system: &mut System) {
     let interior = system.unknowns().interior;
     let nodes: Vec<u32> = system.unknowns().dofs[interior..].iter().map(|dof| dof / 2).collect();
@@ -159,7 +160,7 @@ fn assert_condensed(backend: &Arc<dyn Backend>, system: &mut System) {
     assert!(magnitude <= s.magnitude_bound(&x), "{text}: the magnitude exceeds its bound");
 }
 
-/// Unknowns at random; those that stiff entries hold move so little that the forces are of the same size.
+/// Random unknowns; those held by stiff entries are so small that all forces are of similar size.
 fn moved(system: &System, tangent: &Tangent) -> Vec<f64> {
     let mut random = samples();
     let mut held = vec![1.0; system.condensed().len()];
@@ -169,7 +170,7 @@ fn moved(system: &System, tangent: &Tangent) -> Vec<f64> {
     held.iter().map(|held| random.number() / held).collect()
 }
 
-/// Systems with entries, and whether they are definite.
+/// Checks solutions of systems with entries, and their definiteness.
 fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, tangent: &Tangent) {
     let exact = moved(system, tangent);
     let text = format!("{backend:?}: a system with contact");
@@ -193,7 +194,7 @@ fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, tangent: &T
     }
 }
 
-/// In other bases the same system has the same solution.
+/// Checks that the same system in other bases has the same solution.
 fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, tangent: &Tangent, contact: &[u32]) {
     let position = system.unknowns().positions(1 + system.unknowns().dofs.iter().fold(0, |m, &d| m.max(d as usize)));
     let (sin, cos) = 0.4f64.sin_cos();
@@ -218,7 +219,7 @@ fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, tangent: &Tange
     for (i, (found, exact)) in b.iter().zip(forward(&straight)).enumerate() {
         near(*found, exact, 1e-11, &format!("{text}: product, unknown {i}"));
     }
-    // The entries are in the bases, and so are what they hold.
+    // The entries refer to the bases, and so do the unknowns that they hold.
     let turned = exact;
     b = given(system.condensed().apply(&turned), &text);
     tangent.add_product(1.0, &turned, &mut b);

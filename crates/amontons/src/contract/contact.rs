@@ -1,19 +1,18 @@
-//! What laws of contact must satisfy.
+//! The contracts of contact laws.
 
 use super::{near, samples, slope_between};
 use crate::contact::{Bound, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, Yield, resolvent};
 use crate::tensor::Point;
 
-/// Where laws are evaluated.
+/// Point at which laws are evaluated.
 const X: Point = [0.3, 0.2, 0.1];
 
-/// The graph keeps (H8) as far as it claims to, and has the slopes, potential and Lipschitz constant it claims; `r` is
-/// a penetration typical of the law. A function that declares a Lipschitz constant vanishes without penetration, unless
-/// it pulls, or begins to push in the gap: then it vanishes where the gap is wide. A graph gives the same p for
-/// every λ.
+/// Checks that the graph satisfies (H8) as far as declared, and has the slopes, potential and Lipschitz constant it
+/// declares; `r` is a typical penetration. A function with a Lipschitz constant must vanish without penetration, unless
+/// it pulls or begins to push in the gap: then it must vanish at wide gaps. A graph must give the same p for every λ.
 ///
 /// # Panics
-/// When the law breaks the contract.
+/// Panics if the law violates the contract.
 pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
     let mut random = samples();
     if law.graph() != GraphKind::Function {
@@ -49,14 +48,14 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
                 "{law:?}: declared L = {l:e} fails between {a:e} and {b:e}"
             );
         }
-        // Between two penetrations it falls by no more than it says.
+        // Between two penetrations it decreases by no more than declared.
         let (low, high) = (a.min(b), a.max(b));
         let (least, mean) = (law.least_slope(&X, low, high), (p(high, 0.0).value - p(low, 0.0).value) / (high - low));
         assert!(
             mean >= least - 1e-9 * (least.abs() + size / r),
             "{law:?}: least slope {least:e} between {low:e} and {high:e}, but the mean is {mean:e}"
         );
-        // What wears off makes it softer: p = G(r − λ p₊), with the slope that it has.
+        // Wear makes it softer: p = G(r − λ p₊), with the slope it returns.
         let by_wear = r / size * 10f64.powf(3.0 * random.number());
         let rubbed = |h: f64| resolvent(law, &X, a + h, 0.0, &Yield { by_wear, ..Yield::default() });
         let value = rubbed(0.0).value;
@@ -79,8 +78,8 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
     }
 }
 
-/// At a penetration and two rates the pressure does not fall with the rate and has the slopes it claims, for a law of
-/// this size at r.
+/// Checks at a penetration and two rates that the pressure does not decrease with the rate and has the slopes it
+/// returns; `size` is the pressure of the law at r.
 fn assert_rate(law: &dyn NormalLaw, a: f64, [rate, other]: [f64; 2], [r, size]: [f64; 2]) {
     let p = |r: f64, rate: f64| law.pressure(&X, r, rate, 0.0);
     let (moving, h) = (p(a, rate), 1e-6 * r);
@@ -92,7 +91,7 @@ fn assert_rate(law: &dyn NormalLaw, a: f64, [rate, other]: [f64; 2], [r, size]: 
         );
     }
     if a > 0.0 && law.least_slope(&X, f64::NEG_INFINITY, f64::INFINITY) >= 0.0 {
-        // In series with a layer: p = G(r − λ p, ṙ − λ p/γ), with the slopes that it has.
+        // In series with a layer: p = G(r − λ p, ṙ − λ p/γ), with the slopes it returns.
         let (lambda, gamma) = (r / size, 0.1);
         let by = Yield { lambda, lambda_rate: lambda / gamma, ..Yield::default() };
         let series = |h: f64, v: f64| resolvent(law, &X, a + h, rate + v, &by);
@@ -120,7 +119,8 @@ fn assert_rate(law: &dyn NormalLaw, a: f64, [rate, other]: [f64; 2], [r, size]: 
     );
 }
 
-/// p ∈ G(z − λ p) is nondecreasing in z, has the slope it claims, and the same point of G is found with every λ.
+/// Checks that p ∈ G(z − λ p) is nondecreasing in z, has the slope it returns, and gives the same point of G for every
+/// λ.
 fn assert_graph(law: &dyn NormalLaw, r: f64) {
     let mut random = samples();
     assert!(law.lipschitz().is_none(), "{law:?}: a multivalued graph has no Lipschitz constant");
@@ -150,11 +150,11 @@ fn assert_graph(law: &dyn NormalLaw, r: f64) {
     }
 }
 
-/// The bound is not negative, and has the slopes and Lipschitz constant it claims; with such a constant it vanishes
-/// with the pressure, as (H8) asks. `p` is a pressure typical of the law.
+/// Checks that the bound is not negative, and has the slopes and Lipschitz constant it declares; with such a constant
+/// it must vanish with the pressure, as (H8) requires. `p` is a typical pressure.
 ///
 /// # Panics
-/// When the law breaks the contract.
+/// Panics if the law violates the contract.
 pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
     let mut random = samples();
     let l_nu = 1e4;
@@ -203,7 +203,7 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
     }
 }
 
-/// The bound has the slopes that it claims, for pressures of the size p and layers of the stiffness L_ν.
+/// Checks the slopes of the bound, for pressures of size p and layers of stiffness L_ν.
 fn assert_bound_slopes(law: &dyn FrictionLaw, at: &ContactPoint, bound: Bound, [p, l_nu]: [f64; 2]) {
     let s = |change: fn(&mut ContactPoint, f64)| {
         move |h: f64| {
@@ -236,12 +236,11 @@ fn assert_bound_slopes(law: &dyn FrictionLaw, at: &ContactPoint, bound: Bound, [
     );
 }
 
-/// (H7) as far as it is claimed: a flux from warm to cold, nondecreasing in θ, with the slopes, the bound and the
-/// Lipschitz constant it claims; none without a temperature difference but that of friction. `r` is a penetration
-/// typical of the law.
+/// Checks (H7) as far as declared: a flux from warm to cold, nondecreasing in θ, with the slopes, bound and Lipschitz
+/// constant it declares; without a temperature difference only frictional heat may flow. `r` is a typical penetration.
 ///
 /// # Panics
-/// When the law breaks the contract.
+/// Panics if the law violates the contract.
 pub fn assert_heat_law(law: &dyn HeatLaw, r: f64) {
     let mut random = samples();
     for _ in 0..256 {
@@ -289,7 +288,7 @@ pub fn assert_heat_law(law: &dyn HeatLaw, r: f64) {
     }
 }
 
-/// The flux grows with θ and falls with θ_F, and has the slopes it claims.
+/// Checks that the flux grows with θ and decreases with θ_F, and has the slopes it returns.
 fn assert_flux_slopes(law: &dyn HeatLaw, at: &ContactPoint, flux: Flux, r: f64) {
     let q = |change: fn(&mut ContactPoint, f64)| {
         move |h: f64| {

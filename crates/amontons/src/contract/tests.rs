@@ -1,4 +1,4 @@
-//! Every law, element and backend keeps its contract, and laws that do not are caught.
+//! Tests that every law, element and backend satisfies its contract, and that violations are caught.
 
 use super::*;
 use crate::contact::obstacle::{Nearest, Shape};
@@ -76,7 +76,7 @@ fn every_shape_keeps_its_contract() {
     }
 }
 
-/// A plane whose distance is that along y.
+/// A plane whose distance is measured along y.
 #[derive(Debug)]
 struct Slanted;
 impl Shape for Slanted {

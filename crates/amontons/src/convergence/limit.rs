@@ -1,24 +1,24 @@
 //! Observed order and limit of a number on a sequence of meshes (Richardson's extrapolation).
 //!
-//! Of v(h) = v + C h^p three meshes give p, C and v. The pure power is an assumption: corners and changes of the
+//! Three meshes determine p, C and v of v(h) = v + C h^p. The pure power is an assumption: corners and changes of the
 //! boundary condition mix exponents, and the reported error is an estimate, not a bound.
 
 use serde::Serialize;
 
 use crate::hypotheses::{Constant, DomainConstants};
 
-/// Orders beyond this one are differences of round-off.
+/// Orders above this one are differences of round-off.
 const HIGHEST: f64 = 16.0;
 
 /// The limit of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limit {
-    /// p of the three finest meshes; none if the values agree within their errors.
+    /// p from the three finest meshes; `None` if the values agree within their errors.
     pub order: Option<f64>,
     /// The limit.
     pub value: f64,
-    /// Estimate of its error: the change of the limit by the finest mesh, where there are four meshes; with three, its
-    /// distance to the finest value. Algebraic errors are added.
+    /// Estimate of its error: the change of the limit by the finest mesh, or with only three meshes its distance to the
+    /// finest value. Algebraic errors are added.
     pub error: f64,
 }
 
@@ -35,13 +35,13 @@ pub struct ConstantsRow {
     pub orders: [Option<f64>; 6],
 }
 
-/// Constants of (2.12)–(2.15) on a sequence of meshes, each finer than the one before, and what they tend to.
+/// Constants of (2.12)–(2.15) on a sequence of meshes, from coarse to fine, and their limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstantsTable {
     /// One row per mesh.
     pub rows: Vec<ConstantsRow>,
-    /// The limits, in the order of [`DomainConstants::named`]; none with fewer than three meshes, and where the
-    /// differences do not shrink as those of a power of h.
+    /// The limits, in the order of [`DomainConstants::named`]; `None` with fewer than three meshes, and if the
+    /// differences do not decrease like a power of h.
     pub limits: [Option<Limit>; 6],
 }
 
@@ -62,7 +62,7 @@ impl ConstantsTable {
     }
 }
 
-/// The limit of values at decreasing h, from the last three; none if they do not behave as v + C h^p, p > 0.
+/// The limit of values at decreasing h, from the last three; `None` if they do not behave like v + C h^p, p > 0.
 #[must_use]
 pub fn limit(values: &[(f64, Constant)]) -> Option<Limit> {
     let [earlier @ .., (h0, v0), (h1, v1), (h2, v2)] = values else { return None };
@@ -79,14 +79,14 @@ pub fn limit(values: &[(f64, Constant)]) -> Option<Limit> {
     Some(Limit { order: Some(p), value, error: change + (1.0 + share) * v2.error + share * v1.error })
 }
 
-/// p with (h₀^p − h₁^p)/(h₁^p − h₂^p) = `ratio`; the left side grows with p.
+/// p with (h₀^p − h₁^p)/(h₁^p − h₂^p) = `ratio`; the left side increases with p.
 fn order(h: [f64; 3], ratio: f64) -> Option<f64> {
     let left = |p: f64| ((h[0] / h[1]).powf(p) - 1.0) / (1.0 - (h[2] / h[1]).powf(p));
     let (mut low, mut high) = (0.0, HIGHEST);
     if !((h[0] / h[1]).ln() < ratio * (h[1] / h[2]).ln() && ratio < left(high)) {
         return None;
     }
-    // As many halvings as a number has binary digits.
+    // One bisection per binary digit of a number.
     for _ in 0..f64::MANTISSA_DIGITS {
         let middle = 0.5 * (low + high);
         if left(middle) < ratio { low = middle } else { high = middle }
@@ -108,7 +108,7 @@ mod tests {
     fn a_power_of_h_has_its_exponent_and_limit_whatever_the_ratio_of_the_meshes() {
         for p in [0.4, 1.0, 1.37, 2.0, 4.0] {
             for h in [[0.5, 0.25, 0.125].as_slice(), &[0.5, 0.3, 0.2, 0.07], &[1e-6, 5e-7, 1e-7]] {
-                // In units in which h is of order 1 a small h leaves no digits of the power.
+                // In units where h is of order 1, a small h leaves no digits of the power.
                 let unit: Vec<f64> = h.iter().map(|x| x / h[0]).collect();
                 let found = limit(&power(&unit, p, 0.0)).expect("a limit");
                 assert!(
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(limit(&power(&[0.5, 0.25], 1.0, 0.0)), None);
     }
 
-    /// The estimate of the error covers it where the next term is h^{p+1}.
+    /// The estimate of the error covers the error if the next term is h^{p+1}.
     #[test]
     fn the_error_is_of_the_size_told() {
         let values: Vec<_> = [0.4, 0.2, 0.1, 0.05]

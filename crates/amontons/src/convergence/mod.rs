@@ -1,8 +1,8 @@
 //! Convergence studies: the errors of (5.2) on a sequence of meshes and steps, with observed orders; and limits
 //! of numbers on refined meshes.
 //!
-//! The levels are solved first, in parallel, and keep their states; the reference is solved last and
-//! compared with them as it goes, so that its states need not be kept.
+//! The levels are solved first, in parallel, and keep their states; the reference is solved last and compared with them
+//! step by step, so that its states need not be kept.
 
 mod limit;
 mod norms;

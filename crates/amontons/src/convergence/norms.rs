@@ -9,7 +9,7 @@ use crate::linalg::{BlockMatrix, dot};
 use crate::mesh::{CellMap, Mesh};
 use crate::scheme::State;
 
-/// The three errors of (5.2) at one time, and that of the displacement in H.
+/// The three errors of (5.2) at one time, and the error of the displacement in H.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Errors {
     /// ‖w − w^{hk}‖_H, m/s times a length to the power d/2.
@@ -18,18 +18,18 @@ pub struct Errors {
     pub u: f64,
     /// ‖θ − θ^{hk}‖_{L²}.
     pub theta: f64,
-    /// ‖u − u^{hk}‖_H, which (5.2) does not count.
+    /// ‖u − u^{hk}‖_H, which is not part of (5.2).
     pub u_h: f64,
 }
 
 impl Errors {
-    /// Their sum, whose maximum over time is E^{hk}.
+    /// Sum of the three errors of (5.2); its maximum over time is E^{hk}.
     #[must_use]
     pub fn sum(&self) -> f64 {
         self.w + self.u + self.theta
     }
 
-    /// The larger of each.
+    /// The larger value of each error.
     #[must_use]
     pub fn max(&self, other: &Errors) -> Errors {
         Errors {
@@ -50,9 +50,9 @@ pub struct Exact {
     pub temperature: Field,
 }
 
-/// Degree of the rule that integrates squared errors: what is left of it is of higher order in h.
+/// Degree of the rule for squared errors: its quadrature error is of higher order in h.
 const DEGREE: usize = 6;
-/// Cells that are summed at once.
+/// Number of cells summed together.
 const CELLS: usize = 64;
 
 /// Errors of a state against a closed form, integrated cell by cell.
@@ -61,7 +61,7 @@ pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
     let mut sums = [0.0; 4];
     for block in &mesh.blocks {
         let table = ShapeTable::new(block.element, DEGREE.max(2 * block.element.degree + 2));
-        // Chunks of a fixed size are summed in their order: the same bits on any number of threads.
+        // Chunks of a fixed size are summed in order: the same bits on any number of threads.
         let chunks: Vec<[f64; 4]> = block
             .nodes
             .par_chunks(block.element.nodes.len() * CELLS)
@@ -86,7 +86,7 @@ pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
     Errors { w, u, theta, u_h }
 }
 
-/// A state and the solution that it is compared with.
+/// A state and the exact solution with which it is compared.
 struct Compared<'a> {
     mesh: &'a Mesh,
     state: &'a State,
@@ -126,7 +126,7 @@ fn add_squares(map: &CellMap, weight: f64, cell: &[u32], compared: &Compared, su
     sums[2] += weight * theta * theta;
 }
 
-/// The inner products that norms on one mesh need: (·, ·) and (ε(·), ε(·)).
+/// The inner products required for norms on one mesh: (·, ·) and (ε(·), ε(·)).
 pub struct Products<'a> {
     /// (·, ·)_{L²}.
     pub mass: &'a BlockMatrix,

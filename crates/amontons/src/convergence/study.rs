@@ -1,4 +1,4 @@
-//! A study: its levels, its reference, and the table that comes out.
+//! A study: its levels, its reference, and the resulting table.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use crate::material::{Isotropic, StressState};
 use crate::problem::Problem;
 use crate::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, State, StepError};
 
-/// What is refined from level to level.
+/// Quantity refined from level to level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Vary {
@@ -36,11 +36,11 @@ pub struct Level {
     pub level: usize,
     /// The problem on its mesh with its steps.
     pub problem: Problem,
-    /// The text of its case, by which states that were kept are known again.
+    /// The text of its case, which identifies states kept earlier.
     pub text: String,
 }
 
-/// What the levels are compared with.
+/// Solution with which the levels are compared.
 #[derive(Clone, Debug)]
 pub enum Reference {
     /// The solution on a finer level.
@@ -52,27 +52,27 @@ pub enum Reference {
 /// Levels and reference.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// What is refined.
+    /// Quantity that is refined.
     pub vary: Vary,
     /// The levels, coarsest first.
     pub levels: Vec<Level>,
-    /// What they are compared with.
+    /// Solution with which they are compared.
     pub reference: Reference,
 }
 
-/// How a study is run.
+/// Settings of a study.
 pub struct StudySettings<'a> {
     /// Ends the study at the next step when set.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Told about every step made: level, step, number of steps.
+    /// Called after every step with level, step, and number of steps.
     pub progress: Option<&'a (dyn Fn(usize, usize, usize) + Sync)>,
-    /// Finished levels of an earlier attempt: states at all times by level, if they are there.
+    /// Loads finished levels of an earlier attempt: states at all times of a level, or `None`.
     pub load: Option<&'a (dyn Fn(&Level) -> Option<Vec<State>> + Sync)>,
     /// Keeps a finished level.
     pub keep: Option<&'a (dyn Fn(&Level, &[State]) + Sync)>,
-    /// How far the reference had come in an earlier attempt with the same levels.
+    /// Loads the progress of the reference in an earlier attempt with the same levels.
     pub load_reference: Option<&'a (dyn Fn() -> Option<ReferenceProgress> + Sync)>,
-    /// Keeps how far the reference has come, when the study is interrupted and once per minute.
+    /// Keeps the progress of the reference when the study is interrupted, and once per minute.
     pub keep_reference: Option<&'a (dyn Fn(&ReferenceProgress) + Sync)>,
     /// The time-stepping scheme of all levels.
     pub scheme: MakeScheme,
@@ -92,7 +92,7 @@ impl Default for StudySettings<'_> {
     }
 }
 
-/// How far the reference of a study has come: its state, and the errors of the levels up to its time.
+/// Progress of the reference of a study: its state, and the errors of the levels up to its time.
 #[derive(Clone, Debug)]
 pub struct ReferenceProgress {
     /// The state.
@@ -101,7 +101,7 @@ pub struct ReferenceProgress {
     pub worst: Vec<Worst>,
 }
 
-/// A row of the table: the errors of a level, each the maximum over its own times.
+/// A row of the table: the errors of a level, each the maximum over the times of the level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The number that names the level.
@@ -122,24 +122,24 @@ pub struct Row {
     pub error: f64,
     /// Time at which the maximum of the sum is taken, s.
     pub time_of_error: f64,
-    /// log(E of the row before / E) / log of the refinement; none in the first row.
+    /// log(E of the row before / E) / log of the refinement; `None` in the first row.
     pub order: Option<f64>,
 }
 
 /// The result of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StudyTable {
-    /// What was refined.
+    /// Quantity that was refined.
     pub vary: Vary,
     /// The rows, coarsest first.
     pub rows: Vec<Row>,
     /// Least-squares slopes of the logarithms over all rows, by name of the error.
     pub slopes: Vec<(String, f64)>,
-    /// Whether every comparison was made by interpolation between nested meshes.
+    /// True if every comparison was made by interpolation between nested meshes.
     pub nested: bool,
 }
 
-/// Why a study ended early.
+/// Reason why a study ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// A level could not be set up.
@@ -147,7 +147,7 @@ pub enum StudyError {
     Setup {
         /// The level.
         level: usize,
-        /// Why.
+        /// The cause.
         source: SetupError,
     },
     /// A step of a level failed.
@@ -155,7 +155,7 @@ pub enum StudyError {
     Step {
         /// The level.
         level: usize,
-        /// Why.
+        /// The cause.
         source: StepError,
     },
     /// A level cannot be compared with the reference.
@@ -163,7 +163,7 @@ pub enum StudyError {
     Transfer {
         /// The level.
         level: usize,
-        /// Why.
+        /// The cause.
         source: TransferError,
     },
     /// The times of a level are not times of the reference.
@@ -197,7 +197,7 @@ impl Study {
     /// Solves all levels and compares them.
     ///
     /// # Errors
-    /// When a level fails, when times or meshes do not match, or when the study is interrupted.
+    /// Fails if a level fails, if times or meshes do not match, or if the study is interrupted.
     pub fn run(&self, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         match &self.reference {
             Reference::Exact(exact) => {
@@ -282,7 +282,7 @@ impl Study {
         for i in 1..rows.len() {
             let (a, b) = (&rows[i - 1], &rows[i]);
             let order = (a.error / b.error).ln() / (size(a) / size(b)).ln();
-            // Errors of zero have no order.
+            // Zero errors have no order.
             rows[i].order = order.is_finite().then_some(order);
         }
         let fit = |value: fn(&Row) -> f64| slope(&rows.iter().map(|row| (size(row), value(row))).collect::<Vec<_>>());
@@ -298,7 +298,7 @@ impl Study {
     }
 }
 
-/// The states of a level after each step, kept from before or computed.
+/// The states of a level after each step, loaded or computed.
 fn trajectory(level: &Level, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
     if let Some(states) =
         settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.timeline.steps())
@@ -332,7 +332,7 @@ impl StudyTable {
     }
 }
 
-/// Time after which it is kept how far the reference has come.
+/// Interval at which the progress of the reference is kept.
 const KEEP: Duration = Duration::from_mins(1);
 
 /// The largest errors of a level over time.
@@ -396,7 +396,7 @@ fn scheme_of(
         .map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
-/// Makes all steps of a level and hands over each state.
+/// Makes all steps of a level and passes on each state.
 fn walk(
     level: &Level,
     settings: &StudySettings,

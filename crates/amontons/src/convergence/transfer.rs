@@ -1,8 +1,8 @@
-//! Differences of functions on two meshes: exact by interpolation where the meshes are nested, and exact
-//! on the intersections of the cells where they are not.
+//! Differences of functions on two meshes: exact by interpolation if the meshes are nested, otherwise exact on the
+//! intersections of the cells.
 //!
-//! A body that is rounded is another one on each mesh: the cells of the finer one reach beyond those of the coarser one
-//! by as much as a chord differs from its arc. There the coarse function is continued beyond its cell.
+//! A rounded body differs from mesh to mesh: the cells of the finer mesh extend beyond those of the coarser one by the
+//! distance of chord and arc. There the coarse function is extended beyond its cell.
 
 use crate::convergence::norms::{Errors, Products, of_difference};
 use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
@@ -13,7 +13,7 @@ use crate::quadrature::{Shape, rule};
 use crate::scheme::{Discretization, State};
 use crate::tensor::{Point, Sym};
 
-/// Why two meshes cannot be compared.
+/// Reason why two meshes cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TransferError {
     /// A point of one mesh lies outside the other.
@@ -35,7 +35,7 @@ fn barycentric(mesh: &Mesh, cell: &[u32], p: &Point) -> [f64; 3] {
     [cross(p, b, c) / area, cross(a, p, c) / area, cross(a, b, p) / area]
 }
 
-/// How a coarse solution is compared with the reference.
+/// Comparison of coarse solutions with the reference.
 pub struct Transfer<'a> {
     reference: &'a Discretization,
     coarse: &'a Mesh,
@@ -44,8 +44,7 @@ pub struct Transfer<'a> {
 }
 
 enum Way {
-    /// Nested: the coarse function is interpolated at the nodes of the reference, without error where edges are
-    /// straight.
+    /// Nested: the coarse function is interpolated at the nodes of the reference, exactly if edges are straight.
     Interpolate(Vec<Vec<(u32, f64)>>),
     /// Not nested: squares are integrated over the intersections of the cells.
     Intersect(Vec<Piece>),
@@ -63,7 +62,7 @@ impl<'a> Transfer<'a> {
     /// `strain` is the form (ε(·), ε(·)) of the reference.
     ///
     /// # Errors
-    /// When the meshes cover different bodies.
+    /// Fails if the meshes cover different bodies.
     pub fn new(
         reference: &'a Discretization,
         strain: &'a BlockMatrix,
@@ -96,7 +95,7 @@ impl<'a> Transfer<'a> {
         Ok(Transfer { reference, coarse, strain, way })
     }
 
-    /// Whether the meshes are nested.
+    /// True if the meshes are nested.
     #[must_use]
     pub fn is_nested(&self) -> bool {
         matches!(self.way, Way::Interpolate(_))
@@ -134,7 +133,7 @@ impl<'a> Transfer<'a> {
     fn over_pieces(&self, pieces: &[Piece], coarse: &State, reference: &State) -> Errors {
         let fine = &*self.reference.mesh;
         let dim = fine.dim;
-        // The difference of two linear functions squared is quadratic.
+        // The squared difference of two linear functions is quadratic.
         let quadrature = rule(Shape::Triangle, 2);
         let table = ShapeTable::new(&P1_TRIANGLE, 0);
         let nodes_of = |mesh: &'a Mesh, at: At| -> &'a [u32] {
@@ -179,8 +178,9 @@ impl<'a> Transfer<'a> {
     }
 }
 
-/// Where the nodes of the fine mesh are in the coarse one, if every cell of the fine mesh lies in one of the coarse
-/// mesh, whose functions are then among its own. A node on the faces of two bodies is looked for in that of its cells.
+/// Positions of the nodes of the fine mesh in the coarse one; `None` unless every cell of the fine mesh lies in a
+/// coarse cell whose functions its own ones contain. A node on the faces of two bodies is located in the coarse cell of
+/// its own cell.
 fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
     let mut located = vec![None; fine.points.len()];
     for block in &fine.blocks {
@@ -204,9 +204,10 @@ fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
     located.into_iter().collect()
 }
 
-/// Where the nodes of the fine mesh of a rounded body are in the coarse one, whose edges it cuts into equal parts by
-/// the number of cells: each in a cell of its region that it lies in or next to. The corners of coarse cells lie on the
-/// arcs, so that functions that are continued from neighbouring cells to an arc differ little where they meet.
+/// Positions of the nodes of the fine mesh of a rounded body in the coarse one; `None` unless the numbers of cells
+/// imply that it divides coarse edges into equal parts. Each node is in a cell of its region that contains it or is
+/// next to it. The corners of coarse cells lie on the arcs, so functions extended from neighbouring cells to an arc
+/// differ little.
 fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
     let parts = (fine.cell_count() as f64 / coarse.mesh().cell_count() as f64).powf(1.0 / fine.dim as f64);
     if (parts - parts.round()).abs() > 1e-6 {
@@ -224,7 +225,7 @@ fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
     located.into_iter().collect()
 }
 
-/// Triangles of the intersections of the cells of two meshes.
+/// Triangles that make up the intersections of the cells of two meshes.
 fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for (b, block) in fine.blocks.iter().enumerate() {
@@ -256,7 +257,7 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
     pieces
 }
 
-/// The part of a convex polygon on the left of the line from `a` to `b` (Sutherland and Hodgman, 1974).
+/// The part of a convex polygon to the left of the line from `a` to `b` (Sutherland and Hodgman, 1974).
 fn clip(polygon: &[Point], a: &Point, b: &Point) -> Vec<Point> {
     let side = |p: &Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let mut out = Vec::with_capacity(polygon.len() + 1);

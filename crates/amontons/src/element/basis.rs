@@ -1,4 +1,4 @@
-//! Lagrange functions from which the elements are built: on the line, their products, on simplices.
+//! Lagrange functions of the elements: on the line, their products, and on simplices.
 
 use crate::tensor::Point;
 
@@ -37,7 +37,7 @@ fn barycentric(dim: usize, i: usize, x: &Point) -> f64 {
     if i == 0 { x[..dim].iter().fold(1.0, |rest, c| rest - c) } else { x[i - 1] }
 }
 
-/// Component `d` of its gradient.
+/// Component `d` of the gradient of barycentric coordinate `i`.
 fn slope(i: usize, d: usize) -> f64 {
     if i == 0 {
         -1.0

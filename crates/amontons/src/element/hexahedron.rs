@@ -5,7 +5,7 @@ use super::{Element, Facet, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
-/// Vertices; middles of the edges below, above and upright; centres of the faces −x, +x, −y, +y, −z, +z; the centre.
+/// Vertices; middles of the lower, upper and upright edges; centres of the faces −x, +x, −y, +y, −z, +z; the centre.
 const NODES: [Point; 27] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -58,7 +58,7 @@ pub static Q1_HEXAHEDRON: Element = Element {
     gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7],
 };
 
-/// Triquadratic hexahedron, of 27 nodes.
+/// Triquadratic hexahedron with 27 nodes.
 pub static Q2_HEXAHEDRON: Element = Element {
     name: "Q2 hexahedron",
     shape: Shape::Hexahedron,
@@ -77,6 +77,6 @@ pub static Q2_HEXAHEDRON: Element = Element {
     gradients: |x, g| product_gradients(3, 2, &NODES, x, g),
     vtk: 29,
     gmsh: 12,
-    // Gmsh goes through the edges by their first vertex, and through the faces −z, −y, −x, +x, +y, +z.
+    // Gmsh orders the edges by their first vertex, and the faces −z, −y, −x, +x, +y, +z.
     gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14, 24, 22, 20, 21, 23, 25, 26],
 };

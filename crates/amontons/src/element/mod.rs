@@ -1,4 +1,4 @@
-//! Finite elements as static records; [`ALL`] is the list that tests loop over.
+//! Finite elements as static records; [`ALL`] is the list over which tests loop.
 //!
 //! | family | elements |
 //! |---|---|
@@ -40,7 +40,7 @@ pub struct Element {
     pub shape: Shape,
     /// Largest p such that the shape functions span all polynomials of total degree p: the order of the element.
     pub degree: usize,
-    /// Degree of the gradients for [`crate::quadrature::rule`]: the total degree on a simplex, that in each
+    /// Degree of the gradients for [`crate::quadrature::rule`]: the total degree on a simplex, the degree in each
     /// coordinate on the other shapes.
     pub gradient_degree: usize,
     /// Reference coordinates of the nodes, in the order of VTK.
@@ -55,14 +55,14 @@ pub struct Element {
     pub vtk: u8,
     /// Element type of the Gmsh file formats.
     pub gmsh: u32,
-    /// `gmsh_nodes[i]` is the local node here that Gmsh lists at place `i`.
+    /// `gmsh_nodes[i]` is the local node that Gmsh lists at position `i`.
     pub gmsh_nodes: &'static [usize],
 }
 
-/// A facet of a cell: the cell's local nodes in the order of the facet's own.
+/// A facet of a cell: local nodes of the cell in the order of the facet element.
 ///
-/// A segment has the body on its left, hence its outward normal on its right; on a face the outward normal is
-/// ∂x/∂ξ × ∂x/∂η. A point is [`POINT_LEFT`] or [`POINT_RIGHT`] by the side of the body that it closes.
+/// A segment has the body on its left, hence its outward normal on its right; on a face the outward normal is ∂x/∂ξ ×
+/// ∂x/∂η. A point is [`POINT_LEFT`] or [`POINT_RIGHT`] depending on the end of the body.
 #[derive(Debug)]
 pub struct Facet {
     /// Element of the facet.
@@ -71,10 +71,10 @@ pub struct Facet {
     pub nodes: &'static [usize],
 }
 
-/// VTK's type of a pyramid with nodes in the middle of its edges.
+/// VTK's cell type of a pyramid with mid-edge nodes.
 const QUADRATIC_PYRAMID: u8 = 27;
 
-/// Most nodes that an element has.
+/// Largest number of nodes of an element.
 pub const MAX_NODES: usize = 27;
 
 impl Element {
@@ -84,15 +84,15 @@ impl Element {
         self.shape.dim()
     }
 
-    /// Whether the shape is a segment, triangle or tetrahedron: the functions are then the polynomials of total degree
+    /// True if the shape is a segment, triangle or tetrahedron: the functions are then the polynomials of total degree
     /// p.
     #[must_use]
     pub fn is_simplex(&self) -> bool {
         matches!(self.shape, Shape::Segment | Shape::Triangle | Shape::Tetrahedron)
     }
 
-    /// How many of the nodes, the first ones, a cell of the type [`Element::vtk`] has: all but the last one of the
-    /// quadratic pyramid, as VTK has quadratic pyramids of 13 and of 19 nodes.
+    /// Number of leading nodes that a cell of the type [`Element::vtk`] has: all except the last one of the quadratic
+    /// pyramid, since VTK has quadratic pyramids of 13 and of 19 nodes.
     #[must_use]
     pub fn vtk_nodes(&self) -> usize {
         if self.vtk == QUADRATIC_PYRAMID { 13 } else { self.nodes.len() }
@@ -105,7 +105,7 @@ impl Element {
         std::array::from_fn(|d| self.nodes.iter().take(n).map(|p| p[d]).sum::<f64>() / n as f64)
     }
 
-    /// The element of a shape that is complete to a degree, if the library has one.
+    /// The element of a shape that is complete to a degree; `None` if the library has none.
     #[must_use]
     pub fn find(shape: Shape, degree: usize) -> Option<&'static Element> {
         ALL.into_iter().find(|e| e.shape == shape && e.degree == degree)

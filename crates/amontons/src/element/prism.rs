@@ -6,7 +6,7 @@ use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADR
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
-/// Vertices below and above; middles of the edges below, above and upright; centres of the upright faces.
+/// Lower and upper vertices; middles of the lower, upper and upright edges; centres of the upright faces.
 const NODES: [Point; 18] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -28,10 +28,10 @@ const NODES: [Point; 18] = [
     [0.0, 0.5, 0.5],
 ];
 
-/// The node of the triangle below, at or above which each node lies.
+/// The node of the lower triangle below each node.
 const FOOT: [usize; 18] = [0, 1, 2, 0, 1, 2, 3, 4, 5, 3, 4, 5, 0, 1, 2, 3, 4, 5];
 
-/// Functions of the triangle times functions of the height.
+/// Products of functions of the triangle and functions of the height.
 fn values(degree: usize, x: &Point, out: &mut [f64]) {
     let mut plane = [0.0; 6];
     if degree == 1 {
@@ -60,7 +60,7 @@ fn gradients(degree: usize, x: &Point, out: &mut [Point]) {
     }
 }
 
-/// Linear prism, of six nodes.
+/// Linear prism with six nodes.
 pub static P1_PRISM: Element = Element {
     name: "P1 prism",
     shape: Shape::Prism,
@@ -81,7 +81,7 @@ pub static P1_PRISM: Element = Element {
     gmsh_nodes: &[0, 1, 2, 3, 4, 5],
 };
 
-/// Quadratic prism, of 18 nodes.
+/// Quadratic prism with 18 nodes.
 pub static P2_PRISM: Element = Element {
     name: "P2 prism",
     shape: Shape::Prism,
@@ -99,6 +99,6 @@ pub static P2_PRISM: Element = Element {
     gradients: |x, g| gradients(2, x, g),
     vtk: 32,
     gmsh: 13,
-    // Gmsh goes through the edges by their first vertex, and through the upright faces at 01, 02, 12.
+    // Gmsh orders the edges by their first vertex, and the upright faces 01, 02, 12.
     gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10, 15, 17, 16],
 };

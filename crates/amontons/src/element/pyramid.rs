@@ -5,7 +5,7 @@ use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADR
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
-/// Vertices of the base and the apex; middles of the edges of the base and of those to the apex; centre of the base.
+/// Vertices of the base and the apex; middles of the base edges and of the edges to the apex; centre of the base.
 const NODES: [Point; 14] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -22,22 +22,21 @@ const NODES: [Point; 14] = [
     [0.0, 0.5, 0.5],
     [0.5, 0.5, 0.0],
 ];
-/// The nodes in the base, and the local numbers of the edges from its vertices to the apex.
+/// The nodes in the base, and the local numbers of the mid-edge nodes between its vertices and the apex.
 const BASE: [usize; 9] = [0, 1, 2, 3, 5, 6, 7, 8, 13];
 const UP: [usize; 4] = [9, 10, 11, 12];
 
-/// The place in the square that is collapsed to height z; at the apex, where every place is the same, the middle.
+/// The coordinates in the unit square that is collapsed with height z, and its size 1 − z; the centre at the apex.
 fn collapsed(x: &Point) -> (f64, f64, f64) {
     let size = 1.0 - x[2];
     if size > f64::EPSILON { (x[0] / size, x[1] / size, size) } else { (0.5, 0.5, size) }
 }
 
-/// Linear pyramid, of five nodes: bilinear on the base, linear on the other faces, hence rational inside
-/// (Bedrosian, 1992): with s = x/(1 − z), t = y/(1 − z) the functions of the base are those of the square in
-/// (s, t) times 1 − z.
+/// Linear pyramid with five nodes: bilinear on the base, linear on the other faces, hence rational inside (Bedrosian,
+/// 1992): with s = x/(1 − z), t = y/(1 − z) the functions of the base are those of the square in (s, t) times 1 − z.
 ///
-/// The gradients at the apex depend on the direction of approach; those along s = t = ½ are taken. Rules have no point
-/// there.
+/// The gradients at the apex depend on the direction of approach; those along s = t = ½ are used. Quadrature rules have
+/// no point there.
 pub static P1_PYRAMID: Element = Element {
     name: "P1 pyramid",
     shape: Shape::Pyramid,
@@ -91,8 +90,8 @@ fn values(x: &Point, out: &mut [f64]) {
     out[4] = x[2] * (2.0 * x[2] - 1.0);
 }
 
-/// With r = 1 − z a function r² f(s, t) has the slopes r f_s, r f_t and r (s f_s + t f_t − 2 f), and r z f(s, t) the
-/// slopes z f_s, z f_t and z (s f_s + t f_t − f) + r f.
+/// With r = 1 − z the function r² f(s, t) has the slopes r f_s, r f_t and r (s f_s + t f_t − 2 f), and r z f(s, t) has
+/// the slopes z f_s, z f_t and z (s f_s + t f_t − f) + r f.
 fn slopes(x: &Point, out: &mut [Point]) {
     let ((s, t, size), z) = (collapsed(x), x[2]);
     for node in BASE {
@@ -108,21 +107,21 @@ fn slopes(x: &Point, out: &mut [Point]) {
     out[4] = [0.0, 0.0, 4.0 * z - 1.0];
 }
 
-/// Quadratic pyramid, of fourteen nodes: biquadratic on the base, quadratic on the other faces, hence rational inside.
+/// Quadratic pyramid with 14 nodes: biquadratic on the base, quadratic on the other faces, hence rational inside.
 ///
 /// With r = 1 − z, s = x/r and t = y/r its functions span 1, r Q₁(s, t) and r² Q₂(s, t), which contain all quadratic
-/// polynomials (Bergot, Cohen, Duruflé, 2010). Those of a node of the base are r² L, at a vertex less r z B, in the
-/// middle of an edge to the apex 4 r z B, with the biquadratic L and bilinear B of the square; that of the apex is
-/// z (2z − 1). With biquadratic replaced by serendipity functions on the base they are those of thirteen nodes
+/// polynomials (Bergot, Cohen, Duruflé, 2010). The functions of the base nodes are r² L, minus r z B at a vertex; those
+/// in the middle of an edge to the apex are 4 r z B, with the biquadratic L and bilinear B of the square; that of the
+/// apex is z (2z − 1). With serendipity instead of biquadratic functions on the base they are the functions of 13 nodes
 /// (Bedrosian, 1992).
 ///
 /// The gradients have degree 2 in s and in t and degree 1 in z, the functions degree 2 in each. Rules on pyramids are
-/// products of rules in s, t and z, that in z with two degrees more for the weight r². So a rule of degree 4 is exact
-/// for products of two functions or gradients although they are no polynomials of (x, y, z), and for the volumes of
-/// curved cells, whose determinants have degree 5 in s and in t and degree 3 in z.
+/// products of rules in s, t and z, with two more degrees in z for the weight r². So a rule of degree 4 is exact for
+/// products of two functions or gradients although they are no polynomials of (x, y, z), and for the volumes of curved
+/// cells, whose determinants have degree 5 in s and in t and degree 3 in z.
 ///
-/// The gradients at the apex depend on the direction of approach; those along s = t = ½ are taken. Rules have no point
-/// there.
+/// The gradients at the apex depend on the direction of approach; those along s = t = ½ are used. Quadrature rules have
+/// no point there.
 pub static P2_PYRAMID: Element = Element {
     name: "P2 pyramid",
     shape: Shape::Pyramid,
@@ -140,7 +139,7 @@ pub static P2_PYRAMID: Element = Element {
     gradients: slopes,
     vtk: 27,
     gmsh: 14,
-    // Gmsh goes through the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
+    // Gmsh orders the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
     gmsh_nodes: &[0, 1, 2, 3, 4, 5, 8, 9, 6, 10, 7, 11, 12, 13],
 };
 
@@ -163,7 +162,7 @@ mod tests {
         sums
     }
 
-    /// The rule that the forms take is exact, and none of a lower degree is.
+    /// The rule used by the forms is exact, and no rule of a lower degree is.
     #[test]
     fn products_of_functions_and_gradients_are_integrated_exactly() {
         let (exact, degree) = (products(12), 2 * P2_PYRAMID.gradient_degree);
@@ -189,8 +188,8 @@ mod tests {
         [n1, n2, n3, n4, apex, edge(a, -b), edge(b, a), edge(a, b), edge(b, -a), n10, n11, n12, n13]
     }
 
-    /// With the centre of the base at −¼ Σ vertices + ½ Σ middles the fourteen functions are those of thirteen nodes: a
-    /// cell that lacks that node keeps its shape.
+    /// With the centre of the base at −¼ Σ vertices + ½ Σ middles the 14 functions reduce to those of 13 nodes: a cell
+    /// without that node keeps its shape.
     #[test]
     fn thirteen_nodes_are_a_part_of_fourteen() {
         for (x, _) in crate::quadrature::rule(Shape::Pyramid, 6).iter() {

@@ -38,7 +38,7 @@ pub static Q1_QUADRILATERAL: Element = Element {
     gmsh_nodes: &[0, 1, 2, 3],
 };
 
-/// Biquadratic quadrilateral, of nine nodes.
+/// Biquadratic quadrilateral with nine nodes.
 pub static Q2_QUADRILATERAL: Element = Element {
     name: "Q2 quadrilateral",
     shape: Shape::Quadrilateral,

@@ -1,4 +1,4 @@
-//! Segments [0, 1], and the points that close a body of one dimension.
+//! Segments [0, 1], and the end points of a body of one dimension.
 
 use super::basis::{product, product_gradients};
 use super::{Element, Facet};

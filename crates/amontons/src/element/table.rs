@@ -4,20 +4,20 @@ use super::Element;
 use crate::quadrature::{Rule, rule};
 use crate::tensor::Point;
 
-/// An element at the points of a rule: values and reference gradients of its shape functions, and the weights.
+/// An element at the points of a quadrature rule: values and reference gradients of its shape functions, and weights.
 #[derive(Clone, Debug)]
 pub struct ShapeTable {
     /// The element.
     pub element: &'static Element,
-    /// Weights of the points, of the reference cell.
+    /// Weights of the points on the reference cell.
     pub weights: Vec<f64>,
     values: Vec<f64>,
     gradients: Vec<Point>,
 }
 
 impl ShapeTable {
-    /// The element at the points of the rule that integrates polynomials of a degree on its shape,
-    /// see [`crate::quadrature::rule`].
+    /// The element at the points of the rule that is exact for polynomials of a degree on its shape, see
+    /// [`crate::quadrature::rule`].
     #[must_use]
     pub fn new(element: &'static Element, degree: usize) -> ShapeTable {
         ShapeTable::of_rule(element, rule(element.shape, degree))
@@ -47,7 +47,7 @@ impl ShapeTable {
         self.weights.len()
     }
 
-    /// Whether there are no points.
+    /// True if there are no points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.weights.is_empty()

@@ -41,7 +41,7 @@ pub static P1_TETRAHEDRON: Element = Element {
     gmsh_nodes: &[0, 1, 2, 3],
 };
 
-/// Quadratic tetrahedron, of ten nodes. Gmsh lists the last two in the other order.
+/// Quadratic tetrahedron with ten nodes. Gmsh lists the last two in the opposite order.
 pub static P2_TETRAHEDRON: Element = Element {
     name: "P2 tetrahedron",
     shape: Shape::Tetrahedron,

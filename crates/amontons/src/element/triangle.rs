@@ -9,7 +9,7 @@ use crate::tensor::Point;
 pub(super) const NODES: [Point; 6] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.5, 0.0]];
 
-/// Vertices that the middle nodes lie between.
+/// The two vertices next to each middle node.
 pub(super) const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
 /// Linear triangle.
@@ -31,7 +31,7 @@ pub static P1_TRIANGLE: Element = Element {
     gmsh_nodes: &[0, 1, 2],
 };
 
-/// Quadratic triangle, of six nodes.
+/// Quadratic triangle with six nodes.
 pub static P2_TRIANGLE: Element = Element {
     name: "P2 triangle",
     shape: Shape::Triangle,

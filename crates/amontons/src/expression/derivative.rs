@@ -38,10 +38,10 @@ pub(super) fn partials(op: Op, operands: [f64; 3], slopes: [&Partials; 3], value
         Op::Atan => unary(1.0 / (1.0 + a * a)),
         Op::Sinh => unary(a.cosh()),
         Op::Cosh => unary(a.sinh()),
-        // The square of the value would leave no digit where it is close to 1.
+        // The square of the value would lose all digits where it is close to 1.
         Op::Tanh => unary(a.cosh().recip().powi(2)),
         Op::Exp => unary(value),
-        // The magnitude, because the slope at -0 is that at 0; below, the value is NaN.
+        // The magnitude is used because the slope at -0 is that at 0; for negative arguments the value is NaN.
         Op::Log => unary(1.0 / a.abs()),
         Op::Log10 => unary(1.0 / (a.abs() * LN_10)),
         Op::Sqrt => unary(0.5 / value.abs()),
@@ -54,7 +54,7 @@ pub(super) fn partials(op: Op, operands: [f64; 3], slopes: [&Partials; 3], value
             let (by_a, by_b) = if r.is_infinite() { (0.0, 0.0) } else { (b / r / r, -a / r / r) };
             from_fn(|i| chain(by_a, r, da[i]) + chain(by_b, r, db[i]))
         }
-        // The remainder is exact, the quotient rounded: its floor would be wrong next to a jump.
+        // The remainder is exact while the quotient is rounded: its floor would be wrong next to a jump.
         Op::Modulo => {
             let periods = ((a - value) / b).round();
             from_fn(|i| da[i] - chain(periods, b, db[i]))
@@ -63,18 +63,18 @@ pub(super) fn partials(op: Op, operands: [f64; 3], slopes: [&Partials; 3], value
     }
 }
 
-/// The slope `local` of a function of `a`, times that of `a`.
+/// The slope `local` of a function of `a`, times the slope of `a`.
 ///
-/// An operand that does not change has no part in the result, be the function as steep as it may;
-/// nor has one that is infinite, as after an overflow, where the function is level.
+/// A constant operand contributes nothing, however steep the function is; nor does an infinite operand, as after an
+/// overflow, where the function is level.
 fn chain(local: f64, a: f64, da: f64) -> f64 {
     if da == 0.0 || (local == 0.0 && a.is_infinite()) { 0.0 } else { local * da }
 }
 
 /// The term `a db` in the derivative of the product `a b`.
 ///
-/// Where `a` vanishes it is 0 even if `b`, of finite value, has no finite slope: the quotient of
-/// differences is that of `a`, which tends to `da`, times `b`.
+/// A vanishing `a` gives 0 even if the finite `b` has an infinite slope: the difference quotient is that of `a`, which
+/// tends to `da`, times `b`.
 fn product(a: f64, da: f64, db: f64) -> f64 {
     let outweighs = a == 0.0 && (da == 0.0 || (da.is_finite() && db.is_infinite()));
     if db == 0.0 || outweighs { 0.0 } else { a * db }
@@ -86,8 +86,8 @@ fn quotient(value: f64, b: f64, da: f64, db: f64) -> f64 {
     if change == 0.0 { 0.0 } else { change / b }
 }
 
-/// The derivatives of `value = a^b`. The two parts are worked out only where they count: the
-/// logarithm of a negative base is of no concern to a constant exponent.
+/// The derivatives of `value = a^b`. Each of the two terms is computed only if it counts: the logarithm of a negative
+/// base does not matter for a constant exponent.
 fn power_slope([a, b]: [f64; 2], [da, db]: [&Partials; 2], value: f64) -> Partials {
     let moves = |slopes: &Partials| slopes.iter().any(|&slope| slope != 0.0);
     let mut result = [0.0; 4];

@@ -34,11 +34,10 @@
 //! | `min(a, b, ...)` `max(a, b, ...)`            | two or more arguments                      |
 //! | `if(c, a, b)`                                | `a` if `c` is not 0, else `b`              |
 //!
-//! Powers with an integer exponent up to 16 in magnitude are products, and `a^0` is 1. A value that
-//! is not a number is handed on by `sign`, `step`, `min`, `max` and the condition of `if`, which
-//! therefore cannot hide it; only comparisons with it have an outcome: `!=` holds, the others do
-//! not. Derivatives are those of the formula as written, see [`Expression::derivatives`]. An
-//! expression has at most 10 000 bytes and 200 levels of nesting.
+//! Powers with an integer exponent up to 16 in magnitude are products, and `a^0` is 1. A NaN is passed on by `sign`,
+//! `step`, `min`, `max` and the condition of `if`, which therefore cannot hide it; only comparisons with it have an
+//! outcome: `!=` holds, the others do not. Derivatives are those of the formula as written, see
+//! [`Expression::derivatives`]. An expression has at most 10 000 bytes and 200 levels of nesting.
 
 mod derivative;
 mod ops;
@@ -75,18 +74,18 @@ impl Variable {
     }
 }
 
-/// Why a text is not an expression.
+/// Reason why a text is not an expression.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("at byte {offset}: found {found}, expected {expected}{}", suffix(.hint.as_deref()))]
 pub struct ExpressionError {
-    /// Where in the text, in bytes from its beginning; always on the boundary of a character and
-    /// at most the length of the text.
+    /// Position in the text, in bytes from its beginning; always on the boundary of a character and at most the length
+    /// of the text.
     pub offset: usize,
-    /// What stands there.
+    /// The text found there.
     pub found: String,
-    /// What could have stood there.
+    /// The text expected there.
     pub expected: String,
-    /// What to write instead, where that can be guessed.
+    /// A suggestion for what to write instead; `None` if there is none.
     pub hint: Option<String>,
 }
 
@@ -126,7 +125,7 @@ impl Expression {
         Expression::named(source, parse::PLACE)
     }
 
-    /// The same in up to four variables by these names.
+    /// Compiles an expression in up to four variables with these names.
     fn named(source: &str, names: &[&str]) -> Result<Expression, ExpressionError> {
         let parsed = parse::parse(source, names)?;
         Ok(Expression {
@@ -141,15 +140,15 @@ impl Expression {
         &self.source
     }
 
-    /// The value at the point `x` and the time `t`. It may be infinite or NaN, as for `1/x` or
-    /// `sqrt(x)`; that is for the caller to check.
+    /// The value at the point `x` and the time `t`. It may be infinite or NaN, as for `1/x` or `sqrt(x)`; the caller
+    /// must check that.
     pub fn value(&self, x: &[f64; 3], t: f64) -> f64 {
         self.program.value(x, t)
     }
 
-    /// The values at many points and one time, equal to those of [`value`](Self::value) to the
-    /// last bit. What does not depend on the point is evaluated once, which together with the
-    /// evaluation in blocks makes this several times faster than point by point.
+    /// The values at many points and one time, equal to those of [`value`](Self::value) to the last bit. Parts that do
+    /// not depend on the point are evaluated once; with evaluation in blocks this is several times faster than point by
+    /// point.
     ///
     /// `out` is as long as `points`; if it is not, only the first values, up to the shorter of the
     /// two lengths, are evaluated.
@@ -158,8 +157,8 @@ impl Expression {
         self.program.values(&points[..count], t, &mut out[..count]);
     }
 
-    /// The value and the derivatives by the coordinates and the time, by the rules of calculus and
-    /// therefore exact up to rounding. The value is that of [`value`](Self::value) to the last bit.
+    /// The value and the derivatives by the coordinates and the time, by the rules of calculus and therefore exact up
+    /// to rounding. The value equals that of [`value`](Self::value) to the last bit.
     ///
     /// A function in pieces has the derivative of the piece that gives the value:
     ///
@@ -172,54 +171,52 @@ impl Expression {
     /// | `mod(a, b)`                               | that of `a - n*b` with `n = floor(a/b)` held fixed |
     /// | `a^b`                                     | by `a`: 0 if `b` is 0                              |
     ///
-    /// What does not change to first order does not change what is computed from it: `sqrt(x^2)`
-    /// and `sqrt(x^2 + y^2)` have the derivative 0 at the origin. A factor that vanishes outweighs
-    /// the infinite slope of the other: `x*sqrt(x)` has the derivative 0 at 0. An operand that is
-    /// infinite, as after an overflow, counts as constant where the function levels out:
-    /// `1/(1 + exp(x))` has the derivative 0 at 1000. These rules do not see a singularity
-    /// that the next operation undoes: they give 0 for `1/(1/x)` and `(x^3)^(1/3)` at 0.
+    /// Terms that are constant to first order count as constant: `sqrt(x^2)` and `sqrt(x^2 + y^2)` have the derivative
+    /// 0 at the origin. A vanishing factor outweighs the infinite slope of the other: `x*sqrt(x)` has the derivative 0
+    /// at 0. An infinite operand, as after an overflow, counts as constant where the function levels out:
+    /// `1/(1 + exp(x))` has the derivative 0 at 1000. These rules do not see a singularity that the next operation
+    /// undoes: they give 0 for `1/(1/x)` and `(x^3)^(1/3)` at 0.
     ///
-    /// A derivative is infinite where the slope is, as for `sqrt(x)` at 0. It is NaN where the
-    /// value is, and where the rules lead to no number: for `atan2` at the origin, for a variable
-    /// exponent by that exponent at a negative base, for `sqrt(x)^2` at 0. That is for the caller
-    /// to check.
+    /// A derivative is infinite where the slope is, as for `sqrt(x)` at 0. It is NaN where the value is, and where the
+    /// rules lead to no number: for `atan2` at the origin, for a variable exponent by that exponent at a negative base,
+    /// for `sqrt(x)^2` at 0. The caller must check that.
     pub fn derivatives(&self, x: &[f64; 3], t: f64) -> Derivatives {
         self.program.derivatives(x, t)
     }
 
-    /// Whether the text mentions a variable, be it without influence as in `0*x`.
+    /// True if the text mentions a variable, even without influence as in `0*x`.
     pub fn uses(&self, variable: Variable) -> bool {
         self.variables[variable as usize]
     }
 
-    /// Whether the text mentions the time.
+    /// True if the text mentions the time.
     pub fn depends_on_time(&self) -> bool {
         self.uses(Variable::T)
     }
 
-    /// Whether the text mentions a coordinate.
+    /// True if the text mentions a coordinate.
     pub fn depends_on_space(&self) -> bool {
         [Variable::X, Variable::Y, Variable::Z].into_iter().any(|variable| self.uses(variable))
     }
 }
 
-/// A formula in up to four variables of its own, by their names, such as `0.2 + 0.1*exp(-v/0.3)` in `p` and `v`; see
-/// the [module](self) for the language.
+/// A formula in up to four named variables, such as `0.2 + 0.1*exp(-v/0.3)` in `p` and `v`; see the [module](self) for
+/// the language.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Formula {
     expression: Expression,
 }
 
 impl Formula {
-    /// Compiles a formula in variables of these names, of which the first four count.
+    /// Compiles a formula in variables with these names; only the first four count.
     ///
     /// # Errors
-    /// As [`Expression::parse`].
+    /// Fails like [`Expression::parse`].
     pub fn parse(source: &str, names: &[&str]) -> Result<Formula, ExpressionError> {
         Ok(Formula { expression: Expression::named(source, names)? })
     }
 
-    /// The value, and the derivatives by the variables in their order, as [`Expression::derivatives`] takes them.
+    /// The value and the derivatives by the variables in their order, with the rules of [`Expression::derivatives`].
     #[must_use]
     pub fn derivatives(&self, [x, y, z, t]: [f64; 4]) -> (f64, [f64; 4]) {
         let Derivatives { value, by_x: [by_x, by_y, by_z], by_t } = self.expression.derivatives(&[x, y, z], t);
@@ -232,7 +229,7 @@ impl Formula {
         self.expression.value(&[x, y, z], t)
     }
 
-    /// Whether the text mentions the variable with this number, from 0.
+    /// True if the text mentions variable number `variable`, from 0.
     #[must_use]
     pub fn uses(&self, variable: usize) -> bool {
         self.expression.variables.get(variable).is_some_and(|used| *used)

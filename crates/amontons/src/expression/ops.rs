@@ -1,7 +1,7 @@
-//! The operations of an expression and what they do to numbers.
+//! The operations of an expression on numbers.
 
-/// Integer exponents up to this magnitude are carried out by multiplication, which is exact where
-/// the product is, and much faster than the general power.
+/// Largest magnitude of integer exponents that are evaluated by multiplication, which is exact if the product is, and
+/// much faster than the general power.
 const LARGEST_INTEGER_EXPONENT: u32 = 16;
 
 /// An operation on one to three numbers.
@@ -52,8 +52,8 @@ pub(super) trait Operands {
     fn ternary(self, function: impl Fn(f64, f64, f64) -> f64) -> Self::Output;
 }
 
-/// The one table of what the operations mean. Folding of constants, evaluation at a point and
-/// evaluation at a block all go through it, which is what makes their results equal.
+/// The one definition of all operations. Constant folding, evaluation at a point and evaluation of a block all use it,
+/// so their results are equal.
 #[allow(clippy::inline_always)] // a call would cost the scalar evaluation more than the operation
 #[inline(always)]
 pub(super) fn apply<O: Operands>(op: Op, operands: O) -> O::Output {
@@ -68,7 +68,7 @@ pub(super) fn apply<O: Operands>(op: Op, operands: O) -> O::Output {
         Op::LessEqual => operands.binary(|a, b| truth(a <= b)),
         Op::Greater => operands.binary(|a, b| truth(a > b)),
         Op::GreaterEqual => operands.binary(|a, b| truth(a >= b)),
-        // The user asks for exact equality, as in `t == 0`; a tolerance is theirs to write.
+        // The user asks for exact equality, as in `t == 0`; a tolerance must be written explicitly.
         #[allow(clippy::float_cmp)]
         Op::Equal => operands.binary(|a, b| truth(a == b)),
         #[allow(clippy::float_cmp)]
@@ -99,7 +99,7 @@ pub(super) fn apply<O: Operands>(op: Op, operands: O) -> O::Output {
     }
 }
 
-// Written as a choice, and not as a conversion of the truth value, because a choice vectorises.
+// A branch instead of a conversion of the truth value, because a branch vectorizes.
 #[inline]
 fn truth(condition: bool) -> f64 {
     if condition { 1.0 } else { 0.0 }
@@ -127,7 +127,7 @@ fn step(a: f64) -> f64 {
     }
 }
 
-// `f64::min` and `f64::max` would swallow a NaN, and leave the sign of a zero open.
+// `f64::min` and `f64::max` would drop a NaN, and do not define the sign of a zero.
 #[inline]
 fn minimum(a: f64, b: f64) -> f64 {
     if a < b || a.is_nan() { a } else { b }
@@ -138,7 +138,7 @@ fn maximum(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-// The remainder is exact, where `a - b*floor(a/b)` suffers from the rounding of the quotient.
+// The remainder is exact, while `a - b*floor(a/b)` suffers from the rounding of the quotient.
 #[inline]
 fn modulo(a: f64, b: f64) -> f64 {
     let remainder = a % b;
@@ -156,8 +156,8 @@ fn select(condition: f64, a: f64, b: f64) -> f64 {
     }
 }
 
-/// Whether an exponent known only at evaluation is a small integer is decided here in the same way
-/// as for a constant one, so that `x^t` at `t = 2` is `x^2` to the last bit.
+/// A power. Small integer exponents known only at evaluation are treated like constant ones, so that `x^t` at `t = 2`
+/// equals `x^2` to the last bit.
 pub(super) fn power(base: f64, exponent: f64) -> f64 {
     match small_integer(exponent) {
         Some(0) => 1.0,
@@ -175,8 +175,8 @@ pub(super) fn small_integer(value: f64) -> Option<i32> {
     (f64::from(n) == value && n.unsigned_abs() <= LARGEST_INTEGER_EXPONENT).then_some(n)
 }
 
-/// `base` to the power `n >= 1` by squaring, on numbers as on nodes of the graph: one order of the
-/// multiplications for both.
+/// `base` to the power `n >= 1` by squaring, for numbers and for nodes of the graph, with the same order of
+/// multiplications.
 pub(super) fn integer_power<T: Copy>(base: T, n: u32, mut multiply: impl FnMut(T, T) -> T) -> T {
     let mut result = base;
     for bit in (0..n.ilog2()).rev() {

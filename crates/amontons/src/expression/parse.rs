@@ -1,4 +1,4 @@
-//! From the text of an expression to its graph.
+//! Parser from the text of an expression to its graph.
 
 use std::ops::Range;
 
@@ -9,10 +9,10 @@ use super::{ExpressionError, Variable};
 /// Longest expression, in bytes.
 pub(super) const MAX_LENGTH: usize = 10_000;
 
-/// Deepest nesting of parentheses, signs and powers, of which each takes a level of recursion.
+/// Deepest nesting of parentheses, signs and powers; each takes a level of recursion.
 pub(super) const MAX_DEPTH: usize = 200;
 
-/// Longest piece of the source that is repeated in a message, in characters.
+/// Longest piece of the source that is quoted in a message, in characters.
 const MAX_QUOTE: usize = 30;
 
 const OPERAND: &str = "a number, a variable, a function or `(`";
@@ -58,7 +58,7 @@ pub(super) const PLACE: &[&str] = &["x", "y", "z", "t"];
 
 const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
 
-/// Names under which other languages know ours, too far apart for the edit distance.
+/// Names of our functions in other languages that are too different for the edit distance.
 const FOREIGN_NAMES: [(&str, &str); 10] = [
     ("arcsin", "asin"),
     ("arccos", "acos"),
@@ -72,7 +72,7 @@ const FOREIGN_NAMES: [(&str, &str); 10] = [
     ("heaviside", "step"),
 ];
 
-/// Spellings that are no part of the language, with what to write instead. Longer ones first.
+/// Symbols that are not part of the language, with a hint. Longer ones first.
 const FOREIGN_SYMBOLS: [(&str, &str); 23] = [
     ("**", "write ^ for a power"),
     ("&&", "write (a)*(b) where both conditions must hold"),
@@ -115,7 +115,7 @@ enum Token {
     End,
 }
 
-/// What the parser hands over: the graph, its root, and the variables that were mentioned.
+/// Result of the parser: the graph, its root, and the variables mentioned.
 pub(super) struct Parsed {
     pub(super) graph: Graph,
     pub(super) root: NodeId,
@@ -182,7 +182,7 @@ impl<'a> Parser<'a> {
         self.advance()?;
         let right = self.sum()?;
         if let Token::Compare(_) = self.token {
-            // `a < b < c` would compare the outcome 0 or 1 of the first with c.
+            // `a < b < c` would compare the result 0 or 1 of the first comparison with c.
             return Err(
                 self.error("a single comparison", Some("write (a < b)*(b < c) where both must hold".to_owned()))
             );
@@ -218,7 +218,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Every recursion passes through here, so here it is bounded.
+    /// Every recursion passes through here, so the depth is limited here.
     fn signed(&mut self) -> Result<NodeId, ExpressionError> {
         if self.depth >= MAX_DEPTH {
             return Err(self.error(
@@ -350,8 +350,7 @@ impl<'a> Parser<'a> {
         ExpressionError { offset: self.span.start, found, expected: expected.to_owned(), hint }
     }
 
-    /// The error for a token that cannot follow an operand, inside the parenthesis opened at
-    /// `open` if any.
+    /// The error for a token that cannot follow an operand, inside the parenthesis opened at `open`, if any.
     fn after_operand(&self, expected: &str, open: Option<usize>) -> ExpressionError {
         let before = self.source.get(self.previous_span.clone()).unwrap_or_default();
         let hint = match (self.token, self.previous) {
@@ -385,8 +384,8 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The first token of `text`, which does not begin with a space, and its length in bytes; or what
-/// was found, what was expected, and the hint.
+/// The first token of `text`, which must not begin with a space, and its length in bytes; or the text found, the text
+/// expected, and a hint.
 fn token(text: &str) -> Result<(Token, usize), (String, String, Option<String>)> {
     let two = |second| text.as_bytes().get(1) == Some(&second);
     let foreign = || FOREIGN_SYMBOLS.iter().find(|entry| text.starts_with(entry.0));
@@ -433,7 +432,7 @@ fn number(text: &str) -> Result<(Token, usize), (String, String, Option<String>)
         end = digits(end + 1);
     }
     let mantissa = text.get(..end).unwrap_or_default();
-    // An `e` that no digits follow is the constant, and an error for lack of an operator.
+    // An `e` without digits is the constant, and then an operator is missing.
     if let Some(b'e' | b'E') = bytes.get(end) {
         let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
         let exponent = end + 1 + sign;
@@ -446,7 +445,7 @@ fn number(text: &str) -> Result<(Token, usize), (String, String, Option<String>)
     let Ok(value) = literal.parse::<f64>() else {
         return Err((found(), "a number".to_owned(), None));
     };
-    // A number that silently became infinite or zero is not the one that was written.
+    // A number that would become infinite or zero is refused.
     let vanished = value == 0.0 && mantissa.contains(|c: char| matches!(c, '1'..='9'));
     if value.is_infinite() || vanished {
         let expected = "a number of magnitude between 5e-324 and 1.8e308, or 0".to_owned();
@@ -455,7 +454,7 @@ fn number(text: &str) -> Result<(Token, usize), (String, String, Option<String>)
     Ok((Token::Number(value), end))
 }
 
-/// A piece of the source, cut to a length fit for a message and without control characters.
+/// A piece of the source, shortened for a message and without control characters.
 fn quote(text: &str) -> String {
     let mut quoted: String = text.chars().take(MAX_QUOTE).flat_map(char::escape_debug).collect();
     if text.chars().nth(MAX_QUOTE).is_some() {
@@ -464,7 +463,7 @@ fn quote(text: &str) -> String {
     quoted
 }
 
-/// `x*y` for `xy`, and `f(...)` for a function, as parts of a hint.
+/// `x*y` for `xy`, or `f(...)` for a function, as part of a hint.
 fn factors(text: &str) -> String {
     if text == "(" {
         "(...)".to_owned()
@@ -480,7 +479,7 @@ fn product_of_variables(name: &str) -> Option<String> {
     variables.then(|| name.chars().map(String::from).collect::<Vec<_>>().join("*"))
 }
 
-/// What was probably meant by an unknown name.
+/// The name that was probably meant by an unknown one.
 fn suggestion(name: &str, names: &[&str]) -> Option<String> {
     let length = name.chars().count();
     if length > MAX_QUOTE {
@@ -497,7 +496,7 @@ fn suggestion(name: &str, names: &[&str]) -> Option<String> {
     };
     let foreign = FOREIGN_NAMES.iter().find(|entry| entry.0 == lower).map(|entry| entry.1);
     let close = || {
-        // In a short name, a single letter is already half of it.
+        // In a short name a single letter is already half of it.
         let most = if length <= 4 { 1 } else { 2 };
         known()
             .map(|candidate| (strsim::damerau_levenshtein(&lower, candidate), candidate))

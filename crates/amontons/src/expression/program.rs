@@ -1,4 +1,4 @@
-//! The graph of an expression, and the register program that carries its operations out.
+//! The graph of an expression, and the register program that evaluates it.
 
 use std::collections::HashMap;
 
@@ -6,27 +6,26 @@ use super::derivative::{Partials, partials};
 use super::ops::{Op, Operands, apply, integer_power, small_integer};
 use super::{Derivatives, Variable};
 
-/// Points evaluated together: enough for the decoding of an instruction to vanish beside its
-/// arithmetic, few enough for the registers of a typical expression to stay in the first cache.
+/// Number of points evaluated together: enough to make the decoding of an instruction negligible, few enough for the
+/// registers of a typical expression to stay in the first-level cache.
 const LANES: usize = 128;
 
-/// Slots of a scalar evaluation that are kept on the stack.
+/// Number of slots up to which a scalar evaluation uses the stack.
 const STACK_SLOTS: usize = 64;
 
-/// Up to this many points the evaluation point by point is faster than that of a block.
+/// Number of points up to which evaluation point by point is faster than evaluation of a block.
 const FEW_POINTS: usize = 2;
 
 type Block = [f64; LANES];
 
-/// The sign and payload of a NaN depend on the instructions chosen by the compiler; everything
-/// else does not.
+/// Replaces a NaN by one fixed bit pattern: its sign and payload depend on the compiler, unlike all other results.
 #[inline]
 fn canonical(value: f64) -> f64 {
     if value.is_nan() { f64::NAN } else { value }
 }
 
-/// A node of the graph under construction; operands are earlier nodes. Operations of fewer than
-/// three operands repeat the last one.
+/// A node of the graph under construction; operands are earlier nodes. Operations with fewer than three operands repeat
+/// the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Node {
     Constant(u64),
@@ -38,7 +37,7 @@ enum Node {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct NodeId(usize);
 
-/// The operations of an expression, each distinct one once, constants folded.
+/// The distinct operations of an expression, with constants folded.
 #[derive(Debug, Default)]
 pub(super) struct Graph {
     nodes: Vec<Node>,
@@ -106,7 +105,7 @@ impl Graph {
     }
 }
 
-/// What has to change for a node to change its value.
+/// The inputs on which the value of a node depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Stage {
     Constant,
@@ -124,9 +123,9 @@ struct Instruction {
 
 /// A compiled expression.
 ///
-/// Values are kept in numbered slots. The first ones are uniform, of one value for all points:
-/// the constants, then the time and what follows from it. The others differ from point to point
-/// and are reused as soon as their value is no longer needed.
+/// Values are kept in numbered slots. The first ones are uniform, with one value for all points: the constants, then
+/// the time and values derived from it. The others differ per point and are reused as soon as their value is no longer
+/// needed.
 #[derive(Clone, Debug)]
 pub(super) struct Program {
     constants: Vec<f64>,
@@ -140,7 +139,7 @@ pub(super) struct Program {
     result: usize,
 }
 
-/// The instructions that are evaluated at every point. Slots are numbered as they are needed, and used again.
+/// The instructions evaluated at every point. Slots are allocated as needed and reused.
 fn body(
     nodes: &[Node],
     stages: &[Stage],
@@ -157,8 +156,8 @@ fn body(
         if stages[i] != Stage::Space || last_use[i].is_none() {
             continue;
         }
-        // The result takes its slot before the operands give theirs up: an instruction never
-        // writes what it reads, which lets the blocks be borrowed side by side.
+        // The result takes its slot before the operands release theirs: an instruction never writes what it reads, so
+        // the blocks can be borrowed together.
         slot[i] = free.pop().unwrap_or_else(|| {
             *slots += 1;
             *slots - 1
@@ -238,7 +237,7 @@ impl Program {
         })
     }
 
-    /// The partial derivatives are kept in slots of their own, numbered as those of the values.
+    /// The partial derivatives have their own slots, numbered as those of the values.
     pub(super) fn derivatives(&self, x: &[f64; 3], t: f64) -> Derivatives {
         with_slots(self.slots, |file: &mut [f64]| {
             with_slots(self.slots, |slopes: &mut [Partials]| {
@@ -316,7 +315,7 @@ impl Program {
     }
 }
 
-/// Lends `count` slots, from the stack where they are few.
+/// Runs `run` with `count` slots, on the stack if they are few.
 fn with_slots<S: Copy + Default + Send + 'static, T>(count: usize, run: impl FnOnce(&mut [S]) -> T) -> T {
     if count <= STACK_SLOTS {
         run(&mut [S::default(); STACK_SLOTS][..count])
@@ -331,7 +330,7 @@ fn run(instructions: &[Instruction], file: &mut [f64]) {
     }
 }
 
-/// For every node the last one that reads it, or `None` if the root does not depend on it.
+/// For every node the last node that reads it; `None` if the root does not depend on it.
 fn last_uses(nodes: &[Node], root: usize) -> Vec<Option<usize>> {
     let mut last_use = vec![None; nodes.len()];
     last_use[root] = Some(nodes.len());
@@ -390,7 +389,7 @@ impl Operands for Numbers<'_> {
     }
 }
 
-/// Operands at a block of points; the length of `result` says how many.
+/// Operands at a block of points; the length of `result` is their number.
 struct Blocks<'a> {
     uniform: &'a [f64],
     before: &'a [Block],
@@ -417,7 +416,7 @@ impl<'a> Blocks<'a> {
         })
     }
 
-    /// The operand as a block of its own, for operations too rare for a loop per kind of operand.
+    /// The operand as a block, for operations too rare to have a loop per kind of operand.
     fn block(&self, operand: usize) -> Block {
         match self.source(operand) {
             Source::Uniform(value) => [value; LANES],

@@ -1,4 +1,4 @@
-//! Coefficients of a material: a value for the whole region, or one that varies in space and with the temperature.
+//! Material coefficients: constant over the region, or varying in space and with the temperature.
 
 use std::fmt;
 use std::sync::Arc;
@@ -6,19 +6,19 @@ use std::sync::Arc;
 use super::{Field, reference};
 use crate::tensor::{Point, Sym};
 
-/// A datum of the body: the same value everywhere, or a function of the position and the temperature.
+/// A datum of the body: constant, or a function of position and temperature.
 pub trait InSpace<T>: Sync {
-    /// The value at a point; of a function of the temperature at the temperature nearest to 0.
+    /// The value at a point; for a function of the temperature, at its temperature nearest to 0.
     fn at(&self, x: &Point) -> T;
     /// The value at a point and a temperature.
     fn at_temperature(&self, x: &Point, _theta: f64) -> T {
         self.at(x)
     }
-    /// The value, if it is the same everywhere.
+    /// The value if it is constant; `None` otherwise.
     fn constant(&self) -> Option<T>;
 }
 
-/// A value is the same everywhere. For each type by itself: a reference to a coefficient is no value.
+/// Implements constants. Each type is listed, since a reference to a coefficient is no value.
 macro_rules! values {
     ($($value:ty),*) => {$(
         impl InSpace<$value> for $value {
@@ -50,8 +50,8 @@ type Function<T> = dyn Fn(&Point) -> T + Send + Sync;
 /// assert_eq!((graded.at(&[0.5, 0.0, 0.0]), graded.constant()), (1.5, None));
 /// ```
 ///
-/// A function of the temperature has the temperatures between which it holds, K; beyond them it keeps its value, and a
-/// step that ends there is refused:
+/// A function of the temperature holds between given temperatures, K. Beyond them its value is constant, and a step
+/// that ends there is refused:
 ///
 /// ```
 /// # use amontons::field::{Coefficient, InSpace};
@@ -60,7 +60,7 @@ type Function<T> = dyn Fn(&Point) -> T + Send + Sync;
 /// ```
 #[derive(Clone)]
 pub enum Coefficient<T> {
-    /// The same value everywhere.
+    /// A constant.
     Constant(T),
     /// A function of the position.
     Varying(Arc<Function<T>>),
@@ -72,22 +72,22 @@ pub enum Coefficient<T> {
 pub struct Thermal<T> {
     temperatures: Vec<f64>,
     at: Box<AtTemperature<T>>,
-    /// The integral over the temperature from 0, if it is known.
+    /// The integral over the temperature from 0; `None` if not known.
     integral: Option<Box<AtTemperature<T>>>,
 }
 
 type AtTemperature<T> = dyn Fn(&Point, f64) -> T + Send + Sync;
 
 impl<T> Coefficient<T> {
-    /// A coefficient that is a function of the position.
+    /// Makes a coefficient that is a function of the position.
     pub fn varying(value: impl Fn(&Point) -> T + Send + Sync + 'static) -> Coefficient<T> {
         Coefficient::Varying(Arc::new(value))
     }
 
-    /// A coefficient that is a function of the position and the temperature.
+    /// Makes a coefficient that is a function of position and temperature.
     ///
-    /// It holds from the first to the last of the temperatures, which ascend. Its bounds are those at the temperatures
-    /// given: give those at which it bends or is extreme too.
+    /// It holds from the first to the last of the ascending temperatures. Its bounds are taken at these temperatures
+    /// only: include those of kinks and extrema.
     pub fn of_temperature(
         temperatures: &[f64],
         value: impl Fn(&Point, f64) -> T + Send + Sync + 'static,
@@ -96,13 +96,13 @@ impl<T> Coefficient<T> {
         Coefficient::Thermal(Arc::new(Thermal { temperatures, at: Box::new(value), integral: None }))
     }
 
-    /// Whether it is a function of the position or the temperature.
+    /// True if it depends on position or temperature.
     #[must_use]
     pub fn varies(&self) -> bool {
         !matches!(self, Coefficient::Constant(_))
     }
 
-    /// The temperatures of a function of the temperature, K; none of others.
+    /// The temperatures of a function of the temperature, K; empty for others.
     #[must_use]
     pub fn temperatures(&self) -> &[f64] {
         match self {
@@ -112,14 +112,14 @@ impl<T> Coefficient<T> {
     }
 }
 
-/// Points of Gauss's rule of degree 5 on [−1, 1] beside 0.
+/// Gauss point of degree 5 on [−1, 1] next to 0.
 const GAUSS: f64 = 0.774_596_669_241_483_4;
 
 impl Coefficient<f64> {
-    /// The integral over the temperature from 0: of a heat capacity c the enthalpy, cθ where c is constant.
+    /// The integral over the temperature from 0: the enthalpy for a heat capacity c, cθ if c is constant.
     ///
-    /// That of a function is found by Gauss's rule of degree 5 between its temperatures; beyond them the function keeps
-    /// its value.
+    /// A function is integrated by Gauss's rule of degree 5 between its temperatures; beyond them its value is
+    /// constant.
     #[must_use]
     pub fn integral(&self, x: &Point, theta: f64) -> f64 {
         let Coefficient::Thermal(thermal) = self else { return self.at(x) * theta };
@@ -140,7 +140,7 @@ impl Coefficient<f64> {
 }
 
 impl<T: Copy + Sync> Coefficient<T> {
-    /// The value at a point; of a function of the temperature at the temperature nearest to 0.
+    /// The value at a point; for a function of the temperature, at its temperature nearest to 0.
     #[must_use]
     pub fn at(&self, x: &Point) -> T {
         match self {
@@ -150,7 +150,7 @@ impl<T: Copy + Sync> Coefficient<T> {
         }
     }
 
-    /// The value at a point and a temperature; beyond its temperatures that at the first or the last of them.
+    /// The value at a point and a temperature; constant beyond the range of its temperatures.
     #[must_use]
     pub fn at_temperature(&self, x: &Point, theta: f64) -> T {
         match self {
@@ -159,7 +159,7 @@ impl<T: Copy + Sync> Coefficient<T> {
         }
     }
 
-    /// The value, if it is the same everywhere.
+    /// The value if it is constant; `None` otherwise.
     #[must_use]
     pub fn constant(&self) -> Option<T> {
         match self {
@@ -169,7 +169,7 @@ impl<T: Copy + Sync> Coefficient<T> {
     }
 }
 
-/// The temperature, or the nearest that a list reaches.
+/// The temperature, clamped to the range of a list.
 pub(super) fn held(temperatures: &[f64], theta: f64) -> f64 {
     match temperatures {
         [first, .., last] if first <= last => theta.clamp(*first, *last),
@@ -215,14 +215,14 @@ impl From<Field> for Coefficient<f64> {
 }
 
 impl<T: PartialEq> PartialEq<T> for Coefficient<T> {
-    /// Whether it has this value everywhere; a function is equal to no value.
+    /// True if it has this value everywhere; a function equals no value.
     fn eq(&self, other: &T) -> bool {
         matches!(self, Coefficient::Constant(value) if value == other)
     }
 }
 
 impl<T: PartialEq> PartialEq for Coefficient<T> {
-    /// Whether both have the same value everywhere, or are the same function.
+    /// True if both have the same constant value, or are the same function.
     fn eq(&self, other: &Coefficient<T>) -> bool {
         match (self, other) {
             (Coefficient::Constant(value), Coefficient::Constant(other)) => value == other,

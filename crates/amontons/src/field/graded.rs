@@ -1,4 +1,4 @@
-//! Laws whose coefficients vary: at every point, time and temperature the law that a function gives there.
+//! Laws with varying coefficients: a function gives the law at every point, time and temperature.
 
 use std::fmt;
 use std::sync::Arc;
@@ -10,24 +10,24 @@ use crate::tensor::Point;
 /// The law at a position, time and temperature.
 type At<T> = dyn Fn(&Point, f64, f64) -> Arc<T> + Send + Sync;
 
-/// A law with the place, the time and the temperature at which it stands.
+/// A law with the position, time and temperature for which it holds.
 pub struct Instance<T: ?Sized> {
-    /// The place, m.
+    /// The position, m.
     pub x: Point,
     /// The time, s; 0 for laws that do not change with time.
     pub t: f64,
-    /// The temperature, K; none for laws that do not depend on it.
+    /// The temperature, K; `None` for laws that do not depend on it.
     pub theta: Option<f64>,
-    /// The law there.
+    /// The law.
     pub law: Arc<T>,
 }
 
-/// A law whose coefficients vary over the body or over a side, and in time or with the temperature where the law may:
-/// at every point the law of constant coefficients that a function gives there.
+/// A law whose coefficients vary over the body or over a side, and in time or with the temperature if the law allows
+/// that: a function gives the law of constant coefficients at every point.
 ///
 /// `T` is the trait of the law: `dyn TensorLaw`, `dyn NormalLaw`, `dyn FrictionLaw`, `dyn HeatLaw` or `dyn WearLaw`.
-/// The constants of (H1)–(H8) are those of the least and the largest of the laws at the points given, which should be
-/// those at which the law is evaluated: the nodes and the points of the integrals.
+/// The constants of (H1)–(H8) are the extremes over the given points, which should be those at which the law is
+/// evaluated: the nodes and the quadrature points.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -42,19 +42,18 @@ pub struct Graded<T: ?Sized> {
     at: Arc<At<T>>,
     t: f64,
     changes: bool,
-    /// The temperatures between which the law is known, K; empty if it does not depend on the temperature.
+    /// The temperatures between which the law is known, K; empty if it is independent of the temperature.
     temperatures: Arc<[f64]>,
-    /// Whether one of the laws is special: not linear (elasticity), or with a bound that drops when slip starts
-    /// (friction).
+    /// True if one of the laws is nonlinear (elasticity), or has a bound that drops when slip starts (friction).
     special: bool,
     least: Instance<T>,
     most: Instance<T>,
 }
 
 impl<T: ?Sized> Graded<T> {
-    /// The law that `at` gives at a point and a time, with its extremes by `size` over points and times.
+    /// The law that `at` gives per point and time, with its extremes by `size` over points and times.
     ///
-    /// Without points the law at the origin is taken.
+    /// Without points, the law at the origin is used.
     pub(crate) fn over(
         points: &[Point],
         times: &[f64],
@@ -64,7 +63,7 @@ impl<T: ?Sized> Graded<T> {
         Graded::over_all(points, times, &[], move |x, t, _| at(x, t), size)
     }
 
-    /// The same of a law that depends on the temperature, with its extremes over the temperatures, too.
+    /// Like [`Graded::over`] for a law that also depends on the temperature, with its extremes over the temperatures.
     pub(crate) fn over_all(
         points: &[Point],
         times: &[f64],
@@ -102,19 +101,19 @@ impl<T: ?Sized> Graded<T> {
         Graded { at, t: start, changes, temperatures: temperatures.into(), special, least, most }
     }
 
-    /// The law at a point, at the present time; of one that depends on the temperature at that which is nearest to 0.
+    /// The law at a point at its time; if it depends on the temperature, at its temperature nearest to 0.
     #[must_use]
     pub fn at(&self, x: &Point) -> Arc<T> {
         (self.at)(x, self.t, reference(&self.temperatures))
     }
 
-    /// The law at a point and a temperature; beyond its temperatures that at the first or the last of them.
+    /// The law at a point and a temperature; constant beyond the range of its temperatures.
     #[must_use]
     pub fn at_temperature(&self, x: &Point, theta: f64) -> Arc<T> {
         (self.at)(x, self.t, held(&self.temperatures, theta))
     }
 
-    /// The temperatures between which the law is known, K; empty if it does not depend on the temperature.
+    /// The temperatures between which the law is known, K; empty if it is independent of the temperature.
     #[must_use]
     pub fn temperatures(&self) -> &[f64] {
         &self.temperatures
@@ -126,12 +125,12 @@ impl<T: ?Sized> Graded<T> {
         [&self.least, &self.most]
     }
 
-    /// Whether one of the laws is not linear, or has a bound that drops when slip starts.
+    /// True if one of the laws is nonlinear, or has a bound that drops when slip starts.
     pub(crate) fn is_special(&self) -> bool {
         self.special
     }
 
-    /// The same law at another time; none for a law that does not change with time.
+    /// This law at another time; `None` if it does not change with time.
     pub(crate) fn at_time(&self, t: f64) -> Option<Graded<T>> {
         self.changes.then(|| Graded { t, ..self.clone() })
     }
@@ -162,7 +161,7 @@ impl<T: fmt::Debug + ?Sized> fmt::Debug for Graded<T> {
 }
 
 impl<T: ?Sized + 'static> Graded<T> {
-    /// The law that `other` makes of this one at each point, which keeps the order of constants.
+    /// The law derived from this one at each point by `other`, which must keep the order of constants.
     pub(crate) fn map(&self, other: impl Fn(&T, &Point) -> Arc<T> + Send + Sync + 'static) -> Graded<T> {
         let [least, most] = self.extremes().map(|i| Instance { law: other(i.law.as_ref(), &i.x), ..i.clone() });
         let at = Arc::clone(&self.at);

@@ -1,4 +1,4 @@
-//! Data that may vary in space, time and with the temperature: a number, an expression in x, y, z, t, a table, or a
+//! Data that may vary in space, in time and with the temperature: a number, an expression in x, y, z, t, a table, or a
 //! function.
 
 mod coefficient;
@@ -23,7 +23,7 @@ use crate::tensor::Point;
 /// A scalar function of position and time, in the unit of its quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Field {
-    /// The same value everywhere and always.
+    /// A constant.
     Constant(f64),
     /// An expression in x, y, z and t.
     Expression(Expression),
@@ -46,13 +46,13 @@ impl fmt::Debug for SpaceFunction {
 }
 
 impl PartialEq for SpaceFunction {
-    /// Whether both are the same function in memory.
+    /// True if both are the same function in memory.
     fn eq(&self, other: &SpaceFunction) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 }
 
-/// Step of the differences of a function relative to a coordinate, where its truncation is about its round-off.
+/// Step of difference quotients relative to a coordinate, where truncation and round-off balance.
 const STEP: f64 = 1e-5;
 
 impl SpaceFunction {
@@ -95,7 +95,7 @@ impl Field {
         Field::Function(SpaceFunction(Arc::new(value)))
     }
 
-    /// Value at a point and a time; of a coefficient of the temperature at that which is nearest to 0.
+    /// Value at a point and a time; for a table over the temperature, at its temperature nearest to 0.
     #[must_use]
     pub fn value(&self, x: &Point, t: f64) -> f64 {
         match self {
@@ -116,7 +116,7 @@ impl Field {
         }
     }
 
-    /// The temperatures at which a coefficient of the temperature has its values, K; none for other data.
+    /// The temperatures of a table over the temperature, K; empty for other data.
     #[must_use]
     pub fn temperatures(&self) -> &[f64] {
         match self {
@@ -155,7 +155,7 @@ impl Field {
         out
     }
 
-    /// Whether the value changes with time.
+    /// True if the value changes with time.
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
         match self {
@@ -165,7 +165,7 @@ impl Field {
         }
     }
 
-    /// Whether the value is not the same everywhere.
+    /// True if the value may vary in space.
     #[must_use]
     pub fn depends_on_space(&self) -> bool {
         match self {
@@ -177,7 +177,7 @@ impl Field {
         }
     }
 
-    /// The first and the last time at which it has a value.
+    /// The first and the last time at which it has a value, s.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {
         match self {
@@ -186,7 +186,7 @@ impl Field {
         }
     }
 
-    /// Whether the field is the number zero.
+    /// True if the field is the number zero.
     #[must_use]
     pub fn is_zero(&self) -> bool {
         matches!(self, Field::Constant(0.0))

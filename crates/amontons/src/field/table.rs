@@ -1,11 +1,11 @@
-//! Values at times, linear between them.
+//! Tables over time, linear between their points.
 
 use std::sync::Arc;
 
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
 
-/// What is wrong with the numbers of a table over the time or the temperature.
+/// A fault in the numbers of a table over time or temperature.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// There are no rows.
@@ -54,7 +54,7 @@ pub enum TableError {
 }
 
 impl TableError {
-    /// Whether these are the arguments and values of a table.
+    /// Checks that these can be the arguments and values of a table.
     pub(super) fn check(over: &'static str, at: &[f64], values: &[f64]) -> Result<(), TableError> {
         if at.len() != values.len() {
             return Err(TableError::Lengths { over, count: at.len(), values: values.len() });
@@ -83,36 +83,36 @@ pub struct TimeTable {
 }
 
 impl TimeTable {
-    /// The function with these values at these times in s. Outside the times it has no value: it is NaN there.
+    /// The function with these values at these times in s. Outside the times its value is NaN.
     ///
     /// # Errors
-    /// When there are no times, not as many values, numbers that are not finite, or times that do not increase.
+    /// Fails if there are no times, not as many values, numbers that are not finite, or times that do not increase.
     pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<TimeTable, TableError> {
         TableError::check("time", &times, &values)?;
         Ok(TimeTable { times: times.into(), values: values.into(), hold: false, factor: None })
     }
 
-    /// The same table with its first value before its times and its last one after them.
+    /// Extends the table by its first value before its times and its last one after them.
     #[must_use]
     pub fn hold(mut self) -> TimeTable {
         self.hold = true;
         self
     }
 
-    /// The same table times a factor.
+    /// Multiplies the table by a factor.
     #[must_use]
     pub fn scaled(mut self, factor: Expression) -> TimeTable {
         self.factor = Some(Arc::new(factor));
         self
     }
 
-    /// Whether its factor depends on space.
+    /// True if its factor depends on space.
     #[must_use]
     pub fn depends_on_space(&self) -> bool {
         self.factor.as_ref().is_some_and(|factor| factor.depends_on_space())
     }
 
-    /// The first and the last time that have a value.
+    /// The first and the last time with a value, s.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {
         match (self.hold, self.times.first(), self.times.last()) {
@@ -144,7 +144,7 @@ impl TimeTable {
         self.factor.as_ref().map_or(value, |factor| value * factor.value(x, t))
     }
 
-    /// Values at many points at one time, which is looked up once.
+    /// Values at many points at one time; the table is searched once.
     pub fn values(&self, points: &[Point], t: f64, out: &mut [f64]) {
         let (value, _) = self.at(t);
         match &self.factor {
@@ -158,7 +158,7 @@ impl TimeTable {
         }
     }
 
-    /// Value and derivatives; at a time of the table the slope of the following interval is taken.
+    /// Value and derivatives; at a time of the table the slope of the following interval is used.
     #[must_use]
     pub fn derivatives(&self, x: &Point, t: f64) -> Derivatives {
         let (value, slope) = self.at(t);

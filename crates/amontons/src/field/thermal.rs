@@ -1,4 +1,4 @@
-//! Values at temperatures, linear between them, and coefficients that depend on the temperature.
+//! Tables over the temperature, linear between their points, for temperature-dependent coefficients.
 
 use std::sync::Arc;
 
@@ -9,13 +9,13 @@ use crate::tensor::Point;
 /// A coefficient given by its values at temperatures θ₀ < θ₁ < …, linear between them, times a factor that may vary in
 /// space: c(x, θ) = factor(x) Σ c_i φ_i(θ), φ_i the hat function of θ_i.
 ///
-/// Beyond its temperatures the table continues with its first and its last value, so that iterations may pass there. A
-/// step whose solution has such temperatures is refused.
+/// Beyond its temperatures the table is constant, so that iterations may pass there. A step whose solution has such
+/// temperatures is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemperatureTable {
     temperatures: Arc<[f64]>,
     values: Arc<[f64]>,
-    /// Integrals of the hat functions' sum from the first temperature to each.
+    /// Integrals of the sum of hat functions from the first temperature to each.
     integrals: Arc<[f64]>,
     factor: Option<Arc<Expression>>,
     is_mean: bool,
@@ -25,7 +25,7 @@ impl TemperatureTable {
     /// The coefficient with these values at these temperatures in K.
     ///
     /// # Errors
-    /// When there are no temperatures, not as many values, numbers that are not finite, or temperatures that do not
+    /// Fails if there are no temperatures, not as many values, numbers that are not finite, or temperatures that do not
     /// increase.
     pub fn new(temperatures: Vec<f64>, values: Vec<f64>) -> Result<TemperatureTable, TableError> {
         TableError::check("temperature", &temperatures, &values)?;
@@ -43,21 +43,21 @@ impl TemperatureTable {
         })
     }
 
-    /// The same table times a factor, which does not depend on the time.
+    /// Multiplies the table by a factor that does not depend on the time.
     #[must_use]
     pub fn scaled(mut self, factor: Expression) -> TemperatureTable {
         self.factor = Some(Arc::new(factor));
         self
     }
 
-    /// The mean of this table from 0 to θ, as a coefficient of θ: the secant coefficient of tangent ones.
+    /// The mean of this table from 0 to θ, as a coefficient of θ: converts tangent to secant coefficients.
     #[must_use]
     pub fn mean(mut self) -> TemperatureTable {
         self.is_mean = true;
         self
     }
 
-    /// Whether its factor depends on space.
+    /// True if its factor depends on space.
     #[must_use]
     pub fn depends_on_space(&self) -> bool {
         self.factor.as_ref().is_some_and(|factor| factor.depends_on_space())
@@ -100,15 +100,14 @@ impl TemperatureTable {
         self.at(theta).1 - self.at(0.0).1
     }
 
-    /// The integral of the table from 0 to θ: of a heat capacity the enthalpy.
+    /// The integral of the table from 0 to θ: the enthalpy for a heat capacity.
     #[must_use]
     pub fn integral(&self, x: &Point, theta: f64) -> f64 {
         self.factor(x) * self.plain_integral(theta)
     }
 }
 
-/// The temperature of a list that is nearest to 0 K, at which a coefficient is taken where none is known; 0 without a
-/// list.
+/// The temperature of a list nearest to 0 K, used if no temperature is known; 0 for an empty list.
 pub(crate) fn reference(temperatures: &[f64]) -> f64 {
     match temperatures {
         [first, .., last] => 0f64.clamp(*first, *last),
@@ -117,7 +116,7 @@ pub(crate) fn reference(temperatures: &[f64]) -> f64 {
     }
 }
 
-/// The temperatures of several lists together, as far as all of them reach; empty if they have none in common.
+/// The temperatures of several lists within their common range; empty if there is none.
 #[cfg(feature = "case")]
 pub(crate) fn common<'a>(lists: impl Iterator<Item = &'a [f64]> + Clone) -> Vec<f64> {
     let first = lists.clone().filter_map(|list| list.first().copied()).fold(f64::NEG_INFINITY, f64::max);

@@ -1,4 +1,4 @@
-//! Sums of cell matrices: what is known at a point of a cell, and the sums over points and cells.
+//! Assembly of cell matrices: quantities at a point of a cell, and sums over points and cells.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use crate::material::Dilatation;
 use crate::mesh::{Block, CellMap, Mesh};
 use crate::tensor::{MANDEL, Sym, mandel_len, mandel_weight};
 
-/// The entry of a region in a list by region; the last one serves the regions beyond the list.
+/// The entry for a region in a list by region; the last one also serves regions beyond the list.
 pub(super) fn of_region<'a, T: ?Sized>(list: &[&'a T], region: usize) -> Option<&'a T> {
     list.get(region).or(list.last()).copied()
 }
 
-/// A point of a cell, as a form sees it.
+/// Quantities at a point of a cell, from which forms are computed.
 pub(super) struct Cell<'a> {
     pub mesh: &'a Mesh,
     table: &'a ShapeTable,
@@ -29,20 +29,20 @@ pub(super) struct Cell<'a> {
     /// Number of basis fields N_j e_c: nodes times d.
     pub fields: usize,
     /// Components 11 · 22, 12 · 33 … of the strain of each basis field N_j e_c, in order (j, c), one row per component:
-    /// `strains[m][j d + c]`. Empty for forms that do not ask for it.
+    /// `strains[m][j d + c]`. Empty for forms that do not use it.
     strains: Vec<f64>,
-    /// Mean over the cell of the divergence of each basis field; empty unless asked for.
+    /// Mean over the cell of the divergence of each basis field; empty unless used.
     mean: Vec<f64>,
-    /// Room for one number a basis field.
+    /// Buffer of one number per basis field.
     room: Vec<f64>,
 }
 
-/// Whether a region takes the mean dilatation; `all` is a list by region, whose last entry serves those beyond.
+/// True if a region uses the mean dilatation; `all` is a list by region whose last entry also serves regions beyond.
 pub(crate) fn is_mean(all: &[Dilatation], region: usize) -> bool {
     all.get(region).or(all.last()) == Some(&Dilatation::Mean)
 }
 
-/// Number of leading Mandel components that a strain has.
+/// Number of leading Mandel components of a strain.
 pub(super) fn strain_components(mesh: &Mesh) -> usize {
     if mesh.axisymmetric { 4 } else { mandel_len(mesh.dim) }
 }
@@ -90,7 +90,7 @@ impl<'a> Cell<'a> {
         self.nodes.iter().zip(self.map.values()).map(|(&node, value)| value * field[node as usize]).sum()
     }
 
-    /// A datum at the point, with the temperature `theta` of the nodes where there is one.
+    /// A datum at the point, at the temperature interpolated from the nodal values `theta`, if given.
     pub fn local<T, D: InSpace<T> + ?Sized>(&self, datum: &D, theta: &[f64]) -> T {
         if theta.is_empty() {
             datum.at(&self.map.position)
@@ -142,7 +142,7 @@ impl<'a> Cell<'a> {
         }
     }
 
-    /// Mandel components on the diagonal of a tensor, which make its trace.
+    /// Mandel components of the diagonal of a tensor, which sum to its trace.
     fn trace_components(&self) -> &'static [usize] {
         const DIAGONAL: [usize; 3] = [0, 1, 3];
         &DIAGONAL[..self.mesh.tensor_dim()]
@@ -178,12 +178,12 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// Numbers that are kept of cells before they are added up: they stay in the cache.
+/// Cell results buffered before they are added up; they stay in the cache.
 const KEPT: usize = 1 << 16;
-/// Cells that one task works on.
+/// Cells per task.
 const TASK: usize = 32;
 
-/// Computes `size` numbers per cell, in parallel, and hands them over in the order of the cells, many cells at once.
+/// Computes `size` numbers per cell in parallel and passes them on in the order of the cells, many cells at once.
 pub(super) fn by_cells(
     mesh: &Mesh,
     degree: impl Fn(&Element) -> usize,

@@ -1,4 +1,4 @@
-//! Forms over sides: springs, dashpots and convection, for conditions of the third kind.
+//! Forms over sides: springs, dashpots and convection, as conditions of the third kind.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::{BoundaryCondition, Support};
 use crate::tensor::Point;
 
-/// ∫ κ(x, ν) N_j·N_i over the sides where there is a coefficient κ, a tensor of `components`² entries;
-/// none if there is no such side.
+/// ∫ κ(x, ν) N_j·N_i over the sides with a coefficient κ, a tensor of `components`² entries; `None` if there is no such
+/// side.
 ///
-/// The rule is exact for coefficients that are quadratic on a facet that is flat.
+/// The rule is exact for coefficients that are quadratic on a flat facet.
 fn assemble<'a, K: 'a>(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -59,7 +59,7 @@ fn stiffness(support: &Support, map: &FacetMap) -> [Point; 3] {
     }
 }
 
-/// The sides of conditions that have one, with what they have there.
+/// The sides with a condition of one kind, and the condition.
 fn sides<'a, K: 'a>(
     mesh: &'a Mesh,
     boundary: &'a [BoundaryCondition],
@@ -68,19 +68,19 @@ fn sides<'a, K: 'a>(
     boundary.iter().filter_map(move |b| Some((mesh.facets.get(&b.on)?, of(b)?)))
 }
 
-/// ∫ (κ u)·v of the springs at the boundary, whose traction is −κu.
+/// ∫ (κ u)·v of the springs at the boundary, with the traction −κu.
 #[must_use]
 pub fn springs(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
     assemble(mesh, graph, mesh.dim, sides(mesh, boundary, |b| b.spring.as_ref()), stiffness)
 }
 
-/// ∫ (κ w)·v of the dashpots at the boundary, whose traction is −κu̇.
+/// ∫ (κ w)·v of the dashpots at the boundary, with the traction −κu̇.
 #[must_use]
 pub fn dashpots(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
     assemble(mesh, graph, mesh.dim, sides(mesh, boundary, |b| b.dashpot.as_ref()), stiffness)
 }
 
-/// [`springs`] and [`dashpots`] on the facets of a set alone.
+/// [`springs`] and [`dashpots`] restricted to the facets of a set.
 pub(crate) fn supports_on(mesh: &Mesh, boundary: &[BoundaryCondition], set: &FacetSet) -> [Option<BlockMatrix>; 2] {
     let graph = Arc::new(Graph::of_mesh(mesh));
     let kinds: [fn(&BoundaryCondition) -> Option<&Support>; 2] = [|b| b.spring.as_ref(), |b| b.dashpot.as_ref()];
@@ -92,7 +92,7 @@ pub(crate) fn supports_on(mesh: &Mesh, boundary: &[BoundaryCondition], set: &Fac
     })
 }
 
-/// ∫ h θ η of the heat exchange −q·ν = h (θ_a − θ); its other part is a load, see [`super::q`].
+/// ∫ h θ η of the heat exchange −q·ν = h (θ_a − θ); the part h θ_a is a load, see [`super::q`].
 #[must_use]
 pub fn convection(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
     assemble(mesh, graph, 1, sides(mesh, boundary, |b| b.convection.as_ref()), |convection, map| {

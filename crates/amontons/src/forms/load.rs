@@ -9,20 +9,20 @@ use crate::problem::{BoundaryCondition, Convection, ProblemData, RegionLoad, Rig
 use crate::space::RigidNodes;
 use crate::tensor::Point;
 
-/// Degree of the rules that integrate data against shape functions: exact for cubic data on P1.
+/// Degree of the rules for data times shape functions: exact for cubic data on P1.
 pub(crate) fn data_degree(element: &Element) -> usize {
     element.degree + 3
 }
 
-/// Points of a field that does not vary with time whose values are added at once: they fit into a cache.
+/// Points of a time-independent field that are evaluated at once: they fit into a cache.
 const POINTS: usize = 4096;
 
-/// A load linear in its data: fixed entries, and terms whose field varies with time.
+/// A load that is linear in its data: fixed entries, and terms whose field varies with time.
 #[derive(Debug, Default)]
 pub struct Load {
     constant: Arc<Vec<f64>>,
     varying: Vec<Varying>,
-    /// The last load that was made, whose memory the next one takes.
+    /// The last load made; its memory is reused.
     last: Mutex<Arc<Vec<f64>>>,
 }
 
@@ -30,7 +30,7 @@ pub struct Load {
 struct Varying {
     field: Field,
     points: Vec<Point>,
-    /// Where and with what weight the value at each point enters, `per_point` entries per point.
+    /// Degree of freedom and weight for the value at each point, `per_point` entries per point.
     entries: Vec<(u32, f64)>,
     per_point: usize,
 }
@@ -40,7 +40,7 @@ impl Load {
         Load { constant: Arc::new(vec![0.0; size]), ..Load::default() }
     }
 
-    /// The load vector at time t, an entry for each degree of freedom in N or W; one and the same where no term varies.
+    /// The load vector at time t in N or W, one entry per degree of freedom; shared if no term varies.
     #[must_use]
     pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
         if self.varying.is_empty() {
@@ -56,7 +56,7 @@ impl Load {
         Arc::clone(&last)
     }
 
-    /// Adds ∫ field N for the points given by `place`.
+    /// Adds ∫ field N for points with the given entries.
     fn add(&mut self, field: &Field, per_point: usize, points: Vec<Point>, entries: Vec<(u32, f64)>) {
         if field.is_zero() {
             return;
@@ -82,11 +82,11 @@ impl Varying {
     }
 }
 
-/// ∫ field η over the body or a region of it, η a component of a node and `factor` that of the field at a point.
+/// ∫ field η over the body or a region, η a component of a node, `factor` the factor of the field at a point.
 struct CellTerms<'a> {
     field: &'a Field,
     region: Option<usize>,
-    /// Component, and number of them.
+    /// Component, and number of components.
     component: (usize, usize),
     factor: &'a dyn Fn(&Point) -> f64,
 }
@@ -125,7 +125,7 @@ fn add_cell_terms(mesh: &Mesh, load: &mut Load, terms: &CellTerms) {
     }
 }
 
-/// ∫ field direction·v over a side, an edge or points, v of `components` components.
+/// ∫ field direction·v over a side, an edge or points, v with `components` components.
 fn facet_terms(
     mesh: &Mesh,
     load: &mut Load,
@@ -162,7 +162,7 @@ fn unit(c: usize) -> Point {
     std::array::from_fn(|d| if d == c { 1.0 } else { 0.0 })
 }
 
-/// Forces and moments that act on a rigid part: at its nodes the forces that do their work along its motions.
+/// Forces and moments on a rigid part, as nodal forces that do the same work in its rigid motions.
 fn rigid_terms(mesh: &Mesh, load: &mut Load, part: &RigidPart) {
     let body = RigidNodes::new(mesh, part.nodes(mesh), part.turns);
     let at = part.at.or_else(|| part.centre(mesh)).unwrap_or_default();
@@ -228,7 +228,7 @@ pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> L
     load
 }
 
-/// The terms of a condition on some facets of its side.
+/// Adds the terms of a condition on some facets of its side.
 fn condition_terms(mesh: &Mesh, load: &mut Load, condition: &BoundaryCondition, set: &FacetSet) {
     for (c, field) in condition.traction.iter().flatten().enumerate() {
         facet_terms(mesh, load, set, field, mesh.dim, |_| unit(c));
@@ -242,8 +242,8 @@ fn condition_terms(mesh: &Mesh, load: &mut Load, condition: &BoundaryCondition, 
     }
 }
 
-/// The part of the loads of a problem that is on some facets: of each condition that on the facets of both, and what
-/// acts on rigid parts all of whose nodes are among theirs.
+/// The loads of a problem on some facets: conditions on the facets that both have, and loads on rigid parts whose nodes
+/// all belong to these facets.
 pub(crate) fn load_on(problem: &ProblemData, set: &FacetSet) -> Load {
     let (mesh, nodes) = (&problem.mesh, set.node_list());
     let mut load = Load::new(mesh.points.len() * mesh.dim);

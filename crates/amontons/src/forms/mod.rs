@@ -11,17 +11,17 @@
 //! | [`convection`] | ∫ h θ η over sides | 1 × 1 |
 //! | [`f`], [`q`] | ∫ f₀·v + ∫_{Γ_N} f₁·v, ∫ q₀ η + heat inflow | load vectors |
 //!
-//! Laws and tensors are lists by region of the mesh; the last entry serves the regions beyond the list. In a body of
+//! Laws and tensors are lists by region of the mesh; the last entry also serves regions beyond the list. In a body of
 //! revolution strains have the component 33, u_r/r, and laws and tensors act in three dimensions.
 //!
-//! Coefficients may vary within a cell. The rules are those of constant coefficients: exact for products of shape
+//! Coefficients may vary within a cell. The rules are those for constant coefficients: exact for products of shape
 //! functions and gradients, which keeps the order of the method for smooth coefficients (Ciarlet 1978, *The Finite
-//! Element Method for Elliptic Problems*, section 4.1), and gives what regions give where coefficients jump between
-//! cells only.
+//! Element Method for Elliptic Problems*, section 4.1), and gives the same result as regions if coefficients jump
+//! between cells only.
 //!
-//! Laws that are not linear enter by [`residual`] and [`tangent`] at a given displacement, and so do laws that depend
-//! on the temperature, at the temperature of the nodes. Conduction, stored heat and thermal stress are vectors of the
-//! temperature where their coefficients depend on it.
+//! Nonlinear laws enter by [`residual`] and [`tangent`] at a given displacement, and laws that depend on the
+//! temperature also at the nodal temperature. Conduction, stored heat and thermal stress are vectors of the temperature
+//! if their coefficients depend on it.
 //!
 //! j and χ, the terms on Γ_C, are evaluated at contact points in [`crate::linalg`].
 
@@ -54,19 +54,19 @@ use crate::mesh::Mesh;
 use crate::tensor::{Sym, dot};
 use assembly::{Cell, assemble, of_region};
 
-/// (θ, η)_{L²(Ω)}, and by components (w, v)_H.
+/// (θ, η)_{L²(Ω)}, and (w, v)_H per component.
 #[must_use]
 pub fn inner_h(mesh: &Mesh, graph: &Arc<Graph>) -> BlockMatrix {
     weighted_inner_h(mesh, graph, &[] as &[f64])
 }
 
-/// ∫ c θ η with a factor c by region, such as the density or the heat capacity; [`inner_h`] where the list is empty.
+/// ∫ c θ η with a factor c by region, such as the density or the heat capacity; [`inner_h`] if the list is empty.
 #[must_use]
 pub fn weighted_inner_h(mesh: &Mesh, graph: &Arc<Graph>, factors: &[impl InSpace<f64>]) -> BlockMatrix {
     weighted_at(mesh, graph, factors, &[])
 }
 
-/// [`weighted_inner_h`] with factors at the temperature `theta` of the nodes; empty for none.
+/// [`weighted_inner_h`] with factors at the nodal temperature `theta`; empty for none.
 pub(crate) fn weighted_at(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -94,19 +94,19 @@ pub(crate) fn weighted_at(
     )
 }
 
-/// a(u, v) = ∫ 𝓔ε(u):ε(v) of linear laws.
+/// a(u, v) = ∫ 𝓔ε(u):ε(v) for linear laws.
 #[must_use]
 pub fn a(mesh: &Mesh, graph: &Arc<Graph>, elasticity: &[&dyn TensorLaw]) -> BlockMatrix {
     tensor_form(mesh, graph, elasticity, &[Dilatation::Full])
 }
 
-/// b(w, v) = ∫ 𝓥ε(w):ε(v) of linear laws.
+/// b(w, v) = ∫ 𝓥ε(w):ε(v) for linear laws.
 #[must_use]
 pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> BlockMatrix {
     tensor_form(mesh, graph, viscosity, &[Dilatation::Full])
 }
 
-/// [`a`] or [`b`] with a choice of the strain.
+/// [`a`] or [`b`] with full or mean dilatation.
 #[must_use]
 pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: &[Dilatation]) -> BlockMatrix {
     let at_rest = |law: &dyn TensorLaw, cell: &Cell| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
@@ -119,7 +119,7 @@ pub fn d<K: InSpace<Sym>>(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&K]) 
     d_at(mesh, graph, conductivity, &[])
 }
 
-/// [`d`] with 𝓚 at the temperature `theta` of the nodes; empty for none.
+/// [`d`] with 𝓚 at the nodal temperature `theta`; empty for none.
 pub(crate) fn d_at<K: InSpace<Sym>>(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -150,15 +150,15 @@ pub(crate) fn d_at<K: InSpace<Sym>>(
     .of_differences()
 }
 
-/// m(θ, v) = ∫ θ 𝓜:ε(v), rows v, columns θ, with the strain that a and b have: thermal stress of nearly incompressible
-/// bodies would lock all the same if it worked on another.
+/// m(θ, v) = ∫ θ 𝓜:ε(v), rows v, columns θ, with the same strain as a and b: with another strain, thermal stress in
+/// nearly incompressible bodies would still lock.
 #[must_use]
 pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>], dilatation: &[Dilatation]) -> BlockMatrix {
     let tensor = |cell: &Cell| of_region(expansion, cell.region).map(|m| m.at(&cell.map.position));
     works(mesh, graph, dilatation, |e| mesh.value_products(e, true), tensor)
 }
 
-/// ∫ θ 𝓣:ε(v) with a tensor at each point, none where there is none; rows v, columns θ.
+/// ∫ θ 𝓣:ε(v) with a tensor at each point, rows v, columns θ; `None` if there is no tensor.
 fn works(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -215,7 +215,7 @@ mod tests {
     use crate::material::{Isotropic, StressState};
     use crate::mesh::{Elements, MeshError};
 
-    /// Every entry is summed in the order of the cells, whatever the number of threads.
+    /// Every entry is summed in the order of the cells, regardless of the number of threads.
     #[test]
     fn the_number_of_threads_changes_no_bit() -> Result<(), Box<dyn std::error::Error>> {
         let matrices = |threads: usize| -> Result<Vec<f64>, Box<dyn std::error::Error>> {

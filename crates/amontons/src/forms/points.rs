@@ -1,7 +1,7 @@
-//! Strains that are kept at the points of the cells, and the forms of linear laws on them.
+//! Strains stored at the points of the cells, and the forms of linear laws on them.
 //!
-//! The strain of a spring whose relaxation time varies over the body is that of no displacement. It is kept at the
-//! points at which the products of strains are integrated, so that the forms see it without interpolation.
+//! If the relaxation time of a branch varies over the body, the strain of its spring belongs to no displacement. It is
+//! stored at the quadrature points of strain products, so that the forms need no interpolation.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::quadrature::rule;
 use crate::tensor::{Point, Sym};
 
-/// The points of the rule for products of strains in all cells, in their order.
+/// The points of the rule for strain products in all cells, in their order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StrainPoints<'a> {
     pub mesh: &'a Mesh,
@@ -23,7 +23,7 @@ pub(crate) struct StrainPoints<'a> {
 }
 
 impl StrainPoints<'_> {
-    /// Numbers that a strain has at a point: the Mandel components that are not zero.
+    /// Numbers per strain at a point: the Mandel components that may be nonzero.
     pub fn components(&self) -> usize {
         strain_components(self.mesh)
     }
@@ -38,7 +38,7 @@ impl StrainPoints<'_> {
         self.mesh.blocks.iter().map(|block| block.len() * self.table(block.element).len()).sum()
     }
 
-    /// A function of the region and the place at all points.
+    /// A function of region and position at all points.
     pub fn values(&self, of: impl Fn(usize, &Point) -> f64 + Sync) -> Vec<f64> {
         self.at_points(None, 1, |cell, out| out[0] = of(cell.region, &cell.map.position))
     }
@@ -72,14 +72,14 @@ impl StrainPoints<'_> {
         all
     }
 
-    /// The strain at a point of those that are kept.
+    /// The stored strain at a point.
     pub fn kept(&self, strains: &[f64], point: usize) -> Sym {
         let (mut strain, n) = (Sym::ZERO, self.components());
         strain.0.iter_mut().zip(strains.iter().skip(point * n).take(n)).for_each(|(to, from)| *to = *from);
         strain
     }
 
-    /// The vector of ∫ 𝓖e:ε(v) with the strains e that are kept.
+    /// The vector of ∫ 𝓖e:ε(v) with the stored strains e.
     pub fn force(&self, laws: &[&dyn TensorLaw], strains: &[f64]) -> Vec<f64> {
         vector(
             self.mesh,

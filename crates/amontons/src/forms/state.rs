@@ -1,4 +1,4 @@
-//! Forms of laws that are not linear or depend on the temperature, at a given displacement and temperature.
+//! Forms of nonlinear or temperature-dependent laws, at a given displacement and temperature.
 
 use std::sync::Arc;
 
@@ -24,15 +24,15 @@ pub(super) fn strain(cell: &Cell, u: &[f64]) -> Sym {
     strain
 }
 
-/// What `with` makes of a law at the point of a cell, with the temperature `theta` of the nodes where there is one.
+/// Applies `with` to a law at the point of a cell, at the nodal temperature `theta` if given.
 fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
     let warm = if theta.is_empty() { None } else { law.at_temperature(&cell.map.position, cell.scalar(theta)) };
     taking_part(|| with(warm.as_deref().unwrap_or(law)))
 }
 
-/// The vector of ∫ 𝓔(ε(u)):ε(v), one entry a degree of freedom.
+/// The vector of ∫ 𝓔(ε(u)):ε(v), one entry per degree of freedom.
 ///
-/// `laws` is a list by region; `u` has d components a node, and `theta` the temperature of each node, empty for none.
+/// `laws` is a list by region; `u` has d components per node, and `theta` the temperature per node, or is empty.
 #[must_use]
 pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: &[Dilatation], u: &[f64], theta: &[f64]) -> Vec<f64> {
     let value = |cell: &Cell| {
@@ -43,7 +43,7 @@ pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: &[Dilatation],
     all_at_once_in_parallel(&arrays(laws), || vector(mesh, dilatation, |e| mesh.gradient_products(e), value))
 }
 
-/// The vector of ∫ 𝓣:ε(v) with a tensor at each point, none where there is none.
+/// The vector of ∫ 𝓣:ε(v) with a tensor at each point; `None` if there is no tensor.
 pub(super) fn vector(
     mesh: &Mesh,
     dilatation: &[Dilatation],
@@ -76,7 +76,7 @@ pub(super) fn vector(
     out
 }
 
-/// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
+/// ∫ W(ε(u)) of the potentials of the laws, J; `None` if one of the laws has none.
 #[must_use]
 pub fn energy(
     mesh: &Mesh,
@@ -115,7 +115,7 @@ pub fn tangent(
     theta: &[f64],
 ) -> BlockMatrix {
     let tangent = |law: &dyn TensorLaw, cell: &Cell| {
-        // Where all laws are linear, strains are not needed, and not there.
+        // If all laws are linear, strains are neither needed nor available.
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
         local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))
     };

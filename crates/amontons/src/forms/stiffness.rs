@@ -1,4 +1,4 @@
-//! ∫ 𝓒ε(u):ε(v) with a map 𝓒 a point: the forms of laws.
+//! The forms ∫ 𝓒ε(u):ε(v) of laws, with a map 𝓒 per point.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
 use crate::tensor::{Point, Sym, SymMap, mandel_index, mandel_weight};
 
-/// A map on 𝕊^d also by its components: `full[q][s][r][c]` = 𝓒_rscq, ordered for the sums over q and s.
+/// A map on 𝕊^d with its components `full[q][s][r][c]` = 𝓒_rscq, ordered for the sums over q and s.
 struct Stiffness {
     map: SymMap,
     full: [[[[f64; 3]; 3]; 3]; 3],
@@ -32,8 +32,8 @@ impl Stiffness {
     }
 }
 
-/// The matrix of laws with `tangent` at each point; laws that are linear and the same everywhere are asked once. With a
-/// factor at each point of the cells, if there are some.
+/// The matrix of laws with `tangent` at each point, times a factor per point if there are factors. Laws that are linear
+/// and constant are evaluated once.
 pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -49,11 +49,11 @@ pub(super) fn assemble(
             uniform.then(|| Stiffness::new(&law.tangent(&[0.0; 3], &Sym::ZERO), mesh.dim))
         })
         .collect();
-    // Half of a symmetric matrix is enough; a law that is not linear may have any tangent.
+    // For a symmetric matrix half is enough; a nonlinear law may have any tangent.
     let is_linear = laws.iter().all(|law| law.is_linear());
     let is_symmetric = is_linear && known.iter().flatten().all(Stiffness::is_symmetric);
-    // Without a mean and without a hoop strain the strain of N e_c is that of the gradient alone; a tangent that
-    // depends on the strain needs it all the same.
+    // Without mean dilatation and hoop strain the strain of N e_c follows from the gradient alone, but a
+    // strain-dependent tangent still needs strains.
     let by_gradients = !dilatation.contains(&Dilatation::Mean) && !mesh.axisymmetric;
     let strains = if by_gradients && is_linear { None } else { Some(dilatation) };
     let matrix = sum(
@@ -84,7 +84,7 @@ pub(super) fn assemble(
     if mesh.axisymmetric { matrix } else { matrix.of_differences() }
 }
 
-/// Adds the blocks K_ij[r][c] = Σ 𝓒_rscq ∂_s N_i ∂_q N_j of the pairs of nodes, of i ≤ j where that is enough.
+/// Adds the blocks K_ij[r][c] = Σ 𝓒_rscq ∂_s N_i ∂_q N_j of pairs of nodes, only for i ≤ j if symmetric.
 fn by_pairs<const D: usize>(gradients: &[Point], weight: f64, map: &Stiffness, is_symmetric: bool, out: &mut [f64]) {
     let n = gradients.len();
     for (j, g) in gradients.iter().enumerate() {
@@ -112,7 +112,7 @@ fn by_pairs<const D: usize>(gradients: &[Point], weight: f64, map: &Stiffness, i
     }
 }
 
-/// Adds ε(φ_i)·𝓒ε(φ_j) for all basis fields of a cell by the rows of their strains.
+/// Adds ε(φ_i)·𝓒ε(φ_j) for all basis fields of a cell from the rows of their strains.
 fn by_strains(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
     match strain_components(cell.mesh) {
         1 => strain_products::<1>(cell, weight, map, is_symmetric, out),
@@ -122,7 +122,7 @@ fn by_strains(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &
     }
 }
 
-/// Only the leading M components of a strain are not zero: component 33 of the value of a plane law does no work.
+/// Uses the M leading components of strains, which alone are nonzero: component 33 of a plane law does no work.
 fn strain_products<const M: usize>(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
     let (n, d) = (cell.nodes.len(), cell.mesh.dim);
     let rows: [&[f64]; M] = std::array::from_fn(|m| cell.strain_row(m));

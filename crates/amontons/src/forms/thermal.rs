@@ -1,5 +1,4 @@
-//! Forms whose coefficients depend on the temperature, as vectors of the temperature of the nodes, and their
-//! derivatives.
+//! Forms with temperature-dependent coefficients, as vectors of the nodal temperature, and their derivatives.
 
 use std::sync::Arc;
 
@@ -12,10 +11,10 @@ use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
 use crate::tensor::{Point, Sym, dot};
 
-/// Step of a difference quotient in the temperature, as a share of the range of the coefficient.
+/// Step of a difference quotient in the temperature, as a fraction of the range of the coefficient.
 const STEP: f64 = 1e-6;
 
-/// The temperatures around θ between which a difference quotient is taken: none if there is no range.
+/// The two temperatures around θ for a difference quotient; `None` if the range is empty.
 fn around(temperatures: &[f64], theta: f64) -> Option<[f64; 2]> {
     let (first, last) = (*temperatures.first()?, *temperatures.last()?);
     let h = STEP * (last - first);
@@ -68,7 +67,7 @@ pub(crate) fn stored_heat(mesh: &Mesh, capacity: &[Coefficient<f64>], theta: &[f
     )
 }
 
-/// ∇θ at the point of a cell, by differences from its first node: a temperature that is the same everywhere has none.
+/// ∇θ at the point of a cell, from differences to its first node: exactly zero for a uniform temperature.
 fn gradient(cell: &Cell, theta: &[f64]) -> Point {
     let first = cell.nodes.first().map_or(0.0, |&node| theta[node as usize]);
     let mut sum = [0.0; 3];
@@ -96,7 +95,7 @@ pub(crate) fn conduction(mesh: &Mesh, conductivity: &[Coefficient<Sym>], theta: 
     )
 }
 
-/// What the derivative of [`conduction`] has beside ∫ 𝓚(θ)∇δ·∇η: ∫ δ 𝓚′(θ)∇θ·∇η, rows η, columns δ.
+/// The additional term of the derivative of [`conduction`] besides ∫ 𝓚(θ)∇δ·∇η: ∫ δ 𝓚′(θ)∇θ·∇η, rows η, columns δ.
 pub(crate) fn conduction_slope(
     mesh: &Mesh,
     graph: &Arc<Graph>,

@@ -9,13 +9,13 @@ use crate::space::Prescription;
 use crate::tensor::{Point, dot};
 use crate::units::Measure;
 
-/// Time levels at which the gap is looked at.
+/// Number of time levels at which the gap is evaluated.
 const LEVELS: usize = 1024;
 
-/// Mismatch of initial and prescribed values, relative to their size, that round-off explains.
+/// Mismatch of initial and prescribed values, relative to their size, that counts as round-off.
 const MATCH: f64 = 1e-12;
 
-/// Cosine of the angle between directions that are the same one.
+/// Cosine of the angle above which two directions count as equal.
 const PARALLEL: f64 = 1.0 - 1e-12;
 
 /// One part of (H6).
@@ -27,8 +27,8 @@ struct Clause {
     repair: &'static str,
 }
 
-/// (H6): the verdict is that of its worst part. Data are looked at on the nodes of the mesh and at time levels; what
-/// they do in between is not known.
+/// (H6) with the verdict of its worst part. Data are evaluated at the nodes of the mesh and at time levels; their
+/// values in between are not known.
 pub(super) fn h6(problem: &Problem) -> Finding {
     let parts = parts(problem);
     let worst = parts.iter().map(|p| p.status).max().unwrap_or(FindingStatus::Holds);
@@ -51,8 +51,8 @@ fn parts(problem: &Problem) -> Vec<Clause> {
     parts
 }
 
-/// What of (H6) Theorem 1 needs and these data do not satisfy: data that are finite, and u₀ ∈ V. A negative gap does no
-/// harm, and of u̇₀ it is enough that it is square integrable.
+/// The requirement of Theorem 1 within (H6) that these data violate, if any: finite data and u₀ ∈ V. A negative gap is
+/// allowed, and u̇₀ needs only be square integrable.
 pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
     let harmless = |part: &Clause| part.value.is_some() && !part.place.starts_with("initial.displacement");
     parts(problem)
@@ -61,7 +61,7 @@ pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
         .map(|part| part.message)
 }
 
-/// Loads are finite: bounded data are square integrable.
+/// Checks that loads are finite: bounded data are square integrable.
 fn finite(problem: &Problem) -> Clause {
     for datum in problem
         .data()
@@ -129,11 +129,11 @@ fn gap(problem: &Problem) -> Option<Clause> {
     })
 }
 
-/// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
+/// The largest mismatch of an initial field on the boundary: amount, expected value, position, and key.
 type Mismatch = Option<(f64, f64, Point, String)>;
 
-/// The largest mismatches of u₀, u̇₀ and θ₀ with prescribed values, and of u̇₀ with their rate; without inertia u̇₀ has
-/// no effect.
+/// The largest mismatches of u₀, u̇₀ and θ₀ with prescribed values, and of u̇₀ with the rates of these; without inertia
+/// u̇₀ has no effect.
 fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mesh = &problem.mesh;
     let start = &problem.initial;
@@ -143,7 +143,7 @@ fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let part = |fields: &[Field], direction: &Point, x: &Point| -> f64 {
         fields.iter().zip(direction).filter(|(_, part)| **part != 0.0).map(|(f, part)| part * f.value(x, 0.0)).sum()
     };
-    // At a node of two sides the first one holds.
+    // At a node of two sides the first one counts.
     for b in &problem.boundary {
         let Some(set) = mesh.named(&b.on) else { continue };
         for Prescription { direction, field, .. } in b.prescriptions(mesh) {
@@ -178,7 +178,7 @@ fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     worst
 }
 
-/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) requires it of u₀ and u̇₀ only.
+/// Checks that u₀, u̇₀ and θ₀ have the prescribed values and u̇₀ their rates. (H6) requires it of u₀ and u̇₀ only.
 fn initial(problem: &Problem) -> Vec<Clause> {
     let mut parts: Vec<Clause> = Vec::new();
     for (worst, status) in

@@ -7,13 +7,13 @@
 //! | s₁ | ‖v‖_{L²(Γ_C)} ≤ s₁ ‖ε(v)‖ | s₁² = sup ∫_{Γ_C} ‖v‖² / ‖ε(v)‖² |
 //! | s₂ | ‖η‖_{L²(Γ_C)} ≤ s₂ ‖∇η‖ | s₂² = sup ∫_{Γ_C} η² / ‖∇η‖² |
 //!
-//! The suprema are those over V^h and Q^h. Where the mesh fills Ω these are subspaces of V and Q, **c^h ≥ c and
-//! s^h ≤ s**; curved sides are approximated, and the inequalities need not hold. Both tend to the constants of the
-//! domain under refinement. What holds for the discrete problem follows from the constants on its own mesh; what is
-//! said of Ω needs their limit.
+//! The suprema are taken over V^h and Q^h. If the mesh fills Ω, these are subspaces of V and Q, and **c^h ≥ c and s^h ≤
+//! s**; curved sides are approximated, and the inequalities need not hold. Under refinement both tend to the constants
+//! of the domain. Statements on the discrete problem use the constants on its own mesh; statements on Ω need their
+//! limit.
 //!
-//! With the contact unknowns last the factor gives the least energy of a trace, x·Sx, so that the suprema over Γ_C are
-//! eigenvalues of the trace's mass matrix against the condensed operator S: exact, without the interior.
+//! With the contact unknowns last, the factor gives the least energy of a trace, x·Sx, so that the suprema over Γ_C are
+//! eigenvalues of the mass matrix of the trace against the condensed operator S: exact, without the interior.
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::{self, Point, Sym};
 
-/// A constant on the mesh with the bound of its algebraic error.
+/// A constant on the mesh with a bound of its algebraic error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Constant {
     /// The constant.
@@ -57,17 +57,17 @@ impl Constant {
 /// The constants of (2.12)–(2.15) for V^h and Q^h with their prescribed values set to zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DomainConstants {
-    /// Korn's constant of (2.12); none where a part of the body is held by no prescribed displacement.
+    /// Korn's constant of (2.12); `None` if a part of the body is held by no prescribed displacement.
     pub c_k: Option<Constant>,
-    /// The constant of Friedrichs and Poincaré of (2.13); none where a part of the body has no prescribed temperature.
+    /// The constant of Friedrichs and Poincaré of (2.13); `None` if a part of the body has no prescribed temperature.
     pub c_f: Option<Constant>,
-    /// s₁ of (2.14) in √m; none without contact or without c_k.
+    /// s₁ of (2.14) in √m; `None` without contact or without c_k.
     pub s1: Option<Constant>,
     /// The least s with ‖v_ν‖_{L²(Γ_C)} ≤ s ‖ε(v)‖, √m.
     pub s1_normal: Option<Constant>,
     /// The least s with ‖v_τ‖_{L²(Γ_C)} ≤ s ‖ε(v)‖, √m.
     pub s1_tangential: Option<Constant>,
-    /// s₂ of (2.15) in √m; none without contact or without c_f.
+    /// s₂ of (2.15) in √m; `None` without contact or without c_f.
     pub s2: Option<Constant>,
 }
 
@@ -86,17 +86,17 @@ impl DomainConstants {
     }
 }
 
-/// Computes the constants on the mesh of a problem. They depend on the mesh, Γ_D, Γ_C and the sides of prescribed
-/// temperature, and on nothing else.
+/// Computes the constants on the mesh of a problem. They depend only on the mesh, Γ_D, Γ_C and the sides of prescribed
+/// temperature.
 ///
 /// # Errors
-/// When a matrix does not fit into memory, or the prescribed displacements leave a motion without strain.
+/// Fails if a matrix does not fit into memory, or if the prescribed displacements allow a motion without strain.
 pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, SolveError> {
     let graph = Arc::new(Graph::of_mesh(&problem.mesh));
     constants_on(problem, &forms::inner_h(&problem.mesh, &graph))
 }
 
-/// [`domain_constants`] of a problem with this form (·, ·)_{L²}.
+/// [`domain_constants`] of a problem whose form (·, ·)_{L²} is given.
 pub(super) fn constants_on(problem: &Problem, mass: &BlockMatrix) -> Result<DomainConstants, SolveError> {
     let (mesh, graph) = (&*problem.mesh, mass.graph());
     let contact = problem.contact_facets();
@@ -118,7 +118,7 @@ pub(super) fn constants_on(problem: &Problem, mass: &BlockMatrix) -> Result<Doma
     Ok(DomainConstants { c_k, c_f, s1, s1_normal, s1_tangential, s2 })
 }
 
-/// What is measured of a trace.
+/// The part of a trace that is measured.
 #[derive(Clone, Copy)]
 enum TracePart {
     Whole,
@@ -126,7 +126,7 @@ enum TracePart {
     Tangential,
 }
 
-/// What the constants of both spaces are computed on.
+/// The data from which the constants of both spaces are computed.
 struct Domain<'a> {
     mesh: &'a Mesh,
     mass: &'a BlockMatrix,
@@ -134,7 +134,8 @@ struct Domain<'a> {
     backend: &'a Arc<dyn Backend>,
 }
 
-/// The constant of the norm and those of the parts of the trace, none where the space has constants or rigid motions.
+/// The constant of the norm and those of the parts of the trace; `None` if the space contains constants or rigid
+/// motions.
 fn constants_of<const N: usize>(
     on: &Domain,
     space: &Space,
@@ -164,7 +165,7 @@ fn trace_pair(whole: &mut Quotient, entries: Vec<Entry>) -> Result<Eigenpair, So
     let mut pair = largest(&mut on_contact)?;
     let trace = dot(&pair.vector, &on_contact.numerator(&pair.vector));
     if trace > 0.0 {
-        // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
+        // Uses the energy of the body instead of x·Sx: S carries the round-off of the elimination.
         let body = whole.system.extend(&pair.vector)?;
         let quotient = trace / dot(&body, &whole.denominator(&body)?);
         pair.error += (quotient - pair.value).abs();
@@ -173,7 +174,7 @@ fn trace_pair(whole: &mut Quotient, entries: Vec<Entry>) -> Result<Eigenpair, So
     Ok(pair)
 }
 
-/// Whether every node is joined by cells to one with a prescribed value.
+/// True if every node is connected by cells to a node with a prescribed value.
 fn is_held(graph: &Graph, space: &Space) -> bool {
     let mut reached: Vec<bool> =
         (0..graph.len() as u32).map(|node| space.held_directions(node).next().is_some()).collect();
@@ -235,7 +236,7 @@ fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: 
     entries
 }
 
-/// The quotient of a form on Γ_C and the least energy that the trace costs.
+/// The quotient of a form on Γ_C and the least energy with the given trace.
 pub(super) struct TraceQuotient<'a> {
     pub entries: Vec<Entry>,
     pub system: &'a mut System,

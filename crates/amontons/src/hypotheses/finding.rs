@@ -1,4 +1,4 @@
-//! A finding: a statement by its id, its status, numbers and words.
+//! A finding: a statement with its id, status, numbers and text.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::problem::Physics;
 
-/// The ids of findings, each with its text, its voice and the equations that it speaks of.
+/// The ids of findings, each with its text, its kind and the equations that it concerns.
 macro_rules! findings {
     ($(#[doc = $doc:literal] $id:ident = $text:literal, $kind:ident, $of:ident;)*) => {
-        /// What a finding is about. Its text is the `id` of result files and messages.
+        /// The subject of a finding. Its text is the `id` of result files and messages.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[serde(into = "String", try_from = "String")]
         #[non_exhaustive]
@@ -28,19 +28,19 @@ macro_rules! findings {
                 match self { $(FindingId::$id => $text,)* }
             }
 
-            /// What it is about.
+            /// The subject in words.
             #[must_use]
             pub const fn meaning(self) -> &'static str {
                 match self { $(FindingId::$id => $doc.trim_ascii(),)* }
             }
 
-            /// The voice in which it is said.
+            /// Warning, or statement on the theory.
             #[must_use]
             pub const fn kind(self) -> Kind {
                 match self { $(FindingId::$id => Kind::$kind,)* }
             }
 
-            /// The equations that it speaks of.
+            /// The equations that it concerns.
             const fn equations(self) -> Equations {
                 match self { $(FindingId::$id => Equations::$of,)* }
             }
@@ -147,7 +147,7 @@ findings! {
     ManySystems = "many-systems", Warning, Any;
 }
 
-/// The equations that a problem must have for a finding to say something about it.
+/// The equations that a problem must have for a finding to apply.
 #[derive(Clone, Copy)]
 enum Equations {
     Any,
@@ -157,7 +157,7 @@ enum Equations {
 }
 
 impl FindingId {
-    /// Whether it says something about a problem with these equations.
+    /// True if the finding applies to a problem with these equations.
     pub(super) fn concerns(self, physics: Physics) -> bool {
         match self.equations() {
             Equations::Any => true,
@@ -174,7 +174,7 @@ impl fmt::Display for FindingId {
     }
 }
 
-/// A text that is the id of no finding.
+/// A text that is no id of a finding.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no finding has the id \"{0}\"")]
 pub struct UnknownFinding(pub String);
@@ -201,26 +201,26 @@ impl From<FindingId> for String {
     }
 }
 
-/// The voice of a finding.
+/// The kind of a finding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// What results can be trusted for: something to act on where it does not hold.
+    /// A warning about the results: act on it if it fails.
     Warning,
-    /// What the theory covers: nothing is wrong with a run where it does not hold.
+    /// A statement on the scope of the theory: if it fails, the run may still be right.
     #[default]
     Theory,
 }
 
-/// Whether a statement holds, in ascending order of severity.
+/// The verdict on a statement, in ascending order of severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingStatus {
-    /// It holds.
+    /// The statement holds.
     Holds,
-    /// The theory does not cover the data, or it is not evaluated.
+    /// The theory does not cover the data, or the statement is not evaluated.
     NotCovered,
-    /// It fails.
+    /// The statement fails.
     Fails,
 }
 
@@ -246,26 +246,26 @@ impl fmt::Display for FindingStatus {
     }
 }
 
-/// A hypothesis or condition, and whether it holds.
+/// The verdict on a hypothesis or condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// What it is about.
+    /// The subject.
     pub id: FindingId,
-    /// Whether it holds.
+    /// The verdict.
     pub status: FindingStatus,
-    /// The value found, if there is one.
+    /// The value found, if any.
     pub value: Option<f64>,
-    /// The value needed, if there is one.
+    /// The value required, if any.
     pub needed: Option<f64>,
-    /// What it means.
+    /// Explanation in words.
     pub message: String,
-    /// What it is about: a dotted path of the case file where there is one.
+    /// Place of the cause: a dotted path of the case file if there is one.
     #[serde(rename = "where")]
     pub place: String,
-    /// What would make it hold, if something is known to.
+    /// An instruction that makes the statement hold, if one is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repair: Option<String>,
-    /// Whether it is something to act on, or what the theory covers.
+    /// Warning, or statement on the scope of the theory.
     #[serde(default)]
     pub kind: Kind,
 }
@@ -284,13 +284,13 @@ impl Finding {
         }
     }
 
-    /// With the number found and the one needed.
+    /// Sets the number found and the number required.
     pub(super) fn numbers(mut self, value: Option<f64>, needed: Option<f64>) -> Finding {
         (self.value, self.needed) = (value, needed);
         self
     }
 
-    /// With what would repair it; nothing is said where it holds.
+    /// Sets the instruction that repairs it; ignored if the finding holds.
     pub(super) fn repair(mut self, repair: impl Into<String>) -> Finding {
         if !self.holds() {
             self.repair = Some(repair.into());
@@ -298,19 +298,19 @@ impl Finding {
         self
     }
 
-    /// Whether it holds.
+    /// True if the statement holds.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.status == FindingStatus::Holds
     }
 
-    /// Whether it fails.
+    /// True if the statement fails.
     #[must_use]
     pub fn fails(&self) -> bool {
         self.status == FindingStatus::Fails
     }
 
-    /// Whether it is something to act on.
+    /// True if it is a warning that fails: something to act on.
     #[must_use]
     pub fn warns(&self) -> bool {
         self.kind == Kind::Warning && self.fails()
@@ -321,7 +321,7 @@ impl Finding {
 mod tests {
     use super::*;
 
-    /// The texts are those of the result files: a finding is read from the text that it is written as.
+    /// A finding is parsed from the text that result files contain.
     #[test]
     fn findings_are_read_as_they_are_written() {
         for &id in FindingId::ALL {

@@ -1,7 +1,7 @@
-//! (H1), (H2), (H7), (H8): the operators of the material and the laws of contact.
+//! (H1), (H2), (H7), (H8): the operators of the material and the contact laws.
 //!
-//! Constants of linear operators are eigenvalues. What a nonlinear law declares cannot be proved by evaluating it, but
-//! it can be refuted: two arguments that contradict a declared constant make the hypothesis fail.
+//! Constants of linear operators are eigenvalues. The declared constants of a nonlinear law cannot be proved by samples
+//! but can be refuted: two arguments that contradict a declared constant make the hypothesis fail.
 
 use super::sample::{Samples, diameter, some};
 use super::tensors::{bounded, conductivity};
@@ -13,16 +13,16 @@ use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
 
-/// Pairs of arguments that a declaration is tested on at each point.
+/// Pairs of arguments per point on which declared constants are tested.
 const PAIRS: usize = 128;
 
-/// Points of the body or of Γ_C where it is tested.
+/// Points of the body or of Γ_C at which they are tested.
 const PLACES: usize = 8;
 
-/// Share of the largest eigenvalue that counts as zero.
+/// Fraction of the largest eigenvalue that counts as zero.
 pub(super) const ROUND_OFF: f64 = 1e-14;
 
-/// Share by which a sample may exceed a declared constant: round-off of a quotient of differences.
+/// Fraction by which a sample may exceed a declared constant: round-off of a difference quotient.
 const SLACK: f64 = 1e-9;
 
 /// (H1)–(H5).
@@ -47,8 +47,8 @@ pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding>
     each.reduce(worst).unwrap_or_default()
 }
 
-/// Whether a finding on a material represents the body instead of another finding: by its status, then by its constant,
-/// which is a lower bound in (H1)–(H3) and an upper one in (H4), (H5).
+/// True if a finding on a material represents the body instead of another finding: it has the worse status or, if
+/// equal, the worse constant, which is a lower bound in (H1)–(H3) and an upper one in (H4), (H5).
 fn is_worse(found: &Finding, other: &Finding) -> bool {
     let upper = matches!(found.id, FindingId::H4 | FindingId::H5);
     let by_value = if upper { found.value > other.value } else { found.value < other.value };
@@ -87,15 +87,15 @@ pub(super) fn largest_norm(problem: &Problem, of: fn(&Material) -> &Coefficient<
     problem.values_of(of).iter().map(|sample| norm(&sample.value, dim)).fold(0.0, f64::max)
 }
 
-/// The words behind a number that is attained at a place and a temperature: ` at (0.0, 1.0, 0.0), θ = 20.0`, and
-/// nothing without them.
+/// The text that follows a number attained at a place and a temperature, ` at (0.0, 1.0, 0.0), θ = 20.0`; empty without
+/// these.
 pub(super) fn attained(x: Option<Point>, theta: Option<f64>) -> String {
     let place = x.map(|x| format!(" at {}", at(&x))).unwrap_or_default();
     place + &theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default()
 }
 
-/// The finding on a datum that depends on the temperature between two: the hypotheses know no such data, and its
-/// constants are bounds over these temperatures.
+/// The finding on a datum tabulated over the temperature: the hypotheses do not admit such data, and its constants are
+/// bounds over the range of the table.
 fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
     let (Some(first), Some(last)) = (temperatures.first(), temperatures.last()) else { return finding };
     let status = finding.status.max(FindingStatus::NotCovered);
@@ -113,7 +113,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
     let [at_least, at_most] = law
         .graded()
         .map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x), i.theta)));
-    // Round-off of an eigenvalue is relative to the largest.
+    // Round-off of an eigenvalue is relative to the largest one.
     let positive = least > ROUND_OFF * lipschitz;
     let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {
         (
@@ -150,17 +150,17 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
     Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
 }
 
-/// Why a law has no Lipschitz constant, as far as samples show: the only property of 𝓔 that Theorem 1 requires.
+/// Reason why a law has no Lipschitz constant, as far as samples show; Theorem 1 requires no other property of 𝓔.
 pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
     let lipschitz = law.constants().lipschitz;
     if !lipschitz.is_finite() {
         return Some(format!("{upper} = {lipschitz:.6e}"));
     }
-    // −M is a bound of monotonicity from below that every law with the constant M keeps.
+    // −M is a lower bound of monotonicity that every law with the Lipschitz constant M satisfies.
     refuted(problem, law, crate::material::Constants { monotonicity: -lipschitz, lipschitz }, ["m", upper])
 }
 
-/// Two arguments that contradict the constants of a law, or a value at zero that is not zero.
+/// Two arguments that contradict the constants of a law, or a nonzero value at zero.
 fn refuted(
     problem: &Problem,
     law: &dyn TensorLaw,
@@ -169,7 +169,7 @@ fn refuted(
 ) -> Option<String> {
     let dim = problem.mesh.tensor_dim();
     let mut random = Samples::default();
-    // Only the d-dimensional part does work and is what the constants speak of.
+    // Only the d-dimensional part does work, and the constants refer to it.
     let value = |x: &Point, xi: &Sym| {
         let mut value = law.value(x, xi);
         value.0[mandel_len(dim)..].fill(0.0);
@@ -193,7 +193,7 @@ fn refuted(
         }
         let difference = a - b;
         let (squared, change) = (difference.dot(&difference), at_a - at_b);
-        // Round-off of the two values does not grow with their difference.
+        // Round-off of the two values is independent of their difference.
         let noise = 8.0 * f64::EPSILON * constants.lipschitz * (a.norm() + b.norm());
         let (work, length) = (change.dot(&difference), change.norm());
         if work < constants.monotonicity * squared * (1.0 - SLACK) - noise * difference.norm() {
@@ -216,12 +216,12 @@ fn refuted(
     None
 }
 
-/// Whether pressure or friction changes with time.
+/// True if pressure or friction changes with time.
 fn in_time(contact: &Contact) -> bool {
     contact.normal.at_time(0.0).is_some() || contact.friction.at_time(0.0).is_some()
 }
 
-/// L_τ of (H8), and where it is attained if laws vary over the side: pressure and friction together.
+/// L_τ of (H8) for pressure and friction together, and the place where it is attained if laws vary over the side.
 pub(super) fn friction_lipschitz(contact: &Contact, points: &[Point]) -> (Option<f64>, Option<Point>) {
     let (normal, friction) = (contact.normal.graded(), contact.friction.graded());
     let whole = || contact.friction.lipschitz(contact.normal.lipschitz());
@@ -270,7 +270,7 @@ pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> 
     })
 }
 
-/// The laws of every contact, to be tested at some of its points.
+/// The laws of every contact with some of its points, at which they are tested.
 pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     let (boundary, length) = (problem.contact_boundary(), diameter(problem));
     problem.contacts.iter().enumerate().map(move |(side, contact)| {
@@ -280,23 +280,24 @@ pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     })
 }
 
-/// The laws of contact, and where they are tested: penetrations of any size below that of the body.
+/// The laws of a contact and the sampling of their arguments: penetrations of any size below `length`, the size of the
+/// body.
 pub(super) struct Test<'a> {
     pub(super) contact: &'a Contact,
     pub(super) places: Vec<Point>,
     pub(super) length: f64,
-    /// L_τ of (H8) and where it is attained.
+    /// L_τ of (H8) and the place where it is attained.
     pub(super) tau: (Option<f64>, Option<Point>),
 }
 
 impl Test<'_> {
-    /// Something that is found out from samples, laws on arrays evaluated for all samples at once.
+    /// Evaluates `of` with array laws computed for all samples at once.
     pub(super) fn sampled<T>(&self, of: impl FnMut() -> T) -> T {
         all_at_once(&arrays(std::slice::from_ref(self.contact)), of)
     }
 
-    /// The arguments of a law at a penetration with the pressure of the normal law; none if that pressure is not
-    /// unique.
+    /// The arguments of a law at a penetration, with the pressure of the normal law, or 0 if that pressure has no
+    /// Lipschitz constant.
     fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
         let pressure = self
             .contact
@@ -306,8 +307,8 @@ impl Test<'_> {
         ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }
     }
 
-    /// Whether samples of the penetration keep L_ν, L_τ and L_kc, the friction bound is not negative, and the flux does
-    /// not fall with θ.
+    /// True if samples satisfy L_ν, L_τ and L_kc, the friction bound is not negative, and the flux does not decrease
+    /// with θ.
     pub(super) fn keeps_its_constants(&self) -> bool {
         self.sampled(|| self.keeps_them())
     }
@@ -318,7 +319,7 @@ impl Test<'_> {
             contact.normal.lipschitz().unwrap_or(f64::INFINITY),
             contact.heat.conductance_lipschitz().unwrap_or(f64::INFINITY),
         );
-        // A bound that is given whatever the penetration has none.
+        // A friction bound that is independent of the penetration has no constant.
         let tau = if nu.is_finite() { self.tau.0 } else { contact.friction.lipschitz(Some(nu)) }.unwrap_or(0.0);
         let mut random = Samples::default();
         let keeps = |x: &Point, random: &mut Samples| {
@@ -343,7 +344,7 @@ impl Test<'_> {
         self.places.iter().all(|x| (0..PAIRS).all(|_| keeps(x, &mut random)))
     }
 
-    /// A contradiction to: f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s|, f ≤ `bound`.
+    /// A sample that contradicts f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s| or f ≤ `bound`.
     fn refute(
         &self,
         [name, lipschitz]: [&str; 2],
@@ -452,7 +453,7 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
     }
 }
 
-/// (H8): p_ν and p_τ are Lipschitz and zero for r ≤ 0. (2.9) has a bound of the penetration alone.
+/// (H8): p_ν and p_τ are Lipschitz and zero for r ≤ 0. The bound in (2.9) depends on the penetration alone.
 fn pressure(test: &Test, constants: &Constants) -> Finding {
     let contact = test.contact;
     let finding = |status, message: String, place: &str| {
@@ -510,7 +511,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
     finding(FindingStatus::Holds, message, "contact")
 }
 
-/// What pressure and friction depend on besides the penetration that (2.8), (2.9) give them, and the place.
+/// A dependence of pressure or friction that (2.8), (2.9) do not provide for, and its place.
 pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
     if test.rate_matters() {
         Some((
@@ -535,12 +536,12 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// `contact-heat`: that a foundation which gives no way has a conductance of the penetration, which is zero or
-/// round-off there; none elsewhere.
+/// `contact-heat`: warns if the conductance depends on the penetration although the foundation is rigid, where it is
+/// zero or round-off; `None` otherwise.
 pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
     let side = tests(problem).position(|test| {
         let heat = test.contact.heat.as_ref();
-        // Of any pressure, at rest: what a closed contact has without penetration.
+        // Conductance of a closed contact without penetration at rest, at any pressure.
         let closed = |x: &Point| {
             (-12..=12).all(|decade| {
                 heat.flux(&ContactPoint { x: *x, pressure: 10f64.powi(decade), ..ContactPoint::default() })
@@ -548,7 +549,7 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
                     == 0.0
             })
         };
-        // p ∈ G(z − λp) leaves no penetration, however small λ.
+        // p ∈ G(z − λp) leaves no penetration, for arbitrarily small λ.
         let rigid = |x: &Point| {
             (-12..=12).all(|decade| {
                 let lambda = 10f64.powi(decade);
@@ -592,7 +593,7 @@ fn cut_off(test: &Test) -> Finding {
     }
 }
 
-/// A point for reading.
+/// The coordinates of a point as readable text.
 pub(super) fn at(x: &Point) -> String {
     let short = |v: f64| format!("{v:.5e}").parse::<f64>().map_or_else(|_| v.to_string(), |v| format!("{v:?}"));
     format!("({}, {}, {})", short(x[0]), short(x[1]), short(x[2]))

@@ -13,7 +13,7 @@
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
 //! | `pairs` | which part of the nonmortar side of each pair is faced; absent without pairs | the rows of the pair |
 //! | `energy`, `heat` | the audit of a run | the run |
-//! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
+//! | others of kind `warning` | traps in data and runs: [`warnings`]; absent if nothing is wrong | data, the run |
 //!
 //! The proofs are in `book/src/theory.md`. [`findings`] takes negligible time, [`certificate`] a few factorizations,
 //! and [`advice`] as many as its search needs.
@@ -49,7 +49,7 @@ pub use finding::{Finding, FindingId, FindingStatus, Kind, UnknownFinding};
 pub(crate) use sample::Samples;
 pub use step::monotonicity_loss;
 
-/// The constants of the hypotheses, under the names of the paper; none where there is none.
+/// The constants of the hypotheses, under the names of the paper; `None` if a law or the domain has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Constants {
     /// m_a of (H2) in Pa.
@@ -85,7 +85,7 @@ pub struct Constants {
     /// L_kc of (H7) in W/(m³ K).
     #[serde(rename = "L_kc")]
     pub lipschitz_kc: Option<f64>,
-    /// L of φ_L in K; none without cut-off.
+    /// L of φ_L in K; `None` without cut-off.
     #[serde(rename = "L")]
     pub truncation: Option<f64>,
     /// c_k of (2.12).
@@ -94,16 +94,16 @@ pub struct Constants {
     pub c_f: Option<f64>,
     /// s₁ of (2.14) in √m.
     pub s1: Option<f64>,
-    /// The same for the normal trace.
+    /// Constant s₁ of the normal trace in √m.
     pub s1_normal: Option<f64>,
-    /// The same for the tangential trace.
+    /// Constant s₁ of the tangential trace in √m.
     pub s1_tangential: Option<f64>,
     /// s₂ of (2.15) in √m.
     pub s2: Option<f64>,
 }
 
-/// A constant of laws on Γ_C: the largest of its sides, of each the sum over the contacts that it takes part in; none
-/// if one of them has none, or without contact.
+/// The constant of the laws on Γ_C: the largest over its sides, for each side the sum over its contacts; `None` if a
+/// contact has no constant, or without contact.
 fn largest_of_sides(problem: &Problem, of_contacts: &[Option<f64>]) -> Option<f64> {
     let mut of_sides: BTreeMap<&str, f64> = BTreeMap::new();
     for (contact, constant) in problem.contacts.iter().zip(of_contacts) {
@@ -117,7 +117,7 @@ fn largest_of_sides(problem: &Problem, of_contacts: &[Option<f64>]) -> Option<f6
 impl Constants {
     /// Constants of the materials and the contact laws.
     fn of_laws(problem: &Problem) -> Constants {
-        // A body of several materials has the least m and the largest M.
+        // Several materials together have the least m and the largest M.
         let materials = &problem.materials;
         let extremes = |law: fn(&crate::material::Material) -> crate::material::Constants| {
             let all = || materials.iter().map(law);
@@ -150,7 +150,7 @@ impl Constants {
         }
     }
 
-    /// Adds the constants of the domain and those that follow from them.
+    /// Adds the constants of the domain and those derived from them.
     fn on(self, problem: &Problem, domain: &DomainConstants) -> Constants {
         let value = |constant: Option<Constant>| constant.map(|c| c.value);
         // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
@@ -169,7 +169,7 @@ impl Constants {
     }
 }
 
-/// The verdicts on a problem with the constants that they use.
+/// The verdicts on a problem with the constants used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// One verdict per id.
@@ -178,11 +178,11 @@ pub struct Certificate {
     pub constants: Constants,
 }
 
-/// Whether a run judges all hypotheses unless it is told otherwise: where that is at most about a tenth of its work.
+/// True if a run evaluates all hypotheses by default: if that is at most about a tenth of its work.
 ///
-/// Verdicts that need factors of their own take as long as ten to twenty steps of the same body, whatever its size; of
-/// a small body they take less than a tenth of a second. The rule depends on the data alone, so that two runs of a case
-/// have the same findings.
+/// Verdicts that need their own factors take as long as ten to twenty steps of the same body, regardless of its size;
+/// for a small body less than a tenth of a second. The rule depends on the data alone, so two runs of a case have the
+/// same findings.
 #[must_use]
 pub fn are_affordable(problem: &Problem) -> bool {
     if !problem.physics.has_mechanics() || pairs::are_beyond(problem) {
@@ -193,14 +193,14 @@ pub fn are_affordable(problem: &Problem) -> bool {
     mesh.points.len() * mesh.dim <= few || problem.timeline.steps() >= MANY_STEPS
 }
 
-/// Unknowns of a body in the plane up to which its certificate takes less than 0.1 s.
+/// Unknowns of a plane body up to which its certificate takes less than 0.1 s.
 const FEW_IN_PLANE: usize = 10_000;
-/// The same in space.
+/// Unknowns of a body in space up to which its certificate takes less than 0.1 s.
 const FEW_IN_SPACE: usize = 1_000;
-/// Steps from which the certificate is at most about a tenth of a run.
+/// Number of steps from which the certificate is at most about a tenth of a run.
 const MANY_STEPS: usize = 200;
 
-/// [`findings`], and what they leave out.
+/// [`findings`], with a note on the verdicts that they leave out.
 pub(crate) fn without_factors(problem: &Problem) -> Vec<Finding> {
     let mut findings = findings(problem);
     if problem.physics.has_mechanics() {
@@ -232,17 +232,17 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, one of the
-/// mechanical system and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a.
-/// Constants are those of V^h and Q^h.
+/// All verdicts on a problem except those of [`advice`]. It takes one factorization each for ‖ε(·)‖, ‖∇·‖, the
+/// mechanical and the thermal system, and two of a if the gap is open at t = 0 and loads do not vary. Constants are
+/// those of V^h and Q^h.
 ///
 /// # Errors
-/// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
+/// Fails if a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
 pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
     certificate_on(problem, &|| Arc::new(Discretization::new(problem)))
 }
 
-/// [`certificate`] of a problem with these forms, which are made only where a verdict needs them.
+/// [`certificate`] of a problem whose forms `forms` assembles if a verdict needs them.
 fn certificate_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) -> Result<Certificate, SolveError> {
     if pairs::are_beyond(problem) {
         return Ok(pairs::certificate(problem));
@@ -264,15 +264,15 @@ fn certificate_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) ->
     Ok(Certificate { findings, constants })
 }
 
-/// Verdicts beyond those of the certificate that need more than a fixed number of factorizations: `time-step` searches
-/// by doubling the steps where `step-unique` does not hold, and `contact-possible` under loads that vary in time solves
-/// a static problem for every step.
+/// Verdicts that need a variable number of factorizations: `time-step` searches by doubling the number of steps if
+/// `step-unique` does not hold, and `contact-possible` under time-dependent loads solves a static problem for every
+/// step.
 #[must_use]
 pub fn advice(problem: &Problem, certificate: &Certificate) -> Vec<Finding> {
     advice_on(problem, &|| Arc::new(Discretization::new(problem)), certificate)
 }
 
-/// [`advice`] on a problem with these forms, which are made only where a verdict needs them.
+/// [`advice`] on a problem whose forms `forms` assembles if a verdict needs them.
 fn advice_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>, certificate: &Certificate) -> Vec<Finding> {
     if !problem.physics.has_mechanics() {
         return Vec::new();
@@ -289,13 +289,13 @@ fn advice_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>, certifi
     findings
 }
 
-/// The certificate. If it cannot be computed: the findings that do not need it, and the reason.
+/// The certificate, or, if it cannot be computed, the findings that do not need it with the reason.
 #[must_use]
 pub fn certificate_or_findings(problem: &Problem) -> Certificate {
     certificate_or_findings_on(problem, &|| Arc::new(Discretization::new(problem)))
 }
 
-/// [`certificate_or_findings`] of a problem with these forms, such as those that a run goes on with.
+/// [`certificate_or_findings`] of a problem with these forms, which a run can reuse.
 pub(crate) fn certificate_or_findings_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) -> Certificate {
     certificate_on(problem, forms).unwrap_or_else(|error| {
         let constants = Constants::of_laws(problem);
@@ -317,13 +317,13 @@ pub fn full(problem: &Problem) -> Certificate {
     certificate
 }
 
-/// Largest closing error of an identity of the audit that round-off explains.
+/// Closing error of an identity of the audit up to which it counts as round-off.
 pub const CLOSING: f64 = 1e-10;
-/// Closing error above which results cannot be trusted: accepted steps may leave forces of 1e-4 of what drives the body
-/// unbalanced where these are round-off, so that an identity that misses by ten times as much has another cause.
+/// Closing error above which results cannot be trusted. Accepted steps may leave unbalanced forces of 1e-4 of the
+/// driving ones if these are round-off; a closing error ten times as large has another cause.
 pub const GROSS: f64 = 1e-3;
 
-/// Whether the identities that a problem has close: that of energy and that of heat.
+/// Checks that the energy and heat identities of a problem close.
 #[must_use]
 pub fn audit(physics: Physics, energy: f64, heat: f64) -> Vec<Finding> {
     let one = |id: FindingId, name: &str, error: f64| {

@@ -1,28 +1,28 @@
-//! Pairs of deformable bodies: what the theory says of a foundation it does not say of them.
+//! Pairs of deformable bodies, to which the theory of a given foundation does not apply.
 
 use super::{Certificate, Constants, Finding, FindingId, FindingStatus, judged};
 use crate::contact::mortar::Mortar;
 use crate::contact::{Contact, Supports};
 use crate::problem::{Problem, with_supports};
 
-/// The first pair of a problem, by the number of its contact.
+/// Number of the first contact that is a pair.
 pub(super) fn first(problem: &Problem) -> Option<usize> {
     problem.contacts.iter().position(|contact| contact.pair.is_some())
 }
 
-/// Whether the theory of one body on a given foundation says nothing of the solution: of pairs, rigid parts, and
-/// obstacles under a load.
+/// True if the theory of one body on a given foundation does not apply: with pairs, rigid parts, or obstacles under a
+/// load.
 pub(super) fn are_beyond(problem: &Problem) -> bool {
     first(problem).is_some() || !problem.rigid.is_empty() || loaded(problem).is_some()
 }
 
-/// The first contact whose obstacle has a load.
+/// Number of the first contact whose obstacle has a load.
 fn loaded(problem: &Problem) -> Option<usize> {
     problem.contacts.iter().position(|contact| contact.obstacle.as_ref().is_some_and(|of| of.load.is_some()))
 }
 
-/// The certificate of a problem with pairs, rigid parts or obstacles under a load: findings on the laws and the data as
-/// ever, and no statement where the traces of one body on a given foundation enter.
+/// The certificate of a problem with pairs, rigid parts or obstacles under a load: the usual findings on laws and data,
+/// and "not covered" for all that involves the traces of one body on a given foundation.
 pub(super) fn certificate(problem: &Problem) -> Certificate {
     let constants = Constants::of_laws(problem);
     let mut findings = judged(problem, &constants);
@@ -35,10 +35,10 @@ pub(super) fn certificate(problem: &Problem) -> Certificate {
     Certificate { findings, constants }
 }
 
-/// Share of a side that is as good as all of it.
+/// Fraction of a side that counts as all of it.
 const WHOLE: f64 = 1.0 - 1e-6;
 
-/// `pairs`: which side bears the contact points, and how much of it the other side faces.
+/// `pairs`: the side that bears the contact points, and the fraction of it that the other side faces.
 pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
     let (mut told, mut is_partly) = (Vec::new(), false);
@@ -59,7 +59,7 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     Some(Finding::new(FindingId::Pairs, status, told.join("; "), &problem.contact_path(first)))
 }
 
-/// A finding on which the theory makes no statement because of a pair, a rigid part or an obstacle under a load.
+/// A finding without a verdict because of a pair, a rigid part or an obstacle under a load.
 pub(super) fn not_covered(problem: &Problem, id: FindingId, message: &str) -> Finding {
     let of_load = loaded(problem).filter(|_| first(problem).is_none() && problem.rigid.is_empty());
     if let Some(number) = of_load {

@@ -1,12 +1,11 @@
-//! What samples tell about the laws of a contact: which arguments they depend on, and whether they act over an open
-//! gap.
+//! Properties of contact laws found by samples: the arguments that they depend on, and their action over an open gap.
 
 use super::laws::Test;
 use super::sample::Samples;
 use crate::contact::{ContactPoint, GraphKind};
 use crate::tensor::Point;
 
-/// Random arguments per contact point.
+/// Number of random arguments per contact point.
 const SAMPLES: usize = 128;
 
 /// Powers of ten of pressures, slip speeds and temperatures, in the units of the case.
@@ -34,7 +33,7 @@ impl Test<'_> {
         self.places.iter().flat_map(move |x| DECADES.map(move |decade| at(x, decade)))
     }
 
-    /// Whether the pressure depends on the rate of the penetration.
+    /// True if the pressure depends on the rate of the penetration.
     pub(super) fn rate_matters(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.normal;
@@ -46,7 +45,7 @@ impl Test<'_> {
         })
     }
 
-    /// Whether the friction bound depends on the slip speed.
+    /// True if the friction bound depends on the slip speed.
     pub(super) fn friction_sees_slip(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.friction;
@@ -58,7 +57,7 @@ impl Test<'_> {
         })
     }
 
-    /// Whether the friction bound depends on the temperature.
+    /// True if the friction bound depends on the temperature.
     pub(super) fn friction_sees_heat(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.friction;
@@ -72,7 +71,7 @@ impl Test<'_> {
         })
     }
 
-    /// Whether the friction bound is a number of the place alone, as Tresca's is.
+    /// True if the friction bound depends on the position alone, as Tresca's does.
     pub(super) fn friction_is_given(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.friction;
@@ -87,7 +86,7 @@ impl Test<'_> {
         })
     }
 
-    /// Whether friction makes heat: the flux depends on its power or on the slip speed.
+    /// True if friction generates heat: the flux depends on its power or on the slip speed.
     pub(super) fn friction_makes_heat(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.heat;
@@ -98,7 +97,7 @@ impl Test<'_> {
         })
     }
 
-    /// Whether the flux depends on the pressure.
+    /// True if the flux depends on the pressure.
     pub(super) fn heat_sees_pressure(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.heat;
@@ -113,8 +112,8 @@ impl Test<'_> {
         })
     }
 
-    /// Whether the flux is no product k_c φ_L(θ − θ_F) as (2.10) has it: its slope at θ = θ_F depends on θ, as that of
-    /// radiation does.
+    /// True if the flux is no product k_c φ_L(θ − θ_F) as in (2.10): its slope at θ = θ_F depends on θ, as for
+    /// radiation.
     pub(super) fn heat_sees_level(&self) -> bool {
         self.sampled(|| {
             let law = &self.contact.heat;
@@ -138,7 +137,7 @@ impl Test<'_> {
         })
     }
 
-    /// What a law does over an open gap, and the part of the contact that it is.
+    /// The action of a law over an open gap and the law's key in the contact; `None` if no law acts there.
     pub(super) fn acts_open(&self) -> Option<(&'static str, &'static str)> {
         self.sampled(|| {
             let contact = self.contact;
@@ -175,7 +174,7 @@ impl Test<'_> {
         })
     }
 
-    /// Whether nothing passes through the contact, open or closed: no pressure, no friction, no heat.
+    /// True if the contact transmits nothing, open or closed: no pressure, no friction, no heat.
     pub(super) fn does_nothing(&self) -> bool {
         self.sampled(|| {
             let contact = self.contact;

@@ -4,11 +4,11 @@ use super::laws::at;
 use super::{Finding, FindingId, FindingStatus};
 use crate::mesh::Mesh;
 
-/// Quality of a triangle whose map from the regular one stretches ten times more in one direction than across:
-/// 2·10/(1 + 10²). Errors of interpolation and condition numbers grow by about that factor.
+/// Quality 2·10/(1 + 10²) of a triangle whose map from the regular one stretches ten times more in one direction than
+/// across. Interpolation errors and condition numbers grow by about that factor.
 const NEEDED: f64 = 20.0 / 101.0;
 
-/// Judges the worst quality of a cell, [`Mesh::worst_quality`].
+/// The finding on the worst cell quality, [`Mesh::worst_quality`].
 pub(super) fn cells(mesh: &Mesh) -> Finding {
     let (quality, x) = mesh.worst_quality();
     let holds = quality >= NEEDED;

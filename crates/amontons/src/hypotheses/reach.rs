@@ -1,7 +1,7 @@
-//! `contact-possible`: whether the body can reach the foundation at all.
+//! `contact-possible`: tests if the body can reach the foundation at all.
 //!
-//! Until it does, (4.1), (4.2) are linear and free of contact. With u*_n the static answer to the load f_n and
-//! y² = ρ‖w‖² + ‖u − u*‖²_a, testing a step with w_n and using m(θ, w) ≤ m_b‖ε(w)‖² + ‖𝓜‖²‖θ‖²/(4 m_b) gives
+//! Until then, (4.1), (4.2) are linear and free of contact. With the static solution u*_n for the load f_n and y² =
+//! ρ‖w‖² + ‖u − u*‖²_a, testing a step with w_n and using m(θ, w) ≤ m_b‖ε(w)‖² + ‖𝓜‖²‖θ‖²/(4 m_b) gives
 //!
 //! ```text
 //!     y_n² ≤ (y_{n−1} + ‖u*_n − u*_{n−1}‖_a)² + k ‖𝓜‖² ‖θ_{n−1}‖²/(2 m_b),
@@ -9,9 +9,9 @@
 //!     u_ν(x, t_n) ≤ u*_ν(x, t_n) + y_n √G(x),                                G(x) = sup v_ν(x)²/‖v‖²_a,
 //! ```
 //!
-//! and G is the diagonal of the inverse of the condensed a. The laws of contact are to do nothing for r ≤ 0; a is the
-//! form of the scheme, with its dilatation and its springs; branches that relax add their energy, zero at the start, to
-//! y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof:
+//! and G is the diagonal of the inverse of the condensed a. The contact laws must vanish for r ≤ 0; a is the form of
+//! the scheme, including its dilatation and its springs; relaxing branches add their energy, zero at the start, to y²,
+//! and dissipate. All constants are those of the discrete problem, so the result bounds its solution. Proof:
 //! `book/src/theory.md`.
 
 use std::sync::Arc;
@@ -34,7 +34,7 @@ use crate::units::{Measure, Units};
 
 const ID: FindingId = FindingId::ContactPossible;
 
-/// Whether a static problem has to be solved for every step.
+/// True if each step needs its own static solution.
 pub(super) fn loads_vary(problem: &Problem) -> bool {
     let tractions =
         problem.boundary.iter().flat_map(|b| b.traction.iter().chain(&b.force).flatten().chain(&b.pressure));
@@ -47,9 +47,9 @@ pub(super) fn loads_vary(problem: &Problem) -> bool {
             || problem.region_loads.iter().any(of_region))
 }
 
-/// `contact-possible`: fails where contact is proved impossible.
+/// `contact-possible`: fails if contact is proved impossible.
 pub(super) fn possible(problem: &Problem, discrete: &Discretization, constants: &Constants) -> Finding {
-    // Of several contacts one that can occur stands for all.
+    // One contact that can occur represents several.
     let each = tests(problem).enumerate().map(|(side, test)| {
         let mut finding = judge(problem, discrete, constants, &test);
         finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
@@ -99,13 +99,13 @@ fn judge(problem: &Problem, discrete: &Discretization, constants: &Constants, te
     }
 }
 
-/// The bound of u_ν where it comes nearest to the gap, or exceeds it most.
+/// The bound of u_ν at the point where it is nearest to the gap, or exceeds it most.
 struct Bound {
     normal: f64,
     gap: f64,
     x: Point,
     t: f64,
-    /// Whether every solution of the steps stays within it, and not only the one without contact.
+    /// True if it bounds every solution of the steps, not only the one without contact.
     of_every_motion: bool,
 }
 
@@ -180,7 +180,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// The place of largest penetration at t = 0, if the gap is closed somewhere.
+    /// The point of largest penetration at t = 0; `None` if the gap is open everywhere.
     fn touching(&self, contact: &Contact) -> Option<(Point, f64)> {
         let normals = self.normals().map(|terms| terms.iter().map(|&(dof, factor)| factor * self.u[dof]).sum::<f64>());
         let gaps = contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), 0.0);
@@ -188,7 +188,7 @@ impl<'a> Body<'a> {
         points.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, r)| *r >= 0.0)
     }
 
-    /// What the estimate does not cover, and its place.
+    /// A part of the problem that the estimate does not cover, and its place.
     fn not_covered(&self) -> Option<(&'static str, String)> {
         let (problem, m) = (self.problem, self.material);
         if !self.space.is_homogeneous() {
@@ -231,7 +231,7 @@ impl<'a> Body<'a> {
         None
     }
 
-    /// The bound over all steps, or what stands in its way.
+    /// The bound over all steps, or the reason why there is none.
     fn bound(
         &self,
         contact: &Contact,
@@ -300,12 +300,12 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Solutions without a factor up to which the bound is computed.
+/// Number of solutions without a factor up to which the bound is computed.
 const SOLUTIONS: usize = 100;
-/// A point of a body whose coefficients are the same everywhere.
+/// Any point of a body with constant coefficients.
 const ANYWHERE: Point = [0.0; 3];
 
-/// Whether a coefficient of a material varies in space.
+/// True if a coefficient of a material varies in space.
 fn is_graded(m: &Material) -> bool {
     m.elasticity.graded().is_some()
         || m.viscosity.graded().is_some()
@@ -314,7 +314,7 @@ fn is_graded(m: &Material) -> bool {
         || [&m.expansion, &m.coupling, &m.conductivity].into_iter().any(Coefficient::varies)
 }
 
-/// Whether a foundation does no work on the body: it does not move, its pressure does not fall, and no fluid is there.
+/// True if a foundation does no work on the body: it does not move, its pressure does not soften, and it has no fluid.
 fn at_rest(contact: &Contact) -> bool {
     let falls = |x: &Point| contact.normal.least_slope(x, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
     contact.fluid.is_none()
@@ -395,7 +395,7 @@ impl<'a> Heat<'a> {
     }
 }
 
-/// ‖q₀(t)‖ by the rule that integrates the load.
+/// ‖q₀(t)‖, by the quadrature rule of the load.
 fn source(problem: &Problem, t: f64) -> f64 {
     let own = |region: usize| {
         let loads = problem.region_loads.iter().filter(move |load| load.region == region);

@@ -1,4 +1,4 @@
-//! Arguments at which declared constants are put to the test, the same in every run.
+//! Arguments at which declared constants are tested; they are the same in every run.
 
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
@@ -29,7 +29,7 @@ impl Samples {
         sym
     }
 
-    /// A number of either sign whose magnitude is spread over `decades` below `largest`: the scale on which a law
+    /// A number of either sign whose magnitude is spread over `decades` below `largest`, since the scale on which a law
     /// bends is not known.
     pub(crate) fn spread(&mut self, largest: f64, decades: f64) -> f64 {
         let size = largest * 10f64.powf(-decades * 0.5 * (1.0 + self.number()));
@@ -37,7 +37,7 @@ impl Samples {
     }
 }
 
-/// Diagonal of the box around the body, m: the largest length there is.
+/// Diagonal of the bounding box of the body, m.
 pub(super) fn diameter(problem: &Problem) -> f64 {
     let points = &problem.mesh.points;
     let extent = |d: usize| {

@@ -1,4 +1,4 @@
-//! Laws of contact that fall, with which a step may have several solutions (`book/src/theory.md`).
+//! Softening contact laws, with which a step may have several solutions (`book/src/theory.md`).
 
 use super::laws::tests;
 use super::sample::Samples;
@@ -7,22 +7,22 @@ use crate::contact::{Contact, ContactPoint};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
-/// Pressures that a law is asked at, at each point.
+/// Number of pressures per point at which a law is sampled.
 const SAMPLES: usize = 64;
 
-/// By how much the laws of a contact fall; all zero where none does.
+/// Measures of softening of the laws of a contact; all zero if no law softens.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Falls {
     /// s in Pa/m: the slopes of p_ν are −s or more; infinite across a drop.
     pub pressure: f64,
-    /// f in s/m: the slopes of the friction bound in the slip speed are −f p or more, as far as samples tell.
+    /// f in s/m: the slopes of the friction bound in the slip speed are −f p or more, as far as samples show.
     pub with_speed: f64,
-    /// By how much of p the bound drops when slip starts, as far as samples tell.
+    /// Drop of the friction bound at the start of slip over p, as far as samples show.
     pub at_start: f64,
 }
 
 impl Falls {
-    /// Those of a contact with points at `places`; `stress` is the largest pressure to ask friction at, Pa.
+    /// Samples a contact with points at `places`, with pressures for friction up to `stress` in Pa.
     fn of(contact: &Contact, places: &[Point], stress: f64) -> Falls {
         let pressure = places
             .iter()
@@ -50,7 +50,7 @@ impl Falls {
     }
 }
 
-/// The falls of the laws of every contact.
+/// The softening of the laws of every contact.
 pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
     let stiffness =
         problem.materials.iter().flat_map(|m| [m.elasticity.constants().lipschitz, m.viscosity.constants().lipschitz]);
@@ -59,7 +59,7 @@ pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
     tests(problem).map(|test| test.sampled(|| Falls::of(test.contact, &test.places, stress))).collect()
 }
 
-/// `softening`: reports softening laws, their slopes, and how a run treats them; none if no law softens.
+/// `softening`: reports softening laws, their slopes, and how a run treats them; `None` if no law softens.
 pub(super) fn softening(problem: &Problem) -> Option<Finding> {
     let all = falls(problem);
     let side = all.iter().position(|falls| falls.any())?;

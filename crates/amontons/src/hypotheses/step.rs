@@ -1,24 +1,24 @@
-//! One discrete step of (4.1): when it has one solution.
+//! Uniqueness of one discrete step of (4.1).
 //!
-//! With the bound of friction taken at the unknown u_n a step is a quasi-variational inequality. After condensation, S
-//! w + T(w) ∋ r̂ on Γ_C, where T(w) = Σ ω Nᵀ(p_ν(r) ν + p_τ(r) ∂‖w_τ‖), r = r₀ + k w_ν. T loses monotonicity by at most
-//! c* k W, W the weights, so that the step has one solution if
+//! With the friction bound at the unknown u_n, a step is a quasi-variational inequality. After condensation it is S w +
+//! T(w) ∋ r̂ on Γ_C, where T(w) = Σ ω Nᵀ(p_ν(r) ν + p_τ(r) ∂‖w_τ‖), r = r₀ + k w_ν. T loses monotonicity by at most c*
+//! k W, W the weights, so that the step has one solution if
 //!
 //! ```text
 //!     λ_min(S, W) > c* k,    c* = max{ (√(L_ν² + L_τ²) − L_ν)/2, L_r/2 },
 //! ```
 //!
-//! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν
-//! (√(1 + μ²) − 1)/2. It has a solution in any case. With a pressure that decreases by at most s per length c* is at
-//! least (s + √(s² + (μs + L_r)²))/2, and with a bound that decreases with the slip speed by at most f p, the condition
-//! is λ_min(S, W) > c* k + f p for the pressures p of the step. With several contacts c* W is Σ c*_i W_i.
-//! λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds for k holds
-//! for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
+//! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 +
+//! μ²) − 1)/2. A solution exists in any case. If the pressure decreases by at most s per length, c* is at least (s +
+//! √(s² + (μs + L_r)²))/2; if the bound decreases with the slip speed by at most f p, the condition is λ_min(S, W) > c*
+//! k + f p for the pressures p of the step. With several contacts c* W is Σ c*_i W_i. λ_min/k = λ_min of the condensed
+//! ρM/k² + B/k + A does not decrease as k decreases, so a condition that holds for k holds for all shorter steps. K_u
+//! is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
-//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal of K_u, which round-off cannot feign:
+//! `holds` rests on a Cholesky factor of K_u − c* k W minus 2⁻⁴⁰ of the diagonal of K_u, a margin far above round-off:
 //! by elimination of the interior it is positive definite if and only if K_II and S − c* k W are, so that one factor of
-//! K_u less that share serves for every c*, and for the eigenvalue. Of a body that is too large for a factor it rests
-//! on conjugate gradients that see no other energy. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
+//! K_u minus that margin serves for every c*, and for the eigenvalue. For a body too large for a factor it rests on
+//! conjugate gradients that meet no other energy. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
 
 use std::sync::Arc;
 
@@ -36,25 +36,25 @@ use crate::tensor;
 use crate::time::Rule;
 use crate::units::{Measure, Units};
 
-/// Share of the diagonal that a matrix must exceed to count as positive definite: far above the round-off of a factor.
+/// Fraction of the diagonal by which a matrix must be positive definite: far above the round-off of a factor.
 const MARGIN: f64 = 9.094_947_017_729_282e-13;
 
-/// Doublings of the number of steps after which the search for one that ensures a unique step ends.
+/// Largest number of doublings in the search for the number of steps that ensures a unique step.
 const DOUBLINGS: u32 = 20;
 
-/// c* in Pa/m: the loss of monotonicity of the contact forces by friction, for a step of unit length. `l_nu` and
-/// `l_tau` are L_ν and L_τ, `l_r` the Lipschitz constant of the friction bound at fixed pressure.
+/// c* in Pa/m: the loss of monotonicity of the contact forces by friction, per unit step length. `l_nu` and `l_tau` are
+/// L_ν and L_τ, `l_r` is the Lipschitz constant of the friction bound at fixed pressure.
 #[must_use]
 pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
-    // (√(a² + b²) − a)/2 without cancellation.
+    // (√(a² + b²) − a)/2 in a form without cancellation.
     let coupled = if l_tau > 0.0 { 0.5 * l_tau * (l_tau / (l_nu.hypot(l_tau) + l_nu)) } else { 0.0 };
     coupled.max(0.5 * l_r)
 }
 
-/// c* of the laws of a contact; none if they have no Lipschitz constants.
+/// c* of the laws of a contact; `None` if they have no Lipschitz constants.
 ///
-/// Where the pressure falls by s per length at the most, the fall takes s, and with friction (s + √(s² + L²))/2, L the
-/// Lipschitz constant of the bound of a pressure that falls so.
+/// If the pressure decreases by at most s per length, c* includes s, and with friction (s + √(s² + L²))/2, L the
+/// Lipschitz constant of the friction bound at such a pressure.
 fn loss(contact: &Contact, fall: f64) -> Option<f64> {
     if contact.friction.is_frictionless() {
         return Some(fall).filter(|fall| fall.is_finite());
@@ -64,8 +64,8 @@ fn loss(contact: &Contact, fall: f64) -> Option<f64> {
     Some(if fall > 0.0 { rising.max(0.5 * (fall + fall.hypot(bound.lipschitz(Some(fall))?))) } else { rising })
 }
 
-/// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m
-/// ‖ξ₁ − ξ₂‖²; with the least m over its temperatures.
+/// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ −
+/// ξ₂‖², with the least m over its temperatures.
 fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
     if is_fixed(law) {
         return Arc::clone(law);
@@ -73,7 +73,7 @@ fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
     Arc::new(Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress))
 }
 
-/// The forms of a problem with laws of the body that are linear and lie below its own: its own forms where its laws do.
+/// The forms of a problem with linear laws of the body below its own; its own forms if its laws are linear.
 fn minorized(problem: &Problem, discrete: &Arc<Discretization>) -> Arc<Discretization> {
     if problem.materials.iter().all(|m| is_fixed(&m.elasticity) && is_fixed(&m.viscosity)) {
         return Arc::clone(discrete);
@@ -95,12 +95,12 @@ struct Step<'a> {
     loss: f64,
     /// f, the largest of the contacts, s/m.
     with_speed: f64,
-    /// W = Σ ω NᵀN, on each component; of each contact the share of its own c* in the largest.
+    /// W = Σ ω NᵀN, on each component, scaled per contact by its own c* over the largest.
     weights: BlockMatrix,
     shares: Vec<f64>,
 }
 
-/// K_u of a step of one length, less [`MARGIN`] of its diagonal, and what solves with it once that is needed.
+/// K_u at one step length, minus [`MARGIN`] of its diagonal, and its factored system once needed.
 struct At<'a> {
     step: &'a Step<'a>,
     k: f64,
@@ -108,7 +108,7 @@ struct At<'a> {
     system: Option<System>,
 }
 
-/// λ_min(S, W): a quotient of the forms, which it cannot exceed, and that less the error of the iteration.
+/// Bounds of λ_min(S, W): a quotient of the forms from above, and this minus the error of the iteration from below.
 #[derive(Clone, Copy)]
 struct Least {
     above: f64,
@@ -138,13 +138,13 @@ impl<'a> Step<'a> {
         Step { problem, discrete, loss, with_speed, weights, shares }
     }
 
-    /// With K_u = ρM/k + B + kA.
+    /// K_u = ρM/k + B + kA at step length k.
     fn at(&self, k: f64) -> At<'_> {
         let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
         At { step: self, k, less: Arc::new(less_margin(matrix)), system: None }
     }
 
-    /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
+    /// True if the heat equation of a step has one solution: C/k + D is positive definite.
     fn heat_is_definite(&self, k: f64) -> Result<bool, SolveError> {
         if !self.problem.physics.has_heat() {
             return Ok(true);
@@ -193,7 +193,7 @@ impl<'a> Step<'a> {
 }
 
 impl At<'_> {
-    /// Whether K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
+    /// True if K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
     fn dominates(&mut self, loss: f64) -> Result<bool, SolveError> {
         let step = self.step;
         let Step { problem, discrete, weights, .. } = step;
@@ -203,7 +203,7 @@ impl At<'_> {
             Err(SolveError::NotPositive { .. }) => return Ok(false),
             Err(error) => return Err(error),
         };
-        // The levels of an iteration prove less than a factor that is not too large.
+        // An iterative solver proves less than a factor, if that is not too large.
         let layout = Layout::of(&problem.mesh, &discrete.v, &[]);
         if system.is_direct() || !problem.backend.proves(&self.less, &layout) {
             let system = self.system()?;
@@ -220,12 +220,12 @@ impl At<'_> {
         let (step, less) = (self.step, Arc::clone(&self.less));
         let system = self.system()?;
         let mut pencil = TraceQuotient { entries: step.entries(system.unknowns()), system: &mut *system };
-        // The largest eigenvalue of (W, S) is 1/λ_min(S, W), here of an S that is less.
+        // The largest eigenvalue of (W, S) is 1/λ_min(S, W), here with the reduced S.
         let pair = largest(&mut pencil)?;
         if pair.value <= 0.0 {
             return Ok(Least { above: f64::INFINITY, below: f64::INFINITY });
         }
-        // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
+        // Uses the energy of the body instead of x·Sx: S carries the round-off of the elimination.
         let mut body = vec![0.0; step.discrete.v.free.len()];
         system.unknowns().add(&system.extend(&pair.vector)?, &mut body);
         let above = energy(&less, &body) / dot(&body, &step.weights.apply(&body));
@@ -244,8 +244,8 @@ impl At<'_> {
     }
 }
 
-/// A matrix less [`MARGIN`] of its diagonal. A factor sees it; products with a form of differences, which do not use
-/// the diagonal, are still those of the matrix itself.
+/// Subtracts [`MARGIN`] of its diagonal from a matrix. A factor includes it; products in the form of differences do not
+/// use the diagonal and remain those of the original matrix.
 fn less_margin(mut matrix: BlockMatrix) -> BlockMatrix {
     let (components, _) = matrix.block_shape();
     for node in 0..matrix.graph().len() {
@@ -258,7 +258,7 @@ fn less_margin(mut matrix: BlockMatrix) -> BlockMatrix {
     matrix
 }
 
-/// x·Kx of the matrix that is `less` with its margin.
+/// x·Kx of the matrix K from which `less` was made.
 fn energy(less: &BlockMatrix, x: &[f64]) -> f64 {
     let product = dot(x, &less.apply(x));
     if less.is_of_differences() {
@@ -270,13 +270,13 @@ fn energy(less: &BlockMatrix, x: &[f64]) -> f64 {
     product + MARGIN / (1.0 - MARGIN) * margin
 }
 
-/// Whether a matrix less [`MARGIN`] of its diagonal has a Cholesky factor on the free degrees of freedom of a space.
+/// True if a matrix minus [`MARGIN`] of its diagonal has a Cholesky factor on the free degrees of freedom of a space.
 fn is_positive_definite(problem: &Problem, space: &Space, matrix: BlockMatrix) -> Result<bool, SolveError> {
     let less = Arc::new(less_margin(matrix));
     problem.backend.is_positive_definite(&less, &Layout::of(&problem.mesh, space, &[]))
 }
 
-/// Whether a linear form is positive definite beyond round-off on the displacements that are free.
+/// True if a linear form is positive definite beyond round-off on the free displacements.
 pub(super) fn holds_the_body(
     problem: &Problem,
     discrete: &Discretization,
@@ -285,14 +285,14 @@ pub(super) fn holds_the_body(
     is_positive_definite(problem, &discrete.v, form.clone())
 }
 
-/// Whether θ_n acts on w_n in the same step by expansion or by moduli, as in couplings other than the paper's.
+/// True if θ_n acts on w_n within the same step by expansion or by moduli, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
     let softens = || problem.materials.iter().any(Material::laws_depend_on_temperature);
     let is_solved = problem.physics.has_heat() && problem.coupling != Coupling::Staggered;
     is_solved && (largest_norm(problem, |m| &m.expansion) > 0.0 || softens())
 }
 
-/// A part of the laws that the condition does not cover, and its place.
+/// A property of the laws that the condition does not cover, and its place.
 fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'static str, &'static str)> {
     let with_friction = || problem.contacts.iter().any(|contact| !contact.friction.is_frictionless());
     if drops {
@@ -322,7 +322,7 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
     }
 }
 
-/// The system to judge, or the finding that says why there is none.
+/// The system to test, or the finding that explains why there is none.
 fn prepare<'a>(problem: &'a Problem, discrete: &Arc<Discretization>, id: FindingId) -> Result<Step<'a>, Box<Finding>> {
     if problem.contacts.is_empty() {
         return Err(Box::new(Finding::new(
@@ -374,12 +374,12 @@ fn prepare<'a>(problem: &'a Problem, discrete: &Arc<Discretization>, id: Finding
     }
 }
 
-/// A unit behind a number: ` Pa`, or nothing in a dimensionless case.
+/// The unit that follows a number: ` Pa`, or empty in a dimensionless case.
 fn suffix(units: Units, measure: Measure) -> String {
     format!(" {}", units.of(measure)).trim_end().to_owned()
 }
 
-/// The verdict if friction decreases with the slip speed by f p and a step has one solution apart from that: it has one
+/// The verdict if friction decreases with the slip speed by f p and the condition holds without that: a step has one
 /// solution as long as f p < λ_min − c* k. No bound of the pressure is known before the run.
 fn up_to_a_pressure(id: FindingId, [found, needed]: [f64; 2], with_speed: f64, steps: f64, units: Units) -> Finding {
     let (most, unit) = ((found - needed) / with_speed, suffix(units, Measure::Stress));
@@ -398,7 +398,7 @@ fn not_factorized(id: FindingId, error: &SolveError) -> Finding {
     )
 }
 
-/// What is said where K_u is not positive definite, as Theorem 2 asks.
+/// The finding if K_u is not positive definite, as Theorem 2 requires.
 fn not_held(id: FindingId) -> Finding {
     let message = "the mechanical system of a step is not positive definite beyond round-off: only contact holds the body in some direction, which the theory does not cover";
     Finding::new(id, FindingStatus::NotCovered, message, "boundary").repair(
@@ -454,7 +454,7 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
 }
 
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
-/// What the finding `unique` says is not computed again.
+/// Results of the finding `unique` are reused.
 pub(super) fn time_step(
     problem: &Problem,
     forms: &dyn Fn() -> Arc<Discretization>,
@@ -462,17 +462,15 @@ pub(super) fn time_step(
 ) -> Finding {
     let id = FindingId::TimeStep;
     match unique {
-        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => {
-            enough(problem, problem.timeline.steps() as f64)
-        }
-        // Without numbers it is what `prepare` says, of this as of that.
+        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => enough(problem, problem.timeline.steps() as f64),
+        // Without numbers it repeats the statement of `prepare`.
         Some(told @ Finding { status: FindingStatus::Holds, .. }) => Finding { id, ..told.clone() },
         _ => prepare(problem, &forms(), id)
             .map_or_else(|finding| *finding, |step| search(&step).unwrap_or_else(|error| not_factorized(id, &error))),
     }
 }
 
-/// So many steps ensure that each has one solution.
+/// The finding that this number of steps ensures one solution per step.
 fn enough(problem: &Problem, steps: f64) -> Finding {
     let is_enough = steps <= problem.timeline.steps() as f64;
     let (k, unit) = (problem.timeline.end() / steps, suffix(problem.units(), Measure::Time));
@@ -499,7 +497,7 @@ fn search(step: &Step) -> Result<Finding, SolveError> {
     if !found && !at.dominates(0.0)? {
         return Ok(not_held(id));
     }
-    // λ_min/k does not decrease with k: what fails in the shortest step of the search fails in all.
+    // λ_min/k does not decrease with decreasing k: if the shortest step of the search fails, all do.
     if !found && step.at(k(DOUBLINGS)).least()?.above > step.loss * k(DOUBLINGS) {
         while !found && doubling < DOUBLINGS {
             doubling += 1;

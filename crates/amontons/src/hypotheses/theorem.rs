@@ -1,4 +1,4 @@
-//! (2.23): as it is printed, and what the proof of Theorem 3.1 needs instead (`book/src/theory.md`).
+//! (2.23) as printed, and the condition that replaces it in the proof of Theorem 3.1 (`book/src/theory.md`).
 
 use super::data::not_in_v;
 use super::laws::{Test, beyond, not_lipschitz, tests};
@@ -10,7 +10,7 @@ use crate::mesh::defects::components;
 use crate::problem::{Problem, first_warm};
 use crate::space::Space;
 
-/// `2.23-printed`: m_a < (L_ν + L_τ) s₁², the second L_ν of the print read as L_τ, and m_d > M_kc s₂².
+/// `2.23-printed`: m_a < (L_ν + L_τ) s₁², with the second L_ν of the print read as L_τ, and m_d > M_kc s₂².
 pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     let id = FindingId::Printed;
     if problem.contacts.is_empty() {
@@ -67,7 +67,7 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
         })
 }
 
-/// `2.23-needed`: no inequality between constants, but the hypotheses of Theorem 1 of the book.
+/// `2.23-needed`: the hypotheses of Theorem 1 of the book, without an inequality between constants.
 ///
 /// With κ = M_a + s₁²(L_ν + L_τ), two solutions of (3.6) differ by ‖u(t)‖² ≤ (2t/m_b²) exp(κ²t²/m_b²) ∫₀ᵗ ‖y₁ − y₂‖².
 pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Finding]) -> Finding {
@@ -93,7 +93,7 @@ pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Findi
     numbers(Finding::new(id, FindingStatus::Holds, message, "material.viscosity"))
 }
 
-/// Hypotheses of Theorem 1 that these data do not satisfy, with their places.
+/// Hypotheses of Theorem 1 that these data violate, with their places.
 fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str)> {
     let fails = |id: FindingId| findings.iter().any(|f| f.id == id && f.fails());
     let mut missing = Vec::new();
@@ -153,7 +153,7 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     }
 }
 
-/// The same for one contact.
+/// A part of one contact that Theorem 1 does not cover, and its place.
 fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
     let contact = test.contact;
     let nu = contact.normal.lipschitz().filter(|l| l.is_finite() && contact.normal.graph() == GraphKind::Function);
@@ -196,7 +196,7 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
     None
 }
 
-/// Whether every part of the body has a facet on which all values of a space are prescribed.
+/// True if every part of the body has a facet on which all values of a space are prescribed.
 fn is_held(problem: &Problem, space: &Space) -> bool {
     let fixed: Vec<bool> = (0..problem.mesh.points.len() as u32).map(|node| space.is_held(node)).collect();
     let held = |nodes: &[u32]| nodes.iter().all(|&node| fixed.get(node as usize) == Some(&true));

@@ -11,7 +11,7 @@ pub struct ArrayTensor {
     pub value: Arrays,
     /// The rows of the derivative in Mandel components.
     pub tangent: Arrays,
-    /// The potential in J/m³; none if there is none.
+    /// The potential in J/m³; `None` if the law has none.
     pub potential: Option<Arrays>,
     /// m and M of (H1), (H2).
     pub constants: Constants,
@@ -41,12 +41,12 @@ impl TensorLaw for ArrayTensor {
     }
 }
 
-/// The functions of arrays in laws; empty if there are none.
+/// The array functions of laws.
 pub(crate) fn arrays<'a>(laws: &[&'a dyn TensorLaw]) -> Vec<&'a Arrays> {
     laws.iter().flat_map(|law| law.arrays()).collect()
 }
 
-/// The functions of arrays in the laws of materials; empty if there are none.
+/// The array functions of the laws of materials.
 pub(crate) fn material_arrays(materials: &[Material]) -> Vec<&Arrays> {
     materials.iter().flat_map(|material| arrays(&[material.elasticity.as_ref(), material.viscosity.as_ref()])).collect()
 }

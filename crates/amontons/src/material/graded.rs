@@ -7,8 +7,7 @@ use crate::field::Graded;
 use crate::tensor::{Point, Sym, SymMap};
 
 impl Graded<dyn TensorLaw> {
-    /// An elasticity or viscosity that is the law `at` gives at each point; m and M are the least and the largest of
-    /// those at the points.
+    /// An elasticity or viscosity given by the law `at` per point; m and M are the extremes over the points.
     #[must_use]
     pub fn elastic(
         points: &[Point],
@@ -17,8 +16,8 @@ impl Graded<dyn TensorLaw> {
         Graded::elastic_of_temperature(points, &[], move |x, _| at(x))
     }
 
-    /// The same of a law that depends on the temperature, too, from the first to the last of `temperatures` in K, which
-    /// ascend; m and M are those of these temperatures.
+    /// An elasticity or viscosity that also depends on the temperature, from the first to the last of the ascending
+    /// `temperatures` in K; m and M are the extremes over points and temperatures.
     #[must_use]
     pub fn elastic_of_temperature(
         points: &[Point],

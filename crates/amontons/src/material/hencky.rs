@@ -5,14 +5,14 @@ use crate::tensor::{Point, Sym, SymMap};
 
 /// ξ ↦ κ tr(ξ) I + c(‖ξ^D‖) ξ^D in three dimensions, c a [`ShearLaw`]; [`super::Reduced`] makes it plane.
 ///
-/// As 𝓔 the Hencky material (deformation theory; Zeidler 1988, *Nonlinear Functional Analysis* IV, chapter 62; Han and
-/// Sofonea 2002), as 𝓥 a generalized Newtonian viscosity. ξ^D is the deviator in three dimensions: that of a plane
-/// strain has a component 33.
+/// 𝓔 of this form is the Hencky material (deformation theory; Zeidler 1988, *Nonlinear Functional Analysis* IV, chapter
+/// 62; Han and Sofonea 2002), 𝓥 a generalized Newtonian viscosity. ξ^D is the deviator in three dimensions: for a plane
+/// strain it has a component 33.
 ///
-/// With s = ‖ξ^D‖, τ(s) = c(s) s and n = ξ^D/s the tangent is κ I⊗I + c (Id^D − n⊗n) + τ′ n⊗n. As c(s) is the mean of
-/// τ′ over (0, s), both lie between r = inf τ′ and R = sup τ′, so that κ I⊗I + r Id^D ≤ D ≤ κ I⊗I + R Id^D, and the law
-/// is the gradient of κ/2 tr(ξ)² + ∫₀^s τ. Hence (mean value theorem) m = min(3κ, r) and M = max(3κ, R) in (H1), (H2),
-/// the least and largest possible: D takes the value τ′ along n. In plane strain and in one dimension the same holds of
+/// With s = ‖ξ^D‖, τ(s) = c(s) s and n = ξ^D/s the tangent is κ I⊗I + c (Id^D − n⊗n) + τ′ n⊗n. Since c(s) is the mean
+/// of τ′ over (0, s), both lie between r = inf τ′ and R = sup τ′, so that κ I⊗I + r Id^D ≤ D ≤ κ I⊗I + R Id^D, and the
+/// law is the gradient of κ/2 tr(ξ)² + ∫₀^s τ. Hence (mean value theorem) m = min(3κ, r) and M = max(3κ, R) in (H1),
+/// (H2) are the best possible: D takes the value τ′ along n. In plane strain and in one dimension the same holds for
 /// the restricted forms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hencky<S> {
@@ -24,7 +24,7 @@ impl<S: ShearLaw> Hencky<S> {
     /// κ = `bulk` ≥ 0 in Pa or Pa s (0 is monotone, but not strongly) and the shear function.
     ///
     /// # Errors
-    /// A bulk modulus that is negative or not finite.
+    /// Fails if the bulk modulus is negative or not finite.
     pub fn new(bulk: f64, shear: S) -> Result<Hencky<S>, LawError> {
         Ok(Hencky { bulk: in_range("the bulk modulus κ", bulk, "a number that is not negative", bulk >= 0.0)?, shear })
     }
@@ -78,7 +78,7 @@ mod tests {
     const BULK: f64 = 2.0;
     const STATES: [StressState; 2] = [StressState::PlaneStress, StressState::PlaneStrain];
 
-    /// Stiffening, softening, shear thinning, saturating, a power law and one nearly incompressible beside its shear.
+    /// Stiffening, softening, shear thinning, saturating, a power law, and a nearly incompressible law.
     fn shears() -> Result<Vec<(f64, Arc<dyn ShearLaw>)>, LawError> {
         Ok(vec![
             (BULK, Arc::new(VonMisesProjection::new(1.0, 5.0, 1e-3)?)),
@@ -118,7 +118,7 @@ mod tests {
                 let sigma = 1.5f64.sqrt() * shear.secant(s) * s;
                 let (along, across) =
                     (sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s, sigma / (9.0 * bulk) - s / 6f64.sqrt());
-                // What round-off of the strain, times the stiffness, does to the stress.
+                // Effect on the stress of round-off in the strain, times the stiffness.
                 let tolerance = 1e-14 * (sigma + space.constants().lipschitz * along);
                 for sign in [1.0, -1.0] {
                     let strain = Sym([sign * along, sign * across, 0.0, sign * across, 0.0, 0.0]);
@@ -141,7 +141,7 @@ mod tests {
         Ok(())
     }
 
-    /// Simple shear γ: σ₁₂ = c(γ/√2) γ/2, and no pressure, in every state.
+    /// Simple shear γ: σ₁₂ = c(γ/√2) γ/2 without pressure, in every state.
     #[test]
     fn simple_shear_is_the_shear_function() -> Result<(), LawError> {
         for (bulk, shear) in shears()? {
@@ -160,7 +160,7 @@ mod tests {
         Ok(())
     }
 
-    /// In plane stress the stress beside the plane vanishes at a strain ε₃₃ that is found again here by bisection.
+    /// In plane stress σ₃₃ vanishes at a strain ε₃₃ that is recomputed here by bisection.
     #[test]
     fn plane_stress_agrees_with_bisection() -> Result<(), LawError> {
         for (bulk, shear) in shears()? {
@@ -200,7 +200,7 @@ mod tests {
         Ok(())
     }
 
-    /// The declared m and M are reached within 3 % by tangents at sampled arguments, and not passed.
+    /// Tangents at sampled arguments reach the declared m and M within 3 % and do not exceed them.
     #[test]
     fn constants_are_sharp() -> Result<(), LawError> {
         for (bulk, shear) in shears()? {

@@ -9,14 +9,14 @@ pub struct Isotropic {
     dim: usize,
     lambda: f64,
     map: SymMap,
-    /// Whether the operator has a component 33 (plane strain).
+    /// True if the operator has a component 33 (plane strain).
     out_of_plane: bool,
 }
 
 impl Isotropic {
-    /// 𝓔 of (5.1), `Eν/(1−ν²) tr(τ) I + E/(1+ν) τ`, in plane stress; in plane strain and in three
-    /// dimensions `Eν/((1+ν)(1−2ν))` stands in its first term. In one dimension plane stress is uniaxial stress, Eτ,
-    /// and plane strain uniaxial strain. E is `young` in Pa, ν `poisson`.
+    /// 𝓔 of (5.1), `Eν/(1−ν²) tr(τ) I + E/(1+ν) τ`, in plane stress; in plane strain and in three dimensions the first
+    /// coefficient is `Eν/((1+ν)(1−2ν))`. In one dimension plane stress is uniaxial stress, Eτ, and plane strain
+    /// uniaxial strain. E is `young` in Pa, ν `poisson`.
     #[must_use]
     pub fn elastic(dim: usize, young: f64, poisson: f64, state: StressState) -> Isotropic {
         let (lambda, c) = (young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (1.0 + poisson));
@@ -33,8 +33,8 @@ impl Isotropic {
         Isotropic::new(dim, first, second, dim == 2 && state == StressState::PlaneStrain)
     }
 
-    /// 2μ ξ^D, the part of an isotropic law at a point that resists changes of shape, in the plane, in plane strain, or
-    /// in space: μ is that of the law.
+    /// 2μ ξ^D, the part of an isotropic law at a point that resists changes of shape, in plane strain or in space: μ is
+    /// the shear modulus of the law.
     #[must_use]
     pub fn deviatoric(dim: usize, law: &dyn TensorLaw, x: &Point) -> Isotropic {
         let twice = law.tangent(x, &Sym::ZERO).0[2][2];

@@ -4,8 +4,8 @@ use super::reduced::reduce;
 use super::{Constants, LawError, StressState, TensorLaw, in_range};
 use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_index, mandel_len, mandel_weight, symmetric_eigenvalues};
 
-/// A linear operator with up to 21 constants, the same over the body, reduced to `dim` dimensions as [`super::Reduced`]
-/// states.
+/// A linear operator with up to 21 constants, uniform over the body, reduced to `dim` dimensions as in
+/// [`super::Reduced`].
 ///
 /// m and M are the extreme eigenvalues on 𝕊^d.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,18 +22,18 @@ const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 
 pub struct Orthotropic {
     /// E₁, E₂, E₃ in Pa (or Pa s for a viscosity).
     pub young: [f64; 3],
-    /// ν₁₂, ν₁₃, ν₂₃: −ν_ij is the strain along j to that along i under uniaxial stress along i.
+    /// ν₁₂, ν₁₃, ν₂₃: ν_ij is minus the ratio of the strain along j to that along i under uniaxial stress along i.
     pub poisson: [f64; 3],
     /// G₁₂, G₁₃, G₂₃ in Pa (or Pa s).
     pub shear: [f64; 3],
 }
 
 impl Linear {
-    /// The law σ = C γ, C = `voigt` in the order 11 22 33 23 13 12 and in the material's axes, which `orientation`
-    /// turns the axes of the body to. Shear entries act on engineering strains: σ₁₂ = … + C₆₆ 2ε₁₂.
+    /// The law σ = C γ, C = `voigt` in the order 11 22 33 23 13 12 and in the material axes, to which `orientation`
+    /// turns the axes of the body. Shear entries act on engineering strains: σ₁₂ = … + C₆₆ 2ε₁₂.
     ///
     /// # Errors
-    /// Entries that are not finite, a matrix that is not symmetric to 1e-9 of its largest entry, or not positive
+    /// Fails if entries are not finite, or if the matrix is not symmetric to 1e-9 of its largest entry or not positive
     /// definite.
     pub fn new(
         voigt: &[[f64; 6]; 6],
@@ -57,9 +57,8 @@ impl Linear {
     /// The law of an orthotropic material.
     ///
     /// # Errors
-    /// Moduli that are not positive, or Poisson ratios with which the compliance is not positive definite: it is
-    /// necessary that
-    /// |ν_ij| < (E_i/E_j)^½.
+    /// Fails if moduli are not positive, or if the compliance is not positive definite for the Poisson ratios; |ν_ij| <
+    /// (E_i/E_j)^½ is necessary.
     pub fn orthotropic(
         constants: &Orthotropic,
         orientation: &Rotation,
@@ -80,7 +79,7 @@ impl Linear {
         let s = [[1.0, a, b], [a, 1.0, c], [b, c, 1.0]];
         let eigenvalues = symmetric_eigenvalues(3, |i, j| s[i][j]);
         let (least, most) = (eigenvalues[0], eigenvalues[2]);
-        // Eigenvalues of a matrix of order one are known to a few units of round-off.
+        // Eigenvalues of a matrix with entries of order one have an error of a few units of round-off.
         if least.is_nan() || least <= 8.0 * f64::EPSILON * most {
             let what = "compliance −ν_ij (E_j/E_i)^½ of the normal strains, with ones on its diagonal,";
             return Err(LawError::NotPositive { what, least, most });
@@ -98,7 +97,7 @@ impl Linear {
         Linear::of_map(&mandel(&voigt), orientation, dim, state)
     }
 
-    /// A map on the strains of a body, in Pa or Pa s, with the constants that it has there.
+    /// A map on the strains of a body, in Pa or Pa s, with its constants there.
     pub(super) fn with_constants(map: &SymMap, constants: Constants) -> Linear {
         Linear { map: *map, constants }
     }
@@ -157,7 +156,7 @@ mod tests {
         (1..=3).flat_map(|dim| [StressState::PlaneStress, StressState::PlaneStrain].map(|state| (dim, state)))
     }
 
-    /// Matrix and constants agree to 1e-13, the components that hold a plane strain too.
+    /// Matrix and constants agree to 1e-13, including the components that hold a plane strain.
     fn assert_same(law: &dyn TensorLaw, expected: &dyn TensorLaw, what: &str) {
         let (found, expected) = (law.tangent(&X, &Sym::ZERO), expected.tangent(&X, &Sym::ZERO));
         let scale = expected.0.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));

@@ -25,7 +25,7 @@ pub use prony::{Balance, Branch, Prony};
 pub use reduced::{Reduced, reduced};
 pub use shear::{Carreau, ShearLaw, VonMisesProjection};
 
-/// Constants of an operator on 𝕊^d: (H1) and (H2) ask for `monotonicity` > 0 and a finite `lipschitz`.
+/// Constants of an operator on 𝕊^d: (H1) and (H2) require `monotonicity` > 0 and a finite `lipschitz`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants {
     /// m: (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ − ξ₂‖².
@@ -44,7 +44,7 @@ impl Constants {
     }
 }
 
-/// What makes the numbers of a law no law.
+/// Reason why numbers define no valid law.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
     /// A number outside its range.
@@ -76,89 +76,89 @@ pub enum LawError {
         "the {what} is not positive definite: its eigenvalues reach from {least:e} to {most:e}, expected all positive"
     )]
     NotPositive {
-        /// Which matrix, and in which scaling.
+        /// The matrix and its scaling.
         what: &'static str,
         /// Least eigenvalue.
         least: f64,
         /// Largest eigenvalue.
         most: f64,
     },
-    /// A law that has to be linear and is not.
+    /// A law that must be linear but is not.
     #[error("the law is not linear; the branches of a generalized Maxwell body are")]
     NotLinear,
 }
 
-/// `found` if it is in the range that `holds`.
+/// `found`, or an error if it is outside the range or not finite.
 fn in_range(name: &'static str, found: f64, expected: &'static str, holds: bool) -> Result<f64, LawError> {
     if holds && found.is_finite() { Ok(found) } else { Err(LawError::Range { name, found, expected }) }
 }
 
 /// An operator Ω × 𝕊^d → 𝕊^d, serving 𝓔 of (H2) in Pa and 𝓥 of (H1) in Pa s.
 ///
-/// In two dimensions the argument has components 11, 22, 12 and so has the value that enters the
-/// forms; the other components of the value are the stress that holds a plane strain (0 in plane stress).
-/// Axisymmetric bodies use laws of three dimensions: 11, 22, 12 are rr, zz, rz and 33 is θθ.
+/// In two dimensions the argument has components 11, 22, 12, and so has the part of the value that enters the forms;
+/// the other components of the value are the stress that holds a plane strain (0 in plane stress). Axisymmetric bodies
+/// use laws of three dimensions: 11, 22, 12 are rr, zz, rz and 33 is θθ.
 pub trait TensorLaw: Debug + Send + Sync {
     /// The value at the point `x` and argument `xi`.
     fn value(&self, x: &Point, xi: &Sym) -> Sym;
     /// Derivative of the value with respect to `xi`.
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap;
-    /// Whether the value is a linear function of `xi`, symmetric and, unless the law is [`Graded`], the same at every
+    /// True if the value is a linear function of `xi`, symmetric and, unless the law is [`Graded`], the same at every
     /// `x`.
     fn is_linear(&self) -> bool {
         false
     }
-    /// The law as one whose coefficients vary in space, if it is one; its values at points are asked one by one.
+    /// The law as a space-dependent one, if its coefficients vary in space; it is then evaluated point by point.
     fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
         None
     }
-    /// The functions of arrays that the law consists of: they are evaluated for all points of the cells at once.
+    /// The array functions of the law; they are evaluated for all points of the cells at once.
     fn arrays(&self) -> Vec<&Arrays> {
         Vec::new()
     }
-    /// The law at a point and a temperature in K; none for one that does not depend on the temperature.
+    /// The law at a point and a temperature in K; `None` if it is independent of the temperature.
     fn at_temperature(&self, x: &Point, theta: f64) -> Option<Arc<dyn TensorLaw>> {
         let graded = self.graded().filter(|graded| !graded.temperatures().is_empty())?;
         Some(graded.at_temperature(x, theta))
     }
     /// m and M of (H1), (H2) on 𝕊^d.
     fn constants(&self) -> Constants;
-    /// W with dW/dξ the value on 𝕊^d and W(0) = 0, if there is one: for 𝓔 the stored energy in J/m³.
+    /// W with dW/dξ the value on 𝕊^d and W(0) = 0, for 𝓔 the stored energy in J/m³; `None` if there is none.
     fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
         self.is_linear().then(|| 0.5 * self.value(x, xi).dot(xi))
     }
     /// Linear maps L, U with L ≤ D ≤ U as quadratic forms, for the tangent D at every argument.
     ///
-    /// They keep the bounds sharp when a law is reduced to a plane ([`Reduced`]), where m and M alone would not.
+    /// They keep the constants optimal when a law is reduced to a plane ([`Reduced`]); m and M alone would not.
     fn bounds(&self) -> [SymMap; 2] {
         let Constants { monotonicity, lipschitz } = self.constants();
         [monotonicity, lipschitz].map(|c| SymMap::isotropic(3, 0.0, c))
     }
 }
 
-/// How the directions that a body of one or two dimensions lacks are held.
+/// Condition on the directions that a body of one or two dimensions lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StressState {
-    /// No stress there: σ₃₃ = σ₂₃ = σ₁₃ = 0; in one dimension uniaxial stress.
+    /// No stress in these directions: σ₃₃ = σ₂₃ = σ₁₃ = 0; in one dimension uniaxial stress.
     #[default]
     PlaneStress,
-    /// No strain there: ε₃₃ = ε₂₃ = ε₁₃ = 0; in one dimension uniaxial strain.
+    /// No strain in these directions: ε₃₃ = ε₂₃ = ε₁₃ = 0; in one dimension uniaxial strain.
     PlaneStrain,
 }
 
-/// How the strain of a cell is taken by elasticity and viscosity.
+/// The strain of a cell that enters elasticity and viscosity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Dilatation {
-    /// ε(u) as it is.
+    /// ε(u) unchanged.
     #[default]
     Full,
     /// The trace of ε(u) is replaced by its mean over the cell, ε̄ = ε + (mean tr ε − tr ε) I/d (the B̄ method; Hughes,
-    /// *The Finite Element Method*, 1987, section 4.5). Against locking of nearly incompressible bodies by Q1
-    /// quadrilaterals and hexahedra. It costs quadratic elements an order, and changes nothing for linear simplices.
+    /// *The Finite Element Method*, 1987, section 4.5). Prevents locking of nearly incompressible bodies with Q1
+    /// quadrilaterals and hexahedra. It costs quadratic elements one order, and has no effect on linear simplices.
     Mean,
 }
 
-/// The material of a body: made by [`Material::new`], its fields then set.
+/// The material of a body. Make it by [`Material::new`], then set its fields.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Material {
@@ -170,20 +170,20 @@ pub struct Material {
     pub elasticity: Arc<dyn TensorLaw>,
     /// 𝓥, (H1).
     pub viscosity: Arc<dyn TensorLaw>,
-    /// Stress that relaxes, besides 𝓔 and 𝓥.
+    /// Relaxing stress, in addition to 𝓔 and 𝓥.
     pub prony: Option<Prony>,
-    /// 𝓜 in Pa/K, (H4); a component 33 acts on the stress of a plane strain only.
+    /// 𝓜 in Pa/K, (H4); a component 33 acts only on the stress that holds a plane strain.
     pub expansion: Coefficient<Sym>,
     /// 𝓡 in W/m³ per unit strain, (H5).
     pub coupling: Coefficient<Sym>,
     /// 𝓚 in W/(m K), (H3).
     pub conductivity: Coefficient<Sym>,
-    /// The strain that elasticity, viscosity and branches see.
+    /// The strain that enters elasticity, viscosity and branches.
     pub dilatation: Dilatation,
 }
 
 impl Material {
-    /// A material with this law 𝓔 on bodies of `dim` dimensions. Density, heat capacity, conductivity and couplings are
+    /// A material with the law 𝓔 on bodies of `dim` dimensions. Density, heat capacity, conductivity and couplings are
     /// zero, and there is no viscosity.
     #[must_use]
     pub fn new(dim: usize, elasticity: impl TensorLaw + 'static) -> Material {
@@ -200,13 +200,13 @@ impl Material {
         }
     }
 
-    /// The same material with this law 𝓥.
+    /// Sets the viscosity law 𝓥.
     #[must_use]
     pub fn viscosity(self, law: impl TensorLaw + 'static) -> Material {
         Material { viscosity: Arc::new(law), ..self }
     }
 
-    /// The branches whose relaxation time varies in space, in their order.
+    /// The branches with space-dependent relaxation time, in their order.
     pub fn varying_branches(&self) -> impl Iterator<Item = &Branch> {
         self.prony.as_ref().map_or(&[][..], Prony::branches).iter().filter(|branch| branch.time_varies())
     }
@@ -221,22 +221,22 @@ impl Material {
             - theta * self.expansion.at_temperature(x, theta)
     }
 
-    /// Whether 𝓔 or 𝓥 depend on the temperature.
+    /// True if 𝓔 or 𝓥 depend on the temperature.
     #[must_use]
     pub fn laws_depend_on_temperature(&self) -> bool {
         [&self.elasticity, &self.viscosity].into_iter().any(|law| depends_on_temperature(law.as_ref()))
     }
 }
 
-/// Whether a law depends on the temperature.
+/// True if a law depends on the temperature.
 pub(crate) fn depends_on_temperature(law: &dyn TensorLaw) -> bool {
     law.graded().is_some_and(|graded| !graded.temperatures().is_empty())
 }
 
-/// Names of the stress components in the order of VTK: xx yy zz xy yz zx, as pairs of indices.
+/// Stress components in the order of VTK, xx yy zz xy yz zx, as pairs of indices.
 pub const VTK_COMPONENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
-/// Sample isotropic laws with the dimension they act in, for tests that hold for every such law.
+/// Sample isotropic laws with their dimension, for tests that hold for every such law.
 #[must_use]
 pub fn isotropic_samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
     let mut laws: Vec<(usize, Arc<dyn TensorLaw>)> = Vec::new();
@@ -269,7 +269,7 @@ pub fn isotropic_samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
     laws
 }
 
-/// Sample laws with the dimension they act in, for tests that hold for every law.
+/// Sample laws with their dimension, for tests that hold for every law.
 #[must_use]
 pub fn samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
     let mut laws = isotropic_samples();

@@ -1,4 +1,4 @@
-//! Stress that relaxes: branches of a generalized Maxwell body (Prony series).
+//! Relaxing stress: branches of a generalized Maxwell body (Prony series).
 
 use std::sync::Arc;
 
@@ -6,19 +6,19 @@ use super::{Constants, LawError, Linear, TensorLaw, in_range};
 use crate::field::{Coefficient, Graded};
 use crate::tensor::{Point, Sym, SymMap};
 
-/// Maxwell branches beside 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
+/// Maxwell branches in parallel with 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
 ///
 /// A branch is a spring 𝓖_i in series with a dashpot τ_i 𝓖_i (Simo and Hughes 1998, *Computational Inelasticity*,
-/// chapter 10). 𝓔 is the long-term law: under a constant strain the stress relaxes to it, from 𝓔 + Σ 𝓖_i, the
-/// instantaneous one. The state of a branch is the strain e_i of its spring, q_i = 𝓖_i e_i, so that no 𝓖_i has to be
-/// inverted (one may act on deviators only):
+/// chapter 10). 𝓔 is the long-term law: under a constant strain the stress relaxes to it from the instantaneous law 𝓔 +
+/// Σ 𝓖_i. The state of a branch is the strain e_i of its spring, q_i = 𝓖_i e_i, so that no 𝓖_i must be inverted (a
+/// branch may act on deviators only):
 ///
 /// ```text
 /// ė_i + e_i/τ_i = ε̇        e_i^n = (e_i^{n−1} + ε_n − ε_{n−1})/(1 + k/τ_i)          backward Euler
 /// ```
 ///
-/// Multiplied by q_i^n this is the energy identity of the step, exact, with three terms that are never negative beside
-/// the stored energy:
+/// Multiplied by q_i^n this is the exact energy identity of the step, with two nonnegative terms besides the stored
+/// energy:
 ///
 /// ```text
 /// q_i^n:(ε_n − ε_{n−1}) = [½ e_i:𝓖_i e_i]_{n−1}^n + (k/τ_i) e_i^n:𝓖_i e_i^n + ½ (e_i^n − e_i^{n−1}):𝓖_i (e_i^n − e_i^{n−1})
@@ -27,7 +27,7 @@ use crate::tensor::{Point, Sym, SymMap};
 ///
 /// Both 𝓖_i and τ_i may vary in space.
 ///
-/// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔
+/// In plane stress each branch is reduced on its own, which is exact if all have the Poisson ratio of 𝓔
 /// ([`Prony::ratios`]).
 #[derive(Clone, Debug)]
 pub struct Prony {
@@ -37,31 +37,31 @@ pub struct Prony {
 /// One Maxwell branch; as a [`TensorLaw`] it is its spring 𝓖_i.
 #[derive(Clone, Debug)]
 pub struct Branch {
-    /// 𝓖_i in Pa; where it varies in space, that of one point.
+    /// 𝓖_i in Pa; its value at one point if it varies in space.
     pub modulus: SymMap,
-    /// τ_i in s; where it varies in space, the least.
+    /// τ_i in s; its minimum if it varies in space.
     pub time: f64,
-    /// 𝓖_i where it varies in space.
+    /// 𝓖_i if it varies in space.
     graded: Option<Graded<dyn TensorLaw>>,
-    /// τ_i where it varies in space, with the largest.
+    /// τ_i if it varies in space, with its maximum.
     times: Option<(Coefficient<f64>, f64)>,
 }
 
 impl Branch {
-    /// The branch with this spring, the same everywhere.
+    /// The uniform branch with this spring.
     #[must_use]
     pub const fn new(modulus: SymMap, time: f64) -> Branch {
         Branch { modulus, time, graded: None, times: None }
     }
 
-    /// The branch as it is at a point.
+    /// The branch at a point.
     #[must_use]
     pub fn at(&self, x: &Point) -> Branch {
         let time = self.times.as_ref().map_or(self.time, |(time, _)| time.at(x));
         Branch::new(self.tangent(x, &Sym::ZERO), time)
     }
 
-    /// Whether τ_i varies in space.
+    /// True if τ_i varies in space.
     #[must_use]
     pub fn time_varies(&self) -> bool {
         self.times.is_some()
@@ -73,7 +73,7 @@ impl Branch {
         [self.time, self.times.as_ref().map_or(self.time, |(_, most)| *most)]
     }
 
-    /// 1/(1 + k/τ): what a step of length k leaves of the spring's strain.
+    /// 1/(1 + k/τ): the fraction of the spring's strain that remains after a step of length k.
     #[must_use]
     pub fn factor(&self, k: f64) -> f64 {
         1.0 / (1.0 + k / self.time)
@@ -109,7 +109,7 @@ fn scaled(mut map: SymMap, factor: f64) -> SymMap {
     map
 }
 
-/// The spring at a point whose modulus is `ratio` times that of a linear law.
+/// The spring at a point with `ratio` times the modulus of a linear law.
 fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
     let Constants { monotonicity, lipschitz } =
         law.graded().map_or_else(|| law.constants(), |graded| graded.at(x).constants());
@@ -117,7 +117,7 @@ fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
     Arc::new(Linear::with_constants(&scaled(law.tangent(x, &Sym::ZERO), ratio), constants))
 }
 
-/// The least and the largest value over points, of none at the origin; not a number if one is not.
+/// The least and the largest value over points, or at the origin if there are none; NaN if a value is.
 fn bounds(coefficient: &Coefficient<f64>, points: &[Point]) -> [f64; 2] {
     if let Some(value) = coefficient.constant() {
         return [value; 2];
@@ -142,17 +142,17 @@ pub struct Balance {
 }
 
 impl Prony {
-    /// Branches of a linear law 𝓖_i, in Pa, and a relaxation time τ_i > 0, in s.
+    /// Branches given by a linear law 𝓖_i in Pa and a relaxation time τ_i > 0 in s.
     ///
     /// # Errors
-    /// A law that is not linear or not monotone, or a time that is not positive.
+    /// Fails if a law is not linear or not monotone, or a time is not positive.
     pub fn new(terms: &[(&dyn TensorLaw, f64)]) -> Result<Prony, LawError> {
         let term = |&(law, time): &(&dyn TensorLaw, f64)| {
             if !law.is_linear() {
                 return Err(LawError::NotLinear);
             }
             let c = law.constants();
-            // Round-off of an eigenvalue is relative to the largest; a branch may resist deviators only.
+            // Round-off of an eigenvalue is relative to the largest; a branch may act on deviators only.
             if c.monotonicity.is_nan() || c.monotonicity < -1e-14 * c.lipschitz {
                 return Err(LawError::NotPositive {
                     what: "modulus of a branch",
@@ -168,11 +168,11 @@ impl Prony {
         Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
     }
 
-    /// Branches 𝓖_i = g_i 𝓔 by pairs (g_i, τ_i), g_i > 0 the ratio to the long-term modulus (not to the instantaneous 𝓔
-    /// (1 + Σ g_i)).
+    /// Branches 𝓖_i = g_i 𝓔 given by pairs (g_i, τ_i), with g_i > 0 relative to the long-term modulus (not to the
+    /// instantaneous 𝓔 (1 + Σ g_i)).
     ///
     /// # Errors
-    /// An 𝓔 that is not linear, or a ratio or time that is not positive.
+    /// Fails if 𝓔 is not linear, or a ratio or time is not positive.
     pub fn ratios(elasticity: &dyn TensorLaw, pairs: &[(f64, f64)]) -> Result<Prony, LawError> {
         let mut prony = Prony::new(&pairs.iter().map(|&(_, time)| (elasticity, time)).collect::<Vec<_>>())?;
         for (term, &(ratio, _)) in prony.terms.iter_mut().zip(pairs) {
@@ -183,11 +183,11 @@ impl Prony {
         Ok(prony)
     }
 
-    /// Branches 𝓖_i = g_i(x) 𝓔_i by triples (𝓔_i, g_i, τ_i) of which some vary in space, with their bounds over points;
-    /// 𝓔_i is 𝓔 or what it makes of deviators ([`super::Isotropic::deviatoric`]). See [`Prony::ratios`].
+    /// Branches 𝓖_i = g_i(x) 𝓔_i given by triples (𝓔_i, g_i, τ_i), some varying in space, with their bounds over
+    /// points; 𝓔_i is 𝓔 or its deviatoric part ([`super::Isotropic::deviatoric`]). See [`Prony::ratios`].
     ///
     /// # Errors
-    /// As [`Prony::ratios`], at one of the points.
+    /// Fails like [`Prony::ratios`], at any of the points.
     pub fn varying(
         branches: &[(Arc<dyn TensorLaw>, Coefficient<f64>, Coefficient<f64>)],
         points: &[Point],
@@ -210,7 +210,7 @@ impl Prony {
         Ok(prony)
     }
 
-    /// The branches as they are at a point; what follows is of branches that are the same everywhere.
+    /// The branches at a point; the methods below apply to uniform branches.
     #[must_use]
     pub fn at(&self, x: &Point) -> Prony {
         Prony { terms: self.terms.iter().map(|branch| branch.at(x)).collect() }
@@ -222,13 +222,13 @@ impl Prony {
         &self.terms
     }
 
-    /// Number of branches: the strains e_i that a point has to keep.
+    /// Number of branches: strains e_i to store per point.
     #[must_use]
     pub fn len(&self) -> usize {
         self.terms.len()
     }
 
-    /// Whether there is no branch.
+    /// True if there is no branch.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()
@@ -241,7 +241,7 @@ impl Prony {
         }
     }
 
-    /// Σ q_i of the strains e_i in `springs`.
+    /// Σ q_i for the strains e_i in `springs`.
     #[must_use]
     pub fn stress(&self, springs: &[Sym]) -> Sym {
         self.terms.iter().zip(springs).fold(Sym::ZERO, |sum, (term, e)| sum + term.modulus.apply(e))
@@ -261,20 +261,20 @@ impl Prony {
         SymMap(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
     }
 
-    /// Stored energy Σ ½ e_i:𝓖_i e_i in J/m³ (½ q_i:𝓖_i⁻¹ q_i where 𝓖_i has an inverse).
+    /// Stored energy Σ ½ e_i:𝓖_i e_i in J/m³ (½ q_i:𝓖_i⁻¹ q_i if 𝓖_i has an inverse).
     #[must_use]
     pub fn energy(&self, springs: &[Sym]) -> f64 {
         self.terms.iter().zip(springs).map(|(term, e)| 0.5 * term.modulus.apply(e).dot(e)).sum()
     }
 
-    /// The energy identity of the step of length `k` from `before` to `after` with this increment of strain.
+    /// The energy identity of the step of length `k` from `before` to `after` with this strain increment.
     #[must_use]
     pub fn balance(&self, before: &[Sym], after: &[Sym], increment: &Sym, k: f64) -> Balance {
         let mut sum = Balance::default();
         for ((term, old), new) in self.terms.iter().zip(before).zip(after) {
             let (stress, change) = (term.modulus.apply(new), *new - *old);
             sum.work += stress.dot(increment);
-            // A difference of squares from the difference: no cancellation in a short step.
+            // The difference of squares by factors avoids cancellation in a short step.
             sum.stored += 0.5 * term.modulus.apply(&change).dot(&(*new + *old));
             sum.dissipated += k / term.time * stress.dot(new);
             sum.scheme += 0.5 * term.modulus.apply(&change).dot(&change);
@@ -332,8 +332,8 @@ mod tests {
         Ok(())
     }
 
-    /// Work = stored + dissipated + scheme to round-off, the last two not negative and the scheme's of first order in k
-    /// over a time.
+    /// Work = stored + dissipated + scheme up to round-off; the last two are not negative, and the scheme's total over
+    /// a time is of first order in k.
     #[test]
     fn the_energy_identity_closes() -> Result<(), LawError> {
         let (_, prony) = body()?;
@@ -349,7 +349,7 @@ mod tests {
                 prony.update(&mut springs, &increment, k);
                 assert!((predicted - prony.stress(&springs)).norm() < 1e-15);
                 let b = prony.balance(&before, &springs, &increment, k);
-                // Round-off of the strains e_i weighs as the energy they hold.
+                // Round-off of the strains e_i scales with their energy.
                 let held = prony.energy(&before) + prony.energy(&springs);
                 assert!(
                     (b.work - b.stored - b.dissipated - b.scheme).abs() <= 4.0 * f64::EPSILON * held,

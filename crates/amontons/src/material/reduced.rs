@@ -1,20 +1,19 @@
-//! Laws of three dimensions in bodies of one and two: the one place where stress or strain is condensed.
+//! Three-dimensional laws in bodies of one and two dimensions: the one place where stress or strain is condensed.
 
 use std::sync::Arc;
 
 use super::{Constants, StressState, TensorLaw};
 use crate::tensor::{Point, Sym, SymMap, mandel_len};
 
-/// A law of three dimensions made one of `dim` dimensions: plane strain, plane stress, uniaxial strain or stress.
+/// A three-dimensional law reduced to `dim` dimensions: plane strain, plane stress, uniaxial strain or stress.
 ///
-/// The argument has the first n = d (d + 1)/2 Mandel components. With `PlaneStrain` the others are zero, and the
-/// value keeps all of its components: those beyond n hold the strain. With `PlaneStress` the others, ζ, are such
-/// that the value has no components beyond n. They minimise the strictly convex W(ξ, ζ) (or solve the monotone
-/// equation, where there is no W), so they are unique; the tangent is the Schur complement of the three-dimensional
-/// one.
+/// The argument has the first n = d (d + 1)/2 Mandel components. With `PlaneStrain` the others are zero, and the value
+/// keeps all of its components: those beyond n hold the strain. With `PlaneStress` the others, ζ, are such that the
+/// value has no components beyond n. They minimize the strictly convex W(ξ, ζ) (or solve the monotone equation if there
+/// is no W), so they are unique; the tangent is the Schur complement of the three-dimensional one.
 ///
-/// In a Kelvin–Voigt body in plane stress both 𝓔 and 𝓥 are reduced on their own, as in (5.1): σ₃₃ = 0 then
-/// holds with the ε₃₃ of 𝓔, whose rate is the ε̇₃₃ of 𝓥 only where their Poisson ratios agree.
+/// In a Kelvin–Voigt body in plane stress 𝓔 and 𝓥 are reduced separately, as in (5.1): σ₃₃ = 0 then holds with the ε₃₃
+/// of 𝓔, whose rate equals the ε̇₃₃ of 𝓥 only if their Poisson ratios agree.
 ///
 /// m and M: the extreme eigenvalues of the reduced [`TensorLaw::bounds`]. Restriction to a subspace keeps the
 /// order L ≤ D ≤ U of quadratic forms, and so does the Schur complement, min over ζ of D(ξ, ζ)·(ξ, ζ).
@@ -29,7 +28,7 @@ pub struct Reduced<L> {
     constants: Constants,
 }
 
-/// `law` in `dim` dimensions; in three it stays as it is.
+/// `law` in `dim` dimensions; unchanged in three.
 #[must_use]
 pub fn reduced<L: TensorLaw + 'static>(law: L, dim: usize, state: StressState) -> Arc<dyn TensorLaw> {
     if dim == 3 { Arc::new(law) } else { Arc::new(Reduced::new(law, dim, state)) }
@@ -47,11 +46,11 @@ impl<L: TensorLaw> Reduced<L> {
         Reduced { law, kept, state, upper, bounds, constants }
     }
 
-    /// The three-dimensional argument and the value there.
+    /// The three-dimensional argument and its value.
     ///
-    /// With the residual r(ζ) in the metric r·U⁻¹r: Newton's step α, the largest of 1, ½, … 2⁻⁸ that brings the
-    /// residual down by 1 − α/2, else ζ ← ζ − U⁻¹r. The latter makes r to (1 − D̄U⁻¹) r with a mean tangent L ≤ D̄ ≤ U,
-    /// a contraction by 1 − m/M at least, so the iteration converges from everywhere. It ends at round-off.
+    /// With the residual r(ζ) in the metric r·U⁻¹r: Newton's step with the factor α, the largest of 1, ½, … 2⁻⁸ that
+    /// reduces the residual by 1 − α/2, else ζ ← ζ − U⁻¹r. The latter maps r to (1 − D̄U⁻¹) r with a mean tangent L ≤
+    /// D̄ ≤ U, a contraction by at least 1 − m/M, so the iteration converges from everywhere. It ends at round-off.
     fn complete(&self, x: &Point, xi: &Sym) -> (Sym, Sym) {
         let mut full = *xi;
         full.0[self.kept..].fill(0.0);
@@ -81,11 +80,11 @@ impl<L: TensorLaw> Reduced<L> {
                 return (full, value);
             }
         }
-        // Only a law whose bounds are wrong comes here, and what is not a solution must not pass for one.
+        // Reached only if the bounds of a law are wrong; NaN marks that there is no solution.
         (Sym([f64::NAN; 6]), Sym([f64::NAN; 6]))
     }
 
-    /// Whether the components to vanish are below the round-off of the terms they are sums of.
+    /// True if the components that should vanish are below the round-off of their terms.
     fn at_round_off(&self, tangent: &SymMap, full: &Sym, value: &Sym) -> bool {
         let terms = |m: usize| (0..6).map(|b| (tangent.0[m][b] * full.0[b]).abs()).sum::<f64>();
         let scale = (self.kept..6).map(terms).fold(value.norm(), f64::max);
@@ -93,8 +92,7 @@ impl<L: TensorLaw> Reduced<L> {
     }
 }
 
-/// More steps than the contraction needs to reach round-off at m/M = 1e-3, had it to do all the work; Newton takes a
-/// handful.
+/// More steps than the contraction alone needs to reach round-off at m/M = 1e-3; Newton needs a handful.
 const MAX_STEPS: usize = 100_000;
 
 impl<L: TensorLaw> TensorLaw for Reduced<L> {
@@ -120,14 +118,14 @@ impl<L: TensorLaw> TensorLaw for Reduced<L> {
     }
 }
 
-/// Drops the components of the value that the reduced law does not report.
+/// Sets the components of the value to zero that the reduced law does not return.
 fn finish(value: &mut Sym, kept: usize, state: StressState) {
     if state == StressState::PlaneStress || kept == 1 {
         value.0[kept..].fill(0.0);
     }
 }
 
-/// A linear map of three dimensions reduced to the first `kept` components of its argument.
+/// A three-dimensional linear map reduced to the first `kept` components of its argument.
 pub(super) fn reduce(map: &SymMap, kept: usize, state: StressState) -> SymMap {
     let mut a = *map;
     if state == StressState::PlaneStress {
@@ -160,8 +158,8 @@ fn trailing(sym: &Sym, kept: usize) -> Sym {
     part
 }
 
-/// The solution, in the components from `kept` on, of the trailing block of `map`, by elimination without pivoting:
-/// the block is positive definite.
+/// Solves the trailing block of `map`, components from `kept` on, by elimination without pivoting: the block is
+/// positive definite.
 fn solve(map: &SymMap, kept: usize, right: &Sym) -> Sym {
     let (mut a, mut b) = (map.0, trailing(right, kept).0);
     for k in (kept..6).rev() {
@@ -237,7 +235,7 @@ mod tests {
                     ),
                 ),
             ];
-            // Stiffness in shear that changes by six orders of magnitude, with a volume that is as soft.
+            // A shear stiffness that varies over six orders of magnitude, with an equally soft volume.
             let hard = [
                 ("without bulk", counts(Hencky::new(0.0, Carreau::new(1.0, 1e-6, 1e3, 0.1)?)?, dim)),
                 ("compressible and saturating", counts(Hencky::new(1e-4, Carreau::new(1.0, 1e-6, 1e3, 0.0)?)?, dim)),

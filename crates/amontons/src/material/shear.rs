@@ -20,13 +20,13 @@ pub trait ShearLaw: Debug + Send + Sync {
 
 /// c(s) = 2μ + β (1 − κ/s)₊: 2μ ξ^D + β (ξ − P_K ξ), P_K the projection on the von Mises convex K = {ξ: ‖ξ^D‖ ≤ κ}.
 ///
-/// With β > 0 the elasticity operator 𝓒ξ + β (ξ − P_K ξ) of the literature on frictional contact (Han and Sofonea 2002;
-/// Sofonea and Matei 2012, *Mathematical Models in Contact Mechanics*, on elastic laws that are not linear). With
+/// With β > 0 this is the elasticity operator 𝓒ξ + β (ξ − P_K ξ) of the literature on frictional contact (Han and
+/// Sofonea 2002; Sofonea and Matei 2012, *Mathematical Models in Contact Mechanics*, on nonlinear elastic laws). With
 /// −2μ < β < 0 the body softens from 2μ to 2μ + β once ‖ξ^D‖ exceeds κ: Hencky's deformation theory with linear
 /// hardening.
 ///
-/// I − P_K is the gradient of ½ dist(·, K)², hence monotone and 1-Lipschitz; in terms of s it is τ′ ∈ {2μ, 2μ + β}. At
-/// the kink s = κ the tangent of the inside is taken, an element of the generalized derivative: the law is semismooth.
+/// I − P_K is the gradient of ½ dist(·, K)², hence monotone and 1-Lipschitz; in terms of s, τ′ ∈ {2μ, 2μ + β}. At the
+/// kink s = κ the inner tangent is used, an element of the generalized derivative: the law is semismooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VonMisesProjection {
     twice_shear: f64,
@@ -38,7 +38,7 @@ impl VonMisesProjection {
     /// μ = `shear` > 0 in Pa, β = `excess` > −2μ in Pa, κ = `radius` > 0, a strain.
     ///
     /// # Errors
-    /// The number outside its range.
+    /// Fails if a number is outside its range; the error names it.
     pub fn new(shear: f64, excess: f64, radius: f64) -> Result<VonMisesProjection, LawError> {
         let twice_shear = 2.0 * in_range("the shear modulus μ", shear, "a positive number", shear > 0.0)?;
         in_range("β", excess, "a number above −2μ, else the law is not strongly monotone", twice_shear + excess > 0.0)?;
@@ -65,9 +65,8 @@ impl ShearLaw for VonMisesProjection {
 
 /// c = 2η, η(s) = η_∞ + (η₀ − η_∞)(1 + (λs)²)^((n−1)/2), 0 ≤ n ≤ 1 (Carreau 1972).
 ///
-/// As a viscosity in Pa s, with s = ‖ε(u̇)^D‖ (rheology's γ̇ is √2 s, so its λ is λ/√2 here), or as the shear modulus
-/// of a Hencky solid in Pa, with 1/λ the strain at which it softens; n = 0 lets its stress saturate up to the part of
-/// η_∞.
+/// For a viscosity in Pa s, s = ‖ε(u̇)^D‖ (rheology's γ̇ is √2 s, so its λ is λ/√2 here); for the shear modulus of a
+/// Hencky solid in Pa, 1/λ is the strain at which it softens. With n = 0 its stress saturates up to the part of η_∞.
 ///
 /// τ′(s) = 2η_∞ + 2(η₀ − η_∞) h(λs) with h(y) = (1 + y²)^((n−3)/2) (1 + n y²), and h′(y) = (n − 1) y (3 + n
 /// y²)(1 + y²)^((n−5)/2) ≤ 0: τ′ decreases from 2η₀ at 0 to its infimum 2η_∞, reached at infinity (2η₀ if n = 1). So
@@ -84,7 +83,7 @@ impl Carreau {
     /// η₀ = `zero` > 0, η_∞ = `infinite` in [0, η₀], λ = `time` > 0, n = `index` in [0, 1].
     ///
     /// # Errors
-    /// The number outside its range.
+    /// Fails if a number is outside its range; the error names it.
     pub fn new(zero: f64, infinite: f64, time: f64, index: f64) -> Result<Carreau, LawError> {
         in_range("η₀", zero, "a positive number", zero > 0.0)?;
         in_range("η_∞", infinite, "a number from 0 to η₀", (0.0..=zero).contains(&infinite))?;
@@ -93,16 +92,16 @@ impl Carreau {
         Ok(Carreau { zero, infinite, time, index })
     }
 
-    /// The power law η = K s^(n−1) regularised as η_∞ + K (δ² + s²)^((n−1)/2) (Bercovier and Engelman 1980): Carreau's
+    /// The power law η = K s^(n−1) regularized as η_∞ + K (δ² + s²)^((n−1)/2) (Bercovier and Engelman 1980): Carreau's
     /// law with η₀ = η_∞ + K δ^(n−1), λ = 1/δ. K is `consistency` > 0, n `index` in [0, 1], δ `threshold` > 0, η_∞
     /// `floor` ≥ 0.
     ///
-    /// The pure power law with n < 1 breaks (H1) twice: η grows without bound as s → 0, so it is not Lipschitz, and
-    /// vanishes as s → ∞, so it is not strongly monotone. δ repairs the first (M = 2η₀), a positive floor the second
+    /// The pure power law with n < 1 violates (H1) twice: η grows without bound as s → 0, so it is not Lipschitz, and
+    /// vanishes as s → ∞, so it is not strongly monotone. δ repairs the former (M = 2η₀), a positive floor the latter
     /// (m = 2η_∞).
     ///
     /// # Errors
-    /// The number outside its range.
+    /// Fails if a number is outside its range; the error names it.
     pub fn power_law(consistency: f64, index: f64, threshold: f64, floor: f64) -> Result<Carreau, LawError> {
         in_range("the consistency K", consistency, "a positive number", consistency > 0.0)?;
         in_range("n", index, "a number from 0 to 1", (0.0..=1.0).contains(&index))?;
@@ -166,8 +165,8 @@ mod tests {
         Ok(())
     }
 
-    /// Carreau's plateaus and his power law between; the regularised power law has the pure one's stress 2K sⁿ for s ≫
-    /// δ.
+    /// Carreau's plateaus with his power law between them; the regularized power law has the pure one's stress 2K sⁿ
+    /// for s ≫ δ.
     #[test]
     fn plateaus_and_slope_of_carreau_s_law() -> Result<(), LawError> {
         let law = Carreau::new(5.0, 0.0, 2.0, 0.4)?;

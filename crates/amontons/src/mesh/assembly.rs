@@ -4,12 +4,11 @@ use super::{Mesh, MeshError};
 use crate::tensor::Rotation;
 
 impl Mesh {
-    /// Bodies side by side, whether they touch or not: the nodes of each remain its own. A body of one region is a
-    /// region with the name of the body; the regions of others and the facet sets are those of each body after its
-    /// name, `pad_top`.
+    /// Joins bodies into one mesh; bodies that touch keep separate nodes. A body with one region becomes a region with
+    /// the name of the body; other regions and all facet sets are prefixed by the name of the body, as in `pad_top`.
     ///
     /// # Errors
-    /// When there are more nodes than can be numbered.
+    /// Fails if there are more nodes than can be numbered.
     pub fn assembly(bodies: &[(String, Mesh)]) -> Result<Mesh, MeshError> {
         let count: usize = bodies.iter().map(|(_, mesh)| mesh.points.len()).sum();
         if u32::try_from(count).is_err() {
@@ -49,7 +48,7 @@ impl Mesh {
         Ok(all)
     }
 
-    /// The same mesh, turned about the origin.
+    /// Turns the mesh about the origin.
     #[must_use]
     pub fn turned(mut self, by: &Rotation) -> Mesh {
         for x in &mut self.points {
@@ -58,7 +57,7 @@ impl Mesh {
         self
     }
 
-    /// The same mesh elsewhere.
+    /// Moves the mesh by a vector in m.
     #[must_use]
     pub fn moved(mut self, by: [f64; 3]) -> Mesh {
         for x in &mut self.points {

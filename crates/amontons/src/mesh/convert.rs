@@ -1,4 +1,4 @@
-//! Meshes made of meshes: quadratic of linear ones, bodies of plane sections, simplices of prisms.
+//! Conversions of meshes: linear to quadratic, plane sections to bodies, prisms to simplices.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,10 +8,10 @@ use crate::element::{Element, P1_PRISM, P1_SEGMENT, P1_TETRAHEDRON, P1_TRIANGLE,
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
-/// Vertices whose mean a middle node is, ascending; unused places hold `u32::MAX`.
+/// Vertices whose mean is a middle node, ascending; unused entries hold `u32::MAX`.
 type Middle = [u32; 8];
 
-/// The quadratic element of a linear one, with the local vertices that each middle node is the mean of.
+/// The quadratic element that corresponds to a linear one, with the local vertices whose mean is each middle node.
 fn quadratic_of(element: &'static Element) -> Result<(&'static Element, Vec<Vec<usize>>), MeshError> {
     let missing = MeshError::Elements { what: "a quadratic mesh", found: element.name };
     if element.shape == Shape::Point {
@@ -32,16 +32,16 @@ fn mean(points: &[Point]) -> Point {
 }
 
 impl Mesh {
-    /// The same mesh with quadratic elements: middle nodes at the means of the vertices of their edge, face or cell.
-    /// The linear nodes keep their numbers.
+    /// The mesh with quadratic elements: middle nodes are the means of the vertices of their edge, face or cell. The
+    /// linear nodes keep their numbers.
     ///
     /// # Errors
-    /// [`MeshError::Elements`] when a cell is not linear, or has no quadratic element here; [`MeshError::TooLarge`].
+    /// [`MeshError::Elements`] if a cell is not linear, or has no quadratic element here; [`MeshError::TooLarge`].
     pub fn quadratic(&self) -> Result<Mesh, MeshError> {
         self.quadratic_by(|_, points| mean(points))
     }
 
-    /// [`Mesh::quadratic`] with middle nodes placed by a function of the vertices and their points.
+    /// [`Mesh::quadratic`] with middle nodes placed by a function of the vertices and their positions.
     pub(super) fn quadratic_by(&self, place: impl Fn(&[u32], &[Point]) -> Point) -> Result<Mesh, MeshError> {
         let mut points = self.points.clone();
         let mut known: HashMap<Middle, u32> = HashMap::new();
@@ -91,12 +91,12 @@ impl Mesh {
         Ok(Mesh { points, blocks, facets, edges, regions: self.regions.clone(), ..*self })
     }
 
-    /// The body swept by a plane mesh of linear elements along z from 0 to `height`, in `layers` of cells: prisms of
-    /// triangles and hexahedra of quadrilaterals. Sides keep their names; `ends` name those at 0 and at `height`.
+    /// The body swept by a plane mesh of linear elements along z from 0 to `height`, in `layers` of cells: prisms from
+    /// triangles and hexahedra from quadrilaterals. Sides keep their names; `ends` are the sides at 0 and at `height`.
     ///
     /// # Errors
-    /// When the height is not positive and finite, there are no layers, the mesh is too large, or not a linear one of
-    /// d = 2.
+    /// Fails if the height is not positive and finite, if there are no layers, or if the mesh is too large or not a
+    /// linear one with d = 2.
     pub fn extruded(&self, height: f64, layers: usize, ends: [&str; 2]) -> Result<Mesh, MeshError> {
         let size = self.points.len();
         check(&[height], &[layers], size as f64 * (layers as f64 + 1.0)).map_err(|error| match error {
@@ -125,7 +125,7 @@ impl Mesh {
                 }
             }
             for cell in block.cells() {
-                // Seen from outside, the lower end is mirrored.
+                // The lower end is mirrored so that its facets face outward.
                 let mut mirrored = cell.to_vec();
                 mirrored[1..].reverse();
                 bottom.push(block.element, mirrored);
@@ -160,12 +160,12 @@ impl Mesh {
         })
     }
 
-    /// The same mesh in simplices: a quadrilateral becomes two triangles, a prism three tetrahedra. Every
-    /// quadrilateral face is cut through its vertex of the least number, so that neighbours fit
-    /// (Dompierre, Labbé, Vallet, Camarero, 1999).
+    /// The mesh split into simplices: a quadrilateral becomes two triangles, a prism three tetrahedra. Every
+    /// quadrilateral face is split through its lowest-numbered vertex, so that neighbours fit (Dompierre, Labbé,
+    /// Vallet, Camarero, 1999).
     ///
     /// # Errors
-    /// [`MeshError::Elements`] for other cells than linear quadrilaterals, prisms and simplices.
+    /// [`MeshError::Elements`] for cells other than linear quadrilaterals, prisms and simplices.
     pub fn simplices(&self) -> Result<Mesh, MeshError> {
         let mut blocks = Vec::new();
         for block in &self.blocks {
@@ -210,14 +210,14 @@ impl Mesh {
     }
 }
 
-/// The two triangles of a quadrilateral, cut through its vertex of the least number.
+/// The two triangles of a quadrilateral, split through its lowest-numbered vertex.
 fn triangles(cell: &[u32]) -> [u32; 6] {
     let first = (0..4).min_by_key(|&i| cell[i]).unwrap_or(0);
     let [a, b, c, d] = std::array::from_fn(|i| cell[(first + i) % 4]);
     [a, b, c, a, c, d]
 }
 
-/// The three tetrahedra of a prism, each of its quadrilateral faces cut through its vertex of the least number.
+/// The three tetrahedra of a prism, each of its quadrilateral faces split through its lowest-numbered vertex.
 fn tetrahedra(cell: &[u32]) -> [u32; 12] {
     const TURNED: [[usize; 6]; 6] = [
         [0, 1, 2, 3, 4, 5],

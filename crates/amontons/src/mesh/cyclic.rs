@@ -1,4 +1,4 @@
-//! Sectors of bodies that are repeated about an axis: which node of one side is which of the other.
+//! Sectors of cyclic bodies: pairs the nodes of the two cut sides.
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -6,19 +6,19 @@ use std::f64::consts::TAU;
 use super::{FacetSet, Mesh, cross};
 use crate::tensor::{Point, dot, length};
 
-/// Share of the shortest distance of two nodes of a facet within which a node has its partner.
+/// Fraction of the shortest distance of two nodes of a facet within which a node must have its partner.
 const SAME: f64 = 1e-3;
-/// Share of the angle of a sector by which it may differ from a whole part of the circle: the digits that are typed.
+/// Fraction of the angle of a sector by which it may differ from 2π/n, for rounded input.
 const WHOLE: f64 = 1e-3;
 
-/// A node whose value is that of another one, turned: u(node) = R u(to); of a scalar the same.
+/// A node whose value is the turned value of another one: u(node) = R u(to); scalars are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// The node that follows.
+    /// The following node.
     pub node: u32,
-    /// The node that it follows, which follows none.
+    /// The leading node, which follows none.
     pub to: u32,
-    /// R, the images of the axes: R e_c is the entry c.
+    /// R by the images of the axes: entry c is R e_c.
     pub turn: [Point; 3],
 }
 
@@ -29,7 +29,7 @@ impl Link {
         turned(&self.turn, v)
     }
 
-    /// The sums of normals at the node and at the node that it follows with those of the facets of the neighbour.
+    /// The sums of normals at the node and at its leader, including those of the facets in the neighbouring sector.
     #[must_use]
     pub fn normals(&self, own: &Point, followed: &Point) -> [Point; 2] {
         let own = self.back(own);
@@ -44,23 +44,22 @@ impl Link {
     }
 }
 
-/// R v of the images of the axes.
+/// R v, with R given by the images of the axes.
 fn turned(turn: &[Point; 3], v: &Point) -> Point {
     std::array::from_fn(|d| (0..3).map(|c| v[c] * turn[c][d]).sum())
 }
 
-/// All nodes of a mesh that follow others, and those that follow themselves.
+/// All nodes of a mesh that follow others, and the nodes on the axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Links {
     /// The nodes that follow others, ascending.
     pub nodes: Vec<Link>,
-    /// The nodes on the axis about which is turned, each with two directions across it, in which a vector is zero
-    /// there.
+    /// The nodes on the axis of rotation, each with two directions across it along which vectors vanish.
     pub on_axis: Vec<(u32, [Point; 2])>,
 }
 
 impl Links {
-    /// Both together; none if a node would follow twice, or follow one that follows.
+    /// Combines two sets of links; `None` if a node would follow twice, or follow a follower.
     #[must_use]
     pub fn and(mut self, other: Links) -> Option<Links> {
         self.nodes.extend(other.nodes);
@@ -77,14 +76,13 @@ pub fn link_of(links: &[Link], node: u32) -> Option<&Link> {
     links.binary_search_by_key(&node, |link| link.node).ok().and_then(|i| links.get(i))
 }
 
-/// The node that a node follows, or itself.
+/// The leader of a node, or the node itself.
 #[must_use]
 pub fn leader(links: &[Link], node: u32) -> u32 {
     link_of(links, node).map_or(node, |link| link.to)
 }
 
-/// A body that is one sector of a whole which turns into itself about an axis: all fields of the second side are those
-/// of the first one, turned.
+/// A body that is one sector of a cyclic body: all fields on the second side are those on the first one, turned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cyclic {
     /// Names of the two sides along which a sector meets its neighbours.
@@ -95,26 +93,26 @@ pub struct Cyclic {
     pub axis: Point,
 }
 
-/// Why two sides do not make a sector.
+/// Reason why two sides define no sector.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NotCyclic {
     /// The sides have different numbers of nodes.
     Count([usize; 2]),
-    /// The angle in degrees by which one side would have to be turned to come to the other is no part of 360.
+    /// The angle in degrees between the sides is no integer fraction of 360.
     Angle(f64),
-    /// A node of the first side is turned to a place at which the second one has no node: the place, and how far the
-    /// nearest one is.
+    /// A node of the first side is turned to a position without a node of the second one: the position in m, and the
+    /// distance of the nearest node in m.
     Apart(Point, f64),
-    /// A facet of the first side, at this place, is turned onto no facet of the second: both have the same nodes, and
-    /// facets that are cut differently.
+    /// A facet of the first side, at this position, is turned onto no facet of the second although the nodes match: the
+    /// facets are split differently.
     Cut(Point),
 }
 
 impl Cyclic {
-    /// The nodes of the second side as followers of those of the first, and how many sectors make the whole.
+    /// Links the nodes of the second side to those of the first, and returns the number of sectors of the whole.
     ///
     /// # Errors
-    /// Why the sides do not make a sector.
+    /// The reason why the sides define no sector.
     pub fn links(&self, mesh: &Mesh) -> Result<(Links, usize), NotCyclic> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let sets = self.sides.each_ref().map(|side| mesh.facets.get(side).unwrap_or(&NONE));
@@ -139,7 +137,7 @@ impl Cyclic {
         if !(sectors.is_finite() && (angle.abs() - part).abs() <= WHOLE * part) {
             return Err(NotCyclic::Angle(angle.to_degrees().abs()));
         }
-        // The angle of the mesh, so that one side is turned onto the other whatever the digits of its coordinates.
+        // The angle measured on the mesh, so that the sides match despite rounded coordinates.
         let turn = rotation(&axis, angle);
         let image = |node: u32| {
             let x: Point = std::array::from_fn(|c| mesh.points[node as usize][c] - self.through[c]);
@@ -184,7 +182,7 @@ fn rotation(axis: &Point, angle: f64) -> [Point; 3] {
     })
 }
 
-/// Two directions across an axis: those of the plane where the axis is z.
+/// Two directions across an axis: x and y if the axis is z.
 fn across(axis: &Point) -> [Point; 2] {
     let least = (0..3).min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
     let unit: Point = std::array::from_fn(|d| f64::from(u8::from(d == least)));
@@ -194,7 +192,7 @@ fn across(axis: &Point) -> [Point; 2] {
     [first, cross(axis, &first)]
 }
 
-/// The shortest distance of two nodes of a facet of two sides; in one dimension, where facets are points, infinite.
+/// The shortest distance of two nodes of a facet on both sides; infinite in one dimension, where facets are points.
 fn shortest(mesh: &Mesh, sets: [&FacetSet; 2]) -> f64 {
     let distance = |a: u32, b: u32| {
         let [a, b] = [a, b].map(|node| mesh.points[node as usize]);
@@ -207,7 +205,7 @@ fn shortest(mesh: &Mesh, sets: [&FacetSet; 2]) -> f64 {
     })
 }
 
-/// Nodes by the coordinate in which they are farthest apart.
+/// Nodes sorted by the coordinate of largest extent.
 struct Places {
     along: usize,
     nodes: Vec<(u32, Point)>,
@@ -227,8 +225,8 @@ impl Places {
         Places { along, nodes }
     }
 
-    /// The node nearest to a place, and how far it is: from the place outwards, until all others are farther away in
-    /// the one coordinate.
+    /// The node nearest to a position, and its distance: searched outwards until all others are farther away in that
+    /// coordinate.
     fn nearest(&self, x: &Point) -> (u32, f64) {
         let (c, mut best) = (self.along, (u32::MAX, f64::INFINITY));
         let middle = self.nodes.partition_point(|(_, y)| y[c] < x[c]);

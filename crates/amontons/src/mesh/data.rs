@@ -1,4 +1,4 @@
-//! Values of the cells or the nodes of a mesh file, as a function of the position.
+//! Cell or node data of a mesh file, as a function of the position.
 
 use std::sync::Arc;
 
@@ -9,12 +9,12 @@ use super::{Block, Mesh, gmsh, vtu};
 use crate::field::Field;
 use crate::tensor::Point;
 
-/// Values of a mesh: one per cell, constant in it, or one per node, by the shape functions between them.
+/// Data of a mesh: one value per cell, constant in it, or one per node, interpolated by the shape functions.
 #[derive(Debug)]
 pub struct MeshData {
     mesh: Mesh,
     grid: Arc<Grid>,
-    /// The cells as those of a surface, if they are that.
+    /// Locator of the cells as a surface, if the mesh is one.
     surface: Option<SurfaceLocator>,
     values: Values,
 }
@@ -27,11 +27,11 @@ pub(in crate::mesh) enum Values {
 }
 
 impl MeshData {
-    /// The data `name` of a file with this name, in the format of its extension: of the cells or, without such, of the
-    /// nodes; `scale` is the factor of its coordinates.
+    /// The data `name` of a file, in the format of its extension: cell data or, if missing, node data; `scale` is the
+    /// factor of its coordinates.
     ///
     /// # Errors
-    /// When the bytes are no mesh, or the mesh has no such data with one value per cell or node.
+    /// Fails if the bytes are no mesh, or if the mesh has no such data with one value per cell or node.
     pub fn read(file: &str, bytes: &[u8], name: &str, scale: f64) -> Result<MeshData, MeshFileError> {
         let is_gmsh = file.to_lowercase().ends_with(".msh");
         let (mut points, cells, values) = if is_gmsh { gmsh::data(bytes, name) } else { vtu::data(bytes, name) }?;
@@ -58,15 +58,14 @@ impl MeshData {
         self.mesh.dim
     }
 
-    /// The same data as those of a surface in a space of one dimension more than its cells: a point has the value of
-    /// the point of the surface that it lies above, if that is near.
+    /// Treats the mesh as a surface in a space of one more dimension: a point has the value of the nearest point of the
+    /// surface, if that is near.
     #[must_use]
     pub fn on_surface(self) -> MeshData {
         MeshData { surface: Some(SurfaceLocator::new(&self.mesh)), ..self }
     }
 
-    /// The value at a point; NaN outside the mesh. On the boundary of cells with values of their own it is the mean of
-    /// those that meet there.
+    /// The value at a point; NaN outside the mesh. On the boundary between cells with cell data it is their mean.
     #[must_use]
     pub fn value(&self, x: &Point) -> f64 {
         if let Some(surface) = &self.surface {
@@ -88,7 +87,7 @@ impl MeshData {
         }
     }
 
-    /// The mean of the values at places in cells.
+    /// The mean of the values at positions in cells.
     fn above(&self, places: &[(At, Point)]) -> f64 {
         let value = |&((block, cell), x): &(At, Point)| match &self.values {
             Values::Cells(values) => values[block as usize][cell as usize],
@@ -102,7 +101,7 @@ impl MeshData {
         places.iter().map(value).sum::<f64>() / places.len() as f64
     }
 
-    /// The values as a field, times a factor.
+    /// The data as a field, times a factor.
     #[must_use]
     pub fn into_field(self, factor: Field) -> Field {
         match factor {

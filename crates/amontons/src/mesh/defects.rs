@@ -1,4 +1,4 @@
-//! What is wrong with a mesh, each defect with its place.
+//! Defects of a mesh, each with its position.
 //!
 //! Cells are numbered from 0 in the order of the blocks, as in the result files; nodes from 0 as in [`Mesh::points`].
 
@@ -14,7 +14,7 @@ use super::{Block, Mesh};
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, dot, length};
 
-/// How many defects of a kind are listed; the others are counted.
+/// Number of defects of a kind that are listed; further ones are counted.
 pub const LISTED: usize = 5;
 
 /// A defect of a mesh.
@@ -24,14 +24,14 @@ pub enum Defect {
     /// A cell or facet refers to a node that does not exist.
     #[error("{of} has node {node}, expected one below {nodes}, the number of nodes")]
     UnknownNode {
-        /// The cell or facet, as messages call it.
+        /// The cell or facet, as named in messages.
         of: String,
         /// The node.
         node: u32,
         /// Number of nodes of the mesh.
         nodes: usize,
     },
-    /// A coordinate of a node is no finite number.
+    /// A coordinate of a node is not finite.
     #[error("node {node} is at {at:?}, expected finite coordinates")]
     Coordinate {
         /// The node.
@@ -53,7 +53,7 @@ pub enum Defect {
         /// Smallest determinant of the map at the quadrature points.
         jacobian: f64,
     },
-    /// A cell whose measure is zero to rounding, somewhere or everywhere.
+    /// A cell whose measure is zero up to rounding, somewhere or everywhere.
     #[error(
         "cell {cell} with nodes {nodes:?} at {centre:?} is degenerate: the smallest Jacobian is {jacobian:e}, zero to rounding"
     )]
@@ -103,8 +103,7 @@ pub enum Defect {
         /// Nodes of the facet.
         facet: Vec<u32>,
     },
-    /// Two facets overlap that are not the same: a quadrilateral and a triangle, or two halves of one by different
-    /// diagonals.
+    /// Two different facets overlap: a quadrilateral and a triangle, or two halves of it by different diagonals.
     #[error(
         "the facet with nodes {facet:?} of cell {cell} at {centre:?} overlaps that with nodes {other_facet:?} of cell {other}: the mesh is not conforming there"
     )]
@@ -142,7 +141,7 @@ pub enum Defect {
         /// The mean of the nodes in m.
         centre: Point,
     },
-    /// A side lists a facet more than once: integrals over it would count it as often.
+    /// A side lists a facet more than once, which would count it repeatedly in integrals.
     #[error("the facet with nodes {nodes:?} at {centre:?} is {times} times in side {side:?}, expected once")]
     Repeated {
         /// Name of the side.
@@ -151,10 +150,10 @@ pub enum Defect {
         nodes: Vec<u32>,
         /// The mean of the nodes in m.
         centre: Point,
-        /// How often.
+        /// Number of times.
         times: usize,
     },
-    /// A node that no cell has: its equations would be empty.
+    /// A node without a cell: its equations would be empty.
     #[error("node {node} at {at:?} belongs to no cell")]
     Unused {
         /// The node.
@@ -165,7 +164,7 @@ pub enum Defect {
 }
 
 impl Defect {
-    /// The side that the defect concerns, if it concerns one. A side without data may lie inside the body.
+    /// The side with the defect, if it concerns one. A side without data may lie inside the body.
     #[must_use]
     pub fn side(&self) -> Option<&str> {
         match self {
@@ -175,10 +174,10 @@ impl Defect {
     }
 }
 
-/// The defects of one kind: the first [`LISTED`] of them and their number. Those of sides are listed side by side.
+/// The defects of one kind: the first [`LISTED`] of them and their number, grouped by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Defects {
-    /// How many there are.
+    /// Number of defects.
     pub total: usize,
     /// The first of them.
     pub first: Vec<Defect>,
@@ -196,7 +195,7 @@ impl std::fmt::Display for Defects {
     }
 }
 
-/// Collects defects by kind, in the order in which the kinds first come.
+/// Collects defects by kind, in the order of first occurrence of the kinds.
 #[derive(Default)]
 struct List(Vec<(std::mem::Discriminant<Defect>, Option<String>, Defects)>);
 
@@ -219,16 +218,16 @@ impl List {
     }
 }
 
-/// All defects of a mesh by kind; none if it is sound. The work is nearly linear in the number of cells.
+/// All defects of a mesh by kind; empty if it is sound. The work is nearly linear in the number of cells.
 ///
-/// A node or facet counts as lying on another facet if it is within 1e-6 of the facet's size from it. Faces of a crack
-/// or of parts that touch without a common node are no defects: see [`coincident`].
+/// A node or facet counts as lying on another facet if its distance is within 1e-6 of the facet's size. Faces of a
+/// crack or of parts that touch without a common node are no defects: see [`coincident`].
 #[must_use]
 pub fn defects(mesh: &Mesh) -> Vec<Defects> {
     let mut list = List::default();
     indices(mesh, &mut list);
     if !list.0.is_empty() {
-        // Nothing else can be looked at.
+        // Further checks are not possible.
         return list.finish();
     }
     jacobians(mesh, &mut list);
@@ -271,7 +270,7 @@ fn indices(mesh: &Mesh, list: &mut List) {
     }
 }
 
-/// Determinant of the map of a cell where the shape functions have these gradients.
+/// Determinant of the map of a cell at a point with these gradients of the shape functions.
 fn determinant(mesh: &Mesh, cell: &[u32], gradients: &[Point]) -> f64 {
     let mut j = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for row in 0..mesh.dim {
@@ -287,7 +286,7 @@ fn determinant(mesh: &Mesh, cell: &[u32], gradients: &[Point]) -> f64 {
     dot(&u, &[v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]])
 }
 
-/// The table of an element at the points where its cells must have a positive Jacobian: one if it is constant.
+/// The table of an element at the points where its cells must have a positive Jacobian; one point if it is constant.
 fn points_of(element: &'static Element) -> ShapeTable {
     if element.gradient_degree == 0 {
         ShapeTable::at(element, &[element.centre()])
@@ -363,7 +362,7 @@ fn duplicates(mesh: &Mesh, list: &mut List) {
     }
 }
 
-/// Checks the facets of cells and of sides; returns those of one cell.
+/// Checks the facets of cells and of sides; returns the facets with a single cell.
 fn facets(mesh: &Mesh, list: &mut List) -> Vec<Owner> {
     // The facets of sides with the number of times they are listed.
     let mut sides: Vec<HashMap<Key, usize>> = Vec::new();
@@ -405,7 +404,7 @@ fn facets(mesh: &Mesh, list: &mut List) -> Vec<Owner> {
     for ((name, set), (counts, found)) in mesh.facets.iter().zip(sides.iter_mut().zip(&found)) {
         for (_, nodes) in set.facets() {
             let key = key(nodes.iter().copied());
-            // Taken out, so that a facet listed twice is looked at once.
+            // Removed, so that a facet listed twice is checked once.
             let Some(times) = counts.remove(&key) else { continue };
             let (side, nodes, centre) = (name.clone(), nodes.to_vec(), centre(mesh, nodes));
             match found.get(&key) {
@@ -453,7 +452,7 @@ impl Component {
     }
 }
 
-/// The lowest node of the part that a node is known to belong to; paths to it are halved on the way.
+/// The lowest node of the part to which a node is known to belong; paths to it are halved on the way.
 fn root(parent: &mut [u32], mut node: u32) -> u32 {
     while parent[node as usize] != node {
         let above = parent[parent[node as usize] as usize];
@@ -463,7 +462,7 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
     node
 }
 
-/// Label of the part of the body that each node belongs to: the lowest node of the part.
+/// Label of the part of the body per node: the lowest node of the part.
 fn labels(mesh: &Mesh) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..mesh.points.len() as u32).collect();
     for cell in mesh.blocks.iter().flat_map(Block::cells) {
@@ -478,10 +477,10 @@ fn labels(mesh: &Mesh) -> Vec<u32> {
     (0..parent.len() as u32).map(|node| root(&mut parent, node)).collect()
 }
 
-/// The parts of the body, in the order of their lowest node. A part whose rigid motions nothing holds makes the problem
-/// singular where the density is zero.
+/// The parts of the body, in the order of their lowest node. Without density, a part that can move rigidly makes the
+/// problem singular.
 ///
-/// Nodes must be below the number of nodes, see [`defects`]; nodes of no cell belong to no part.
+/// Nodes must be below the number of nodes, see [`defects`]; nodes without a cell belong to no part.
 #[must_use]
 pub fn components(mesh: &Mesh) -> Vec<Component> {
     let labels = labels(mesh);

@@ -12,14 +12,14 @@ use crate::element::Element;
 pub struct FacetBlock {
     /// The element of every facet.
     pub element: &'static Element,
-    /// Nodes of the facets, `element.nodes.len()` a facet, oriented outward as [`crate::element::Facet`] says.
+    /// Nodes of the facets, `element.nodes.len()` per facet, oriented outward as in [`crate::element::Facet`].
     pub nodes: Vec<u32>,
 }
 
 /// A part of the boundary.
 #[derive(Clone, Debug, Default)]
 pub struct FacetSet {
-    /// The facets, those of one element together.
+    /// The facets, grouped by element.
     pub blocks: Vec<FacetBlock>,
 }
 
@@ -52,13 +52,14 @@ impl FacetSet {
         self.blocks.iter().map(|block| block.nodes.len() / block.element.nodes.len()).sum()
     }
 
-    /// Whether there are no facets.
+    /// True if there are no facets.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.blocks.iter().all(|block| block.nodes.is_empty())
     }
 
-    /// The facets of another set that this one has, too, and its edges and points that lie on facets of this one.
+    /// The facets of another set that are also in this one, and the edges and points of the other set on facets of this
+    /// one.
     #[must_use]
     pub fn common(&self, other: &FacetSet) -> FacetSet {
         let key = |(element, nodes): &(&'static Element, &[u32])| facet_key(element, nodes.iter().copied());
@@ -84,10 +85,10 @@ impl FacetSet {
     }
 }
 
-/// The vertices of a facet, ascending: the same for both cells that share it, whatever their orientation.
+/// The vertices of a facet, ascending: equal for both cells that share it, regardless of orientation.
 pub(crate) type FacetKey = [u32; 4];
 
-/// Key of a facet by its nodes, of which the vertices come first.
+/// Key of a facet from its nodes, vertices first.
 pub(crate) fn facet_key(element: &Element, nodes: impl IntoIterator<Item = u32>) -> FacetKey {
     let mut key = [u32::MAX; 4];
     for (slot, node) in key.iter_mut().zip(nodes).take(element.shape.vertices()) {
@@ -98,13 +99,13 @@ pub(crate) fn facet_key(element: &Element, nodes: impl IntoIterator<Item = u32>)
 }
 
 impl Mesh {
-    /// The boundary of the body: the facets that belong to one cell only, oriented outward, in the order of the cells.
+    /// The boundary of the body: the facets of a single cell, oriented outward, in the order of the cells.
     #[must_use]
     pub fn boundary(&self) -> FacetSet {
         boundary_of(&self.blocks.iter().collect::<Vec<_>>())
     }
 
-    /// The nodes on the boundary of each region, ascending: those of facets that only one cell of the region has.
+    /// The nodes on the boundary of each region, ascending: those of facets with a single cell in the region.
     #[must_use]
     pub fn region_boundaries(&self) -> Vec<Vec<u32>> {
         let regions = self.blocks.iter().map(|block| block.region + 1).max().unwrap_or(0);
@@ -112,8 +113,8 @@ impl Mesh {
         (0..regions).map(|region| boundary_of(&blocks(region)).node_list()).collect()
     }
 
-    /// The cell that each facet of a set bounds, as block and cell in the block; none for a facet that bounds no cell,
-    /// and the first of both cells where the facet lies inside the body.
+    /// The cell bounded by each facet of a set, as block and cell in the block; `None` if it bounds no cell, the first
+    /// of both cells if it lies inside the body.
     #[must_use]
     pub fn cells_of(&self, set: &FacetSet) -> Vec<Option<(usize, usize)>> {
         let keys: Vec<FacetKey> =
@@ -148,7 +149,7 @@ impl Mesh {
     }
 }
 
-/// The facets that belong to one cell only of some blocks, oriented outward, in the order of the cells.
+/// The facets with a single cell among some blocks, oriented outward, in the order of the cells.
 fn boundary_of(blocks: &[&Block]) -> FacetSet {
     let cells = blocks.iter().flat_map(|block| block.cells().map(|cell| (block.element, cell)));
     let facets = cells.flat_map(|(element, cell)| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Block, FacetSet, Mesh, MeshError};
 use crate::element::{P1_SEGMENT, P1_TRIANGLE, POINT_LEFT, POINT_RIGHT, Q1_QUADRILATERAL};
 
-/// How the squares of a rectangle mesh are cut into triangles.
+/// Direction in which the squares of a rectangle mesh are split into triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Diagonal {
     /// From lower left to upper right: /.
@@ -17,7 +17,7 @@ pub enum Diagonal {
     Crossed,
 }
 
-/// What a generated mesh is made of.
+/// Elements of a generated mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Elements {
     /// Linear segments, triangles, tetrahedra.
@@ -27,24 +27,24 @@ pub enum Elements {
     P2,
     /// Segments, quadrilaterals, hexahedra, of degree 1 in each coordinate.
     Q1,
-    /// The same of degree 2, of 3, 9 and 27 nodes.
+    /// Segments, quadrilaterals, hexahedra of degree 2 in each coordinate, with 3, 9 and 27 nodes.
     Q2,
 }
 
 impl Elements {
-    /// 1 or 2.
+    /// Degree of the elements, 1 or 2.
     #[must_use]
     pub fn degree(self) -> usize {
         if matches!(self, Elements::P1 | Elements::Q1) { 1 } else { 2 }
     }
 
-    /// Whether the cells are triangles and tetrahedra.
+    /// True if the cells are triangles and tetrahedra.
     #[must_use]
     pub fn are_simplices(self) -> bool {
         matches!(self, Elements::P1 | Elements::P2)
     }
 
-    /// The linear mesh with its middle nodes, placed at the means of the vertices, where the degree is 2.
+    /// Adds middle nodes, at the means of the vertices, to a linear mesh if the degree is 2.
     fn complete(self, mesh: Mesh) -> Result<Mesh, MeshError> {
         if self.degree() == 1 { Ok(mesh) } else { mesh.quadratic() }
     }
@@ -54,7 +54,7 @@ impl Mesh {
     /// The interval (0, length) in equal cells; facet sets `left`, `right`.
     ///
     /// # Errors
-    /// When the length is not positive and finite, the number of cells zero, or the mesh too large.
+    /// Fails if the length is not positive and finite, the number of cells zero, or the mesh too large.
     pub fn interval(length: f64, cells: usize, elements: Elements) -> Result<Mesh, MeshError> {
         check(&[length], &[cells], cells as f64 * elements.degree() as f64 + 1.0)?;
         let n = cells as u32;
@@ -76,19 +76,19 @@ impl Mesh {
         })
     }
 
-    /// The rectangle (0, size₀) × (0, size₁) cut into cells₀ × cells₁ squares, each cut into
-    /// triangles; facet sets `left`, `right`, `bottom`, `top`; nodes numbered row by row.
+    /// The rectangle (0, size₀) × (0, size₁) divided into cells₀ × cells₁ squares, each split into triangles; facet
+    /// sets `left`, `right`, `bottom`, `top`; nodes numbered row by row.
     ///
     /// # Errors
-    /// When a size is not positive and finite, a number of cells zero, or the mesh too large.
+    /// Fails if a size is not positive and finite, a number of cells zero, or the mesh too large.
     pub fn rectangle(size: [f64; 2], cells: [usize; 2], diagonal: Diagonal) -> Result<Mesh, MeshError> {
         Mesh::rectangle_of(Elements::P1, size, cells, diagonal)
     }
 
-    /// [`Mesh::rectangle`] of other elements; `diagonal` is not looked at for quadrilaterals.
+    /// [`Mesh::rectangle`] with other elements; `diagonal` is ignored for quadrilaterals.
     ///
     /// # Errors
-    /// As those of [`Mesh::rectangle`].
+    /// Fails like [`Mesh::rectangle`].
     pub fn rectangle_of(
         elements: Elements,
         size: [f64; 2],
@@ -152,11 +152,11 @@ impl Mesh {
         })
     }
 
-    /// The box (0, size₀) × (0, size₁) × (0, size₂) cut into cells₀ × cells₁ × cells₂ cubes, each cut into six
+    /// The box (0, size₀) × (0, size₁) × (0, size₂) divided into cells₀ × cells₁ × cells₂ cubes, each split into six
     /// tetrahedra for P1 and P2; facet sets `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z).
     ///
     /// # Errors
-    /// When a size is not positive and finite, a number of cells zero, or the mesh too large.
+    /// Fails if a size is not positive and finite, a number of cells zero, or the mesh too large.
     pub fn box_(size: [f64; 3], cells: [usize; 3], elements: Elements) -> Result<Mesh, MeshError> {
         check(&size, &cells, cells.iter().map(|&n| n as f64 * elements.degree() as f64 + 1.0).product())?;
         let base = if elements.are_simplices() { Elements::P1 } else { Elements::Q1 };
@@ -166,7 +166,7 @@ impl Mesh {
     }
 }
 
-/// Checks lengths and numbers of cells by direction, and the number of nodes.
+/// Checks lengths and numbers of cells per direction, and the number of nodes.
 pub(super) fn check(sizes: &[f64], cells: &[usize], nodes: f64) -> Result<(), MeshError> {
     for (direction, (&size, &count)) in sizes.iter().zip(cells).enumerate() {
         if !(size.is_finite() && size > 0.0) {
@@ -179,7 +179,7 @@ pub(super) fn check(sizes: &[f64], cells: &[usize], nodes: f64) -> Result<(), Me
     if nodes > f64::from(u32::MAX) { Err(MeshError::TooLarge { found: nodes }) } else { Ok(()) }
 }
 
-/// Number of nodes of [`Mesh::rectangle`], as a real because it may not fit an integer.
+/// Number of nodes of [`Mesh::rectangle`], as a real number because it may overflow an integer.
 #[must_use]
 pub fn rectangle_nodes(cells: [usize; 2], diagonal: Diagonal) -> f64 {
     let [nx, ny] = [cells[0] as f64, cells[1] as f64];

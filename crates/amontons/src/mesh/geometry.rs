@@ -5,7 +5,7 @@ use crate::element::ShapeTable;
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
 
-/// Geometry of a cell at a point of a table: position, volume factor, physical gradients. Made once for many cells:
+/// Geometry of a cell at a point of a table: position, volume factor, physical gradients. One map serves many cells:
 ///
 /// ```
 /// use amontons::{element::ShapeTable, mesh::{CellMap, Diagonal, Mesh}};
@@ -29,7 +29,7 @@ use crate::tensor::{Point, dot, length};
 pub struct CellMap<'a> {
     /// Position in m.
     pub position: Point,
-    /// Determinant of the map from the reference cell. Not positive where the cell is inverted.
+    /// Determinant of the map from the reference cell; not positive if the cell is inverted.
     pub jacobian: f64,
     /// Volume element in m^d: the Jacobian, times 2πr in a body of revolution.
     pub measure: f64,
@@ -41,8 +41,7 @@ pub struct CellMap<'a> {
 }
 
 impl<'a> CellMap<'a> {
-    /// A map for the cells of a mesh that have the element of the table. It means nothing before the first
-    /// [`CellMap::at`].
+    /// A map for cells with the element of the table. Its fields are valid only after a call of [`CellMap::at`].
     #[must_use]
     pub fn new(mesh: &'a Mesh, table: &'a ShapeTable) -> CellMap<'a> {
         CellMap {
@@ -103,8 +102,8 @@ impl<'a> CellMap<'a> {
 pub struct FacetMap<'a> {
     /// Position in m.
     pub position: Point,
-    /// Area element in m^(d−1): physical over reference measure, times 2πr in a body of revolution. Along an edge the
-    /// element of length, at a point 1.
+    /// Area element in m^(d−1): physical over reference measure, times 2πr in a body of revolution. For an edge it is
+    /// the element of length, for a point 1.
     pub area: f64,
     /// Unit outward normal ν; zero for an edge or a point.
     pub normal: Point,
@@ -114,8 +113,7 @@ pub struct FacetMap<'a> {
 }
 
 impl<'a> FacetMap<'a> {
-    /// A map for the facets of a mesh that have the element of the table. It means nothing before the first
-    /// [`FacetMap::at`].
+    /// A map for facets with the element of the table. Its fields are valid only after a call of [`FacetMap::at`].
     #[must_use]
     pub fn new(mesh: &'a Mesh, table: &'a ShapeTable) -> FacetMap<'a> {
         FacetMap { position: [0.0; 3], area: 0.0, normal: [0.0; 3], mesh, table, q: 0 }
@@ -142,7 +140,7 @@ impl<'a> FacetMap<'a> {
             return;
         }
         let normal = match element.shape {
-            // The reference coordinate tells which end of the body the point closes.
+            // The reference coordinate determines which end of the body the point is.
             Shape::Point => [2.0 * element.nodes[0][0] - 1.0, 0.0, 0.0],
             Shape::Segment => [tangents[0][1], -tangents[0][0], 0.0],
             _ => cross(&tangents[0], &tangents[1]),
@@ -160,7 +158,7 @@ impl<'a> FacetMap<'a> {
 }
 
 impl Mesh {
-    /// Area of a side in m², length of an edge in m, number of points.
+    /// Area of a side in m², length of an edge in m, or number of points.
     pub(crate) fn measure(&self, set: &FacetSet) -> f64 {
         let mut sum = 0.0;
         for block in &set.blocks {
@@ -176,7 +174,7 @@ impl Mesh {
         sum
     }
 
-    /// The centre of the area of a side, of the length of an edge, of points; none of an empty set.
+    /// The centroid of a side, of an edge, or of points; `None` if the set is empty.
     #[must_use]
     pub fn centre(&self, set: &FacetSet) -> Option<Point> {
         let mut sum = Moments::default();
@@ -193,7 +191,7 @@ impl Mesh {
         sum.centre(self)
     }
 
-    /// The centre of the volume of a region, by its number; none of a region without cells.
+    /// The centroid of a region, given by its number; `None` if the region has no cells.
     #[must_use]
     pub fn centre_of_region(&self, region: usize) -> Option<Point> {
         let mut sum = Moments::default();
@@ -210,7 +208,7 @@ impl Mesh {
         sum.centre(self)
     }
 
-    /// 2πr of a body of revolution, the thickness of a plane one, 1 of any other: the factor of measures at a point.
+    /// Factor of measures at a point: 2πr in a body of revolution, the thickness of a plane body, 1 otherwise.
     fn across(&self, x: &Point) -> f64 {
         if self.axisymmetric { std::f64::consts::TAU * x[0] } else { self.thickness() }
     }
@@ -229,7 +227,7 @@ impl Moments {
         self.first.iter_mut().zip(x).for_each(|(sum, c)| *sum += measure * c);
     }
 
-    /// The centre, which is on the axis of a body of revolution; none without a measure.
+    /// The centroid, on the axis for a body of revolution; `None` if the measure is zero.
     fn centre(&self, mesh: &Mesh) -> Option<Point> {
         let centre = self.first.map(|c| c / self.measure);
         let on_axis = if mesh.axisymmetric { [0.0, centre[1], 0.0] } else { centre };

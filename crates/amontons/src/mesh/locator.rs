@@ -1,4 +1,4 @@
-//! The cell of a point, in any mesh.
+//! Finds the cell that contains a point, in any mesh.
 
 use std::sync::Arc;
 
@@ -6,13 +6,13 @@ use super::{Mesh, invert};
 use crate::element::{Element, MAX_NODES};
 use crate::tensor::{Point, length};
 
-/// How far outside the reference cell a point may lie and still belong to it, for round-off.
+/// Depth outside the reference cell up to which a point belongs to it, for round-off.
 pub(crate) const OUTSIDE: f64 = -1e-9;
 
-/// Place of a cell in a mesh: block, and cell in the block.
+/// A cell of a mesh: block, and cell in the block.
 pub(crate) type At = (u32, u32);
 
-/// The cells of a mesh by the boxes of a background grid.
+/// The cells of a mesh, sorted into the boxes of a background grid.
 #[derive(Debug)]
 pub(crate) struct Grid {
     low: Point,
@@ -47,13 +47,13 @@ impl Grid {
         grid
     }
 
-    /// Cells of the buckets that the bounding box of some points touches.
+    /// Cells in the boxes touched by the bounding box of some points.
     pub(crate) fn near<'p>(&self, points: impl Iterator<Item = &'p Point>) -> impl Iterator<Item = At> {
         self.range(points, 0.0).into_iter().flat_map(|bucket| self.buckets[bucket].iter().copied())
     }
 
-    /// Buckets that the bounding box of some points touches, the box widened by a share of itself on all sides:
-    /// curved cells reach beyond their nodes, by an eighth at most of a box that a middle node spans.
+    /// Boxes touched by the bounding box of some points, widened by a fraction `wider` of itself on all sides: curved
+    /// cells extend beyond their nodes, by at most an eighth of a box that a middle node spans.
     pub(crate) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
         let (low, high) = bounds(points);
         let index =
@@ -81,7 +81,7 @@ impl Mesh {
     }
 }
 
-/// Finds the cell of a point in a mesh.
+/// Finds the cell of a mesh that contains a point.
 pub struct Locator<'a> {
     mesh: &'a Mesh,
     grid: Arc<Grid>,
@@ -94,7 +94,7 @@ impl<'a> Locator<'a> {
         Locator::of(mesh, Arc::new(Grid::new(mesh)))
     }
 
-    /// The locator of a mesh whose cells are sorted.
+    /// The locator of a mesh whose cells are already sorted.
     pub(crate) fn of(mesh: &'a Mesh, grid: Arc<Grid>) -> Locator<'a> {
         Locator { mesh, grid }
     }
@@ -104,12 +104,12 @@ impl<'a> Locator<'a> {
         self.mesh
     }
 
-    /// Buckets that the bounding box of some points touches; see [`Grid::range`].
+    /// Boxes touched by the bounding box of some points; see [`Grid::range`].
     pub(crate) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
         self.grid.range(points, wider)
     }
 
-    /// Cells of a bucket.
+    /// Cells of a box.
     pub(crate) fn bucket(&self, bucket: usize) -> &[At] {
         &self.grid.buckets[bucket]
     }
@@ -119,7 +119,7 @@ impl<'a> Locator<'a> {
         self.mesh.cell_at(at)
     }
 
-    /// Nodes of the cell of a point with the values of their shape functions there; none outside the mesh.
+    /// Nodes of the cell that contains a point with the values of their shape functions there; `None` outside the mesh.
     #[must_use]
     pub fn locate(&self, p: &Point) -> Option<(&'a [u32], Vec<f64>)> {
         let (at, x) = self.find(p)?;
@@ -130,20 +130,19 @@ impl<'a> Locator<'a> {
     }
 
     /// The cell in which a point lies deepest, as block and cell in the block, with the reference coordinates there;
-    /// none outside the mesh.
+    /// `None` outside the mesh.
     #[must_use]
     pub fn place(&self, p: &Point) -> Option<(usize, usize, Point)> {
         self.find(p).map(|((block, cell), x)| (block as usize, cell as usize, x))
     }
 
-    /// The cell in which a point lies deepest, and its reference coordinates there.
+    /// The cell in which a point lies deepest, and its reference coordinates there; `None` outside the mesh.
     pub(crate) fn find(&self, p: &Point) -> Option<(At, Point)> {
         deepest(self.near(p, OUTSIDE))
     }
 
-    /// The same among the cells of a region. Where the point lies outside of all, but less far than a cell is high, the
-    /// cell that it lies next to: the part of the way from the centre of the cell to the point that is outside is the
-    /// shortest.
+    /// Like [`Locator::find`] among the cells of a region. If the point lies outside all of them by less than a cell
+    /// height, the nearest cell: the one with the shortest outer part of the line from its centre to the point.
     pub(crate) fn find_near(&self, p: &Point, region: usize) -> Option<(At, Point)> {
         let cells =
             || self.near(p, -1.0).filter(|(_, (block, _), _)| self.mesh.blocks[*block as usize].region == region);
@@ -163,7 +162,7 @@ impl<'a> Locator<'a> {
             .or_else(|| deepest(cells().map(|cell| (-beyond(&cell), cell.1, cell.2))))
     }
 
-    /// All cells that have a point inside or on their boundary, as block and cell in the block.
+    /// All cells with a point inside or on their boundary, as block and cell in the block.
     pub(crate) fn around(&self, p: &Point) -> Vec<(usize, usize)> {
         self.near(p, OUTSIDE).map(|(_, (block, cell), _)| (block as usize, cell as usize)).collect()
     }
@@ -175,7 +174,7 @@ impl<'a> Locator<'a> {
             let x = reference_point(self.mesh, element, nodes, p)?;
             Some((element.shape.depth(&x), at, x)).filter(|(depth, ..)| *depth > least)
         };
-        // A cell reaches less far than it is large.
+        // A cell extends less than its size.
         let far = if least < OUTSIDE { 0.5 } else { 0.0 };
         let corner = |side: f64| std::array::from_fn(|d| p[d] + side * far * self.grid.width[d]);
         let buckets = self.range([&corner(-1.0), &corner(1.0)].into_iter(), 0.0);
@@ -193,7 +192,7 @@ impl<'a> Locator<'a> {
     }
 }
 
-/// The first of the cells in which a point lies deepest.
+/// The cell in which a point lies deepest; the first of several.
 fn deepest(cells: impl Iterator<Item = (f64, At, Point)>) -> Option<(At, Point)> {
     let deeper = |best: Option<(f64, At, Point)>, found: (f64, At, Point)| match best {
         Some(best) if best.0 >= found.0 => Some(best),
@@ -208,8 +207,8 @@ fn bounds<'p>(points: impl Iterator<Item = &'p Point>) -> (Point, Point) {
     })
 }
 
-/// Reference coordinates of a point in a cell by Newton's method from the centre: one step for a linear simplex, a
-/// few for a cell that the point lies in. None where it does not converge, which means far outside.
+/// Reference coordinates of a point in a cell by Newton's method from the centre: one step for a linear simplex, a few
+/// for other cells that contain the point. `None` if it does not converge, far outside the cell.
 pub(crate) fn reference_point(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<Point> {
     match mesh.dim {
         1 => newton::<1>(mesh, element, nodes, p),
@@ -228,7 +227,7 @@ fn newton<const D: usize>(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Poi
         (element.gradients)(&x, &mut gradients[..nodes.len()]);
         let (mut rest, mut j) = ([0.0; D], [[0.0; D]; D]);
         for row in 0..D {
-            // Coordinates are taken from the point, so that their round-off is that of the size of the cell.
+            // Coordinates are relative to the point, so that round-off is relative to the size of the cell.
             for (n, &node) in nodes.iter().enumerate() {
                 let at = mesh.points[node as usize][row] - p[row];
                 rest[row] -= values[n] * at;

@@ -1,37 +1,37 @@
-//! Facets by their place: those of a plane, of a cylinder, within a box.
+//! Facets selected by position: on a plane, on a cylinder, within a box.
 
 use super::{FacetMap, FacetSet, Mesh};
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, dot, length};
 
-/// Distance of a vertex from a surface in edges of its facet up to which it lies on the surface: more than the rounding
-/// of coordinates in a file, and far less than the distance of the next vertex.
+/// Distance of a vertex from a surface, in edges of its facet, up to which it lies on the surface: more than the
+/// rounding of coordinates in a file, and far less than the distance to the next vertex.
 const ON: f64 = 1e-3;
-/// The same in sizes of the mesh, for facets without edges and the digits of files.
+/// Such a distance relative to the size of the mesh, for facets without edges and for rounded file coordinates.
 const ROUNDING: f64 = 1e-9;
 
-/// A set of points, or of directions, that facets lie in. A facet lies in a set of points if all its vertices do.
+/// A set of points, or of directions, in which facets lie. A facet lies in a set of points if all its vertices do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Locus {
-    /// A plane, in two dimensions a line, in one a point.
+    /// A plane; in two dimensions a line, in one a point.
     Plane {
-        /// A point of it, m.
+        /// A point of the plane, m.
         point: Point,
-        /// Its normal, of either sign.
+        /// The normal, of either sign.
         normal: Point,
     },
-    /// What lies between two corners.
+    /// The region between two corners.
     Box {
         /// Least coordinates, m.
         from: Point,
         /// Largest coordinates, m.
         to: Point,
     },
-    /// The surface of a circular cylinder, in two dimensions a circle.
+    /// The surface of a circular cylinder; in two dimensions a circle.
     Cylinder {
         /// A point of the axis, m.
         point: Point,
-        /// Direction of the axis, in two dimensions z.
+        /// Direction of the axis; in two dimensions z.
         axis: Point,
         /// Radius in m.
         radius: f64,
@@ -43,7 +43,7 @@ pub enum Locus {
         /// Its radius in m.
         radius: f64,
     },
-    /// What is at most so far from a point.
+    /// The region within a distance of a point.
     Near {
         /// The point, m.
         point: Point,
@@ -63,7 +63,7 @@ fn minus(a: &Point, b: &Point) -> Point {
     std::array::from_fn(|c| a[c] - b[c])
 }
 
-/// The part of a vector along a direction, and the length of the rest.
+/// The component of a vector along a direction, and the length of the remainder.
 fn parts(v: &Point, direction: &Point) -> (f64, f64) {
     let size = length(direction);
     let unit = direction.map(|c| c / size);
@@ -72,7 +72,7 @@ fn parts(v: &Point, direction: &Point) -> (f64, f64) {
 }
 
 impl Locus {
-    /// Whether a point lies in it, up to a distance; a locus of directions has all points.
+    /// True if a point lies in it within a tolerance in m; always true for a locus of directions.
     fn has(&self, x: &Point, within: f64) -> bool {
         match self {
             Locus::Plane { point, normal } => parts(&minus(x, point), normal).0.abs() <= within,
@@ -84,11 +84,11 @@ impl Locus {
         }
     }
 
-    /// Whether a normal is one of its directions; a locus of points has all normals.
+    /// True if a normal is one of its directions; always true for a locus of points.
     fn faces(&self, normal: &Point) -> bool {
         let Locus::Normal { direction, angle } = self else { return true };
         let (along, across) = parts(normal, direction);
-        // Directions of files and facets have rounding, too.
+        // Directions of files and facets are rounded, too.
         across.atan2(along) <= angle + ROUNDING
     }
 }
@@ -118,7 +118,7 @@ impl Mesh {
         found
     }
 
-    /// Longest distance of two vertices of a facet; zero of a point.
+    /// Longest distance of two vertices of a facet; zero for a point.
     fn longest_edge(&self, element: &Element, nodes: &[u32]) -> f64 {
         if element.dim() == 0 { 0.0 } else { self.edges(element, nodes).1 }
     }
@@ -132,7 +132,7 @@ impl Mesh {
         (0..self.dim).map(spread).fold(0.0, f64::max)
     }
 
-    /// The facets of several sets, each once, in the order of the sets.
+    /// The union of several facet sets without repetition, in the order of the sets.
     #[must_use]
     pub fn union(sets: &[&FacetSet]) -> FacetSet {
         let (mut all, mut seen) = (FacetSet::default(), std::collections::HashSet::new());

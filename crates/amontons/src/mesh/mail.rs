@@ -1,13 +1,13 @@
-//! Meshes of Code_Aster as texts (`.mail`), as its document U3.01.00 describes them.
+//! Text meshes of Code_Aster (`.mail`), as described in its document U3.01.00.
 //!
 //! A file is a sequence of blocks that begin with a keyword and end with `FINSF`, and ends with `FIN`: the nodes by
 //! their names (`COOR_3D`), the cells of each type (`HEXA20`), and groups of cells and nodes (`GROUP_MA`, `GROUP_NO`).
-//! Words are separated by blanks and commas, and `%` begins a comment. The keyword may have parameters, of which `NOM`
-//! names a group, and `NBLIGE` says how many lines the head of the block has.
+//! Words are separated by blanks and commas, and `%` begins a comment. The keyword may have parameters: `NOM` names a
+//! group, and `NBLIGE` gives the number of lines of the head of the block.
 //!
-//! Groups become regions, sides, edges and points as those of [`med`](super::med) do. Code_Aster numbers the nodes of a
-//! cell as VTK does, but for the middles of edges of hexahedra and prisms, of which those that rise come before those
-//! above, and for the faces of a hexahedron of 27 nodes.
+//! Groups become regions, sides, edges and points as for [`med`](super::med). Code_Aster numbers the nodes of a cell as
+//! VTK does, except for the edge middles of hexahedra and prisms, where the upright ones come before the upper ones,
+//! and the faces of a hexahedron of 27 nodes.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -15,7 +15,7 @@ use super::Mesh;
 use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, Read, of_vtk};
 use crate::tensor::Point;
 
-/// The types of cells: name in the file, dimension, nodes, type of VTK; 0 for one that is not read.
+/// The types of cells: name in the file, dimension, number of nodes, VTK type; 0 for an unsupported one.
 const TYPES: [(&str, usize, usize, u8); 20] = [
     ("POI1", 0, 1, 1),
     ("SEG2", 1, 2, 3),
@@ -38,23 +38,23 @@ const TYPES: [(&str, usize, usize, u8); 20] = [
     ("HEXA20", 3, 20, 25),
     ("HEXA27", 3, 27, 29),
 ];
-/// The places of the middles of a hexahedron's edges and faces in the order of VTK: below, above, rising; −x, +x, −y,
-/// +y, −z, +z; and of the cell.
+/// Positions in the file of the middles of a hexahedron's edges and faces in the order of VTK: lower, upper, upright;
+/// −x, +x, −y, +y, −z, +z; and of the cell.
 const HEXAHEDRON: [usize; 19] = [8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26];
-/// The same of the edges of a prism.
+/// Positions in the file of the middles of a prism's edges in the order of VTK.
 const PRISM: [usize; 9] = [6, 7, 8, 12, 13, 14, 9, 10, 11];
-/// What may begin a block.
+/// Words that may begin a block, for messages.
 const KEYWORDS: &str = "TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN";
 
-/// Reads a mesh from the bytes of a `.mail` file: cells → blocks in the order in which types and groups are met.
+/// Reads a mesh from the bytes of a `.mail` file: cells → blocks in the order in which types and groups occur.
 ///
 /// # Errors
-/// When the bytes are no mesh of one body; the error names the line.
+/// Fails if the bytes are no mesh of one body; the error names the line.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     read(bytes).map(|read| read.mesh)
 }
 
-/// The same with what else the file has.
+/// Reads the mesh and the list of skipped contents.
 pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = Lines::new(&text);
@@ -73,12 +73,12 @@ fn syntax(line: usize, found: impl Into<String>, expected: impl Into<String>) ->
     MeshFileError::Syntax { at: FilePosition::Line(line), found: found.into(), expected: expected.into() }
 }
 
-/// A word of the file as a message has it.
+/// A word of the file as quoted in messages.
 fn quoted(word: &str) -> String {
     format!("{:?}", word.chars().take(40).collect::<String>())
 }
 
-/// The lines that have words, by their numbers.
+/// The nonempty lines, with their numbers.
 struct Lines<'t> {
     text: std::str::Lines<'t>,
     /// Number of the last line.
@@ -90,7 +90,7 @@ impl<'t> Lines<'t> {
         Lines { text: text.lines(), number: 0 }
     }
 
-    /// The words of the next line that has some. An equals sign is a word of its own.
+    /// The words of the next nonempty line. An equals sign is a separate word.
     fn next(&mut self) -> Option<(usize, Vec<&'t str>)> {
         loop {
             let text = self.text.next()?;
@@ -105,7 +105,7 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// `NOM=A` in three words.
+/// Splits `NOM=A` into three words.
 fn at_equals(word: &str) -> impl Iterator<Item = &str> {
     word.split_inclusive('=')
         .flat_map(|part| match part.strip_suffix('=') {
@@ -124,7 +124,7 @@ struct Section<'t> {
 }
 
 impl<'t> Section<'t> {
-    /// The block whose keyword is the first of some words, to its end.
+    /// The block that begins with these words, read to its end.
     fn of(line: usize, words: &[&'t str], lines: &mut Lines<'t>) -> Result<Section<'t>, MeshFileError> {
         let keyword = words.first().copied().unwrap_or_default().to_ascii_uppercase();
         let is_known = ["TITRE", "COOR_1D", "COOR_2D", "COOR_3D", "GROUP_MA", "GROUP_NO"].contains(&keyword.as_str())
@@ -133,7 +133,7 @@ impl<'t> Section<'t> {
             return Err(syntax(line, quoted(words.first().copied().unwrap_or_default()), KEYWORDS));
         }
         let mut section = Section { line, keyword, parameters: BTreeMap::new(), words: Vec::new() };
-        // Behind the keyword stand the first words of the block, in further lines of the head remarks.
+        // The rest of the keyword line holds the first words of the block, further head lines are remarks.
         let others = section.head(words.get(1..).unwrap_or_default());
         section.words.extend(others.into_iter().map(|word| (line, word)));
         let of_head = section.parameters.get("NBLIGE").and_then(|count| count.parse::<usize>().ok()).unwrap_or(1);
@@ -153,7 +153,7 @@ impl<'t> Section<'t> {
         Err(syntax(lines.number, found, "FINSF, which ends a block; it may be truncated"))
     }
 
-    /// Takes the parameters of a line of the head; what else it has.
+    /// Reads the parameters of a head line; returns its other words.
     fn head(&mut self, words: &[&'t str]) -> Vec<&'t str> {
         let (mut at, mut others) = (0, Vec::new());
         while let Some(&word) = words.get(at) {
@@ -172,13 +172,13 @@ impl<'t> Section<'t> {
 /// A cell of the file.
 struct Cell<'t> {
     line: usize,
-    /// Its place in [`TYPES`].
+    /// Its index in [`TYPES`].
     kind: usize,
     nodes: Vec<&'t str>,
     groups: BTreeSet<String>,
 }
 
-/// What the blocks say.
+/// The contents of the blocks.
 #[derive(Default)]
 struct File<'t> {
     points: Vec<Point>,
@@ -204,7 +204,7 @@ impl<'t> File<'t> {
         }
     }
 
-    /// Nodes: a name and as many coordinates as the space has dimensions.
+    /// Reads nodes: a name and one coordinate per dimension of the space.
     fn coordinates(&mut self, section: &Section<'t>, dim: usize) -> Result<(), MeshFileError> {
         if let Some(before) = self.given.replace(section.line) {
             let found = format!("{} after the coordinates of line {before}", section.keyword);
@@ -235,7 +235,7 @@ impl<'t> File<'t> {
         Ok(())
     }
 
-    /// Cells of one type: a name and the names of the nodes.
+    /// Reads cells of one type: a name and the names of the nodes.
     fn cells(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
         let found = TYPES.iter().enumerate().find(|(_, (name, ..))| *name == section.keyword);
         let Some((kind, &(code, _, nodes, vtk))) = found else { return Ok(()) };
@@ -247,7 +247,7 @@ impl<'t> File<'t> {
         for entry in section.words.chunks(nodes + 1) {
             let Some((&(line, name), of_cell)) = entry.split_first() else { continue };
             if of_cell.len() < nodes {
-                // Where a node is missing before, the name of the next cell stands in its place.
+                // If a node was missing before, the name of the next cell occupies its position.
                 let mut of_cells = section.words.chunks(nodes + 1).flat_map(|entry| entry.iter().skip(1));
                 let unknown = of_cells.find(|(_, node)| !self.nodes.is_empty() && !self.nodes.contains_key(node));
                 if let Some(&(line, node)) = unknown {
@@ -269,7 +269,7 @@ impl<'t> File<'t> {
         Ok(())
     }
 
-    /// A group, whose name is a parameter or the first word.
+    /// Reads a group, whose name is a parameter or the first word.
     fn group(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
         let (name, members) = match (section.parameters.get("NOM"), section.words.split_first()) {
             (Some(name), _) => (*name, section.words.as_slice()),
@@ -284,7 +284,7 @@ impl<'t> File<'t> {
         Ok(())
     }
 
-    /// The mesh with names resolved.
+    /// Resolves names and returns the contents.
     fn loose(mut self) -> Result<Loose, MeshFileError> {
         for (name, members) in std::mem::take(&mut self.groups) {
             for (line, member) in members {
@@ -336,13 +336,13 @@ impl<'t> File<'t> {
     }
 }
 
-/// A finite number, with an exponent by E or D.
+/// A finite number, with E or D as exponent letter.
 fn real(word: &str) -> Option<f64> {
     let value = word.parse().or_else(|_| word.replace(['D', 'd'], "E").parse::<f64>());
     value.ok().filter(|value: &f64| value.is_finite())
 }
 
-/// The place in the file of a node of a cell with so many, by its place in VTK.
+/// Position in the file of a node of a cell with this number of nodes, from its position in VTK.
 fn place(nodes: usize, local: usize) -> usize {
     let of = match nodes {
         20 | 27 => local.checked_sub(8).and_then(|middle| HEXAHEDRON.get(middle)),

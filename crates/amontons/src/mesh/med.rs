@@ -1,9 +1,10 @@
-//! Meshes of Code_Aster and Salome: MED, which is HDF5 (`.med`).
+//! Meshes of Code_Aster and Salome: MED (`.med`), which is HDF5.
 //!
-//! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges named edges. Groups of
-//! nodes that hold facets of the boundary are sides, the others edges or points. A cell of no group is in no region, as
-//! in a file of Gmsh. Read are the files of versions 2.2 to 4 with one mesh, of which the first step counts. MED
-//! numbers the nodes of a cell as VTK does, but for its orientation and the faces of a hexahedron of 27 nodes.
+//! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges named edges. Node
+//! groups that contain facets of the boundary are sides, the others edges or points. A cell without a group is in no
+//! region, as in a file of Gmsh. Supported are files of versions 2.2 to 4 with one mesh, of which the first step is
+//! read. MED numbers the nodes of a cell as VTK does, except for the orientation and the faces of a hexahedron of 27
+//! nodes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,9 +16,9 @@ use super::read::{
 };
 use crate::tensor::Point;
 
-/// Length of the name of a group.
+/// Length of a group name.
 const NAME: usize = 80;
-/// The types of cells: name in the file, dimension, nodes, type of VTK.
+/// The types of cells: name in the file, dimension, number of nodes, VTK type.
 const TYPES: [(&str, usize, usize, u8); 18] = [
     ("PO1", 0, 1, 1),
     ("SE2", 1, 2, 3),
@@ -38,15 +39,15 @@ const TYPES: [(&str, usize, usize, u8); 18] = [
     ("H20", 3, 20, 25),
     ("H27", 3, 27, 29),
 ];
-/// The places in MED of the middles of a hexahedron's faces in the order of VTK, −x, +x, −y, +y, −z, +z: MED begins
-/// below, goes around and ends above.
+/// Positions in MED of the middles of a hexahedron's faces in the order of VTK, −x, +x, −y, +y, −z, +z: MED begins at
+/// the bottom, goes around and ends at the top.
 const FACES: [usize; 6] = [24, 22, 21, 23, 20, 25];
 
 fn refuse(message: impl Into<String>) -> MeshFileError {
     MeshFileError::Grid { message: message.into() }
 }
 
-/// What the library of the format said.
+/// Converts an error of the HDF5 library.
 fn told(what: &str) -> impl Fn(hdf5_pure::Error) -> MeshFileError + '_ {
     move |error| refuse(format!("{what} cannot be read: {error}"))
 }
@@ -54,12 +55,12 @@ fn told(what: &str) -> impl Fn(hdf5_pure::Error) -> MeshFileError + '_ {
 /// Reads a mesh from the bytes of a MED file: cells → blocks in the order of the types in the file.
 ///
 /// # Errors
-/// When the bytes are no mesh of one body; the error names the part of the file.
+/// Fails if the bytes are no mesh of one body; the error names the part of the file.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     read(bytes).map(|read| read.mesh)
 }
 
-/// The same with what else the file has.
+/// Reads the mesh and the list of skipped contents.
 pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let file = File::from_bytes(bytes.to_vec())
         .map_err(|error| refuse(format!("no HDF5, which a MED file is: {error}; it may be truncated")))?;
@@ -91,7 +92,7 @@ fn child(group: &Group, name: &str) -> Option<Group> {
     group.group(name).ok()
 }
 
-/// The part of a mesh with nodes and cells: of the first step; before version 3 the mesh itself.
+/// The group with nodes and cells: the first step, or before version 3 the mesh itself.
 fn step(mesh: &Group, name: &str) -> Result<Group, MeshFileError> {
     if child(mesh, "NOE").is_some() {
         return Ok(mesh.clone());
@@ -136,7 +137,7 @@ fn points(mesh: &Group, step: &Group, room: Room) -> Result<Vec<Point>, MeshFile
     Ok((0..count).map(of).collect())
 }
 
-/// The names of the groups of each family.
+/// The group names of each family.
 fn families_of(families: Option<&Group>, of: &str, room: Room) -> Result<Families, MeshFileError> {
     let mut all = BTreeMap::new();
     let Some(families) = families.and_then(|families| child(families, of)) else { return Ok(all) };
@@ -159,7 +160,7 @@ fn families_of(families: Option<&Group>, of: &str, room: Room) -> Result<Familie
     Ok(all)
 }
 
-/// Tags of the groups of each dimension, in the order in which they are met.
+/// Tags of the groups per dimension, in the order of occurrence.
 #[derive(Default)]
 struct Groups(BTreeMap<(usize, String), i64>);
 
@@ -185,7 +186,7 @@ struct Reading {
 type Families = BTreeMap<i64, BTreeSet<String>>;
 
 impl Reading {
-    /// The cells of one type.
+    /// Reads the cells of one type.
     fn cells(&mut self, group: &Group, code: &str, families: &Families) -> Result<(), MeshFileError> {
         let Some(&(name, dim, nodes, vtk)) = TYPES.iter().find(|(name, ..)| *name == code) else {
             let known: Vec<&str> = TYPES.iter().map(|(name, ..)| *name).collect();
@@ -215,7 +216,7 @@ impl Reading {
         Ok(())
     }
 
-    /// The groups of nodes.
+    /// The node groups.
     fn nodes(&self, step: &Group, families: &Families) -> Result<Vec<NodeSet>, MeshFileError> {
         let of = child(step, "NOE")
             .map(|group| family_of_each(&group, self.points, "nodes", self.room))
@@ -245,7 +246,7 @@ impl Reading {
     }
 }
 
-/// The family of each of `count` cells or nodes; none where all are in family 0.
+/// The family of each of `count` cells or nodes; `None` if all are in family 0.
 fn family_of_each(group: &Group, count: usize, of: &str, room: Room) -> Result<Option<Vec<i64>>, MeshFileError> {
     let Ok(data) = group.dataset("FAM") else { return Ok(None) };
     let families = integers(&data, "FAM", room)?;
@@ -259,13 +260,13 @@ fn integers(data: &Dataset, what: &str, room: Room) -> Result<Vec<i64>, MeshFile
     fits(data, what, NUMBER, room)?.read_i64().map_err(told(what))
 }
 
-/// The data, if the file can hold them.
+/// The data, or an error if the file is too short for them.
 fn fits<'a>(data: &'a Dataset, what: &str, each: u64, room: Room) -> Result<&'a Dataset, MeshFileError> {
     room.holds(what, &data.shape().map_err(told(what))?, each)?;
     Ok(data)
 }
 
-/// The place in MED of a node of a cell with so many.
+/// Position in MED of a node of a cell with this number of nodes.
 fn place(nodes: usize, local: usize) -> usize {
     let of_face = local.checked_sub(20).filter(|_| nodes == 27).and_then(|face| FACES.get(face));
     of_face.copied().unwrap_or(local)

@@ -45,10 +45,10 @@ pub use read::{
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};
 
-/// Distance of a node from coordinates that are given, relative to the size of the body: their rounding.
+/// Tolerance of a node at given coordinates, for their rounding, relative to the size of the body.
 const NEAR: f64 = 1e-6;
 
-/// What is wrong with a mesh or with the numbers that describe one.
+/// A fault of a mesh or of the parameters of a generator.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshError {
     /// A generator was given a length that is not positive and finite.
@@ -70,7 +70,7 @@ pub enum MeshError {
         /// Number of nodes asked for.
         found: f64,
     },
-    /// The angle of a sector that is not between 0 and 2π.
+    /// An angle of a sector that is not between 0 and 2π.
     Angle {
         /// The angle given, in rad.
         found: f64,
@@ -86,24 +86,24 @@ pub enum MeshError {
     Around {
         /// The number given.
         found: usize,
-        /// What it must be.
+        /// The requirement.
         expected: &'static str,
     },
-    /// A step that the library has for some elements only.
+    /// A conversion that the library supports for some elements only.
     Elements {
-        /// The step.
+        /// The conversion.
         what: &'static str,
         /// Name of the element.
         found: &'static str,
     },
-    /// A body of revolution that reaches over its axis.
+    /// A body of revolution that extends beyond its axis.
     Axis {
         /// The node.
         node: usize,
         /// Its first coordinate.
         found: f64,
     },
-    /// A cell or a facet names a node that there is not.
+    /// A cell or a facet refers to a missing node.
     Node {
         /// `a cell`, or `a facet of` a side.
         what: String,
@@ -118,13 +118,13 @@ pub enum MeshError {
         block: usize,
         /// Cell in the block.
         cell: usize,
-        /// Its signed measure, by the least Jacobian of its quadrature points.
+        /// Its signed measure, from the least Jacobian at its quadrature points.
         measure: f64,
     },
 }
 
 impl MeshError {
-    /// What was found.
+    /// The fault in words, for messages.
     #[must_use]
     pub fn found(&self) -> String {
         match self {
@@ -147,7 +147,7 @@ impl MeshError {
         }
     }
 
-    /// What was expected, where that does not go without saying.
+    /// The value expected, for messages; `None` if it is obvious.
     #[must_use]
     pub fn expected(&self) -> Option<String> {
         let expected = match self {
@@ -180,7 +180,7 @@ pub struct Block {
     pub element: &'static Element,
     /// Index into [`Mesh::regions`].
     pub region: usize,
-    /// Nodes of the cells, `element.nodes.len()` a cell.
+    /// Nodes of the cells, `element.nodes.len()` per cell.
     pub nodes: Vec<u32>,
 }
 
@@ -191,7 +191,7 @@ impl Block {
         self.nodes.len() / self.element.nodes.len()
     }
 
-    /// Whether the block has no cells.
+    /// True if the block has no cells.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
@@ -202,7 +202,7 @@ impl Block {
         self.nodes.chunks_exact(self.element.nodes.len())
     }
 
-    /// Nodes of each cell as far as VTK lists them, see [`Element::vtk_nodes`].
+    /// Nodes of each cell that VTK lists, see [`Element::vtk_nodes`].
     pub(crate) fn vtk_cells(&self) -> impl Iterator<Item = &[u32]> {
         let listed = self.element.vtk_nodes();
         self.cells().map(move |cell| cell.get(..listed).unwrap_or(cell))
@@ -217,11 +217,11 @@ const ON_AXIS: f64 = 1e-12;
 pub struct Mesh {
     /// Spatial dimension d.
     pub dim: usize,
-    /// Whether the body is one of revolution, of which the mesh of d = 2 is the half section: x is the distance r
-    /// from the axis and y the height. Integrals are then those over the whole body, 2πr dr dz.
+    /// True for a body of revolution, of which the mesh with d = 2 is the half section: x is the distance r from the
+    /// axis and y the height. Integrals are then taken over the whole body, 2πr dr dz.
     pub axisymmetric: bool,
-    /// Thickness of a plane body in m: integrals are then those over the whole body. None for integrals per metre of
-    /// thickness; it is not looked at in other bodies.
+    /// Thickness of a plane body in m: integrals are then taken over the whole body. `None` for integrals per metre of
+    /// thickness; ignored for other bodies.
     pub thickness: Option<f64>,
     /// Coordinates of the nodes in m.
     pub points: Vec<Point>,
@@ -242,7 +242,7 @@ impl Mesh {
         self.facets.get(name).or_else(|| self.edges.get(name))
     }
 
-    /// The nodes with these coordinates, up to their rounding: several where bodies touch each other.
+    /// The nodes with these coordinates, up to rounding; several if bodies touch.
     #[must_use]
     pub fn nodes_at(&self, at: &Point) -> Vec<u32> {
         let size = (0..self.dim).map(|d| {
@@ -260,13 +260,13 @@ impl Mesh {
         self.blocks.iter().map(Block::len).sum()
     }
 
-    /// What measures of a plane body are multiplied by: 1 where it has no thickness, and of all other bodies.
+    /// Factor of measures of a plane body; 1 without a thickness, and for all other bodies.
     pub(crate) fn thickness(&self) -> f64 {
         let is_plane = self.dim == 2 && !self.axisymmetric;
         self.thickness.filter(|_| is_plane).unwrap_or(1.0)
     }
 
-    /// Dimension of the tensors of a body: d, and 3 for a body of revolution, whose strain has a hoop component.
+    /// Dimension of the tensors of a body: d, or 3 for a body of revolution, whose strain has a hoop component.
     #[must_use]
     pub fn tensor_dim(&self) -> usize {
         if self.axisymmetric { 3 } else { self.dim }
@@ -275,7 +275,7 @@ impl Mesh {
     /// Checks that cells and facets name existing nodes. Call this before any other method.
     ///
     /// # Errors
-    /// [`MeshError::Node`] with the first that does not.
+    /// [`MeshError::Node`] with the first missing node.
     pub fn check_nodes(&self) -> Result<(), MeshError> {
         let nodes = self.points.len();
         let unknown = |list: &[u32]| list.iter().copied().find(|&node| node as usize >= nodes);
@@ -292,7 +292,7 @@ impl Mesh {
         }
     }
 
-    /// Largest distance from the axis of revolution that is round-off: of the size of the body, and of the coordinates
+    /// Largest distance from the axis of revolution that is round-off, of the size of the body and of the coordinates
     /// that it was turned or moved with.
     fn round_off_of_axis(&self) -> f64 {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -307,8 +307,8 @@ impl Mesh {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// Puts the nodes of a body of revolution that are on the axis but for round-off onto it: those of a body that was
-    /// turned there, or that a file has with the round-off of another program. Other bodies stay as they are.
+    /// Moves the nodes of a body of revolution that are on the axis up to round-off exactly onto it, as after a
+    /// rotation or in a file from another program. Other bodies are unchanged.
     #[must_use]
     pub fn onto_axis(mut self) -> Mesh {
         if self.axisymmetric {
@@ -321,7 +321,7 @@ impl Mesh {
     /// Checks that every cell has a positive Jacobian at its quadrature points, beyond the round-off of its size.
     ///
     /// # Errors
-    /// Names the first cell that has not, a node of a body of revolution beyond the axis, or one that there is not.
+    /// Reports the first inverted cell, a node of a body of revolution with r < 0, or a missing node.
     pub fn check(&self) -> Result<(), MeshError> {
         self.check_nodes()?;
         if self.axisymmetric
@@ -329,10 +329,10 @@ impl Mesh {
         {
             return Err(MeshError::Axis { node, found: self.points[node][0] });
         }
-        // The sign of the Jacobian is that of the plane map, whether or not the body is one of revolution.
+        // The sign of the Jacobian is that of the plane map, also for a body of revolution.
         let dim = self.dim as i32;
         for (b, block) in self.blocks.iter().enumerate() {
-            // Affine cells have one Jacobian; the others are asked at more points than the forms have.
+            // Affine cells have one Jacobian; the others are checked at more points than the forms use.
             let affine = block.element.is_simplex() && block.element.degree == 1;
             let table = ShapeTable::new(block.element, if affine { 0 } else { 2 * block.element.degree + 2 });
             let mut map = CellMap::new(self, &table);
@@ -351,8 +351,8 @@ impl Mesh {
         Ok(())
     }
 
-    /// The strain ε = ½(∇v + ∇vᵀ) of a vector field by its gradient; `radial` is v_r/r, the hoop strain ε_θθ of a body
-    /// of revolution, which is not looked at in others.
+    /// The strain ε = ½(∇v + ∇vᵀ) of a vector field from its gradient; `radial` is v_r/r, the hoop strain ε_θθ of a
+    /// body of revolution, ignored for others.
     #[must_use]
     pub fn strain(&self, gradient: &[[f64; 3]; 3], radial: f64) -> Sym {
         let mut strain = Sym::from_fn(self.dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
@@ -377,8 +377,8 @@ impl Mesh {
         (shortest, longest)
     }
 
-    /// Spacing of the mesh: the shortest edge of its longest-edged cell, which is the paper's h = 1/n for a
-    /// square cut into n × n squares by diagonals.
+    /// Spacing of the mesh: the shortest edge of its longest-edged cell, which is the paper's h = 1/n for a square
+    /// divided into n × n squares with diagonals.
     #[must_use]
     pub fn spacing(&self) -> f64 {
         self.blocks
@@ -387,7 +387,7 @@ impl Mesh {
             .fold(0.0, f64::max)
     }
 
-    /// Longest distance of two vertices of a cell, the diameter of the estimates.
+    /// Longest distance of two vertices of a cell, the diameter h of the estimates.
     #[must_use]
     pub fn h(&self) -> f64 {
         self.blocks

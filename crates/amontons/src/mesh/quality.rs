@@ -1,17 +1,17 @@
-//! The shape of cells.
+//! Measures of the shape of cells.
 
 use super::{CellMap, Mesh};
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym};
 
 impl Mesh {
-    /// The worst quality over all cells, where 1 is a regular cell and 0 a flat one.
+    /// The worst quality over all cells, 1 for a regular cell and 0 for a flat one.
     ///
     /// Mean ratio (Liu and Joe, 1994): d (det T)^{1/d} / tr T with T = J R Jᵀ, J the map from the reference cell and R
-    /// the second moment of its nodes. R takes the place of the map to the regular cell, whose moment is a multiple of
-    /// the identity, so the measure serves every element.
+    /// the second moment of its nodes. R replaces the map to the regular cell, whose moment is a multiple of the
+    /// identity, so the measure applies to every element.
     ///
-    /// Given with the centre of the worst cell; infinite without cells.
+    /// Returned with the centre of the worst cell; infinite without cells.
     #[must_use]
     pub fn worst_quality(&self) -> (f64, Point) {
         let mesh = self;
@@ -36,8 +36,8 @@ impl Mesh {
         worst
     }
 
-    /// How slender the cells are that all but a tenth of them are no more slender than: the longest beside the shortest
-    /// semi-axis of the ellipsoid of inertia of the nodes, 1 for a regular cell. 1 without cells.
+    /// The slenderness that 90 % of the cells do not exceed: ratio of the longest to the shortest semi-axis of the
+    /// ellipsoid of inertia of the nodes, 1 for a regular cell. 1 without cells.
     #[must_use]
     pub fn slenderness(&self) -> f64 {
         let mut all = Vec::new();

@@ -1,4 +1,4 @@
-//! Uniform refinement: every edge is cut in two.
+//! Uniform refinement: every edge is halved.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -7,23 +7,23 @@ use crate::element::{Element, P1_TETRAHEDRON, P2_TETRAHEDRON};
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot};
 
-/// The nodes that a new node lies between, with their weights in billionths: the same from all cells and facets that
+/// The nodes from which a new node is interpolated, with weights in billionths: equal for all cells and facets that
 /// have it, since shape functions agree on common facets.
 type Weights = Vec<(u32, i64)>;
 
 /// Weights below this are round-off.
 const UNIT: f64 = 1e9;
 
-/// A part of a reference cell, by its vertices.
+/// A part of a reference cell, given by its vertices.
 type Child = (Shape, Vec<Point>);
 
 impl Mesh {
-    /// The same body with every edge cut in two: a cell becomes 2^d cells, a pyramid six pyramids and four tetrahedra.
-    /// New nodes lie where the cell has them, so that curved cells keep their shape and regions and sides their
-    /// measure. The nodes of the mesh keep their numbers.
+    /// The mesh with every edge halved: a cell becomes 2^d cells, a pyramid six pyramids and four tetrahedra. New nodes
+    /// lie on the cell, so that curved cells keep their shape and regions and sides their measure. Existing nodes keep
+    /// their numbers.
     ///
     /// # Errors
-    /// [`MeshError::TooLarge`].
+    /// [`MeshError::TooLarge`] if there are too many nodes.
     pub fn refined(&self) -> Result<Mesh, MeshError> {
         let mut nodes = Nodes::new(self);
         let mut blocks: Vec<Block> = Vec::new();
@@ -67,7 +67,7 @@ fn push(blocks: &mut Vec<Block>, element: &'static Element, region: usize, nodes
     }
 }
 
-/// The element of a part with this shape: of other shapes are only the tetrahedra in a pyramid.
+/// The element of a part with this shape: only the tetrahedra in a pyramid have another shape.
 fn element_of(parent: &'static Element, shape: Shape) -> &'static Element {
     if shape == parent.shape {
         parent
@@ -101,7 +101,7 @@ impl Nodes {
         element.nodes.iter().map(|at| self.node(parent, cell, &placed(element.shape, vertices, corners, at))).collect()
     }
 
-    /// The node at a place of the reference cell.
+    /// The node at a point of the reference cell.
     fn node(&mut self, parent: &Element, cell: &[u32], at: &Point) -> u32 {
         let near = |node: &&Point| (0..3).all(|d| (node[d] - at[d]).abs() < 1e-9);
         if let Some(own) = parent.nodes.iter().position(|node| near(&node)) {
@@ -119,7 +119,7 @@ impl Nodes {
         let points = &mut self.points;
         *self.known.entry(weights).or_insert_with(|| {
             let mut point = [0.0; 3];
-            // In the order of the numbers of the nodes, so that all cells give the same bits.
+            // Ordered by node number, so that all cells give the same bits.
             let mut shares: Vec<(u32, f64)> = shares.map(|(&node, value)| (node, value)).collect();
             shares.sort_by_key(|(node, _)| *node);
             for (node, value) in shares {
@@ -132,12 +132,12 @@ impl Nodes {
     }
 }
 
-/// Where a place of the reference cell of a part is in that of the whole.
+/// Coordinates in the reference cell of the whole of a point in that of a part.
 fn placed(shape: Shape, vertices: usize, corners: &[Point], at: &Point) -> Point {
     let linear = crate::element::ALL.into_iter().find(|e| e.shape == shape && e.nodes.len() == vertices);
     let mut values = [0.0; crate::element::MAX_NODES];
     let Some(linear) = linear else { return *at };
-    // At a vertex itself: the functions of a pyramid are not defined at its apex.
+    // Vertices are handled first: the functions of a pyramid are not defined at its apex.
     let near = |node: &Point| (0..3).all(|d| (node[d] - at[d]).abs() < 1e-9);
     if let Some(own) = linear.nodes.iter().position(near) {
         return corners[own];
@@ -185,7 +185,8 @@ fn children(element: &Element, x: &[Point]) -> Vec<Child> {
     }
 }
 
-/// A vertex of the part of a square at its vertex i: the middle between both vertices, the centre for the opposite one.
+/// A vertex of the part of a square at its vertex i: the middle between both vertices, or the centre for the opposite
+/// one.
 fn m_or_centre(i: usize, j: usize, v: &[Point], centre: Point) -> Point {
     if (i + 2) % 4 == j { centre } else { middle(&v[i], &v[j]) }
 }
@@ -195,7 +196,7 @@ fn triangles([a, b, c]: [Point; 3]) -> [[Point; 3]; 4] {
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
 }
 
-/// Four tetrahedra at the vertices, and four of the octahedron between them about its shortest diagonal.
+/// Four tetrahedra at the vertices, and four from the octahedron between them about its shortest diagonal.
 fn tetrahedra(v: &[Point], x: &[Point]) -> Vec<Child> {
     let m = |i: usize, j: usize| middle(&v[i], &v[j]);
     let mut parts: Vec<Vec<Point>> = (0..4).map(|i| (0..4).map(|j| m(i, j)).collect()).collect();
@@ -215,7 +216,7 @@ fn tetrahedra(v: &[Point], x: &[Point]) -> Vec<Child> {
     parts.into_iter().map(|part| (Shape::Tetrahedron, part)).collect()
 }
 
-/// A tetrahedron with two vertices exchanged if its volume is negative.
+/// Exchanges two vertices of a tetrahedron if its volume is negative.
 fn outward(mut part: Vec<Point>) -> Vec<Point> {
     let edge = |i: usize| -> Point { std::array::from_fn(|d| part[i][d] - part[0][d]) };
     let [u, v, w] = [edge(1), edge(2), edge(3)];
@@ -226,7 +227,7 @@ fn outward(mut part: Vec<Point>) -> Vec<Point> {
     part
 }
 
-/// Pyramids at the vertices of the base and at the apex, one upside down between them, and tetrahedra beside it.
+/// Pyramids at the vertices of the base and at the apex, one inverted between them, and tetrahedra next to it.
 fn pyramids(v: &[Point]) -> Vec<Child> {
     let m = |i: usize, j: usize| middle(&v[i], &v[j]);
     let centre = middle(&m(0, 1), &m(2, 3));

@@ -11,17 +11,17 @@ use crate::tensor::Point;
 /// A plane section of bilinear quadrilaterals.
 struct Section {
     mesh: Mesh,
-    /// Nodes from here on lie on circles around the origin, and so do the middles between two of them.
+    /// From this node on, nodes lie on circles around the origin, and so do the middles between two of them.
     curved: usize,
 }
 
-/// The unit vector at an angle, exact on the axes.
+/// The unit vector at an angle; exact on the axes.
 fn unit(angle: f64) -> [f64; 2] {
     let exact = |c: f64| if c.abs() < 4.0 * f64::EPSILON { 0.0 } else { c };
     [exact(angle.cos()), exact(angle.sin())]
 }
 
-/// The point at the mean distance from the z-axis, in the mean direction, at the mean height.
+/// The point at the mean distance from the z-axis, in the mean direction and at the mean height.
 fn polar_mean(points: &[Point]) -> Point {
     let (mut radius, mut direction, mut z) = (0.0, [0.0; 2], 0.0);
     for p in points {
@@ -34,7 +34,7 @@ fn polar_mean(points: &[Point]) -> Point {
     [radius * direction[0] / length, radius * direction[1] / length, z]
 }
 
-/// (outer radius, inner radius) as data of a mesh: both finite, 0 ≤ inner < outer.
+/// Checks the radii: both finite, 0 ≤ inner < outer.
 fn check_radii(inner: f64, outer: f64) -> Result<(), MeshError> {
     if !(inner.is_finite() && inner >= 0.0) {
         return Err(MeshError::Size { direction: 0, found: inner });
@@ -45,7 +45,7 @@ fn check_radii(inner: f64, outer: f64) -> Result<(), MeshError> {
     if inner < outer { Ok(()) } else { Err(MeshError::Radii { inner, outer }) }
 }
 
-/// A ring, or a sector of it from the angle 0 on.
+/// A ring, or a sector of it starting at the angle 0.
 fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize; 2]) -> Section {
     let steps = if sector.is_some() { around + 1 } else { around };
     let at = |i: usize, j: usize| ((j % steps) * (radial + 1) + i) as u32;
@@ -74,13 +74,13 @@ fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize;
 
 /// A disc: a square of n × n cells in the middle, n = around/4, and layers between it and the circle.
 fn disc(radius: f64, [radial, around]: [usize; 2]) -> Section {
-    /// Half the side of the square over the radius: cells are about equal across its sides and its corners.
+    /// Half the side of the square over the radius: makes cells at its sides and corners about equal.
     const SQUARE: f64 = 0.45;
     let n = around / 4;
     let half = SQUARE * radius;
     let inside = |i: usize| half * (2.0 * (i as f64 / n as f64) - 1.0);
     let mut points: Vec<Point> = (0..=n).flat_map(|j| (0..=n).map(move |i| [inside(i), inside(j), 0.0])).collect();
-    // Around the square from its lower right corner, anticlockwise.
+    // Nodes around the square from its lower right corner, anticlockwise.
     let on_square = |p: usize| {
         let i = p % n;
         let (x, y) = [(n, i), (n - i, n), (0, n - i), (i, 0)][p / n];
@@ -128,7 +128,7 @@ fn plane(points: Vec<Point>, nodes: Vec<u32>, facets: BTreeMap<String, FacetSet>
 }
 
 impl Section {
-    /// The section, or the body of it of a height in layers, in the elements asked for.
+    /// The section, or the body swept from it in layers, with the requested elements.
     fn into_mesh(self, elements: Elements, sweep: Option<(f64, usize)>) -> Result<Mesh, MeshError> {
         let (size, curved) = (self.mesh.points.len(), self.curved);
         let mut mesh = if elements.are_simplices() { self.mesh.simplices()? } else { self.mesh };
@@ -152,7 +152,7 @@ impl Section {
     }
 }
 
-/// Checks the cells around a whole disc, or around a ring.
+/// Checks the number of cells around a disc or a ring.
 fn check_around(around: usize, solid: bool) -> Result<(), MeshError> {
     if solid && !around.is_multiple_of(4) {
         return Err(MeshError::Around { found: around, expected: "a multiple of 4, for the square in the middle" });
@@ -160,7 +160,7 @@ fn check_around(around: usize, solid: bool) -> Result<(), MeshError> {
     if around < 3 { Err(MeshError::Around { found: around, expected: "at least 3" }) } else { Ok(()) }
 }
 
-/// Checks the angle of a sector, or the cells around a whole.
+/// Checks the angle of a sector, or the number of cells around.
 fn check_sector(sector: Option<f64>, around: usize, solid: bool) -> Result<(), MeshError> {
     match sector {
         Some(angle) if !(angle > 0.0 && angle < TAU) => Err(MeshError::Angle { found: angle }),
@@ -170,24 +170,24 @@ fn check_sector(sector: Option<f64>, around: usize, solid: bool) -> Result<(), M
 }
 
 impl Mesh {
-    /// The disc of a radius around the origin, `[radial, around]` cells: a square of (around/4)² cells in the middle
-    /// and `radial` layers of `around` cells; facet set `outer`.
+    /// The disc of a radius around the origin with `[radial, around]` cells: a square of (around/4)² cells in the
+    /// middle and `radial` layers of `around` cells; facet set `outer`.
     ///
     /// # Errors
-    /// When the radius is not positive and finite, a number of cells is zero, `around` is not a multiple of 4, or the
-    /// mesh is too large.
+    /// Fails if the radius is not positive and finite, a number of cells is zero, `around` is not a multiple of 4, or
+    /// the mesh is too large.
     pub fn disc(radius: f64, cells: [usize; 2], elements: Elements) -> Result<Mesh, MeshError> {
         check(&[radius, radius], &cells, plane_nodes(cells, true, elements))?;
         check_around(cells[1], true)?;
         disc(radius, cells).into_mesh(elements, None)
     }
 
-    /// The ring between two radii `[inner, outer]` around the origin, `[radial, around]` cells, or a sector of it from
-    /// the x-axis over an angle in rad; facet sets `inner`, `outer`, and `start`, `end` of a sector.
+    /// The ring between two radii `[inner, outer]` around the origin with `[radial, around]` cells, or a sector of it
+    /// from the x-axis over an angle in rad; facet sets `inner`, `outer`, and `start`, `end` for a sector.
     ///
     /// # Errors
-    /// When 0 < inner < outer does not hold, the angle is not in (0, 2π), a number of cells is zero, or the mesh too
-    /// large.
+    /// Fails if 0 < inner < outer does not hold, the angle is not in (0, 2π), a number of cells is zero, or the mesh
+    /// too large.
     pub fn ring(
         radii: [f64; 2],
         sector: Option<f64>,
@@ -200,13 +200,13 @@ impl Mesh {
         ring(radii, sector, cells).into_mesh(elements, None)
     }
 
-    /// The cylinder between the radii `[inner, outer]` around the z-axis, 0 < z < height, `[radial, around, axial]`
-    /// cells, or a sector of it from the x-axis over an angle in rad; solid where the inner radius is 0, with cells as
-    /// of [`Mesh::disc`]; facet sets `outer`, `inner` where it is hollow, `bottom`, `top`, and `start`, `end` of a
-    /// sector.
+    /// The cylinder between the radii `[inner, outer]` around the z-axis, 0 < z < height, with
+    /// `[radial, around, axial]` cells, or a sector of it from the x-axis over an angle in rad; solid if the inner
+    /// radius is 0, with cells as in [`Mesh::disc`]; facet sets `outer`, `inner` if it is hollow, `bottom`, `top`, and
+    /// `start`, `end` for a sector.
     ///
     /// # Errors
-    /// As those of [`Mesh::disc`] and [`Mesh::ring`]; also when the height is not positive and finite.
+    /// Fails like [`Mesh::disc`] and [`Mesh::ring`], and if the height is not positive and finite.
     pub fn cylinder(
         radii: [f64; 2],
         sector: Option<f64>,
@@ -232,7 +232,7 @@ impl Mesh {
     }
 }
 
-/// A bound of the number of nodes of a disc or ring.
+/// An upper bound of the number of nodes of a disc or ring.
 fn plane_nodes([radial, around]: [usize; 2], solid: bool, elements: Elements) -> f64 {
     let degree = elements.degree() as f64;
     let (radial, around) = (degree * radial as f64 + 1.0, degree * around as f64 + 1.0);

@@ -1,4 +1,4 @@
-//! The points of the cells at which coefficients of a material are evaluated.
+//! The points of the cells at which material coefficients are evaluated.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use crate::element::{Element, ShapeTable};
 use crate::tensor::Point;
 
 impl Mesh {
-    /// Degree of the rule for products of gradients; of values too where a hoop strain enters.
+    /// Degree of the rule for products of gradients, also of values if there is a hoop strain.
     pub(crate) fn gradient_products(&self, element: &Element) -> usize {
         2 * if self.axisymmetric { element.gradient_degree.max(element.degree) } else { element.gradient_degree }
     }
@@ -30,7 +30,7 @@ impl Mesh {
         along.map(|(axis, x)| format!("{axis} = {x:?}")).collect::<Vec<_>>().join(", ")
     }
 
-    /// The nodes of the cells of a region, or of all, with the centres of the cells and the points of their integrals.
+    /// The nodes of the cells of a region, or of all, with the centres of the cells and their quadrature points.
     #[must_use]
     pub fn sites(&self, region: Option<usize>) -> Vec<Point> {
         let blocks = || self.blocks.iter().filter(|block| region.is_none_or(|region| block.region == region));

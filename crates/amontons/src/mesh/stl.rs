@@ -1,24 +1,25 @@
 //! Surfaces of triangles from STL files, text or binary: the boundary of a rigid obstacle.
 //!
-//! A binary file has a header of 80 bytes, the number of its triangles, and 50 bytes for each: a normal, three corners
-//! (numbers of four bytes, the lowest first) and two bytes more. Normals are not read, as they follow from the corners.
+//! A binary file has a header of 80 bytes, the number of its triangles, and 50 bytes per triangle: a normal, three
+//! corners (little-endian numbers of four bytes) and two more bytes. Normals are ignored, as they follow from the
+//! corners.
 
 use super::read::{FilePosition, MeshFileError};
 use crate::tensor::Point;
 
-/// Bytes before the triangles of a binary file, and of each of them.
+/// Bytes before the triangles of a binary file, and per triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 /// Bytes of the normal before the corners.
 const NORMAL: usize = 12;
-/// Bytes at the beginning of a text that have none that is zero.
+/// Number of leading bytes without a zero by which a text is recognized.
 const LOOK: usize = 512;
 
 /// The corners of the triangles of an STL file, in its order.
 ///
 /// # Errors
-/// When the bytes are no whole file of that kind, or a coordinate is not finite: the error names the line of a text or
-/// the byte of a binary file.
+/// Fails if the bytes are no complete file of that kind, or if a coordinate is not finite: the error names the line of
+/// a text or the byte of a binary file.
 pub fn parse(bytes: &[u8]) -> Result<Vec<[Point; 3]>, MeshFileError> {
     let announced = announced(bytes);
     let is_whole = announced.is_some_and(|count| bytes.len() as u64 == HEAD as u64 + count * TRIANGLE as u64);
@@ -162,7 +163,7 @@ mod tests {
         assert_eq!(parse(capitals.as_bytes()).unwrap(), CORNERS);
     }
 
-    /// Every file that ends early is refused, at whatever byte.
+    /// A file truncated at any byte is refused.
     #[test]
     fn no_truncated_file_is_read() {
         for bytes in [text_of(&CORNERS).into_bytes(), written(&CORNERS)] {
@@ -227,7 +228,7 @@ mod tests {
         }
     }
 
-    /// Bytes changed at random never end the program, and what is read is finite.
+    /// Randomly changed bytes never crash the program, and all coordinates read are finite.
     #[test]
     fn spoiled_bytes_are_refused_or_read() {
         let mut random = 0x9E37_79B9_7F4A_7C15u64;

@@ -1,14 +1,14 @@
-//! The point of a surface in space, or of a line in the plane, that a point lies above.
+//! Projection of a point onto a surface in space or a line in the plane.
 
 use super::Mesh;
 use super::locator::{At, Grid, OUTSIDE};
 use crate::element::{Element, MAX_NODES};
 use crate::tensor::{Point, dot, length};
 
-/// Distance up to which a point belongs to a surface, as a share of the largest cell: two meshes of a curved side
+/// Distance up to which a point belongs to a surface, as a fraction of the largest cell: two meshes of a curved side
 /// differ.
 const NEAR: f64 = 0.25;
-/// How far outside every reference cell a point may lie: above an edge that bends outward it is above no cell.
+/// Depth outside every reference cell up to which a point still belongs to it: above a convex edge it is above no cell.
 const BESIDE: f64 = -0.1;
 
 /// The cells of a mesh of one dimension less than its space.
@@ -33,7 +33,7 @@ impl SurfaceLocator {
         SurfaceLocator { grid: Grid::of(mesh, mesh.dim + 1), near: NEAR * largest }
     }
 
-    /// The cells below a point, with the reference coordinates: the nearest, and others that meet it there.
+    /// The cells below a point, with the reference coordinates: the nearest one, and others that meet it there.
     pub fn below(&self, mesh: &Mesh, p: &Point) -> Vec<(At, Point)> {
         let corners = [-self.near, self.near].map(|by| p.map(|x| x + by));
         let mut seen: Vec<At> = self.grid.near(corners.iter()).collect();
@@ -60,8 +60,8 @@ fn minus(a: &Point, b: &Point) -> Point {
     std::array::from_fn(|c| a[c] - b[c])
 }
 
-/// The reference coordinates at which a cell, continued beyond its sides, is nearest to a point, and the distance, by
-/// Gauss and Newton's method.
+/// The reference coordinates at which a cell, extended beyond its sides, is nearest to a point, and the distance in m,
+/// by Gauss–Newton iteration.
 fn project(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<(Point, f64)> {
     const MOST: usize = 50;
     const FAR: f64 = 10.0;
@@ -135,7 +135,7 @@ mod tests {
         MeshData::read("map.vtu", file.as_bytes(), name, 1.0).expect("data").on_surface()
     }
 
-    /// Triangles of a plane off the axes: a value that is linear is exact on it, and above it that of the point below.
+    /// Triangles of an oblique plane: a linear function is exact on it, and above it has the value of the point below.
     #[test]
     fn a_plane_in_space_has_the_value_of_the_point_below() {
         let [e, f, g]: [Point; 3] = [[0.6, 0.0, 0.8], [0.64, 0.6, -0.48], [-0.48, 0.8, 0.36]];
@@ -166,7 +166,7 @@ mod tests {
         assert!(by_node.value(&at(3.0, 4.0, 2.0)).is_nan() && by_node.value(&at(9.0, 4.0, 0.0)).is_nan());
     }
 
-    /// A polygon of chords of a circle: a point of the circle is above one chord, by at most its sagitta.
+    /// A polygon of chords of a circle: a point of the circle is above one chord, at most by its sagitta.
     #[test]
     fn a_circle_in_the_plane_is_above_its_chords() {
         let n = 24;
@@ -179,7 +179,7 @@ mod tests {
         for i in 0..n {
             assert!((number.value(&on(f64::from(i) + 0.4)) - f64::from(i)).abs() < 1e-12, "{i}");
         }
-        // The middle of a chord has the mean of its ends.
+        // The value in the middle of a chord is the mean of those at its ends.
         assert!((value.value(&on(2.5)) - 0.5 * (angle(2.0) + angle(3.0))).abs() < 1e-12);
     }
 }

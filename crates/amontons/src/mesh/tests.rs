@@ -1,4 +1,4 @@
-//! Meshes against closed forms: measures, sides, normals, orders of curved boundaries.
+//! Tests of meshes against closed forms: measures, sides, normals, convergence orders of curved boundaries.
 
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -40,7 +40,7 @@ fn surface_integral(mesh: &Mesh, set: &FacetSet, f: impl Fn(&Point, &Point) -> f
     sum
 }
 
-/// The sides are the whole boundary, and by Gauss' theorem its flux of x is d |Ω|: all normals point outward.
+/// The sides are the whole boundary; by Gauss' theorem the flux of x through it is d |Ω|, so all normals point outward.
 fn assert_closed(mesh: &Mesh, what: &str) {
     mesh.check().unwrap_or_else(|e| panic!("{what}: {e}"));
     assert_eq!(mesh.unnamed_boundary_facets(), 0, "{what}");
@@ -104,12 +104,12 @@ fn intervals_rectangles_and_boxes_have_their_measures() -> Result<(), MeshError>
     Ok(())
 }
 
-/// Slope of the errors of a refinement by two.
+/// Convergence order from the errors of a refinement by two.
 fn slope(errors: [f64; 2]) -> f64 {
     (errors[0] / errors[1]).log2()
 }
 
-/// Areas and lengths of round bodies converge as their boundary does: order 2 of linear sides, 4 of quadratic ones.
+/// Areas and lengths of round bodies converge like their boundary: with order 2 for linear sides, 4 for quadratic ones.
 #[test]
 fn round_bodies_converge_to_their_measures() -> Result<(), MeshError> {
     for elements in EVERY {
@@ -181,7 +181,7 @@ fn a_sector_of_a_cylinder_has_six_sides() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// The ends of a sector are straight, and point the right way.
+/// The ends of a sector are straight with the right normals.
 #[test]
 fn ends_of_a_sector() -> Result<(), MeshError> {
     let mesh = Mesh::ring([1.0, 3.0], Some(PI / 2.0), [3, 4], Elements::Q2)?;
@@ -191,7 +191,7 @@ fn ends_of_a_sector() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// A body of revolution by its half section: a solid cylinder, and the moment ∫ r.
+/// A body of revolution given by its half section: a solid cylinder, and the moment ∫ r.
 #[test]
 fn bodies_of_revolution() -> Result<(), MeshError> {
     for elements in EVERY {
@@ -208,8 +208,8 @@ fn bodies_of_revolution() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// A half ring that is turned onto the axis is there but for round-off: its nodes are put onto the axis, whatever its
-/// size and however it got there, and its volume is that of any other. What reaches beyond the axis is refused.
+/// A half ring turned onto the axis reaches it up to round-off: its nodes are moved onto the axis, for any size and any
+/// rotation, and its volume is unchanged. A body that extends beyond the axis is refused.
 #[test]
 fn turned_bodies_of_revolution_reach_their_axis() -> Result<(), MeshError> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
@@ -242,7 +242,7 @@ fn turned_bodies_of_revolution_reach_their_axis() -> Result<(), MeshError> {
             for beyond in [1e-9, 1e-3] {
                 let moved = mesh.clone().moved([-beyond * size, 0.0, 0.0]).onto_axis();
                 assert!(matches!(moved.check(), Err(MeshError::Axis { .. })), "{beyond}");
-                // Nodes beside the axis stay there.
+                // Nodes next to the axis stay there.
                 let beside = mesh.clone().moved([beyond * size, 0.0, 0.0]).onto_axis();
                 assert!(beside.points.iter().all(|x| x[0] > 0.0), "{beyond}");
             }
@@ -287,7 +287,7 @@ fn bad_numbers_are_named() {
     assert!(matches!(Mesh::cylinder([f64::NAN, 1.0], None, 1.0, [1, 4, 1], Elements::P1), Err(MeshError::Size { .. })));
 }
 
-/// A cell that is inverted, flat, or folded at one of its points only is found.
+/// A cell that is inverted, flat, or folded at only one of its points is found.
 #[test]
 fn inverted_and_folded_cells_are_named() -> Result<(), MeshError> {
     let mut mesh = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)?;
@@ -296,12 +296,12 @@ fn inverted_and_folded_cells_are_named() -> Result<(), MeshError> {
     let mut mesh = Mesh::box_([1.0; 3], [2, 2, 2], Elements::P1)?;
     let n = mesh.blocks[0].nodes[8..12].to_vec();
     for d in 0..3 {
-        // The last vertex into the plane of the others.
+        // Moves the last vertex into the plane of the others.
         mesh.points[n[3] as usize][d] =
             (mesh.points[n[0] as usize][d] + mesh.points[n[1] as usize][d] + mesh.points[n[2] as usize][d]) / 3.0;
     }
     assert!(matches!(mesh.check(), Err(MeshError::Cell { .. })));
-    // A middle node beyond the quarter of the edge folds a quadratic triangle near one vertex.
+    // A middle node within the first quarter of the edge folds a quadratic triangle near one vertex.
     let mut mesh = Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [1, 1], Diagonal::Right)?;
     let middle = mesh.blocks[0].nodes[3] as usize;
     mesh.points[middle][0] = 0.05;
@@ -309,7 +309,7 @@ fn inverted_and_folded_cells_are_named() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// A mesh built by hand whose cells or facets name a missing node is refused before any other check.
+/// A handmade mesh whose cells or facets refer to a missing node is refused before any other check.
 #[test]
 fn nodes_that_there_are_not_are_named() -> Result<(), MeshError> {
     let sound = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)?;

@@ -1,9 +1,9 @@
-//! Which cells share a facet.
+//! Cells that share facets.
 
 use super::Mesh;
 use crate::element::Element;
 
-/// Nodes of a facet, ascending; the places behind them hold `u32::MAX`.
+/// Nodes of a facet, ascending, followed by `u32::MAX`.
 pub(super) type Key = [u32; 9];
 
 /// The key of a facet with these nodes, at most nine.
@@ -49,8 +49,8 @@ impl Owner {
     }
 }
 
-/// Visits every facet once with the cells that have it, in the order of its key: facets are put into bins by
-/// their lowest node and sorted there, so the work is nearly linear in the number of cells.
+/// Visits every facet once with its cells, in the order of its key. Facets are binned by their lowest node and sorted
+/// there, so the work is nearly linear in the number of cells.
 pub(super) fn by_facet(mesh: &Mesh, mut visit: impl FnMut(&Key, &[Owner])) {
     let each = |body: &mut dyn FnMut(usize, Owner)| {
         for (b, block) in mesh.blocks.iter().enumerate() {

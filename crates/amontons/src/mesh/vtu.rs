@@ -1,8 +1,8 @@
 //! Meshes of VTK: unstructured grids in XML (`.vtu`), as ParaView, meshio and this program write them.
 //!
 //! Integers of the cell data `region` become regions, named by their digits; without them the body is one region. Cells
-//! of dimension d − 1 with the cell data `facet` or `boundary` become sides, named likewise; without them they are the
-//! side `boundary`. The name `gmsh:physical`, which meshio gives to the groups of Gmsh, serves for both.
+//! of dimension d − 1 with the cell data `facet` or `boundary` become sides, named likewise; without these data they
+//! form the side `boundary`. The name `gmsh:physical`, which meshio gives to the groups of Gmsh, is accepted for both.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,12 +23,12 @@ const POINTS: [u8; 2] = [1, 2];
 /// Reads a mesh from the bytes of a VTU file: cells → blocks in the order of the file.
 ///
 /// # Errors
-/// When the bytes are no mesh of one body; the error names the array or the cell.
+/// Fails if the bytes are no mesh of one body; the error names the array or the cell.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     read(bytes).map(|read| read.mesh)
 }
 
-/// The same with what else the file has.
+/// Reads the mesh and the list of skipped contents.
 pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let wanted = |name: &str| REGION.contains(&name) || SIDE.contains(&name);
     let grid = vtu::parse(bytes, wanted).map_err(|message| MeshFileError::Grid { message })?;
@@ -130,7 +130,7 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
     Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) })
 }
 
-/// The first of some cell data, as integers.
+/// The first cell data present among some names, as integers.
 fn ids(grid: &Grid, names: &[&str]) -> Result<Option<Vec<i64>>, MeshFileError> {
     let Some((name, Array { components, values })) = names.iter().find_map(|name| grid.cell_data.get_key_value(*name))
     else {

@@ -1,4 +1,4 @@
-//! What a step costs, counted without a factorization and without the pattern of a factor.
+//! Cost of a step, counted without a factorization or the pattern of a factor.
 
 use serde::Serialize;
 
@@ -9,23 +9,23 @@ use crate::space::Space;
 /// Bytes of a number.
 const NUMBER: f64 = 8.0;
 
-/// Work and memory of a run. Those of a step are of one pass over both half-steps with a contact pattern that is known.
+/// Work and memory of a run. Numbers per step are for one iteration over both half-steps with a known contact pattern.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
     /// Unknowns of displacement, of temperature, and of displacement on Γ_C.
     pub unknowns: [usize; 3],
-    /// Entries of the factors of K_u and K_θ, whether they are made or not.
+    /// Entries of the factors of K_u and K_θ, even if they are not made.
     pub factors: [usize; 2],
-    /// Operations of both factorizations, once per run of linear laws.
+    /// Operations of both factorizations, once per run for linear laws.
     pub factorization_flops: f64,
-    /// How the larger of the two systems is solved, and why.
+    /// Solver of the larger of the two systems, and the reason for it.
     pub solver: Choice,
-    /// Operations of a step: two sweeps over each factor, or the products of an iteration; the products with the forms,
-    /// two solutions on Γ_C.
+    /// Operations of a step: two sweeps over each factor, or the products of an iterative solver, the products with the
+    /// forms, and two solutions on Γ_C.
     pub step_flops: f64,
-    /// Bytes that a step reads: the bound on its time.
+    /// Bytes read by a step, which bound its time.
     pub step_bytes: f64,
-    /// Bytes that factors or levels, forms and condensed operators hold.
+    /// Bytes held by factors or levels, forms and condensed operators.
     pub memory_bytes: f64,
 }
 
@@ -37,7 +37,7 @@ impl Cost {
         let (mechanics, heat) = rayon::join(|| of_system(problem, &graph, &v), || of_system(problem, &graph, &q));
         let (dim, pairs) = (problem.mesh.dim, graph.pairs() as f64);
         let relaxing = problem.relaxation_times().len() + problem.varying_branches();
-        // a, b and the branches of d × d blocks; m and e of d × 1; mass and d of 1 × 1.
+        // a, b and the branches have d × d blocks; m and e d × 1; mass and d 1 × 1.
         let forms = ((2 + relaxing) * dim * dim + 2 * dim + 2) as f64 * pairs;
         // The mass acts on w and θ, each form once; every number is multiplied and added.
         let products = forms + dim as f64 * pairs;

@@ -1,4 +1,4 @@
-//! Cells on Γ_C and how deep heat gets beside them.
+//! Cells on Γ_C and the depth that heat reaches in them.
 
 use serde::Serialize;
 
@@ -9,12 +9,12 @@ use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::tensor::{Point, dot};
 
-/// The layer that heat from a side of contact warms.
+/// The layer warmed by heat from a contact side.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThermalLayer {
     /// Name of the side.
     pub side: String,
-    /// Where the layer is thinnest beside a cell.
+    /// Position of the thinnest layer relative to the cell, m.
     pub x: Point,
     /// Height of the cell there along the normal, m; half of it for quadratic elements.
     pub cell: f64,
@@ -24,7 +24,7 @@ pub struct ThermalLayer {
     pub end: f64,
 }
 
-/// A cell at a facet: where, its outward normal, height, and region.
+/// A cell at a facet: position, outward normal, height, and region.
 #[derive(Clone, Copy, Debug)]
 pub struct CellAtFacet {
     /// Middle of the facet, m.
@@ -37,7 +37,7 @@ pub struct CellAtFacet {
     pub region: usize,
 }
 
-/// The cells that the facets of a side bound.
+/// The cells bounded by the facets of a side.
 #[must_use]
 pub fn cell_heights(mesh: &Mesh, set: &FacetSet) -> Vec<CellAtFacet> {
     let cells = mesh.cells_of(set);
@@ -60,13 +60,13 @@ pub fn cell_heights(mesh: &Mesh, set: &FacetSet) -> Vec<CellAtFacet> {
     all
 }
 
-/// Whether heat can enter the body through a contact: by exchange or by friction.
+/// True if heat can enter the body through a contact: by exchange or by friction.
 fn conducts(contact: &Contact) -> bool {
     let rubbing = ContactPoint { friction_power: 1.0, ..ContactPoint::default() };
     contact.heat.conductance_bound() > 0.0 || contact.heat.flux(&rubbing).value != 0.0
 }
 
-/// The layers of all contacts through which heat can enter; none if the heat is steady or the body does not conduct.
+/// The layers of all contacts through which heat can enter; empty if heat is steady or the body does not conduct.
 #[must_use]
 pub fn thermal_layers(problem: &Problem) -> Vec<ThermalLayer> {
     let mesh = &*problem.mesh;

@@ -1,4 +1,4 @@
-//! What a mesh has, before there is a case: cells, regions, sides, and whether they are sound.
+//! Contents of a mesh without a case: cells, regions, sides, and defects.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -11,12 +11,12 @@ use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
 use crate::tensor::Point;
 
 /// The contents of a mesh. Lengths are in the unit of its coordinates; in two dimensions volumes and areas are per unit
-/// of thickness, those of a body of revolution are of the whole body.
+/// of thickness, for a body of revolution those of the whole body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshModel {
     /// Dimension d.
     pub dimension: usize,
-    /// Whether it is the half section of a body of revolution.
+    /// True if it is the half section of a body of revolution.
     pub axisymmetric: bool,
     /// Number of nodes.
     pub nodes: usize,
@@ -25,7 +25,7 @@ pub struct MeshModel {
     /// Least and largest coordinates.
     #[serde(rename = "box")]
     pub bounds: [Vec<f64>; 2],
-    /// Parts that hang together by common nodes.
+    /// Number of parts connected by common nodes.
     pub parts: usize,
     /// Cells and volume of each region, in the order of the mesh.
     pub regions: Vec<Size>,
@@ -33,13 +33,13 @@ pub struct MeshModel {
     pub sides: Vec<Size>,
     /// Elements and length of each named edge of a body in space.
     pub edges: Vec<Size>,
-    /// Number of each of the named points, which is also their measure.
+    /// Number of points in each named set, which is also its measure.
     pub points: Vec<Size>,
     /// Facets of the boundary in no side.
     pub unnamed_facets: usize,
     /// The worst quality of a cell, from 0 (flat) to 1 (regular), and the centre of this cell.
     pub quality: (f64, Point),
-    /// Faults of cells and sides, each in words; a run refuses those of cells, and those of sides that it uses.
+    /// Faults of cells and sides in words; a run refuses those of cells, and those of the sides that it uses.
     pub defects: Vec<String>,
 }
 
@@ -52,7 +52,7 @@ pub struct Size {
     pub count: usize,
     /// Its volume, area or length, or the number of points.
     pub measure: f64,
-    /// Whether it is a side that is the whole boundary, as sets of all nodes are.
+    /// True if it is a side that is the whole boundary, as a set of all nodes is.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_whole_boundary: bool,
 }
@@ -93,7 +93,7 @@ impl MeshModel {
     }
 }
 
-/// The sizes of the sides, with those that are the whole boundary.
+/// The sizes of the sides; marks those that are the whole boundary.
 fn sides(mesh: &Mesh) -> Vec<Size> {
     let vertices = |(element, nodes): (&'static Element, &[u32])| facet_key(element, nodes.iter().copied());
     let boundary: HashSet<FacetKey> = mesh.boundary().facets().map(vertices).collect();
@@ -105,7 +105,7 @@ fn sides(mesh: &Mesh) -> Vec<Size> {
     sides
 }
 
-/// The sizes of sets whose elements have a dimension.
+/// The sizes of the sets whose elements have an accepted dimension.
 fn named(mesh: &Mesh, sets: &BTreeMap<String, FacetSet>, is_of: impl Fn(usize) -> bool) -> Vec<Size> {
     let dimension = |set: &FacetSet| set.blocks.iter().map(|block| block.element.dim()).max().unwrap_or(0);
     let size = |(name, set): (&String, &FacetSet)| Size {

@@ -1,4 +1,4 @@
-//! The size of a model before it is run: lengths, areas, masses, times, and what a step costs.
+//! The size of a model before it is run: lengths, areas, masses, times, and the cost of a step.
 
 mod cost;
 mod layers;
@@ -22,8 +22,8 @@ use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
-/// The size of a model. In two dimensions volume, mass and areas are per metre of thickness; those of a body of
-/// revolution are of the whole body.
+/// The size of a model. In two dimensions volume, mass and areas are per metre of thickness; for a body of revolution
+/// those of the whole body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Model {
     /// Least and largest coordinates, m.
@@ -33,26 +33,25 @@ pub struct Model {
     pub volume: f64,
     /// Mass, kg.
     pub mass: f64,
-    /// Parts that hang together by common nodes.
+    /// Number of parts connected by common nodes.
     pub parts: usize,
-    /// How many sectors like the body make the whole, where it is repeated about an axis. Volume, mass and areas are
-    /// those of one.
+    /// Number of sectors of the whole, if the body is cyclic. Volume, mass and areas are those of one sector.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sectors: Option<usize>,
     /// Area of each named side, m².
     pub sides: BTreeMap<String, f64>,
-    /// Contact points of each side that bears some, those of all of its contacts.
+    /// Contact points per bearing side, summed over its contacts.
     pub contact_points: BTreeMap<String, usize>,
     /// Time scales.
     pub times: Times,
-    /// How deep heat gets from the sides of contact.
+    /// Depth that heat reaches from the contact sides.
     pub thermal_layers: Vec<ThermalLayer>,
     /// Work and memory of a step.
     pub cost: Cost,
 }
 
 impl Model {
-    /// Measures a problem. Two factorizations give the time scales, the cost is counted without one.
+    /// Measures a problem. Two factorizations give the time scales; the cost is counted without any.
     #[must_use]
     pub fn new(problem: &Problem) -> Model {
         let mesh = &*problem.mesh;

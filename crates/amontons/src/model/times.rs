@@ -1,4 +1,4 @@
-//! Time scales of a model: how fast it vibrates, warms up and relaxes.
+//! Time scales of a model: vibration, heating and relaxation.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -17,16 +17,16 @@ use crate::space::Space;
 /// Time scales of the body without contact, s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Times {
-    /// Longest period of the body at rest, held as its supports and springs hold it: 2π √(sup (ρv, v)/a(v, v)). None
-    /// where the density is zero or nothing holds the body.
+    /// Longest period of the body at rest on its supports and springs: 2π √(sup (ρv, v)/a(v, v)). `None` if the density
+    /// is zero or the body is not held.
     pub first_period: Option<f64>,
-    /// Time in which the slowest temperature falls by 1/e: sup (cη, η)/d(η, η), convection included. None where the
-    /// heat is steady or no side holds the temperature.
+    /// Time in which the slowest temperature decays by 1/e: sup (cη, η)/d(η, η), including convection. `None` if heat
+    /// is steady or no side holds the temperature.
     pub heat: Option<f64>,
-    /// Least and largest ratio of viscosity to elasticity, the time in which a Kelvin–Voigt body follows its load. None
-    /// without viscosity.
+    /// Least and largest ratio of viscosity to elasticity, the time in which a Kelvin–Voigt body follows its load.
+    /// `None` without viscosity.
     pub retardation: Option<[f64; 2]>,
-    /// Relaxation times of the branches; of one that varies over the body its least and largest.
+    /// Relaxation times of the branches; the least and the largest for a branch that varies over the body.
     pub relaxation: Vec<f64>,
 }
 
@@ -35,7 +35,7 @@ impl Times {
     pub(super) fn new(problem: &Problem) -> Times {
         let graph = Arc::new(Graph::of_mesh(&problem.mesh));
         let parts = components(&problem.mesh);
-        // The factor of a form that is singular may exist by round-off.
+        // A singular form may still have a factor by round-off.
         let held = rigid_motions(problem, &parts).iter().all(|motions| *motions == 0);
         let (first_period, heat) = rayon::join(
             || held.then(|| period(problem, &graph)).flatten(),
@@ -88,13 +88,13 @@ fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     slowest(problem, &problem.temperature_space(), &forms::weighted_inner_h(mesh, graph, &capacities), conduction)
 }
 
-/// A number per material; none if it is zero in all of them.
+/// A coefficient per material; `None` if it is zero in all of them.
 fn of_materials(problem: &Problem, of: fn(&Material) -> &Coefficient<f64>) -> Option<Vec<Coefficient<f64>>> {
     let is_positive = problem.values_of(of).iter().any(|sample| sample.value > 0.0);
     is_positive.then(|| problem.materials.iter().map(of).cloned().collect())
 }
 
-/// sup (storage x, x)/(energy x, x); none if the energy is not positive.
+/// sup (storage x, x)/(energy x, x); `None` if the energy is not positive.
 fn slowest(problem: &Problem, space: &Space, storage: &BlockMatrix, energy: BlockMatrix) -> Option<f64> {
     let energy = Arc::new(energy);
     let mut system = System::new(&problem.backend, &energy, &Layout::of(&problem.mesh, space, &[])).ok()?;

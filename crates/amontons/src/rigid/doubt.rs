@@ -1,4 +1,4 @@
-//! How well the normals of a side are known at its nodes.
+//! Uncertainty of the normals of a side at its nodes.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,12 @@ use crate::contact::Contact;
 use crate::mesh::Mesh;
 use crate::tensor::{Point, dot, length};
 
-/// Largest angle between the normal of a facet and the mean at a node that is a matter of the mesh: where facets turn
-/// by more than 35° at a node, the side has a kink there.
+/// Largest sine of the angle between the normal of a facet and the mean at a node that the mesh explains: if facets
+/// turn by more than 35° at a node, the side has a kink there.
 const KINK: f64 = 0.300_705_799_504_273;
 
-/// Sines of the largest angles between the normals of the facets of the sides of contact and their means at the nodes,
-/// for nodes in ascending order. A side is known at a node as far as that: on a plane it is zero, on a curved one it
-/// tends to zero as the mesh is refined.
+/// Uncertainty of the normal at nodes in ascending order: sine of the largest angle between the facet normals of the
+/// contact sides and their mean. It is zero on a plane, and on a curved side tends to zero as the mesh is refined.
 #[must_use]
 pub fn doubts(mesh: &Mesh, contacts: &[Contact], nodes: &[u32]) -> Vec<f64> {
     let mut doubts = vec![0.0; nodes.len()];
@@ -26,7 +25,7 @@ pub fn doubts(mesh: &Mesh, contacts: &[Contact], nodes: &[u32]) -> Vec<f64> {
             let size = length(&sum);
             let cosine = |normal: &Point| if size > 0.0 { (dot(normal, &sum) / size).clamp(-1.0, 1.0) } else { 0.0 };
             let sine = |normal: &Point| {
-                // From the difference, so that equal normals have no angle.
+                // Computed from the difference, so that equal normals give exactly zero.
                 let along = cosine(normal);
                 length(&std::array::from_fn(|c| normal[c] - along * sum[c] / size.max(f64::MIN_POSITIVE)))
             };
@@ -37,5 +36,5 @@ pub fn doubts(mesh: &Mesh, contacts: &[Contact], nodes: &[u32]) -> Vec<f64> {
     doubts
 }
 
-/// Sines that are the round-off of normals.
+/// Sines below this are round-off of normals.
 const ROUND_OFF: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! The motions without strain that supports leave a part.
+//! The motions without strain of a part that supports allow.
 
 use faer::{Mat, Side};
 
@@ -9,11 +9,12 @@ use crate::problem::{Problem, Support};
 use crate::space::Space;
 use crate::tensor::{Point, dot};
 
-/// Share of the size of a motion below which a support does not see it: the precision of coordinates in mesh files.
+/// Fraction of the size of a motion below which a support does not prevent it: the precision of coordinates in mesh
+/// files.
 const UNSEEN: f64 = 1e-6;
 
-/// The independent motions without strain of a part, given with its number, that supports leave free. `held` has nodes
-/// with directions in which something holds them elastically, see [`supported`].
+/// The independent motions without strain of a part, given with its number, that supports allow. `held` lists nodes
+/// with directions in which they are held elastically, see [`supported`].
 #[must_use]
 pub fn free_motions(
     mesh: &Mesh,
@@ -32,14 +33,14 @@ pub fn free_motions(
     }
     let inside = |node: u32| part.nodes.binary_search(&node).is_ok();
     rows.extend(held.iter().filter(|(node, _)| inside(*node)).map(|(node, direction)| along(*node, direction)));
-    // A motion of a node that follows another one is the motion of that one, turned.
+    // The motion of a node that follows another one is that of its leader, turned.
     for link in space.links.iter().filter(|link| inside(link.node) && inside(link.to)) {
         for axis in space.directions(link.to).iter().take(mesh.dim) {
             let [own, followed] = [along(link.node, &link.turned(axis)), along(link.to, axis)];
             rows.push(own.iter().zip(followed).map(|(own, followed)| own - followed).collect());
         }
     }
-    // What is prescribed of the motion of a rigid body is a sum over its nodes.
+    // A prescribed motion of a rigid body is a sum over its nodes.
     for body in space.rigid.iter().filter(|body| body.nodes.first().is_some_and(|&node| inside(node))) {
         let mut held = vec![vec![0.0; all.len()]; body.held];
         for (i, &node) in body.nodes.iter().enumerate() {
@@ -53,8 +54,8 @@ pub fn free_motions(
     kernel.iter().filter_map(|a| Motion::sum(a.iter().copied().zip(&all))).collect()
 }
 
-/// The motions of a part without supports: along the axes, and about the centre by the inverse of the size of the part.
-/// A body of revolution moves along its axis alone.
+/// The motions of a part without supports: along the axes, and about the centre, scaled by the inverse size of the
+/// part. A body of revolution moves only along its axis.
 fn all_motions(mesh: &Mesh, (number, part): (usize, &Component)) -> Vec<Motion> {
     let [low, high] = part.bounds(mesh);
     let centre: Point = std::array::from_fn(|d| if d < mesh.dim { 0.5 * (low[d] + high[d]) } else { 0.0 });
@@ -73,7 +74,7 @@ fn all_motions(mesh: &Mesh, (number, part): (usize, &Component)) -> Vec<Motion> 
     }
 }
 
-/// An orthonormal basis of the vectors of n entries that all rows leave zero.
+/// An orthonormal basis of the vectors with n entries that all rows map to zero.
 fn kernel(n: usize, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
     let largest = rows.iter().map(|row| row.iter().map(|r| r * r).sum::<f64>()).fold(0.0, f64::max);
@@ -87,7 +88,7 @@ fn kernel(n: usize, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     free.map(|k| eigen.U().col(k).iter().copied().collect()).collect()
 }
 
-/// Nodes with the directions in which springs, and `dashpots` as well if asked for, hold them.
+/// Nodes with the directions in which springs, and also dashpots if `dashpots` is true, hold them.
 #[must_use]
 pub fn supported(problem: &Problem, dashpots: bool) -> Vec<(u32, Point)> {
     let mesh = &problem.mesh;
@@ -110,7 +111,7 @@ pub fn supported(problem: &Problem, dashpots: bool) -> Vec<(u32, Point)> {
     held
 }
 
-/// The normals of all facets of a side at their nodes.
+/// Calls `at` with the normals of all facets of a side at their nodes.
 pub(super) fn normals(mesh: &Mesh, set: &FacetSet, mut at: impl FnMut(u32, Point)) {
     for block in &set.blocks {
         let table = crate::element::ShapeTable::at(block.element, block.element.nodes);

@@ -1,7 +1,7 @@
-//! Motions without strain of the parts of a body: which of them supports leave free, and what they are called.
+//! Motions without strain of the parts of a body: those that supports allow, and their description in words.
 //!
-//! A part that hangs together by common nodes moves without strain as v(x) = s + ω × (x − c). Supports, springs and
-//! dashpots take some of these motions away; inertia takes them all. What is left is held by contact or by nothing.
+//! A part connected by common nodes moves without strain as v(x) = s + ω × (x − c). Supports, springs and dashpots
+//! prevent some of these motions; inertia determines all. The remaining ones are held by contact or not at all.
 
 mod doubt;
 mod free;
@@ -25,7 +25,7 @@ pub struct Motion {
     pub shift: Point,
     /// ω, the rate of turning.
     pub turn: Point,
-    /// c, the middle of the box around the part, m.
+    /// c, the middle of the bounding box of the part, m.
     pub centre: Point,
 }
 
@@ -38,7 +38,7 @@ impl Motion {
         std::array::from_fn(|c| self.shift[c] + turned[c])
     }
 
-    /// The sum of motions of one part times factors; none of no motions.
+    /// The weighted sum of motions of one part; `None` if there are no terms.
     #[must_use]
     pub fn sum<'a>(terms: impl IntoIterator<Item = (f64, &'a Motion)>) -> Option<Motion> {
         terms.into_iter().fold(None, |sum, (factor, motion)| {
@@ -50,8 +50,8 @@ impl Motion {
     }
 }
 
-/// The motions that nothing but contact can hold: those of the parts without inertia that supports, springs and
-/// dashpots leave free. Motions of one part are independent and of the same size.
+/// The motions that only contact can hold: those of parts without inertia that supports, springs and dashpots allow.
+/// Motions of one part are independent and of the same size.
 #[must_use]
 pub fn floating(problem: &Problem) -> Vec<Motion> {
     if problem.contacts.is_empty() {
@@ -65,7 +65,7 @@ pub fn floating(problem: &Problem) -> Vec<Motion> {
     loose.flat_map(|(number, part)| free_motions(&problem.mesh, &space, &held, (number, part))).collect()
 }
 
-/// Whether each part has inertia somewhere.
+/// For each part, true if it has inertia somewhere.
 fn inert(problem: &Problem, parts: usize) -> Vec<bool> {
     let mesh: &Mesh = &problem.mesh;
     let mut part_of = vec![0; mesh.points.len()];

@@ -7,13 +7,13 @@ use crate::mesh::defects::{Component, components};
 use crate::mesh::{Block, Mesh, cross};
 use crate::tensor::{Point, dot, length};
 
-/// Share of the largest speed of a motion that is none.
+/// Fraction of the largest speed of a motion that counts as zero.
 const NOTHING: f64 = 1e-6;
-/// Digits of places and directions.
+/// Relative precision of positions and directions in words.
 const DIGITS: f64 = 1e-4;
 
-/// Motions of the parts of a mesh in words. Each motion is a sum of the motions of single parts times factors. Motions
-/// that span the same space as others are told as simply as they can be: as few parts move in each as may.
+/// Motions of the parts of a mesh in words. Each motion is a weighted sum of motions of single parts. Motions are
+/// recombined within their span so that each moves as few parts as possible.
 #[must_use]
 pub fn described(mesh: &Mesh, motions: &[Motion], sums: &[Vec<f64>]) -> Vec<String> {
     if sums.is_empty() {
@@ -32,7 +32,7 @@ pub fn described(mesh: &Mesh, motions: &[Motion], sums: &[Vec<f64>]) -> Vec<Stri
     rows.iter().map(|row| teller.sentence(row)).collect()
 }
 
-/// s at the origin and ω times the size of each part, one part after the other.
+/// s at the origin and ω times the size, part by part.
 fn coordinates(motions: &[Motion], sum: &[f64], parts: usize, size: f64) -> Vec<f64> {
     let mut row = vec![0.0; 6 * parts];
     for (motion, factor) in motions.iter().zip(sum) {
@@ -52,7 +52,7 @@ fn reduce(rows: &mut [Vec<f64>]) {
     for _ in 0..rows.len() {
         let open = (0..rows.len()).filter(|&i| !done[i]);
         let entries = open.flat_map(|i| rows[i].iter().enumerate().map(move |(j, value)| (i, j, value.abs())));
-        // Of entries of one size, to round-off, the first.
+        // The first of several entries that are equal up to round-off is chosen.
         let best = entries.fold(None, |best: Option<(usize, usize, f64)>, next| match best {
             Some(best) if next.2 <= best.2 * (1.0 + NOTHING) => Some(best),
             _ => Some(next),
@@ -69,7 +69,7 @@ fn reduce(rows: &mut [Vec<f64>]) {
     }
 }
 
-/// What words are made with.
+/// The data from which words are made.
 struct Teller<'a> {
     mesh: &'a Mesh,
     parts: &'a [Component],
@@ -77,7 +77,7 @@ struct Teller<'a> {
 }
 
 impl Teller<'_> {
-    /// A motion of all parts.
+    /// Describes a motion of all parts.
     fn sentence(&self, row: &[f64]) -> String {
         let most = row.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let moves = |own: &[f64]| own.iter().any(|value| value.abs() > NOTHING * most);
@@ -93,7 +93,7 @@ impl Teller<'_> {
         told.join(" while ")
     }
 
-    /// A motion that some parts have in common.
+    /// Describes a motion that some parts have in common.
     fn group(&self, parts: &[usize], own: &[f64], most: f64) -> String {
         let names: Vec<String> = parts.iter().map(|&part| self.name(part)).collect();
         let (subject, together) = match names.as_slice() {
@@ -113,7 +113,7 @@ impl Teller<'_> {
             return format!("{} along {}", verb("moves", "move"), self.direction(&shift));
         }
         let (verb, axis) = (verb("turns", "turn"), turn.map(|c| c / rate));
-        // The point of the axis that is the nearest to the part.
+        // The point of the axis nearest to the part.
         let centre = parts.first().and_then(|&part| self.parts.get(part)).map_or([0.0; 3], |part| {
             let [low, high] = part.bounds(self.mesh);
             std::array::from_fn(|c| if c < self.mesh.dim { 0.5 * (low[c] + high[c]) } else { 0.0 })
@@ -130,7 +130,7 @@ impl Teller<'_> {
         format!("{verb} about the axis through {place} along {}{screw}", self.direction(&axis))
     }
 
-    /// What a part is called: by its region, if it is the whole of it.
+    /// Name of a part: its region, if the part is all of it.
     fn name(&self, part: usize) -> String {
         if self.parts.len() == 1 {
             return "the body".to_owned();
@@ -150,14 +150,14 @@ impl Teller<'_> {
         format!("part {} of the body, from {} to {},", part + 1, self.place(&low), self.place(&high))
     }
 
-    /// A place with as many digits as are of use.
+    /// A position with as many digits as are useful.
     fn place(&self, x: &Point) -> String {
         let digits = -(DIGITS * self.size).log10().floor();
         let words: Vec<String> = x.iter().take(self.mesh.dim).map(|c| number(*c, digits)).collect();
         format!("({})", words.join(", "))
     }
 
-    /// A direction, the largest component of it positive.
+    /// A direction with its largest component positive.
     fn direction(&self, v: &Point) -> String {
         let size = length(v);
         let largest = v.iter().fold(0.0, |most: f64, c| if c.abs() > most.abs() * (1.0 + NOTHING) { *c } else { most });
@@ -167,7 +167,7 @@ impl Teller<'_> {
     }
 }
 
-/// A number with so many digits after the point at the most.
+/// A number with at most `digits` decimals.
 fn number(value: f64, digits: f64) -> String {
     let rounded = format!("{value:.*}", digits.clamp(0.0, 12.0) as usize);
     let short = if rounded.contains('.') { rounded.trim_end_matches('0').trim_end_matches('.') } else { &rounded };

@@ -1,10 +1,10 @@
-//! Directions of the degrees of freedom of nodes at which an oblique direction is prescribed.
+//! Directions of the degrees of freedom at nodes with an oblique prescribed direction.
 
 use std::borrow::Cow;
 
 use crate::tensor::{Point, dot};
 
-/// Directions of the degrees of freedom of a node where they are not the axes.
+/// Directions of the degrees of freedom of a node that differ from the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The node.
@@ -21,7 +21,7 @@ pub fn directions(frames: &[Frame], node: u32) -> [Point; 3] {
     }
 }
 
-/// From components along the axes to those in the frames.
+/// Converts components along the axes to those in the frames.
 pub fn enter(frames: &[Frame], components: usize, values: &mut [f64]) {
     for Frame { node, axes } in frames {
         let Some(at) = values.get_mut(*node as usize * components..).and_then(|at| at.get_mut(..components)) else {
@@ -32,7 +32,7 @@ pub fn enter(frames: &[Frame], components: usize, values: &mut [f64]) {
     }
 }
 
-/// The same for a vector that is kept.
+/// Converts a vector without changing the original.
 pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Cow<'v, [f64]> {
     if frames.is_empty() {
         return Cow::Borrowed(values);
@@ -42,7 +42,7 @@ pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Co
     Cow::Owned(values)
 }
 
-/// From components in the frames to those along the axes.
+/// Converts components in the frames to those along the axes.
 pub fn leave(frames: &[Frame], components: usize, values: &mut [f64]) {
     for Frame { node, axes } in frames {
         let Some(at) = values.get_mut(*node as usize * components..).and_then(|at| at.get_mut(..components)) else {

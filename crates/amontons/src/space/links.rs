@@ -1,11 +1,10 @@
-//! Nodes that follow others, as the two sides of a sector do that is repeated about an axis.
+//! Nodes that follow others, as on the two sides of a sector of a cyclic body.
 
 use super::frame::{self, Frame};
 use crate::mesh::{Link, Links, link_of};
 use crate::tensor::{Point, dot};
 
-/// What is to be prescribed where a direction is prescribed at a node: the node that it follows, and the direction
-/// there.
+/// The node and direction to prescribe for a direction prescribed at a node: at a follower, those of its leader.
 pub fn given(links: &Links, node: u32, direction: Point, components: usize) -> (u32, Point) {
     match link_of(&links.nodes, node) {
         Some(link) => (link.to, if components > 1 { link.back(&direction) } else { direction }),
@@ -13,14 +12,13 @@ pub fn given(links: &Links, node: u32, direction: Point, components: usize) -> (
     }
 }
 
-/// The directions in which vectors on the axis are zero: two lists of nodes, each with itself and a direction.
+/// The directions in which vectors on the axis vanish: two lists of nodes, each node with itself and a direction.
 pub fn held_on_axis(links: &Links, components: usize) -> impl Iterator<Item = Vec<(u32, (u32, Point))>> + '_ {
     let lists = if components > 1 && !links.on_axis.is_empty() { 2 } else { 0 };
     (0..lists).map(|k| links.on_axis.iter().map(|&(node, across)| (node, (node, across[k]))).collect())
 }
 
-/// Adds the frames of nodes that follow others to those of the nodes that follow none: in them the components of a
-/// vector are the same at both.
+/// Adds frames of following nodes to those of the leaders, such that a vector has the same components at both.
 pub fn add_frames(links: &[Link], components: usize, frames: &mut Vec<Frame>) {
     if components == 1 {
         return;
@@ -34,8 +32,7 @@ pub fn add_frames(links: &[Link], components: usize, frames: &mut Vec<Frame>) {
     frames.sort_unstable_by_key(|frame| frame.node);
 }
 
-/// Gives the nodes that follow others the values of these. `frames` has those of nodes of which the components are the
-/// same.
+/// Copies the values of leaders to the nodes that follow them. `frames` are those in which their components are equal.
 pub fn follow(links: &[Link], frames: &[Frame], components: usize, values: &mut [f64]) {
     for link in links {
         let [own, followed] = [link.node, link.to].map(|node| node as usize * components);
@@ -58,19 +55,19 @@ mod tests {
     use crate::mesh::{Diagonal, Link, Links, Mesh, MeshError};
     use crate::space::{Prescription, Space};
 
-    /// A unit square whose left side follows nothing and whose right side follows it, turned by 30°.
+    /// A unit square whose right side follows the left side, turned by 30°.
     fn space(mesh: &Mesh) -> Space {
         let (s, c) = 30f64.to_radians().sin_cos();
         let turn = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]];
         let [left, right] = ["left", "right"].map(|side| mesh.facets[side].node_list());
         let nodes = left.iter().zip(&right).map(|(&to, &node)| Link { node, to, turn }).collect();
         let zero = Field::Constant(0.5);
-        // Along y on top, which at the last node is a direction of the first one.
+        // Prescribed along y on top; at the last node this is a direction of the first one.
         let top = Prescription { on: "top", direction: [0.0, 1.0, 0.0], field: &zero };
         Space::linked(mesh, 2, [top], Links { nodes, on_axis: Vec::new() }, Vec::new())
     }
 
-    /// Values that follow are turned, and forces at what follows do the work that they did there: f·v is the same.
+    /// Values at followers are turned, and forces at followers do the same work at their leaders: f·v is unchanged.
     #[test]
     fn forces_that_are_gathered_do_the_same_work() -> Result<(), MeshError> {
         let mesh = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)?;
@@ -93,7 +90,7 @@ mod tests {
         Ok(())
     }
 
-    /// Both directions that are prescribed at a corner hold the node that is followed.
+    /// Both directions prescribed at a corner hold the leading node.
     #[test]
     fn what_is_prescribed_at_a_node_that_follows_is_prescribed_at_the_other() -> Result<(), MeshError> {
         let mesh = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)?;

@@ -1,20 +1,21 @@
 //! Nodes that move as one rigid body.
 //!
 //! The displacement of such nodes is u(x_i) = Σ_j q_j m_j(x_i), m_j the motions without strain, m(x) = s + ω × (x − c)
-//! with small rotations. The m_j are orthonormal over the nodes, Σ_i m_j(x_i)·m_l(x_i) = δ_jl: then q_j = Σ_i
-//! m_j(x_i)·u_i of a displacement, and the forces f_i at the nodes do the work Q_j = Σ_i m_j(x_i)·f_i along them. The
-//! same map takes displacements to q, in m, and forces to Q, in N. They stand for the unknowns of (4.1) at these nodes.
+//! with small rotations. The m_j are orthonormal over the nodes, Σ_i m_j(x_i)·m_l(x_i) = δ_jl: a displacement has q_j =
+//! Σ_i m_j(x_i)·u_i, and nodal forces f_i do the work Q_j = Σ_i m_j(x_i)·f_i along them. The same map takes
+//! displacements to q, in m, and forces to Q, in N. The q_j replace the unknowns of (4.1) at these nodes.
 //!
-//! What is prescribed at a node in a direction d is one equation for q, Σ_j d·m_j(x_i) q_j = u_D. The first of the m_j
-//! are the directions of these equations, so that q_j is prescribed there and free beyond.
+//! A value prescribed at a node in a direction d is one equation for q, Σ_j d·m_j(x_i) q_j = u_D. The first of the m_j
+//! are the directions of these equations, so that these q_j are prescribed and the others free.
 
 use crate::mesh::{Mesh, cross};
 use crate::tensor::{Point, dot, length};
 
-/// Share of a motion, less what other motions have of it, that is none: that of nodes on a line about the line.
+/// Fraction of a motion that counts as zero after other motions are subtracted, as for rotation of nodes on a line
+/// about it.
 const NOTHING: f64 = 1e-6;
 
-/// Most motions without strain: three translations and three rotations.
+/// Largest number of motions without strain: three translations and three rotations.
 const MOTIONS: usize = 6;
 
 /// Nodes that move as one rigid body.
@@ -22,15 +23,15 @@ const MOTIONS: usize = 6;
 pub struct RigidNodes {
     /// The nodes, ascending.
     pub nodes: Vec<u32>,
-    /// Where they are.
+    /// Their positions, m.
     places: Vec<Point>,
     /// The m_j; prescribed ones first.
     pub motions: Vec<RigidMotion>,
-    /// How many of them are prescribed.
+    /// Number of prescribed motions.
     pub held: usize,
-    /// The line on which the nodes lie in space, about which no motion turns them; none where they do not.
+    /// The line in space on which all nodes lie, about which they cannot turn; `None` if they lie on no line.
     pub line: Option<Point>,
-    /// Components of a node.
+    /// Components per node.
     components: usize,
 }
 
@@ -53,7 +54,7 @@ impl RigidMotion {
         std::array::from_fn(|c| self.shift[c] + turned[c])
     }
 
-    /// a m + b m′, of motions about one centre.
+    /// a m + b m′, for motions about one centre.
     fn sum(&self, a: f64, b: f64, other: &RigidMotion) -> RigidMotion {
         let of = |own: &Point, other: &Point| std::array::from_fn(|c| a * own[c] + b * other[c]);
         RigidMotion { shift: of(&self.shift, &other.shift), turn: of(&self.turn, &other.turn), centre: self.centre }
@@ -61,8 +62,8 @@ impl RigidMotion {
 }
 
 impl RigidNodes {
-    /// The nodes of a set, ascending, with their motions, rotations only if it turns. A body of revolution moves along
-    /// its axis alone.
+    /// The nodes of a set, ascending, with their motions, including rotations if `turns` is true. A body of revolution
+    /// moves only along its axis.
     #[must_use]
     pub fn new(mesh: &Mesh, nodes: Vec<u32>, turns: bool) -> RigidNodes {
         let places: Vec<Point> =
@@ -72,7 +73,7 @@ impl RigidNodes {
         for motion in rigid.candidates(mesh).into_iter().filter(moves) {
             let size = rigid.product(&motion, &motion).sqrt();
             let mut rest = motion;
-            // Twice, so that the rest is at right angles to the last digit.
+            // Done twice, so that the remainder is orthogonal to the last digit.
             for _ in 0..2 {
                 for other in &rigid.motions {
                     rest = rest.sum(1.0, -rigid.product(&rest, other), other);
@@ -89,8 +90,7 @@ impl RigidNodes {
         rigid
     }
 
-    /// Takes off the motions of nodes on a line their rotations about it, which move no node: moments about the line do
-    /// no work.
+    /// Removes the rotation of nodes on a line about that line, which moves no node: moments about the line do no work.
     fn leave_line(&mut self) {
         let centre = self.motions.first().map_or([0.0; 3], |motion| motion.centre);
         let arm = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - centre[c]) };
@@ -124,45 +124,45 @@ impl RigidNodes {
         self.places.iter().map(|x| dot(&a.at(x), &b.at(x))).sum()
     }
 
-    /// The degree of freedom in whose place q_j stands: those of the first nodes.
+    /// The degree of freedom that holds q_j, one of those of the first nodes.
     #[must_use]
     pub fn dof(&self, j: usize) -> usize {
         let n = self.components.max(1);
         self.nodes.get(j / n).map_or(0, |node| *node as usize * n + j % n)
     }
 
-    /// The nodes in whose place the q_j stand.
+    /// The nodes whose degrees of freedom hold the q_j.
     #[must_use]
     pub fn slots(&self) -> &[u32] {
         let count = self.motions.len().div_ceil(self.components.max(1));
         &self.nodes[..count.min(self.nodes.len())]
     }
 
-    /// Where a node stands among them.
+    /// Index of a node among the nodes of the body.
     #[must_use]
     pub fn position(&self, node: u32) -> Option<usize> {
         self.nodes.binary_search(&node).ok()
     }
 
-    /// What each motion moves a node by.
+    /// The displacement of a node by each motion.
     pub fn at(&self, position: usize) -> impl Iterator<Item = Point> + '_ {
         let x = self.places.get(position).copied().unwrap_or_default();
         self.motions.iter().map(move |motion| motion.at(&x))
     }
 
-    /// Q of a force and of a moment at a place.
+    /// Q of a force and of a moment at a position.
     #[must_use]
     pub fn work(&self, x: &Point, force: &Point, moment: &Point) -> Vec<f64> {
         self.motions.iter().map(|motion| dot(&motion.at(x), force) + dot(&motion.turn, moment)).collect()
     }
 
-    /// The forces at the nodes that do the work Q, node-major.
+    /// The nodal forces that do the work Q, node-major.
     #[must_use]
     pub fn forces(&self, work: &[f64]) -> Vec<Point> {
         (0..self.nodes.len()).map(|i| self.sum(i, work)).collect()
     }
 
-    /// q of the values at the nodes, in their place; zero elsewhere on the nodes.
+    /// Replaces the values at the nodes by q, and by zero in the remaining entries.
     pub fn enter(&self, values: &mut [f64]) {
         let n = self.components;
         let mut q = [0.0; MOTIONS];
@@ -177,7 +177,7 @@ impl RigidNodes {
         }
     }
 
-    /// The values at the nodes of q, which stands in its place.
+    /// Replaces q by the values at the nodes.
     pub fn leave(&self, values: &mut [f64]) {
         let n = self.components;
         let entry = |j: usize| values.get(self.dof(j)).copied().filter(|_| j < self.motions.len());
@@ -195,8 +195,9 @@ impl RigidNodes {
         self.at(position).zip(q).fold([0.0; 3], add)
     }
 
-    /// Prescribes the value of a node in a direction: which of the motions is prescribed by it, what of the value the
-    /// motions prescribed before give, and the factor of the rest. None if it was prescribed before.
+    /// Prescribes the value of a node in a direction. Returns the number of the motion prescribed by it, the factors of
+    /// the motions prescribed before in that value, and the factor of the new motion; `None` if it was prescribed
+    /// before.
     pub fn hold(&mut self, node: u32, direction: &Point) -> Option<(usize, Vec<f64>, f64)> {
         let position = self.position(node)?;
         let along: Vec<f64> = self.at(position).map(|m| dot(&m, direction)).collect();
@@ -213,8 +214,8 @@ impl RigidNodes {
         Some((number, before, scale))
     }
 
-    /// Takes other motions for those that are free, the first of them Σ_j t_j m_j of a unit vector t: a reflection that
-    /// takes the first unit vector to ±t, and the sign.
+    /// Recombines the free motions so that the first becomes Σ_j t_j m_j for a unit vector t: a reflection that takes
+    /// the first unit vector to ±t, and the sign.
     fn turn(&mut self, t: &[f64]) {
         let free = &mut self.motions[self.held..];
         let sign = if t.first().is_some_and(|first| *first > 0.0) { -1.0 } else { 1.0 };
@@ -236,7 +237,7 @@ impl RigidNodes {
         }
     }
 
-    /// Leaves of the degrees of freedom of the nodes those free that are motions.
+    /// Keeps only those degrees of freedom of the nodes free that hold free motions.
     pub fn take(&self, free: &mut [bool]) {
         let motions: Vec<bool> =
             (0..self.motions.len()).map(|j| free.get(self.dof(j)).copied().unwrap_or_default()).collect();
@@ -249,7 +250,7 @@ impl RigidNodes {
         }
     }
 
-    /// The directions in which a node may move by the motions that are free, orthonormal.
+    /// Orthonormal directions in which the free motions can move a node.
     #[must_use]
     pub fn free_directions(&self, position: usize) -> Vec<Point> {
         let all: Vec<Point> = self.at(position).collect();
@@ -272,7 +273,7 @@ impl RigidNodes {
     }
 }
 
-/// The rigid body that a node belongs to, by its number, and where it stands among the nodes of it.
+/// The rigid body to which a node belongs, by its number, and the index of the node in it.
 #[must_use]
 pub fn rigid_of(rigid: &[RigidNodes], node: u32) -> Option<(usize, usize)> {
     rigid.iter().enumerate().find_map(|(number, body)| Some((number, body.position(node)?)))
@@ -291,8 +292,8 @@ mod tests {
         pairs.map(|pair| product(pair).abs()).fold(0.0, f64::max)
     }
 
-    /// The forces at the nodes have the resultant and the moment of what they stand for, by statics; of nodes on a line
-    /// but for the moment about it.
+    /// Statics: the nodal forces have the resultant and moment of the load they replace, except for the moment about
+    /// the line if the nodes lie on a line.
     #[test]
     fn forces_have_their_resultant_and_moment() -> Result<(), crate::mesh::MeshError> {
         let mut mesh = Mesh::box_([1.0, 0.5, 0.7], [2, 2, 2], crate::mesh::Elements::Q1)?;
@@ -321,15 +322,15 @@ mod tests {
                 left = [[0, 1, 2].map(|c| left[0][c] - f[c]), [0, 1, 2].map(|c| left[1][c] - moment[c])];
             }
             let about = body.line.unwrap_or_default();
-            // What is not borne is the moment about the line, of the force as well.
+            // Only the moment about the line is not transmitted, including that of the force.
             let beside = cross(&left[1], &about);
             assert!(length(&left[0]) < 1e-12 && length(&if is_line { beside } else { left[1] }) < 1e-12, "{left:?}");
         }
         Ok(())
     }
 
-    /// Motions stay orthonormal while directions are prescribed, far from the origin, too; what is prescribed moves no
-    /// free motion.
+    /// Motions stay orthonormal while directions are prescribed, even far from the origin; no free motion moves a
+    /// prescribed value.
     #[test]
     fn free_motions_leave_what_is_prescribed() -> Result<(), crate::mesh::MeshError> {
         let mut mesh = Mesh::rectangle([1.0, 0.5], [4, 2], Diagonal::Right)?;
@@ -345,7 +346,7 @@ mod tests {
             let free: Vec<Point> = rigid.at(1).skip(held).collect();
             assert!(free.iter().all(|m| dot(m, &direction).abs() < 1e-13), "{free:?}");
         }
-        // The body turns about the node that is held.
+        // The body turns about the held node.
         assert!(rigid.free_directions(1).is_empty());
         assert_eq!(rigid.free_directions(0).len(), 1);
         let mut values: Vec<f64> = (0..30).map(|i| f64::from(i * i % 7)).collect();

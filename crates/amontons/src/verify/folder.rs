@@ -1,7 +1,7 @@
-//! A results folder held against itself: its files against their hashes, and its figures against those that the fields,
-//! tables and the checkpoint give.
+//! Consistency check of a results folder: files against their hashes, and figures against those computed from fields,
+//! tables and checkpoint.
 //!
-//! What is recomputed, in every dimension:
+//! Recomputed in every dimension are:
 //!
 //! | figures | from |
 //! |---|---|
@@ -30,25 +30,25 @@ use crate::scheme::Discretization;
 use fields::Fields;
 use tables::{Audit, Table};
 
-/// Share of a number that its value may differ by when it is computed again: some last bits.
+/// Relative difference allowed for a recomputed number: a few last bits.
 const ROUND_OFF: f64 = 1e-12;
 
-/// What the files of a run came to.
+/// Result of the check of a folder.
 #[derive(Clone, Debug, Default)]
 pub struct Recomputed {
-    /// Figures that were computed again, and comparisons that the case asks for.
+    /// Recomputed figures, and comparisons requested by the case.
     pub verdicts: Vec<Verdict>,
-    /// What is wrong with the files.
+    /// Faults of the files.
     pub faults: Vec<String>,
-    /// What was not checked, and why.
+    /// Figures that were not checked, with the reason.
     pub unchecked: Vec<String>,
 }
 
-/// Holds the files of a results folder against their hashes, recomputes its figures from them, and compares what
-/// `[expected]` and `[verify]` of its case ask for.
+/// Checks the files of a results folder against their hashes, recomputes its figures from them, and makes the
+/// comparisons of `[expected]` and `[verify]` of its case.
 ///
 /// # Errors
-/// When the folder has no manifest. What is damaged is no error: it is told in the result.
+/// Fails if the folder has no manifest. Damage is no error: it is reported in the result.
 pub fn recompute(folder: &Path) -> Result<Recomputed, VerifyError> {
     let inspection = output::inspect(folder)?;
     let mut found = Recomputed { faults: inspection.faults.clone(), ..Recomputed::default() };
@@ -63,19 +63,19 @@ pub fn recompute(folder: &Path) -> Result<Recomputed, VerifyError> {
 }
 
 impl Recomputed {
-    /// Whether all that was checked holds.
+    /// True if all checks hold.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.faults.is_empty() && self.verdicts.iter().all(|verdict| verdict.holds)
     }
 
-    /// Notes a number that was computed again.
+    /// Records a recomputed number.
     fn compare(&mut self, name: &str, what: impl Into<String>, computed: f64, reference: f64) {
         let is = Comparison { reference, tolerance: ROUND_OFF, scale: reference.abs() };
         self.verdicts.push(verdict(name, what.into(), computed, &is));
     }
 
-    /// Notes the largest difference of numbers beside the largest of them.
+    /// Records the largest difference of numbers, relative to the largest of them.
     fn differ(&mut self, name: &str, what: impl Into<String>, difference: f64, scale: f64) {
         let is = Comparison { reference: 0.0, tolerance: ROUND_OFF, scale };
         self.verdicts.push(verdict(name, what.into(), difference, &is));
@@ -111,7 +111,7 @@ impl Recomputed {
         self.unchecked.push("times, memory, findings and warnings of summary.json: only their hash".to_owned());
     }
 
-    /// The summary of a run that has ended well.
+    /// The summary of a successfully finished run.
     fn summary(&mut self, folder: &Path, steps: usize, inspection: &Inspection) -> Option<Value> {
         let Some(ended) = inspection.ended else {
             self.faults.push(format!("the run has not ended; go on with: amontons resume {}", folder.display()));
@@ -153,7 +153,7 @@ impl Files<'_> {
         &self.case.problem.name
     }
 
-    /// `history.csv`, with its rows checked.
+    /// Reads `history.csv` and checks its rows.
     fn history(&self, found: &mut Recomputed) -> Option<Table> {
         let table = match Table::read(&self.folder.join("history.csv")) {
             Ok(table) if table.names == history_columns(&self.case.problem) => table,
@@ -180,7 +180,7 @@ impl Files<'_> {
         Some(table)
     }
 
-    /// The snapshots, each against itself and against the row of its step.
+    /// Checks each snapshot for consistency, and against the row of its step.
     fn snapshots(&self, history: Option<&Table>, found: &mut Recomputed) {
         let (mut differences, stored) = (fields::Differences::default(), StoredFields::of(self.folder));
         for &step in &self.inspection.snapshots {
@@ -210,7 +210,7 @@ impl Files<'_> {
         }
     }
 
-    /// The figures of the end.
+    /// Checks the figures at the end of the run.
     fn end(&self, checkpoint: &Checkpoint, history: Option<&Table>, summary: Option<&Value>, found: &mut Recomputed) {
         let (problem, name) = (&self.case.problem, self.name());
         let mut state = checkpoint.state.clone();
@@ -263,7 +263,7 @@ impl Files<'_> {
         found.compare(name, "rows of contact.csv against the checkpoint", same as f64, all as f64);
     }
 
-    /// What `[expected]` and `[verify]` of the case ask for.
+    /// Makes the comparisons of `[expected]` and `[verify]` of the case.
     fn asked_for(
         &self,
         checkpoint: Option<&Checkpoint>,
@@ -314,7 +314,7 @@ impl Files<'_> {
     }
 }
 
-/// The numbers of a value with their places, beside those of another; of numbers that are not there none.
+/// The numbers of a value with their paths, paired with those of another value; `None` for missing ones.
 fn flatten(place: &str, value: &Value, beside: &Value, all: &mut Vec<(String, f64, Option<f64>)>) {
     match value {
         Value::Number(number) => all.push((place.to_owned(), number.as_f64().unwrap_or(f64::NAN), beside.as_f64())),
@@ -334,7 +334,7 @@ fn flatten(place: &str, value: &Value, beside: &Value, all: &mut Vec<(String, f6
 }
 
 impl Table {
-    /// A value of a column as a check asks for it.
+    /// A value of a column as requested by a check.
     fn take(&self, name: &str, time: Option<f64>, take: Take) -> Option<f64> {
         self.names.iter().any(|n| n == name).then_some(())?;
         let values = self.column(name);

@@ -1,8 +1,8 @@
 //! Files in the format VTKHDF: one unstructured grid with data over time, in HDF5.
 //!
-//! The mesh is there once. The values of an array at all snapshots stand one behind the other in one dataset, and
-//! `Steps` says where those of each snapshot begin; values that do not change are there once, too. Beside what VTK
-//! reads, the group [`OWN`] has the steps of the snapshots, and each array the attribute `units`.
+//! The mesh is stored once. The values of an array at all snapshots are concatenated in one dataset, and `Steps`
+//! contains the offset of each snapshot; unchanged values are stored once, too. In addition to the data for VTK, the
+//! group [`OWN`] has the steps of the snapshots, and each array the attribute `units`.
 
 mod read;
 mod write;
@@ -10,17 +10,17 @@ mod write;
 pub(crate) use read::Reader;
 pub(crate) use write::{Series, WriteError, write};
 
-/// The group of what VTK reads.
+/// The group read by VTK.
 const ROOT: &str = "VTKHDF";
-/// The group beside it, with what VTK does not know.
+/// The additional group with data unknown to VTK.
 const OWN: &str = "amontons";
-/// The dataset of the steps in it.
+/// The dataset of the steps in that group.
 const STEPS: &str = "steps";
 
-/// Arrays of whole numbers; all others are reals.
+/// Arrays of integers; all others are reals.
 const WHOLE: [&str; 1] = ["region"];
 
-/// What the values of an array belong to.
+/// Location of the values of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Points,
@@ -38,7 +38,7 @@ impl Place {
         }
     }
 
-    /// The group in `Steps` of the places at which the values of the snapshots begin.
+    /// The group in `Steps` with the offsets of the snapshots.
     fn offsets(self) -> &'static str {
         match self {
             Place::Points => "PointDataOffsets",

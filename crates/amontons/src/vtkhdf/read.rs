@@ -1,4 +1,4 @@
-//! Reading a series of grids that this program has written.
+//! Reads a series of grids written by this program.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,21 +9,21 @@ use super::{OWN, Place, ROOT, STEPS};
 use crate::machine;
 use crate::vtu::{self, Array, Grid};
 
-/// Most nodes of a cell, and most components of an array.
+/// Largest number of nodes of a cell, and of components of an array.
 const MOST: u64 = 64;
 
-/// A file that is read snapshot by snapshot.
+/// A file read snapshot by snapshot.
 #[derive(Debug)]
 pub(crate) struct Reader {
     file: File,
     at: Vec<(usize, f64)>,
     points: u64,
     cells: u64,
-    /// Numbers that may be read for one snapshot: counts may be wrong, and all must fit into a part of the memory.
+    /// Numbers that may be read per snapshot: counts may be wrong, and the data must fit into a part of the memory.
     most: u64,
 }
 
-/// What the library of the format said.
+/// Converts an error of the HDF5 library.
 fn told(name: &str) -> impl Fn(hdf5_pure::Error) -> String + '_ {
     move |error| format!("{name} cannot be read: {error}")
 }
@@ -32,7 +32,7 @@ impl Reader {
     /// Opens a file and reads its times.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The fault of the file.
     pub fn open(path: &Path) -> Result<Reader, String> {
         // The library would wait for a pipe.
         machine::open(path).map_err(|error| format!("cannot be read: {error}"))?;
@@ -56,7 +56,7 @@ impl Reader {
         Ok(reader)
     }
 
-    /// A dataset with one count.
+    /// Reads a dataset with one count.
     fn count(&self, name: &str) -> Result<u64, String> {
         let found = self.whole(&format!("{ROOT}/{name}"), 1)?;
         let count = found.first().and_then(|&n| u32::try_from(n).ok());
@@ -68,10 +68,10 @@ impl Reader {
         &self.at
     }
 
-    /// The grid of the snapshot with an index, and all its data.
+    /// The grid of the snapshot with an index, with all its data.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The fault of the file.
     pub fn grid(&self, index: usize) -> Result<Grid, String> {
         let points = self.reals("Points", 0, [self.points, 3])?;
         let connectivity = self.whole(&format!("{ROOT}/Connectivity"), self.cells.saturating_mul(MOST))?;
@@ -94,7 +94,7 @@ impl Reader {
         Ok(grid)
     }
 
-    /// The arrays at the points or cells at a snapshot.
+    /// The arrays at the points or cells of a snapshot.
     fn data(&self, place: Place, index: usize) -> Result<BTreeMap<String, Array>, String> {
         let tuples = if place == Place::Points { self.points } else { self.cells };
         let names = self.file.group(&format!("{ROOT}/{}", place.data())).and_then(|group| group.datasets());
@@ -119,7 +119,7 @@ impl Reader {
         self.file.dataset(path).and_then(|dataset| dataset.shape()).map_err(told(path))
     }
 
-    /// The dataset of a path, which must have a shape.
+    /// The dataset of a path; fails if its shape is not the expected one.
     fn dataset(&self, path: &str, expected: &[u64]) -> Result<Dataset, String> {
         let dataset = self.file.dataset(path).map_err(told(path))?;
         let shape = dataset.shape().map_err(told(path))?;
@@ -129,7 +129,7 @@ impl Reader {
         Ok(dataset)
     }
 
-    /// The whole numbers of a dataset with at most so many.
+    /// The integers of a dataset with at most `most` of them.
     fn whole(&self, path: &str, most: u64) -> Result<Vec<i64>, String> {
         let found = self.shape(path)?.iter().fold(1, |all: u64, n| all.saturating_mul(*n));
         if found > most.min(self.most) {
@@ -138,7 +138,7 @@ impl Reader {
         self.file.dataset(path).and_then(|dataset| dataset.read_i64()).map_err(told(path))
     }
 
-    /// Tuples of reals behind a place in a dataset.
+    /// Tuples of reals from an offset in a dataset.
     fn reals(&self, name: &str, offset: u64, [tuples, components]: [u64; 2]) -> Result<Vec<f64>, String> {
         let path = format!("{ROOT}/{name}");
         let there = self.shape(&path)?;

@@ -8,7 +8,7 @@ use crate::vtu::{Array, Grid};
 
 const AT: [(usize, f64); 4] = [(0, 0.0), (3, 0.1), (6, 0.2), (7, 0.7)];
 
-/// Two triangles with values that differ from snapshot to snapshot, but for the regions and, at the third, a scalar.
+/// Two triangles with values that vary between snapshots, except the regions and, at the third, a scalar.
 fn grid(index: usize) -> Grid {
     let value = |i: usize| (i as f64 + 0.1).sin() * 10f64.powi(i as i32 - 3) * (index as f64 + 1.0);
     let array =
@@ -80,7 +80,7 @@ fn what_is_written_is_read_to_the_bit() {
             assert!(read.iter().all(|(name, array)| bits(array) == bits(&wrote[name])));
         }
     }
-    // What does not change is there once: the regions, and the scalar of the second and the third snapshot.
+    // Unchanged values are stored once: the regions, and the scalar of the second and third snapshot.
     let path = path("once");
     fs::write(&path, &bytes).unwrap();
     let file = hdf5_pure::File::open(&path).unwrap();
@@ -105,7 +105,7 @@ fn the_bytes_do_not_depend_on_the_memory() {
     assert_eq!(written("none", 1151.0, grid).unwrap_err(), refused);
 }
 
-/// A snapshot of another series is named.
+/// A snapshot of another series is reported.
 #[test]
 fn snapshots_of_different_series_are_refused() {
     let spoiled = |name: &str, spoil: fn(&mut Grid)| {
@@ -130,7 +130,7 @@ fn snapshots_of_different_series_are_refused() {
     assert_eq!(spoiled("renamed", renamed), "step 6: no array stress with the components that it has at first");
 }
 
-/// Files that are cut or have a wrong byte are read, or refused without a panic.
+/// Truncated or corrupted files are read, or refused without a panic.
 #[test]
 fn damaged_files_are_refused_or_read() {
     let bytes = written("damaged", 1e9, grid).unwrap();
@@ -149,7 +149,8 @@ fn damaged_files_are_refused_or_read() {
     let _ = fs::remove_file(path("spoiled"));
 }
 
-/// Chunks hold whole snapshots of small grids and parts of one size of large ones, never more than two bytes count.
+/// Chunks hold whole snapshots of small grids and equal parts of large ones, and never more tuples than two bytes can
+/// count.
 #[test]
 fn chunks_have_a_size_that_all_readers_take() {
     assert_eq!(write::chunk(24, [289, 100_000]), 2601);

@@ -1,4 +1,4 @@
-//! Writing a series of grids.
+//! Writes a series of grids.
 
 use std::path::Path;
 
@@ -11,17 +11,18 @@ use super::{OWN, Place, ROOT, STEPS, WHOLE};
 use crate::machine;
 use crate::vtu::{Array, Grid};
 
-/// The version of the format: the first with data over time.
+/// The version of the format: the first one with data over time.
 const VERSION: [i64; 2] = [2, 0];
-/// Level of compression: the fastest. Level 4 saves 3 % more and takes three times as long. Bytes are shuffled before,
-/// so that those of the same place in the reals meet.
+/// Compression level: the fastest. Level 4 saves 3 % more and takes three times as long. Bytes are shuffled first, so
+/// that corresponding bytes of the reals are adjacent.
 const LEVEL: u32 = 1;
-/// Bytes of a chunk, the least and the most: VTK's library keeps chunks of up to a megabyte.
+/// Least and largest size of a chunk in bytes: VTK's library caches chunks of up to a megabyte.
 const CHUNK: [usize; 2] = [1 << 16, 1 << 20];
-/// Most tuples of a chunk: `hdf5-pure` stores larger numbers in four bytes, while HDF5 2.0 expects as few as they take.
+/// Largest number of tuples in a chunk: `hdf5-pure` stores larger numbers in four bytes, while HDF5 2.0 expects the
+/// minimum.
 const LONGEST: usize = u16::MAX as usize;
 
-/// Reads of the grid of a snapshot, given by its index, the mesh and the arrays whose names are wanted.
+/// Reads the grid of the snapshot with an index: the mesh, and the arrays whose names are wanted.
 pub(crate) type Source<'a> = &'a dyn Fn(usize, &dyn Fn(&str) -> bool) -> Result<Grid, String>;
 
 /// Grids over time.
@@ -30,23 +31,23 @@ pub(crate) struct Series<'a> {
     pub at: &'a [(usize, f64)],
     /// The grids.
     pub source: Source<'a>,
-    /// The unit of an array, if it has one.
+    /// The unit of an array; `None` if it has none.
     pub unit: &'a dyn Fn(&str) -> Option<String>,
-    /// Bytes that the values of arrays may take in memory.
+    /// Bytes of memory available for array values.
     pub room: f64,
 }
 
 impl Series<'_> {
-    /// Room for values: a part of the memory that is free.
+    /// Memory for values: a part of the free memory, in bytes.
     pub fn room() -> f64 {
         machine::memory().map_or(1e9, |memory| memory.bytes / 8.0)
     }
 }
 
-/// Why a series is not written.
+/// Reason why a series is not written.
 #[derive(Debug)]
 pub(crate) enum WriteError {
-    /// The snapshots do not make one series.
+    /// The snapshots do not form one series.
     Snapshots(String),
     /// The file cannot be written.
     File(hdf5_pure::Error),
@@ -63,7 +64,7 @@ struct Layout {
     place: Place,
     name: String,
     components: usize,
-    /// Number of tuples at a snapshot.
+    /// Number of tuples per snapshot.
     tuples: usize,
 }
 
@@ -71,19 +72,19 @@ struct Layout {
 struct Column<'a> {
     layout: &'a Layout,
     bytes: Vec<u8>,
-    /// Where the values of each snapshot begin, in tuples.
+    /// Offsets of the values of each snapshot, in tuples.
     offsets: Vec<i64>,
-    /// The values that were put last.
+    /// The last values added.
     last: Vec<f64>,
 }
 
 /// Writes a series into a new file.
 ///
-/// The snapshots are read as often as the values of all arrays do not fit into the room; each array is written on its
-/// own, so that the bytes of the file do not depend on the room.
+/// The snapshots are read repeatedly if the values of all arrays do not fit into memory; arrays are written one by one,
+/// so that the bytes of the file do not depend on the memory.
 ///
 /// # Errors
-/// When the snapshots have not all the same mesh and arrays, when one array does not fit into the room, and when the
+/// Fails if the snapshots do not all have the same mesh and arrays, if one array does not fit into memory, or if the
 /// file cannot be written.
 pub(crate) fn write(path: &Path, series: &Series) -> Result<(), WriteError> {
     let mut mesh = (series.source)(0, &|_| true).map_err(WriteError::Snapshots)?;
@@ -91,7 +92,7 @@ pub(crate) fn write(path: &Path, series: &Series) -> Result<(), WriteError> {
     (mesh.point_data, mesh.cell_data) = Default::default();
     let batches = batches(&layouts, series)?;
     skeleton(&mesh, series.at).write(path)?;
-    // The name of the file is known to nobody else: it needs no lock. The last call sees to it that it is on the disk.
+    // The file is known to nobody else and needs no lock. The last call makes sure that it is on the disk.
     let properties =
         FileAccessProperties::new().with_locking(FileLocking::Disabled).with_sync_policy(SyncPolicy::OnClose);
     let file = File::open_rw_with_options(path, properties)?;
@@ -120,9 +121,9 @@ fn data(grid: &Grid, place: Place) -> &std::collections::BTreeMap<String, Array>
     }
 }
 
-/// Splits arrays such that the values of each part fit into the room.
+/// Splits arrays into batches whose values fit into memory.
 fn batches<'a>(layouts: &'a [Layout], series: &Series) -> Result<Vec<&'a [Layout]>, WriteError> {
-    // Values, their bytes, and what these are compressed to.
+    // Values, their bytes, and the compressed bytes.
     let bytes = |layout: &Layout| 3.0 * 8.0 * (layout.components * layout.tuples * series.at.len()) as f64;
     let (mut all, mut first, mut taken) = (Vec::new(), 0, 0.0);
     for (i, layout) in layouts.iter().enumerate() {
@@ -172,7 +173,7 @@ fn skeleton(mesh: &Grid, at: &[(usize, f64)]) -> FileBuilder {
     let mut steps = root.create_group("Steps");
     steps.set_attr("NSteps", AttrValue::I64(at.len() as i64));
     steps.create_dataset("Values").with_f64_data(&at.iter().map(|(_, t)| *t).collect::<Vec<_>>());
-    // One part at all times, that of the beginning.
+    // One part at all times, the initial one.
     let (parts, none) = (vec![1; at.len()], vec![0; at.len()]);
     steps.create_dataset("NumberOfParts").with_i64_data(&parts);
     for name in ["PartOffsets", "PointOffsets"] {
@@ -193,19 +194,19 @@ fn skeleton(mesh: &Grid, at: &[(usize, f64)]) -> FileBuilder {
     file
 }
 
-/// Lets a dataset be stored in compressed chunks.
+/// Sets up compressed chunks for a dataset.
 fn compress(dataset: &mut DatasetBuilder, [components, size]: [usize; 2], counts: [usize; 2]) {
     let rows = chunk(components * size, counts) as u64;
     let shape = if components > 1 { vec![rows, components as u64] } else { vec![rows] };
     dataset.with_chunks(&shape).with_shuffle().with_deflate(LEVEL);
 }
 
-/// Number of tuples in a chunk, of tuples of some bytes: so many at a snapshot, and so many in all.
+/// Number of tuples in a chunk, for tuples of `bytes` bytes, `tuples` per snapshot and `all` in total.
 pub(super) fn chunk(bytes: usize, [tuples, all]: [usize; 2]) -> usize {
     let [least, most] = CHUNK.map(|bound| (bound / bytes).min(LONGEST));
     let rows = match tuples.max(1) {
         tuples if tuples < least => tuples * (least / tuples),
-        // Parts of about one size, the last of which ends about where the snapshot does.
+        // Parts of about equal size, the last of which ends about where the snapshot does.
         tuples => tuples.div_ceil(tuples.div_ceil(most)),
     };
     rows.clamp(1, all.max(1))
@@ -241,12 +242,12 @@ fn gather<'a>(batch: &'a [Layout], arrays: usize, mesh: &Grid, series: &Series) 
 }
 
 impl Column<'_> {
-    /// Whether the values are whole numbers.
+    /// True if the values are whole numbers.
     fn is_whole(&self) -> bool {
         WHOLE.contains(&self.layout.name.as_str())
     }
 
-    /// Puts the values of a snapshot behind those that are there, unless they are the last ones again.
+    /// Appends the values of a snapshot, unless they equal the last ones.
     fn push(&mut self, values: &[f64]) {
         let same = values.iter().map(|v| v.to_bits()).eq(self.last.iter().map(|v| v.to_bits()));
         if !same || self.offsets.is_empty() {
@@ -260,7 +261,7 @@ impl Column<'_> {
         self.offsets.push((self.bytes.len() / (8 * self.layout.components) - self.layout.tuples) as i64);
     }
 
-    /// Writes the values into a file, and where those of each snapshot begin.
+    /// Writes the values and the offsets of the snapshots into a file.
     fn store(self, file: &File, series: &Series) -> Result<(), WriteError> {
         let kind = if self.is_whole() { make_i64_type() } else { make_f64_type() };
         let Layout { place, name, components, tuples } = self.layout;
@@ -279,7 +280,7 @@ impl Column<'_> {
         root.create_dataset(&format!("{ROOT}/Steps/{}/{name}", place.offsets()), |dataset| {
             dataset.with_i64_data(&self.offsets);
         })?;
-        // One array per commit, whatever the room is.
+        // One array per commit, regardless of the available memory.
         file.commit()?;
         Ok(())
     }

@@ -9,12 +9,12 @@ use quick_xml::events::BytesStart;
 
 use super::{Appended, Room, attribute};
 
-/// How the numbers of a file are stored.
+/// Storage format of the numbers of a file.
 pub(super) struct Encoding {
     little: bool,
-    /// Bytes of the counts before each array.
+    /// Bytes of the counts in front of each array.
     header: usize,
-    /// Whether arrays are compressed by zlib.
+    /// True if arrays are compressed by zlib.
     zlib: bool,
 }
 
@@ -47,7 +47,7 @@ impl Encoding {
         Some((head.iter().enumerate().map(|(i, &b)| u64::from(b) << shift(i)).sum(), rest))
     }
 
-    /// The data behind their header, if their place takes so many bytes.
+    /// The data after their header, if `takes` accepts their number of bytes.
     fn unpack(&self, bytes: &[u8], takes: impl Fn(u128) -> bool) -> Result<Vec<u8>, String> {
         let (count, body) = self.count(bytes).ok_or("no data")?;
         if self.zlib {
@@ -57,8 +57,8 @@ impl Encoding {
         data.map(<[u8]>::to_vec).ok_or_else(|| format!("{} bytes of data, {count} announced", body.len()))
     }
 
-    /// Undoes the compression: after the number of blocks follow the size of a block, the size of the last block (0:
-    /// like the others), the size of each when compressed, and the blocks.
+    /// Decompresses data: after the number of blocks follow the size of a block, the size of the last block (0: like
+    /// the others), the compressed size of each, and the blocks.
     fn inflate(&self, blocks: u64, body: &[u8], takes: impl Fn(u128) -> bool) -> Result<Vec<u8>, String> {
         let damaged = || "the compressed data are damaged".to_owned();
         let (size, body) = self.count(body).ok_or_else(damaged)?;
@@ -95,7 +95,7 @@ impl Encoding {
     }
 }
 
-/// A `DataArray` as it stands in the file.
+/// A `DataArray` as in the file.
 pub(super) struct Open {
     pub name: String,
     kind: String,
@@ -148,7 +148,7 @@ impl Open {
         )
     }
 
-    /// Bytes of a number.
+    /// Bytes per number.
     fn size(&self) -> Option<u64> {
         let digits = self.kind.trim_start_matches(|c: char| c.is_ascii_alphabetic());
         matches!(digits, "8" | "16" | "32" | "64").then(|| digits.parse::<u64>().ok()).flatten().map(|bits| bits / 8)
@@ -190,8 +190,7 @@ impl Open {
     }
 }
 
-/// Decodes pieces of base64 one after the other: a compressed array has its header and its blocks padded each on their
-/// own.
+/// Decodes consecutive pieces of base64: header and blocks of a compressed array are padded separately.
 fn decode(text: &[u8]) -> Result<Vec<u8>, base64::DecodeError> {
     let text: Vec<u8> = text.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
     let mut data = Vec::with_capacity(text.len() / 4 * 3);

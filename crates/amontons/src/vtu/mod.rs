@@ -1,7 +1,7 @@
-//! The XML files of VTK with one unstructured grid.
+//! XML files of VTK with one unstructured grid.
 //!
-//! Arrays may be inline, as text or base64, or appended, raw or as base64; each with or without compression by zlib.
-//! Every fault of a file is an error that names the array.
+//! Arrays may be inline, as text or base64, or appended, raw or as base64; each with or without zlib compression. Every
+//! fault of a file is an error that names the array.
 
 mod array;
 pub(crate) mod write;
@@ -24,9 +24,9 @@ pub(crate) struct Array {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Grid {
     pub points: Vec<[f64; 3]>,
-    /// Nodes of the cells, one after the other.
+    /// Nodes of all cells, concatenated.
     pub connectivity: Vec<u32>,
-    /// Where the nodes of each cell end.
+    /// End of the nodes of each cell in `connectivity`.
     pub ends: Vec<usize>,
     /// Cell types of VTK.
     pub types: Vec<u8>,
@@ -56,20 +56,20 @@ enum Section {
     CellData,
 }
 
-/// The XML part of a file: its arrays as they stand, undecoded, and the appended bytes.
+/// The XML part of a file: its undecoded arrays and the appended bytes.
 struct Document<'a> {
     encoding: Encoding,
     arrays: Vec<(Section, Open)>,
     appended: Appended<'a>,
-    /// Numbers of points and of cells that the piece announces.
+    /// Numbers of points and of cells declared by the piece.
     counts: [u64; 2],
 }
 
-/// Most nodes of a cell of a type that is read.
+/// Largest number of nodes of a supported cell type.
 const MOST_NODES: u64 = 64;
 
 impl Document<'_> {
-    /// Number of tuples for which the piece has room in an array.
+    /// Size that the piece allows for an array.
     fn room(&self, section: Section, name: &str) -> Room {
         let [points, cells] = self.counts;
         let (tuples, is_exact) = match section {
@@ -81,23 +81,23 @@ impl Document<'_> {
     }
 }
 
-/// Room of an array.
+/// Allowed size of an array.
 #[derive(Clone, Copy)]
 struct Room {
-    /// Number of tuples, and whether it has exactly so many.
+    /// Number of tuples, exact if `is_exact` is true, else an upper bound.
     tuples: u64,
     is_exact: bool,
-    /// Most numbers.
+    /// Largest number of values.
     numbers: u64,
 }
 
 impl Room {
-    /// The same with at most so many numbers.
+    /// Limits the number of values.
     fn within(self, numbers: u64) -> Room {
         Room { numbers, ..self }
     }
 
-    /// Whether an array of so many bytes, in numbers of some bytes each, has its place here.
+    /// True if an array of `bytes` bytes, with `size` bytes per number, has an allowed size.
     fn takes(self, bytes: u128, size: u64, components: usize) -> bool {
         let most = u128::from(self.tuples) * u128::from(size) * components as u128;
         let fits = if self.is_exact { bytes == most } else { bytes <= most };
@@ -105,17 +105,17 @@ impl Room {
     }
 }
 
-/// Bytes behind the XML part, from behind their underscore.
+/// Bytes after the XML part, starting after the underscore.
 struct Appended<'a> {
     bytes: &'a [u8],
     base64: bool,
 }
 
-/// Reads a grid, and of its point and cell data the arrays whose names are wanted.
+/// Reads a grid, and those of its point and cell data whose names are wanted.
 pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
     let mut document = document(bytes)?;
     let arrays = std::mem::take(&mut document.arrays);
-    // Counts may be wrong: all that is read must fit into a part of the memory, too. A run takes many times as much.
+    // Counts may be wrong, and all that is read must fit into a part of the memory; a run takes many times as much.
     let mut budget = machine::memory().map_or(u64::MAX, |memory| (memory.bytes / 8.0) as u64);
     let mut grid = Grid::default();
     let mut parts: BTreeMap<String, Array> = BTreeMap::new();
@@ -154,7 +154,7 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
     Ok(grid)
 }
 
-/// The values of an array of counts or numbers of things.
+/// The values of an array, checked to be integers from 0 to `largest`.
 fn whole(name: &str, array: Array, largest: f64) -> Result<Vec<f64>, String> {
     match array.values.iter().find(|v| !(0.0..=largest).contains(*v) || v.fract() != 0.0) {
         Some(found) => Err(format!("the array {name} has the value {found}, not integers from 0 to {largest}")),
@@ -166,7 +166,7 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
     let mut reader = quick_xml::Reader::from_reader(bytes);
     let (mut encoding, mut section, mut pieces) = (None, None, 0);
     let mut counts = [0; 2];
-    // An array may hold keys with a text of their own.
+    // An array may contain keys with text of their own.
     let mut inside_key = false;
     let mut open: Option<Open> = None;
     let mut arrays = Vec::new();
@@ -217,10 +217,10 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
     }
 }
 
-/// The numbers of points and cells that a piece announces.
+/// The numbers of points and cells declared by a piece.
 fn announced(tag: &BytesStart) -> Result<[u64; 2], String> {
     let count = |name: &str| -> Result<u64, String> {
-        // Without a count there is no room for compressed data; others are counted as they are read.
+        // Without a count there is no room for compressed data; other data are counted as they are read.
         let Some(text) = attribute(tag, name)? else { return Ok(0) };
         let count = text.trim().parse::<u32>();
         count.map(u64::from).map_err(|_| format!("{name} is {text:?}, expected a number of at most {}", u32::MAX))
@@ -228,7 +228,7 @@ fn announced(tag: &BytesStart) -> Result<[u64; 2], String> {
     Ok([count("NumberOfPoints")?, count("NumberOfCells")?])
 }
 
-/// The appended data: what follows the underscore behind the opening tag. Raw bytes are no XML, so the XML ends there.
+/// The appended data after the underscore behind the opening tag. Raw bytes are no XML, so the XML ends there.
 fn behind_underscore<'a>(bytes: &'a [u8], position: u64, tag: &BytesStart) -> Result<Appended<'a>, String> {
     let base64 = match attribute(tag, "encoding")?.as_deref() {
         Some("raw") => false,
@@ -241,7 +241,7 @@ fn behind_underscore<'a>(bytes: &'a [u8], position: u64, tag: &BytesStart) -> Re
     Ok(Appended { bytes: &rest[..end], base64 })
 }
 
-/// Checks that the arrays fit each other.
+/// Checks that the arrays are consistent.
 pub(crate) fn check(grid: &Grid) -> Result<(), String> {
     let (nodes, cells) = (grid.points.len(), grid.ends.len());
     if grid.types.len() != cells {

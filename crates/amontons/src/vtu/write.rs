@@ -1,4 +1,4 @@
-//! Writing an unstructured grid, its arrays compressed by zlib.
+//! Writes an unstructured grid with arrays compressed by zlib.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -8,9 +8,9 @@ use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use rayon::prelude::*;
 
-/// Bytes that are compressed at once, as VTK does it: blocks are independent, so that threads share them.
+/// Block size of compression in bytes, as in VTK: blocks are independent, so threads share them.
 const BLOCK: usize = 1 << 15;
-/// Level of compression: the fastest. Reals compress little on any level, node numbers much on every.
+/// Compression level: the fastest. Reals compress little on any level, node numbers much on every one.
 const LEVEL: u8 = 1;
 
 /// An array of numbers with its name.
@@ -23,7 +23,7 @@ pub(crate) struct Written<'a> {
 /// Numbers of an array.
 pub(crate) enum Values<'a> {
     Reals(Cow<'a, [f64]>),
-    /// Node numbers and the like, which may be beyond 32 bits.
+    /// Node numbers and similar, which may exceed 32 bits.
     Counts(Vec<i64>),
     Codes(Vec<u8>),
 }
@@ -46,7 +46,7 @@ impl<'a> Written<'a> {
             Values::Codes(values) => ("UInt8", values.clone()),
         };
         let Written { name, components, .. } = self;
-        // Readers make columns of scalars that say that they have one component.
+        // For scalars with an explicit single component, readers create columns.
         let components = if *components == 1 { String::new() } else { format!(" NumberOfComponents=\"{components}\"") };
         write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">")?;
         let (header, data) = packed(&bytes);
@@ -56,7 +56,7 @@ impl<'a> Written<'a> {
     }
 }
 
-/// The header of compressed data and the data: the number of blocks, the size of a block, that of the last one if it is
+/// Compressed data and their header: the number of blocks, the size of a block, the size of the last one if it is
 /// shorter, and the compressed size of each.
 fn packed(bytes: &[u8]) -> (Vec<u8>, Vec<u8>) {
     let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(|block| compress_to_vec_zlib(block, LEVEL)).collect();
@@ -68,7 +68,7 @@ fn packed(bytes: &[u8]) -> (Vec<u8>, Vec<u8>) {
 /// The cells of a grid.
 pub(crate) struct Cells {
     pub connectivity: Vec<i64>,
-    /// Where the nodes of each cell end.
+    /// End of the nodes of each cell in `connectivity`.
     pub ends: Vec<i64>,
     /// Cell types of VTK.
     pub types: Vec<u8>,
@@ -77,7 +77,7 @@ pub(crate) struct Cells {
 /// Writes a grid with data at its points and cells.
 ///
 /// # Errors
-/// When the destination cannot be written.
+/// Fails if the destination cannot be written.
 pub(crate) fn write(
     out: &mut dyn Write,
     points: &[[f64; 3]],

@@ -20,15 +20,15 @@ fn weights_sum_to_the_length_and_corners_have_half() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Positive weights, the area, and linear functions without error, on every kind of flat facet; the Gauss points
-/// are exact for the squares of the shape functions' degree.
+/// Weights are positive and sum to the area, and linear functions are integrated exactly on every kind of flat facet;
+/// the Gauss points are exact for squares of the shape functions.
 #[test]
 fn both_quadratures_are_exact_for_linear_functions() -> Result<(), MeshError> {
     for elements in EVERY {
         let line = Mesh::interval(2.0, 3, elements)?;
         let plane = Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)?;
         let body = Mesh::box_([2.0, 1.0, 3.0], [3, 1, 2], elements)?;
-        // ∫ 1, ∫ x, ∫ z over x = 2 of the line, and over the bottom of the others.
+        // ∫ 1, ∫ x, ∫ z over the end x = 2 of the line and over the bottom of the others.
         for (mesh, side, exact) in
             [(line, "right", [1.0, 2.0, 0.0]), (plane, "bottom", [2.0, 2.0, 0.0]), (body, "bottom", [6.0, 6.0, 9.0])]
         {
@@ -48,7 +48,7 @@ fn both_quadratures_are_exact_for_linear_functions() -> Result<(), MeshError> {
                 if quadrature == Quadrature::Gauss && mesh.dim == 3 {
                     assert!((sum(&|x| x[0] * x[0]) - 8.0).abs() < 1e-12);
                 }
-                // The values at a point sum to one and give back its place.
+                // The values at a point sum to one and reproduce its position.
                 for point in &boundary.points {
                     let x: f64 = point.nodes.iter().map(|&(i, v)| v * mesh.points[boundary.nodes[i] as usize][0]).sum();
                     assert!((x - point.x[0]).abs() < 1e-14);
@@ -59,7 +59,7 @@ fn both_quadratures_are_exact_for_linear_functions() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// The weights of Simpson's rule, and of the middles of the edges.
+/// Weights of Simpson's rule, and of the rule with the edge middles.
 #[test]
 fn weights_of_quadratic_facets() -> Result<(), MeshError> {
     let weights = |mesh: &Mesh, side: &str| -> Vec<f64> {
@@ -80,8 +80,7 @@ fn weights_of_quadratic_facets() -> Result<(), MeshError> {
     );
     let face = [vec![1.0 / 36.0; 4], vec![1.0 / 9.0; 4], vec![4.0 / 9.0]].concat();
     assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::Q2)?, "bottom"), face);
-    // Two triangles of area 1/2, each with a third of it at the middle of its edges; that of the diagonal belongs
-    // to both.
+    // Two triangles of area 1/2 give a third of it to each edge middle; the diagonal belongs to both.
     let face = [vec![1.0 / 6.0; 4], vec![1.0 / 3.0]].concat();
     assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::P2)?, "bottom"), face);
     Ok(())

@@ -1,4 +1,4 @@
-//! A shear strength that friction cannot exceed.
+//! A friction bound limited by a shear strength.
 //!
 //! Source: E. Orowan, "The calculation of roll pressure in hot and cold flat rolling", Proc. Inst. Mech. Engrs 150
 //! (1943) 140–167.

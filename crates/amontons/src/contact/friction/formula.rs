@@ -1,4 +1,4 @@
-//! A coefficient given by a formula in pressure, slip speed and temperature.
+//! A friction coefficient given by a formula in pressure, slip speed and temperature.
 
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
@@ -14,7 +14,7 @@ pub struct FrictionFormula {
     coefficient: Formula,
 }
 
-/// Slip speeds between two at which the least slope is looked for.
+/// Number of slip speeds in an interval at which the least slope is searched.
 const SAMPLES: usize = 64;
 
 impl FrictionFormula {
@@ -24,12 +24,12 @@ impl FrictionFormula {
     /// A formula times a factor.
     ///
     /// # Errors
-    /// Where the text is no formula in `p`, `v` and `theta`.
+    /// Fails if the text is no formula in `p`, `v` and `theta`.
     pub fn new(coefficient: &str, factor: f64) -> Result<FrictionFormula, ExpressionError> {
         Ok(FrictionFormula { factor, coefficient: Formula::parse(coefficient, &Self::VARIABLES)? })
     }
 
-    /// Whether the formula mentions the temperature.
+    /// True if the formula mentions the temperature.
     #[must_use]
     pub fn sees_temperature(&self) -> bool {
         self.coefficient.uses(2)
@@ -62,12 +62,12 @@ impl FrictionLaw for FrictionFormula {
         }
     }
     fn lipschitz(&self, _l_nu: Option<f64>) -> Option<f64> {
-        // Nothing is known of a formula for all pressures, speeds and temperatures.
+        // No bound is known that holds for all pressures, speeds and temperatures.
         None
     }
     fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
         let slope = |slip_speed: f64| self.bound(&ContactPoint { slip_speed, ..*at }).by_slip_speed;
-        // Evenly, and denser towards the first speed, where friction of slow slip changes most.
+        // Samples are evenly spaced, with more near the first speed, where friction of slow slip changes most.
         let shares = (0..=SAMPLES).map(|i| i as f64 / SAMPLES as f64);
         let speeds = shares.flat_map(|share| [share, share.powi(6)]).map(|share| from + share * (to - from));
         speeds.map(slope).fold(0.0, f64::min)

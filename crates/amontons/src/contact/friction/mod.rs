@@ -41,7 +41,7 @@ pub struct Bound {
     pub by_temperature: f64,
 }
 
-/// The friction cone where it is not round: ‖D⁻¹ q‖ ≤ s with D = Σ μ_i e_i ⊗ e_i, e_i orthonormal in the tangent plane.
+/// A friction cone that is not round: ‖D⁻¹ q‖ ≤ s with D = Σ μ_i e_i ⊗ e_i, e_i orthonormal in the tangent plane.
 ///
 /// In q̃ = D⁻¹ q and w̃ = D w_τ it is round, and the slip is along its normal: w_τ = γ D⁻² q, γ ≥ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +51,8 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// The cone with factors μ₁ along a direction, as far as it is tangential, and μ₂ across it. A direction along ν is
-    /// replaced by the next axis of coordinates that is not.
+    /// The cone with factors μ₁ along the tangential part of a direction and μ₂ across it. A direction along ν is
+    /// replaced by the first coordinate axis that is not along ν.
     #[must_use]
     pub fn new(nu: &Point, direction: &Point, factors: [f64; 2]) -> Cone {
         let tangential = |v: &Point| -> Point {
@@ -91,46 +91,46 @@ impl Cone {
     }
 }
 
-/// The bound of the friction traction; the projection onto it is not the law's.
+/// A law for the bound of the friction traction; the projection onto the cone is done elsewhere.
 pub trait FrictionLaw: Debug + Send + Sync {
-    /// The bound at a point. `slip_speed` is zero where the point sticks: a law whose bound drops when slip starts
-    /// gives the static one there.
+    /// The bound at a point. `slip_speed` is zero while the point sticks; a law whose bound drops when slip starts
+    /// returns the static bound there.
     ///
-    /// `pressure` is the part that presses, p₊; |p| where contact is bilateral.
+    /// `pressure` is p₊, or |p| if contact is bilateral.
     fn bound(&self, at: &ContactPoint) -> Bound;
-    /// L_τ of (H8) in Pa/m where the pressure has the Lipschitz constant `l_nu`; none if unbounded, or if the bound
-    /// does not vanish with the pressure.
+    /// L_τ of (H8) in Pa/m if the pressure has the Lipschitz constant `l_nu`; `None` if the slope is unbounded, or if
+    /// the bound does not vanish with the pressure.
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64>;
-    /// Least ∂s/∂‖w_τ‖ in Pa s/m between two slip speeds, the first the smaller, at a point in other respects as given;
-    /// the drop of a bound when slip starts is none. Zero stands for any law that does not fall.
+    /// Least ∂s/∂‖w_τ‖ in Pa s/m between two slip speeds, the smaller first, with all else as in `at`; a drop of the
+    /// bound at the start of slip is not included. Zero if the bound never decreases with the slip speed.
     fn least_slope(&self, _at: &ContactPoint, _from: f64, _to: f64) -> f64 {
         0.0
     }
-    /// Whether the bound drops when slip starts: that of a slip speed of zero may be above those of the slowest slip.
+    /// True if the bound drops when slip starts: its static value may exceed its limit at vanishing slip speed.
     fn drops_from_rest(&self) -> bool {
         false
     }
-    /// Whether a point sticks whatever acts on it.
+    /// True if a point sticks under any load.
     fn never_slips(&self) -> bool {
         false
     }
-    /// Whether the bound is always zero.
+    /// True if the bound is always zero.
     fn is_frictionless(&self) -> bool {
         false
     }
-    /// The law as one whose coefficients vary over the side, if it is one.
+    /// The law as a space-dependent one, if its coefficients vary over the side.
     fn graded(&self) -> Option<&Graded<dyn FrictionLaw>> {
         None
     }
-    /// The law at a time; none for a law that does not change with time.
+    /// The law at a time; `None` for a law that does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn FrictionLaw>> {
         None
     }
-    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    /// The array functions of the law; they are evaluated for all contact points at once.
     fn arrays(&self) -> Vec<&Arrays> {
         Vec::new()
     }
-    /// The cone where it is not round, at a point with the normal ν.
+    /// The friction cone at a point with the normal ν if it is not round; `None` for a round one.
     fn cone(&self, _x: &Point, _nu: &Point) -> Option<Cone> {
         None
     }
@@ -169,7 +169,7 @@ mod tests {
         near(cone.apply(&[along, along, 7.0]), [0.2 * along, 0.2 * along, 0.0]);
         near(cone.apply(&[along, -along, 0.0]), [0.5 * along, -0.5 * along, 0.0]);
         near(cone.inverse(&cone.apply(&[0.3, -0.7, 0.0])), [0.3, -0.7, 0.0]);
-        // In two dimensions, with a direction along the normal, too.
+        // Also in two dimensions, with a direction along the normal.
         near(Cone::new(&[0.0, -1.0, 0.0], &[0.0, 1.0, 0.0], [0.2, 0.5]).apply(&[1.0, 0.0, 0.0]), [0.2, 0.0, 0.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Orthotropic friction: a coefficient for each of two directions across each other.
+//! Orthotropic friction: a coefficient for each of two orthogonal directions.
 //!
 //! Source: R. Michałowski, Z. Mróz, "Associated and non-associated sliding rules in contact friction problems", Arch.
 //! Mech. 30 (1978) 259–276, with the associated rule.
@@ -12,7 +12,7 @@ use crate::tensor::Point;
 pub struct Orthotropic {
     /// μ₁ along the direction and μ₂ across it, both positive.
     pub coefficients: [f64; 2],
-    /// The direction of μ₁, of which the part in the tangent plane counts.
+    /// The direction of μ₁; only its tangential part counts.
     pub direction: Point,
 }
 

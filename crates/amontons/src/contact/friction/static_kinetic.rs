@@ -1,4 +1,4 @@
-//! Static and kinetic friction: the bound falls when slip starts.
+//! Static and kinetic friction: the bound decreases when slip starts.
 //!
 //! Source: J. A. C. Martins, J. T. Oden, F. M. F. Simões, "A study of static and kinetic friction", Int. J. Engng Sci.
 //! 28 (1990) 29–92; the exponential decay is that of L. C. Bo, D. Pavelescu, Wear 82 (1982) 277–289.
@@ -6,11 +6,11 @@
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
 
-/// p_τ = μ(‖w_τ‖) p with μ(v) = μ_k + (μ_s − μ_k) exp(−v/v_d). Without v_d, μ_s holds where a point sticks and μ_k
-/// where it slips.
+/// p_τ = μ(‖w_τ‖) p with μ(v) = μ_k + (μ_s − μ_k) exp(−v/v_d). Without v_d, μ_s holds while a point sticks and μ_k
+/// while it slips.
 ///
-/// A step may then have two solutions at a point: one that stuck sticks up to μ_s p, one that slips does so until its
-/// slip would turn round.
+/// A step may then have two solutions at a point: a sticking point sticks up to μ_s p, a slipping point continues to
+/// slip until its slip would reverse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticKinetic {
     /// μ_s ≥ μ_k.

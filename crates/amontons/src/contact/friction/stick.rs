@@ -3,15 +3,14 @@
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
 
-/// A bound beyond every traction, open or closed: with bilateral contact a tie of two sides.
+/// A bound larger than any traction, open or closed: with bilateral contact it ties two sides.
 ///
-/// Source: N. Kikuchi, J. T. Oden, "Contact Problems in Elasticity", SIAM (1988), 10.2: perfect adhesion along the
-/// tangents.
+/// Source: N. Kikuchi, J. T. Oden, "Contact Problems in Elasticity", SIAM (1988), 10.2: perfect tangential adhesion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoSlip;
 
 impl NoSlip {
-    /// The bound: beyond every traction, and its square is still a number.
+    /// The bound: larger than any traction, yet its square is finite.
     pub const BOUND: f64 = 1e150;
 }
 

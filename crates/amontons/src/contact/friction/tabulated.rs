@@ -1,4 +1,4 @@
-//! Coefficients that depend on slip speed, temperature or pressure, by tables.
+//! Friction coefficients that depend on slip speed, temperature or pressure, given by tables.
 //!
 //! Sources: E. Rabinowicz, "Friction and Wear of Materials", Wiley (1965), chapter 4 (slip speed, pressure); the
 //! coefficient linear in the temperature, μ₀ + μ₁ (θ − θ₀) between two limits, is a table of two points.
@@ -6,7 +6,7 @@
 use super::{Bound, FrictionLaw};
 use crate::contact::{ContactPoint, PiecewiseLinear};
 
-/// What the coefficient depends on.
+/// The variable on which the coefficient depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
     /// ‖w_τ‖ in m/s.
@@ -17,7 +17,7 @@ pub enum Variable {
     Pressure,
 }
 
-/// p_τ = μ(·) p with μ linear between the points of a table, and constant outside.
+/// p_τ = μ(·) p with μ linear between the points of a table and constant outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     /// The argument of μ.

@@ -1,9 +1,9 @@
-//! Tresca's law: a bound that is given.
+//! Tresca's law: a given friction bound.
 
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
 
-/// p_τ = s, on all of Γ_C and whatever the pressure: the problem with given friction, which is a minimum problem.
+/// p_τ = s on all of Γ_C, independent of the pressure: the problem with given friction, a minimum problem.
 ///
 /// Source: G. Duvaut, J.-L. Lions, "Les inéquations en mécanique et en physique", Dunod (1972), chapter 3.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ impl FrictionLaw for Tresca {
         Bound { value: self.bound, ..Bound::default() }
     }
     fn lipschitz(&self, _l_nu: Option<f64>) -> Option<f64> {
-        // Over an open gap it is not zero, as (H8) has it.
+        // On an open gap it is not zero, contrary to (H8).
         (self.bound == 0.0).then_some(0.0)
     }
     fn is_frictionless(&self) -> bool {

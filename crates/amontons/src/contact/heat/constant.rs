@@ -3,7 +3,7 @@
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
 
-/// h the same at every contact point, open or closed: the thin layer of a tied joint, or a film that never parts.
+/// One h at every contact point, open or closed: the thin layer of a tied joint, or a film that never separates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstantConductance {
     /// h ≥ 0 in W/(m² K).

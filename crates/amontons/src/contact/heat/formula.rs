@@ -4,8 +4,8 @@ use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
 use crate::expression::{ExpressionError, Formula};
 
-/// h = c f(p, r) with f a formula: p the pressure that presses, p₊ in Pa, r the penetration in m, negative where the
-/// gap is open. Where the formula is negative, h is 0.
+/// h = c f(p, r) with a formula f: p₊ in Pa is the contact pressure, r in m the penetration, negative if the gap is
+/// open. If the formula is negative, h is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConductanceFormula {
     /// c ≥ 0.
@@ -23,7 +23,7 @@ impl ConductanceFormula {
     /// A formula times a factor.
     ///
     /// # Errors
-    /// Where the text is no formula in `p` and `r`.
+    /// Fails if the text is no formula in `p` and `r`.
     pub fn new(conductance: &str, factor: f64, truncation: Option<f64>) -> Result<ConductanceFormula, ExpressionError> {
         Ok(ConductanceFormula { factor, conductance: Formula::parse(conductance, &Self::VARIABLES)?, truncation })
     }
@@ -53,7 +53,7 @@ impl HeatLaw for ConductanceFormula {
         if self.factor == 0.0 { 0.0 } else { f64::INFINITY }
     }
     fn conductance_lipschitz(&self) -> Option<f64> {
-        // Nothing is known of a formula for all pressures and penetrations.
+        // No bound is known that holds for all pressures and penetrations.
         None
     }
     fn truncation(&self) -> Option<f64> {

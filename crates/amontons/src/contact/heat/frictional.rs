@@ -1,4 +1,4 @@
-//! Heat that friction makes.
+//! Frictional heat.
 //!
 //! Source: F. F. Ling, "Surface Mechanics", Wiley (1973), chapter 2: a share η of the power of friction enters one
 //! body, 1 − η the other.

@@ -7,7 +7,7 @@
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
 
-/// h = k_g/(g + g₀) over the open width g = (−r)₊; k_g/g₀ where closed.
+/// h = k_g/(g + g₀) over the open width g = (−r)₊; k_g/g₀ if closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GapConduction {
     /// k_g ≥ 0 in W/(m K).

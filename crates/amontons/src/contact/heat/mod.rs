@@ -27,7 +27,7 @@ pub use radiation::{Radiation, STEFAN_BOLTZMANN};
 pub use ramp::Ramp;
 pub use sum::Sum;
 
-/// A heat flux leaving the body, of a pair that of the side `on`, in W/m², with its slopes.
+/// A heat flux in W/m² that leaves the body (for a pair, the side `on`), with its slopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flux {
     /// q·ν in W/m².
@@ -47,8 +47,8 @@ pub struct Flux {
 }
 
 impl Flux {
-    /// The flux out of the other body of a pair, in which friction makes this power in W/m²: what heat leaves one body
-    /// enters the other, and so does the heat of friction that does not enter the first.
+    /// The flux out of the other body of a pair for a friction power in W/m²: heat that leaves one body enters the
+    /// other, and so does the friction heat that does not enter the first.
     #[must_use]
     pub fn across(&self, friction_power: f64) -> Flux {
         Flux {
@@ -63,40 +63,40 @@ impl Flux {
     }
 }
 
-/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F; of a pair from the
-/// side `on` into the side `with`, whichever bears the contact points.
+/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F; for a pair from the
+/// side `on` into the side `with`, regardless of which bears the contact points.
 pub trait HeatLaw: Debug + Send + Sync {
     /// The flux at a point.
     fn flux(&self, at: &ContactPoint) -> Flux;
-    /// M_kc of (H7), the bound of the conductance in W/(m² K); infinite if there is none.
+    /// M_kc of (H7), the bound of the conductance in W/(m² K); infinite if unbounded.
     fn conductance_bound(&self) -> f64;
-    /// L_kc of (H7), the Lipschitz constant of the conductance in W/(m³ K); none if there is none.
+    /// L_kc of (H7), the Lipschitz constant of the conductance in W/(m³ K); `None` if it has none.
     fn conductance_lipschitz(&self) -> Option<f64>;
-    /// The law as one whose coefficients vary over the side, if it is one.
+    /// The law as a space-dependent one, if its coefficients vary over the side.
     fn graded(&self) -> Option<&Graded<dyn HeatLaw>> {
         None
     }
-    /// The law at a time; none for a law that does not change with time.
+    /// The law at a time; `None` for a law that does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn HeatLaw>> {
         None
     }
-    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    /// The array functions of the law; they are evaluated for all contact points at once.
     fn arrays(&self) -> Vec<&Arrays> {
         Vec::new()
     }
-    /// L of φ_L in K; none without truncation.
+    /// L of φ_L in K; `None` without truncation.
     fn truncation(&self) -> Option<f64> {
         None
     }
-    /// What the heat passes by, by the name of the law in case files; none where no heat passes.
+    /// The mechanism of heat transfer, named as the law in case files; `None` if no heat passes.
     fn mechanism(&self) -> Option<&'static str> {
         Some("law")
     }
-    /// The laws that the flux is the sum of; none for a law of one mechanism.
+    /// The laws whose fluxes are summed; empty for a law of one mechanism.
     fn parts(&self) -> &[Arc<dyn HeatLaw>] {
         &[]
     }
-    /// The temperature below which there is none, K; none for laws that see differences only.
+    /// Absolute zero on the scale of the temperature, K; `None` for laws that depend on differences only.
     fn absolute_zero(&self) -> Option<f64> {
         None
     }
@@ -124,7 +124,7 @@ impl HeatLaw for Insulated {
     }
 }
 
-/// φ_L(θ − θ_F) of (2.10) with a generalized derivative: the difference cut off at ±L.
+/// φ_L(θ − θ_F) of (2.10), the difference cut off at ±L, with a generalized derivative.
 fn phi_l(at: &ContactPoint, truncation: Option<f64>) -> (f64, f64) {
     let s = at.temperature - at.foundation_temperature;
     match truncation {
@@ -133,7 +133,7 @@ fn phi_l(at: &ContactPoint, truncation: Option<f64>) -> (f64, f64) {
     }
 }
 
-/// Sample laws, each with a penetration typical of it, for tests that hold for every law.
+/// Sample laws, each with a typical penetration, for tests that hold for every law.
 #[cfg(test)]
 pub(crate) fn samples() -> Vec<(Arc<dyn HeatLaw>, f64)> {
     let mut all: Vec<(Arc<dyn HeatLaw>, f64)> = vec![(Arc::new(Insulated), 1e-4)];

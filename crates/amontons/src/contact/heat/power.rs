@@ -1,4 +1,4 @@
-//! Conductance by a power of the penetration.
+//! Conductance as a power of the penetration.
 //!
 //! Source: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004), section
 //! 3.1.

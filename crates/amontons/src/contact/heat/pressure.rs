@@ -1,4 +1,4 @@
-//! Conductance by a power of the pressure.
+//! Conductance as a power of the pressure.
 //!
 //! Sources: M. G. Cooper, B. B. Mikic, M. M. Yovanovich, "Thermal contact conductance", Int. J. Heat Mass Transfer 12
 //! (1969) 279–300 (h ~ p^0.985); P. Wriggers, C. Miehe, Comput. Methods Appl. Mech. Engrg. 113 (1994) 301–319.
@@ -38,7 +38,7 @@ impl HeatLaw for PressureConductance {
         if self.coefficient == 0.0 { 0.0 } else { f64::INFINITY }
     }
     fn conductance_lipschitz(&self) -> Option<f64> {
-        // Of the penetration, it depends on the normal law, too.
+        // A constant in the penetration would depend on the normal law, too.
         None
     }
     fn truncation(&self) -> Option<f64> {

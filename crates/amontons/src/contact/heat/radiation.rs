@@ -9,14 +9,14 @@ use crate::contact::ContactPoint;
 /// σ of Stefan and Boltzmann in W/(m² K⁴).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
-/// q·ν = σ ε ((θ − θ_a)⁴ − (θ_F − θ_a)⁴), whatever the width of the gap; below θ_a a surface does not radiate.
+/// q·ν = σ ε ((θ − θ_a)⁴ − (θ_F − θ_a)⁴), independent of the gap; below θ_a a surface does not radiate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Radiation {
     /// ε of both surfaces together, ≥ 0.
     pub emissivity: f64,
     /// σ in the units of the case; see [`STEFAN_BOLTZMANN`].
     pub constant: f64,
-    /// θ_a, absolute zero on the scale of θ: 0 K.
+    /// θ_a, the value of θ at absolute zero: 0 K.
     pub absolute_zero: f64,
 }
 
@@ -25,7 +25,7 @@ impl HeatLaw for Radiation {
         let [body, foundation] =
             [at.temperature, at.foundation_temperature].map(|theta| (theta - self.absolute_zero).max(0.0));
         let factor = self.constant * self.emissivity;
-        // a⁴ − b⁴ without cancellation where the temperatures are close.
+        // a⁴ − b⁴ factored to avoid cancellation if the temperatures are close.
         let difference = (body - foundation) * (body + foundation) * (body * body + foundation * foundation);
         Flux {
             value: factor * difference,

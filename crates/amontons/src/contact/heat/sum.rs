@@ -1,11 +1,12 @@
-//! Several ways for heat to pass, side by side.
+//! Parallel heat transfer by several mechanisms.
 
 use std::sync::Arc;
 
 use super::{Flux, HeatLaw};
 use crate::contact::ContactPoint;
 
-/// The sum of the fluxes of several laws: conduction where closed, through the gas where open, radiation, friction.
+/// The sum of the fluxes of several laws, such as conduction at closed points, gas conduction at open ones, radiation,
+/// friction.
 #[derive(Clone, Debug)]
 pub struct Sum {
     /// The laws.
@@ -34,7 +35,7 @@ impl HeatLaw for Sum {
         self.laws.iter().map(|law| law.conductance_lipschitz()).sum()
     }
     fn truncation(&self) -> Option<f64> {
-        // The sum is cut off where every law that exchanges heat is.
+        // The sum is cut off if every law that exchanges heat is.
         let exchanging = self.laws.iter().filter(|law| law.conductance_bound() > 0.0);
         exchanging
             .map(|law| law.truncation())

@@ -1,4 +1,4 @@
-//! The nodes of a nonmortar side that may have a contact point: by how much each is covered, and on which patch.
+//! The nodes of a nonmortar side that may become contact points: covered share and patch of each.
 
 use std::collections::BTreeMap;
 
@@ -7,41 +7,42 @@ use super::part::{Facets, Part};
 use crate::mesh::{Link, leader, link_of};
 use crate::tensor::{Point, dot};
 
-/// cos 35°: facets that meet at a larger angle are two patches. It lies between the angles of polygons of 10 and 11
-/// facets, so that coarse circles are smooth and chamfers of 45° are not.
+/// cos 35°: facets that meet at a larger angle belong to two patches. It lies between the angles of polygons of 10 and
+/// 11 facets, so that coarse circles are smooth and chamfers of 45° are not.
 const SMOOTH: f64 = FACING;
 
-/// What a corner of a nonmortar part belongs to.
+/// The candidate to which a corner of a nonmortar part belongs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Corner {
     /// The number of the candidate.
     pub candidate: usize,
-    /// Whether its node follows that of the candidate, into the next sector.
+    /// True if its node follows that of the candidate into the next sector.
     pub follows: bool,
 }
 
 /// A node on a patch.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
-    /// The node; of nodes of which one follows the other that which is followed.
+    /// The node; if one node follows another, the leader.
     pub node: u32,
     /// Its corners: part and number of the corner.
     pub corners: Vec<(usize, usize)>,
-    /// σ, the largest share of its hat on a part that is covered.
+    /// σ, the largest share of its hat that is covered on one of its parts.
     pub share: f64,
 }
 
-/// The candidates of a side, by node and patch, and which of them the corners of its parts are.
+/// The candidates of a side, by node and patch, and the candidate of each corner of its parts.
 pub(super) struct Candidates {
     pub all: Vec<Candidate>,
     /// By part and corner.
     pub of: Vec<[Corner; 4]>,
-    /// The share of the hat of each corner that is covered on the part.
+    /// Covered share of the hat of each corner on its part.
     pub shares: Vec<[f64; 4]>,
 }
 
 impl Candidates {
-    /// The candidates of a side at rest: which nodes are on which patch does not depend on how bodies move.
+    /// The candidates of a side at rest: the assignment of nodes to patches does not depend on the motion of the
+    /// bodies.
     pub fn new(at_rest: &Facets, links: &[Link]) -> Candidates {
         let patches = patches(at_rest, links);
         let mut numbers: BTreeMap<(u32, usize), Vec<(usize, usize)>> = BTreeMap::new();
@@ -64,7 +65,7 @@ impl Candidates {
         Candidates { all, of, shares }
     }
 
-    /// Finds the shares σ: of the parts at a node that where the largest share of its hat is covered.
+    /// Finds the shares σ: for each candidate, the largest covered share of its hat on any part at the node.
     pub fn cover(&mut self, facets: &Facets, covered: &[Covered]) {
         for (number, part) in
             facets.parts().iter().enumerate().filter(|(number, _)| !covered[*number].samples.is_empty())
@@ -81,7 +82,7 @@ impl Candidates {
     }
 }
 
-/// The patch of each part: those that meet at an edge without a kink, and those of one facet, are in one.
+/// The patch of each part. Parts that meet at an edge without a kink, and parts of one facet, share a patch.
 fn patches(facets: &Facets, links: &[Link]) -> Vec<usize> {
     let parts = facets.parts();
     let mut union = Union { of: (0..parts.len()).collect() };
@@ -107,7 +108,7 @@ fn patches(facets: &Facets, links: &[Link]) -> Vec<usize> {
     (0..parts.len()).map(|part| union.root(part)).collect()
 }
 
-/// The edges of a part, each by its nodes in ascending order; in the plane its ends.
+/// The edges of a part by their nodes in ascending order; in the plane its end points.
 fn edges_of(facets: &Facets, part: &Part) -> Vec<[u32; 2]> {
     let (n, node) = (part.corners.len(), |corner: usize| facets.node(part, corner));
     match n {
@@ -117,7 +118,7 @@ fn edges_of(facets: &Facets, part: &Part) -> Vec<[u32; 2]> {
     }
 }
 
-/// The normal of a part at an edge, in the sector of the nodes that those of the edge follow.
+/// The normal of a part at an edge, turned into the sector of the nodes that those of the edge follow.
 fn normal(part: &Part, edge: [u32; 2], links: &[Link]) -> Point {
     match edge.map(|node| link_of(links, node)) {
         [Some(link), Some(_)] => link.back(&part.normal),
@@ -125,7 +126,7 @@ fn normal(part: &Part, edge: [u32; 2], links: &[Link]) -> Point {
     }
 }
 
-/// Sets that are joined, each called after its least member.
+/// Disjoint sets (union-find), each identified by its least member.
 struct Union {
     of: Vec<usize>,
 }

@@ -1,4 +1,4 @@
-//! What mortar facets cover of a part of a nonmortar facet, with points of quadrature on both.
+//! The part of a nonmortar facet covered by mortar facets, with quadrature points on both.
 
 use std::sync::OnceLock;
 
@@ -9,22 +9,22 @@ use crate::mesh::cross;
 use crate::quadrature::{Rule, Shape, rule};
 use crate::tensor::{Point, dot, length};
 
-/// Share of a part below which a piece of it is round-off.
+/// Fraction of a part below which a piece of it is round-off.
 const LEAST: f64 = 1e-12;
-/// Overlap of two pieces, as a share of the part, from which on the nearer one counts.
+/// Overlap of two pieces, as a fraction of the part, above which the nearer one counts.
 const OVERLAP: f64 = 1e-9;
 /// Relative error of the integrals on facets that are no parallelograms.
 const ERROR: f64 = 1e-13;
-/// Most degrees that these integrals are given beyond those of a polynomial.
+/// Largest number of degrees added to the polynomial degree for these integrals.
 const MOST: usize = 40;
-/// More than the degree of a product of shape functions.
+/// Upper bound of the degree of a product of shape functions.
 const DEGREES: usize = 10;
 /// The degree of a hat on a quadrilateral, in both coordinates together.
 const HAT_DEGREE: usize = 2;
-/// cos 35°: facets whose normals are less opposed than that do not face each other.
+/// cos 35°: facets face each other only if their normals are closer to opposite than this.
 pub(super) const FACING: f64 = 0.819_152_044_288_991_8;
 
-/// A point of quadrature on the covered part of a nonmortar part.
+/// A quadrature point on the covered part of a nonmortar part.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     /// Weight in m^(d−1).
@@ -37,30 +37,30 @@ pub(super) struct Sample {
     pub other: (usize, [f64; 4], Point),
 }
 
-/// What the mortar side covers of a nonmortar part.
+/// The part of a nonmortar part that the mortar side covers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Covered {
-    /// The points of quadrature, exact for the products of shape functions on straight facets.
+    /// The quadrature points, exact for products of shape functions on straight facets.
     pub samples: Vec<Sample>,
-    /// From the nonmortar to the mortar side at the ends of the segments (the corners of the polygons), m.
+    /// Vectors from the nonmortar to the mortar side at the ends of the segments (the corners of the polygons), m.
     pub apart: Vec<Point>,
-    /// Whether something may hide what faces the part: it is not so near that nothing can.
+    /// True if something may hide the facing mortar parts: they are not too near for that.
     pub is_far: bool,
 }
 
-/// The mortar side, as it is searched.
+/// The mortar side in searchable form.
 pub(super) struct Opposite<'a> {
     pub facets: &'a Facets<'a>,
     /// The tree of its parts.
     pub tree: &'a Tree<'a>,
-    /// What hides parts from each other; none if nothing does.
+    /// Test for facets that hide parts from each other; `None` if nothing does.
     pub sight: Option<&'a Sight<'a>>,
-    /// The distance within which parts count, where one is given, in m.
+    /// Largest distance at which parts count, m; `None` without a limit.
     pub distance: Option<f64>,
 }
 
-/// What the mortar side covers of a nonmortar part, seen along the normal of the part: what faces it and is not hidden
-/// from it, the nearest of what lies behind each other.
+/// Finds the region of a nonmortar part that the mortar side covers, seen along the normal of the part: only facing,
+/// visible parts count, and of parts behind each other the nearest.
 pub(super) fn covered(nonmortar: &Facets, opposite: &Opposite, part: &Part) -> Covered {
     let is_near =
         |centre: &Point, radius: f64| opposite.distance.is_none_or(|distance| part.is_within(distance, centre, radius));
@@ -75,7 +75,7 @@ pub(super) fn covered(nonmortar: &Facets, opposite: &Opposite, part: &Part) -> C
     covered
 }
 
-/// The whole of a part as if it were covered: the integrals of its hats, by corner.
+/// The integrals of the hats of a part by corner, as if all of it were covered.
 pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
     let mut sums = [0.0; 4];
     match part.corners.as_slice() {
@@ -102,7 +102,7 @@ pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
     sums
 }
 
-/// The degree of ψ_i N_j in each coordinate, with that of the radius in a body of revolution.
+/// The degree of ψ_i N_j in each coordinate, including that of the radius in a body of revolution.
 fn degree(nonmortar: &Facets, mortar: &Facets, [own, other]: [&Part; 2]) -> usize {
     let of = |facets: &Facets, part: &Part| {
         let (element, _) = facets.facet(part.facet);
@@ -112,7 +112,7 @@ fn degree(nonmortar: &Facets, mortar: &Facets, [own, other]: [&Part; 2]) -> usiz
     linear + of(nonmortar, own).max(of(mortar, other)) + usize::from(nonmortar.is_axisymmetric)
 }
 
-/// In one dimension: the nearest point that looks back.
+/// In one dimension: the nearest facing point.
 fn nearest(part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
     let distance = |other: &Part| (other.centre[0] - part.centre[0]).abs();
     let nearest = facing.iter().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
@@ -124,11 +124,11 @@ fn nearest(part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
     }
 }
 
-/// A piece of a segment, from its start at 0 to its end at 1, with the mortar part that faces it.
+/// A piece of a segment from its start at 0 to its end at 1, with the mortar part that faces it.
 struct Piece<'p> {
     number: usize,
     other: &'p Part,
-    /// The ends of the mortar part.
+    /// Coordinates of the ends of the mortar part on the segment.
     ends: [f64; 2],
     from: f64,
     to: f64,
@@ -137,7 +137,7 @@ struct Piece<'p> {
 }
 
 impl Piece<'_> {
-    /// Where on the mortar part a place is, from its first corner at 0 to its last at 1.
+    /// Coordinate on the mortar part of a place on the segment, from 0 at its first corner to 1 at its last.
     fn across(&self, s: f64) -> f64 {
         (s - self.ends[0]) / (self.ends[1] - self.ends[0])
     }
@@ -190,13 +190,13 @@ fn segments(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
     }
 }
 
-/// From a reference point of one facet to that of another, m.
+/// Vector from a reference point of one facet to that of another, m.
 fn apart(of: [(&Facets, usize, Point); 2]) -> Point {
     let [from, to] = of.map(|(facets, facet, at)| facets.position(facet, &at));
     std::array::from_fn(|c| to[c] - from[c])
 }
 
-/// What nearer pieces leave of a piece.
+/// The intervals of a piece that nearer pieces leave uncovered.
 fn left(piece: &Piece, taken: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut left = vec![[piece.from, piece.to]];
     for &[from, to] in taken {
@@ -212,7 +212,7 @@ fn between(ends: &[Point], share: f64) -> Point {
     std::array::from_fn(|c| ends[0][c] + share * (ends[1][c] - ends[0][c]))
 }
 
-/// A point in the plane of a part.
+/// Coordinates of a point in the plane of a part.
 type Flat = [f64; 2];
 
 /// The plane of a part.
@@ -241,7 +241,7 @@ impl Plane<'_> {
         self.axes.map(|axis| dot(&from, &axis))
     }
 
-    /// A point of the plane in space.
+    /// The position in space of a point of the plane.
     fn place(&self, [s, t]: &Flat) -> Point {
         std::array::from_fn(|c| self.origin[c] + s * self.axes[0][c] + t * self.axes[1][c])
     }
@@ -281,7 +281,7 @@ fn polygons(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
     found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let mut taken: Vec<Vec<Flat>> = Vec::new();
     for Patch { number, other, corners, piece, .. } in found {
-        // Of facets behind each other the nearest counts.
+        // The nearest of facets behind each other counts.
         let hidden: f64 = taken.iter().map(|nearer| area(&clipped(&piece, nearer)).abs()).sum();
         if hidden > 0.5 * area(&piece).abs() {
             continue;
@@ -307,7 +307,7 @@ fn polygons(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
     }
 }
 
-/// The centre of area of a convex polygon.
+/// The centroid of a convex polygon.
 fn centre(polygon: &[Flat]) -> Flat {
     let (mut sum, mut size) = ([0.0; 2], 0.0);
     for triangle in fan(polygon) {
@@ -329,7 +329,7 @@ fn area(corners: &[Flat]) -> f64 {
     0.5 * pairs.sum::<f64>()
 }
 
-/// The part of a polygon inside a convex one (Sutherland and Hodgman), in the orientation of the first.
+/// The intersection of a polygon with a convex one (Sutherland and Hodgman), in the orientation of the first.
 fn clipped(polygon: &[Flat], by: &[Flat]) -> Vec<Flat> {
     let turn = area(by).signum();
     let mut piece = polygon.to_vec();
@@ -353,12 +353,12 @@ fn clipped(polygon: &[Flat], by: &[Flat]) -> Vec<Flat> {
     piece
 }
 
-/// The triangles about the first corner of a convex polygon.
+/// Splits a convex polygon into triangles about its first corner.
 fn fan(polygon: &[Flat]) -> impl Iterator<Item = [Flat; 3]> + use<'_> {
     polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]]).filter(|triangle| area(triangle) != 0.0)
 }
 
-/// The rule of a degree on triangles, made once.
+/// The quadrature rule of a degree on triangles, built once.
 fn on_triangles(degree: usize) -> &'static Rule {
     static RULES: [OnceLock<Rule>; MOST + DEGREES] = [const { OnceLock::new() }; MOST + DEGREES];
     let degree = degree.min(MOST + DEGREES - 1);
@@ -375,13 +375,13 @@ fn placed(triangle: &[Flat; 3], rule: &Rule) -> Vec<(Flat, f64)> {
     rule.iter().map(|(at, weight)| ([0, 1].map(|c| place(at, c)), weight * doubled)).collect()
 }
 
-/// The map of the unit triangle or square onto a part whose corners are these points of a plane.
+/// The map of the unit triangle or square onto a part, given by its corners in a plane.
 struct Map<'c> {
     corners: &'c [Flat],
 }
 
 impl Map<'_> {
-    /// The point at coordinates of zero, the edges from it along both, and what is left of the opposite corner.
+    /// The origin a, the edges b and c from it along both coordinates, and d, the bilinear term of the map.
     fn edges(&self) -> [Flat; 4] {
         let [from, along, across] = [0, 1, self.corners.len() - 1].map(|i| self.corners[i]);
         let [b, c] = [along, across].map(|to| [0, 1].map(|i| to[i] - from[i]));
@@ -392,8 +392,8 @@ impl Map<'_> {
         [from, b, c, d]
     }
 
-    /// The coordinates (s, t) of a point of the plane: x = a + b s + c t + d s t, of which t is a root of
-    /// (x − a − c t) × (b + d t) = 0: that at which the left side has the slope of the orientation.
+    /// The coordinates (s, t) of a point of the plane: x = a + b s + c t + d s t, of which t is a root of (x − a − c t)
+    /// × (b + d t) = 0: the root at which the left side has the slope of the orientation.
     fn inverse(&self, x: &Flat) -> Flat {
         let [a, b, c, d] = self.edges();
         let e = [0, 1].map(|i| x[i] - a[i]);
@@ -410,10 +410,10 @@ impl Map<'_> {
         turn([0, 1].map(|i| b[i] + d[i] * t), [0, 1].map(|i| c[i] + d[i] * s))
     }
 
-    /// The degrees that a rule on a triangle needs beyond those of a polynomial.
+    /// The degrees by which a rule on a triangle must exceed that of a polynomial.
     ///
-    /// The inverse of a bilinear map is a square root, singular where the determinant of the map is zero. With that
-    /// between 1 − ρ and 1 + ρ times its mean on the triangle, its terms of degree n have the size ρⁿ⁻¹.
+    /// The inverse of a bilinear map is a square root, singular where the determinant of the map is zero. If the
+    /// determinant is between 1 − ρ and 1 + ρ times its mean on the triangle, its terms of degree n have the size ρⁿ⁻¹.
     fn more_degrees(&self, triangle: &[Flat; 3]) -> usize {
         let sizes = triangle.map(|corner| self.determinant(self.inverse(&corner)));
         let [least, most] = [f64::min, f64::max].map(|of| sizes.into_iter().fold(sizes[0], of));
@@ -421,7 +421,7 @@ impl Map<'_> {
         match rho {
             _ if rho <= ERROR => 0,
             _ if rho < 1.0 => ((ERROR.ln() / rho.ln()).ceil() as usize - 1).min(MOST),
-            // Such a cell is refused; a facet may look so where it is projected.
+            // Such a cell is refused; a projected facet may still look so.
             _ => MOST,
         }
     }
@@ -438,17 +438,17 @@ fn values(corners: usize, [s, t]: Flat) -> [f64; 4] {
 }
 
 impl Part {
-    /// Whether two parts look at each other.
+    /// True if the normals of two parts are nearly opposite.
     fn faces(&self, other: &Part) -> bool {
         dot(&self.normal, &other.normal) < -FACING
     }
 
-    /// The reference point of the facet at coordinates of the part.
+    /// The reference point of the facet at given coordinates of the part.
     fn at(&self, at: &Flat) -> Point {
         interpolated(&self.reference, *at)
     }
 
-    /// Where coordinates of the part are in space.
+    /// The position in space at given coordinates of the part.
     fn position(&self, at: &Flat) -> Point {
         interpolated(&self.corners, *at)
     }
@@ -460,7 +460,7 @@ fn interpolated(corners: &[Point], at: Flat) -> Point {
 }
 
 impl Opposite<'_> {
-    /// Whether nothing hides two parts from each other along a line.
+    /// True if nothing hides two parts from each other along a line.
     fn sees(&self, line: &Line) -> bool {
         self.sight.is_none_or(|sight| !line.is_long() || sight.is_clear(line))
     }

@@ -5,7 +5,7 @@
 //!     ψ_a = ∫H_a / |c|                                 else
 //! ```
 //!
-//! Both have Σ_a ψ_a = 1 and ∫ψ_a = ∫H_a, so that weights are positive and a constant pressure is exact. The second
+//! Both satisfy Σ_a ψ_a = 1 and ∫ψ_a = ∫H_a, so that weights are positive and a constant pressure is exact. The second
 //! needs no inverse on slivers.
 
 use faer::Mat;
@@ -14,21 +14,21 @@ use faer::prelude::Solve;
 use super::cut::Sample;
 use super::part::{Facets, Part};
 
-/// Values by number of a node of a facet.
+/// Values per node of a facet.
 pub(super) type Values = Vec<f64>;
 
-/// ψ of the corners of a part, integrated.
+/// Integrals of the functions ψ of the corners of a part.
 pub(super) struct Dual {
     /// ∫ψ_a.
     pub weight: Vec<f64>,
     /// ∫ψ_a N_j by corner and node of the facet.
     pub own: Vec<Values>,
-    /// By mortar part: its number, ∫ψ_a N_l by corner and node of its facet, and ∫H_a H_l by corner and corner of it.
+    /// Per mortar part: its number, ∫ψ_a N_l by corner and node of its facet, and ∫H_a H_l by corner and corner.
     pub other: Vec<(usize, Vec<Values>, Vec<[f64; 4]>)>,
 }
 
 impl Dual {
-    /// The functions of a part with these points of quadrature; `is_dual` says that all corners have laws of their own.
+    /// Integrates over the quadrature points of a part; `is_dual` is true if all its corners have laws of their own.
     pub fn new(nonmortar: &Facets, mortar: &Facets, part: &Part, samples: &[Sample], is_dual: bool) -> Dual {
         let n = part.corners.len();
         let integral =
@@ -37,7 +37,7 @@ impl Dual {
         let psi = if is_dual { dual(n, &weight, &integral, samples) } else { constant(&weight, samples) };
         let (_, nodes) = nonmortar.facet(part.facet);
         let own = if is_dual && nodes.len() == n {
-            // On a linear facet D is diagonal to the last bit.
+            // On a linear facet D is exactly diagonal.
             (0..n).map(|a| (0..n).map(|b| if a == b { weight[a] } else { 0.0 }).collect()).collect()
         } else {
             let mut own = vec![vec![0.0; nodes.len()]; n];
@@ -48,7 +48,7 @@ impl Dual {
         };
         let mut other = Vec::new();
         let mut first = 0;
-        // The samples on one mortar part follow each other.
+        // The samples on one mortar part are consecutive.
         for on_other in samples.chunk_by(|a, b| a.other.0 == b.other.0) {
             let number = on_other[0].other.0;
             let facet = mortar.parts()[number].facet;
@@ -74,14 +74,13 @@ fn add(sums: &mut [Values], psi: &[Vec<f64>], q: usize, weight: f64, values: &[f
     }
 }
 
-/// ψ_a by corner and sample, a constant for each corner.
+/// ψ_a by corner and sample: a constant per corner.
 fn constant(weight: &[f64], samples: &[Sample]) -> Vec<Vec<f64>> {
     let covered: f64 = weight.iter().sum();
     weight.iter().map(|own| vec![own / covered; samples.len()]).collect()
 }
 
-/// ψ_a by corner and sample: those dual to the hats. The Gram matrix is scaled by its diagonal before it is solved
-/// with.
+/// ψ_a by corner and sample, dual to the hats. The Gram matrix is scaled by its diagonal before the solve.
 fn dual(
     n: usize,
     weight: &[f64],

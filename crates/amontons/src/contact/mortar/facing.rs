@@ -1,4 +1,4 @@
-//! Bodies that are near each other: which of their facets face those of another body within a distance.
+//! Detection of neighbouring bodies: facets that face those of another body within a distance.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +11,7 @@ use crate::mesh::defects::components;
 use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::length;
 
-/// Relative round-off of a distance that is that of the bodies.
+/// Relative round-off allowed in a distance between the bodies.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Two bodies with the facets of each that face the other.
@@ -23,9 +23,9 @@ pub struct Facing {
     pub sides: [FacetSet; 2],
 }
 
-/// The pairs of bodies whose facets face each other, along their normals and without a third body between them, with at
-/// most the distance d in m between them, or overlap by as much at most. Facets that are not free are left out. A mesh
-/// whose cells have nodes that do not exist has no pairs.
+/// The pairs of bodies whose facets face each other along their normals, with no third body between them, at a distance
+/// of at most d in m or with an overlap of at most d. Facets that are not free are left out. A mesh with cells that
+/// refer to missing nodes has no pairs.
 #[must_use]
 pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u32]) -> bool) -> Vec<Facing> {
     if mesh.check_nodes().is_err() {
@@ -40,7 +40,7 @@ pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u
     for (element, nodes) in mesh.boundary().facets().filter(|(element, nodes)| is_free(element, nodes)) {
         surfaces[body_of[nodes[0] as usize]].push(element, nodes.iter().copied());
     }
-    // Of each pair the facets of both bodies that face each other.
+    // Facets of both bodies of each pair that face each other.
     let mut found: BTreeMap<[usize; 2], [BTreeSet<usize>; 2]> = BTreeMap::new();
     for (own, surface) in surfaces.iter().enumerate() {
         let (mut others, mut owner) = (FacetSet::default(), Vec::new());
@@ -69,7 +69,7 @@ pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u
         .collect()
 }
 
-/// The facets of the first surface with those of the second that they face within the distance.
+/// The facets of the first surface, each paired with a facet of the second that it faces within the distance.
 fn near(mesh: &Mesh, surfaces: [&FacetSet; 2], distance: f64) -> Vec<(usize, usize)> {
     let itself = [Image::SELF];
     let [own, other] = surfaces.map(|set| Facets::new(mesh, &mesh.points, set, &itself));

@@ -1,31 +1,31 @@
-//! The images of a side in the neighbouring sectors of a body that is repeated about an axis.
+//! The images of a side in the neighbouring sectors of a cyclic body.
 
 use crate::mesh::{Link, link_of};
 use crate::tensor::{Point, dot};
 
-/// Relative difference of two turns that is the round-off of coordinates.
+/// Relative difference of two turns that counts as round-off of coordinates.
 const SAME: f64 = 1e-6;
 
-/// A power of the turn x ↦ R x + c that makes the next sector from one.
+/// A power of the turn x ↦ R x + c that maps a sector to the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Image {
-    /// The power: 0 is the sector itself, 1 the next one, −1 the one before.
+    /// The power: 0 is the sector itself, 1 the next one, −1 the previous one.
     pub power: i8,
-    /// R to this power, the images of the axes.
+    /// R to this power, as the images of the axes.
     turn: [Point; 3],
-    /// What is added, m.
+    /// The shift c of this power, m.
     shift: Point,
 }
 
-/// Nothing is turned.
+/// The axes, for no turn.
 const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Image {
-    /// The side itself.
+    /// The identity: the side itself.
     pub const SELF: Image = Image { power: 0, turn: AXES, shift: [0.0; 3] };
 
-    /// The turn that makes the next sector from that of a side with these nodes; none of a body that is no sector.
-    /// Nodes are at `x`.
+    /// The turn that maps the sector of a side with these nodes, at positions `x`, to the next one; `None` if the body
+    /// is no sector.
     pub(super) fn next(links: &[Link], x: &[Point], nodes: &[u32]) -> Option<Image> {
         let link = nodes.iter().find_map(|&node| link_of(links, node))?;
         let [node, to] = [link.node, link.to].map(|node| x[node as usize]);
@@ -33,7 +33,7 @@ impl Image {
         Some(Image { power: 1, turn: link.turn, shift: std::array::from_fn(|c| node[c] - image[c]) })
     }
 
-    /// Whether two turns are one but for the round-off of coordinates of this size.
+    /// True if two turns are equal up to the round-off of coordinates of this size.
     pub(super) fn is_same(&self, other: &Image, size: f64) -> bool {
         let is_near = |a: &Point, b: &Point, size: f64| (0..3).all(|c| (a[c] - b[c]).abs() <= SAME * size);
         self.turn.iter().zip(&other.turn).all(|(a, b)| is_near(a, b, 1.0)) && is_near(&self.shift, &other.shift, size)
@@ -45,7 +45,7 @@ impl Image {
         Image { power: -self.power, turn, shift: back.map(|c| -c) }
     }
 
-    /// The turn made so many times, back if the number is negative.
+    /// The turn applied `times` times, backwards if negative.
     pub(super) fn times(&self, times: i8) -> Image {
         let once = if times < 0 { self.inverse() } else { *self };
         (0..times.unsigned_abs()).fold(Image::SELF, |image, _| Image {
@@ -55,7 +55,7 @@ impl Image {
         })
     }
 
-    /// Where a point of the sector is in the image.
+    /// The position of the image of a point of the sector.
     #[must_use]
     pub fn position(&self, x: &Point) -> Point {
         if self.power == 0 {
@@ -65,20 +65,20 @@ impl Image {
         std::array::from_fn(|c| image[c] + self.shift[c])
     }
 
-    /// What a vector of the sector is in the image.
+    /// The image of a vector of the sector.
     #[must_use]
     pub fn vector(&self, v: &Point) -> Point {
         turned(&self.turn, v)
     }
 
-    /// What a vector of the image is in the sector.
+    /// The vector of the sector whose image is `v`.
     #[must_use]
     pub fn back(&self, v: &Point) -> Point {
         self.turn.map(|image| dot(&image, v))
     }
 }
 
-/// R v, of the images of the axes.
+/// R v, with R given by the images of the axes.
 fn turned(turn: &[Point; 3], v: &Point) -> Point {
     std::array::from_fn(|d| (0..3).map(|c| v[c] * turn[c][d]).sum())
 }
@@ -87,8 +87,7 @@ fn turned(turn: &[Point; 3], v: &Point) -> Point {
 mod tests {
     use super::*;
 
-    /// The turn of a link brings the node that is followed to that which follows, and made forth and back brings it
-    /// home.
+    /// The turn of a link maps the leading node to its follower; the turn and its inverse cancel.
     #[test]
     fn a_sector_turned_forth_and_back_is_where_it_was() {
         let (s, c) = 0.7f64.sin_cos();

@@ -1,40 +1,40 @@
-//! Which candidates have a law of their own, and to which of these the others give their functions.
+//! Selects the candidates that have a law of their own, and assigns the functions of the others to them.
 //!
-//! A node whose hat is covered by a sliver only would have a force as small as the sliver and a pressure of any size:
-//! it is *joined* to its neighbours (the idea of E. Béchet, N. Moës and B. Wohlmuth, IJNME 78 (2009) 931, for cut
-//! meshes, on the covered part of a side). So are nodes at which two laws would meet: at a kink between two patches, of
-//! two pairs, on both sides; and a node that is held as a whole and faces another one that is: nothing determines a
-//! traction there.
+//! A node whose hat is covered only by a sliver would have a force as small as the sliver and an arbitrarily large
+//! pressure: it is *joined* to its neighbours (the idea of E. Béchet, N. Moës and B. Wohlmuth, IJNME 78 (2009) 931, for
+//! cut meshes, on the covered part of a side). So are nodes at which two laws would meet (at a kink between two
+//! patches, of two pairs, on both sides), and a fully held node that faces another fully held one: its traction is
+//! undetermined.
 
 use std::collections::BTreeMap;
 
 use super::candidate::Candidates;
 use super::cut::Covered;
 
-/// Least share σ of a hat that is covered of a node with a law of its own. In the plane σ is the square of the covered
-/// part of a facet, and no ratio of small numbers squared is near 0.7; 0.6 to 0.8 would do.
+/// Least covered share σ of a hat for a node with a law of its own. In the plane σ is the square of the covered part of
+/// a facet, and no square of a ratio of small integers is near 0.7; 0.6 to 0.8 would do.
 const OWN: f64 = 0.7;
 /// Shares that differ by less are equal.
 const SAME: f64 = 1e-9;
-/// Share of a hat below which it is not covered.
+/// Share of a hat below which it counts as uncovered.
 const COVERED: f64 = 1e-12;
 
-/// T: to which candidates each gives its function, in which parts.
+/// The matrix T: the candidates to which each gives its function, with fractions.
 pub(super) struct Joining {
-    /// Whether a candidate has a law of its own.
+    /// True if a candidate has a law of its own.
     pub has_law: Vec<bool>,
-    /// T_ki by i: the candidates k with their parts, which sum to 1; itself of a candidate with a law, none of one that
-    /// is not covered.
+    /// T_ki by i: the receiving candidates k with their fractions, which sum to 1; a candidate with a law keeps its
+    /// own, an uncovered candidate has no entries.
     pub to: Vec<Vec<(usize, f64)>>,
 }
 
-/// Whether a candidate is covered as far as a node with a law of its own is.
+/// True if a candidate is covered enough for a law of its own.
 pub(super) fn bears(share: f64) -> bool {
     share >= OWN - SAME
 }
 
 impl Joining {
-    /// The joining of a side. `is_named` says of a candidate that it is joined whatever its share is.
+    /// The joining of a side. `is_named` selects candidates that are joined regardless of their share.
     pub fn new(candidates: &Candidates, covered: &[Covered], is_named: &dyn Fn(usize) -> bool) -> Joining {
         let all = &candidates.all;
         let is_named: Vec<bool> = (0..all.len()).map(is_named).collect();
@@ -48,8 +48,8 @@ impl Joining {
         let mut waiting: Vec<(usize, &[(usize, f64)])> =
             others.into_iter().zip(near.iter().map(Vec::as_slice)).collect();
         let mut is_beside = vec![false; all.len()];
-        // Who finds no taker waits for those who do: a sliver beside a node that is joined itself passes on to where
-        // that went. Where nobody does, the one that is covered most has a law after all.
+        // A candidate without a taker waits until its neighbours have one: a sliver next to a joined node passes its
+        // function on to the takers of that node. If no candidate finds one, the most covered gets a law after all.
         while let Some(&(first, _)) = waiting.first() {
             let before = waiting.len();
             waiting.retain(|&(i, near)| {
@@ -70,9 +70,9 @@ impl Joining {
     }
 }
 
-/// Who takes the function of a candidate with these neighbours, in what proportion: those of them with laws; beside
-/// slivers alone, as at the corner of a triangle, those to whom these gave theirs, if they are beside them. What is
-/// farther away takes nothing: a strip that is narrower than a facet has laws along all of its length.
+/// The candidates that take the function of a candidate with these neighbours, with weights: its neighbours with laws;
+/// if all neighbours are slivers, as at the corner of a triangle, the takers of those that are next to a node with a
+/// law. Farther nodes take nothing: a strip narrower than a facet has laws along its whole length.
 fn takers(near: &[(usize, f64)], has_law: &[bool], is_beside: &[bool], to: &[Vec<(usize, f64)>]) -> Vec<(usize, f64)> {
     let with_laws: Vec<(usize, f64)> = near.iter().copied().filter(|&(k, _)| has_law[k]).collect();
     if !with_laws.is_empty() {
@@ -82,7 +82,7 @@ fn takers(near: &[(usize, f64)], has_law: &[bool], is_beside: &[bool], to: &[Vec
     summed(passing.flat_map(|&(k, common)| to[k].iter().map(move |&(l, part)| (l, part * common))))
 }
 
-/// C_ik = ∫ H_i H_k over the covered parts at a candidate, by k.
+/// C_ik = ∫ H_i H_k over the covered parts at candidate i, by neighbour k.
 fn neighbours(candidates: &Candidates, covered: &[Covered], i: usize) -> Vec<(usize, f64)> {
     let at_corner = |&(part, corner): &(usize, usize)| {
         candidates.of[part].iter().enumerate().map(move |(other, of)| {
@@ -94,7 +94,7 @@ fn neighbours(candidates: &Candidates, covered: &[Covered], i: usize) -> Vec<(us
     summed(candidates.all[i].corners.iter().flat_map(at_corner).filter(|&(k, common)| k != i && common > 0.0))
 }
 
-/// Candidates in their order with the sums of what they have.
+/// Sums the values per candidate, ordered by candidate.
 fn summed(of: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
     let mut sums = BTreeMap::new();
     of.for_each(|(k, part)| *sums.entry(k).or_insert(0.0) += part);

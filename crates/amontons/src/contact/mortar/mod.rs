@@ -1,6 +1,6 @@
 //! Pairs of sides that face each other, by dual mortar functions.
 //!
-//! Of a pair the *nonmortar* side bears the laws, the *mortar* side is the other one. With a function φ_k for each
+//! The *nonmortar* side of a pair bears the laws, the *mortar* side is the other one. With a function φ_k for each
 //! contact point k, and displacement functions N¹, N² of the two sides,
 //!
 //! ```text
@@ -8,19 +8,20 @@
 //!     (B x)_k = Σ_j D_kj/ω_k x¹_j − Σ_l M_kl/ω_k x²_l
 //! ```
 //!
-//! P projects along the normal of the nonmortar facet. (B x)_k is the jump at a contact point with the weight ω_k: what
-//! acts on one side at a point acts on the other with the opposite sign, since Σ_j D_kj = ω_k = Σ_l M_kl.
+//! P projects along the normal of the nonmortar facet. (B x)_k is the jump at a contact point with the weight ω_k: a
+//! force on one side acts on the other with the opposite sign, since Σ_j D_kj = ω_k = Σ_l M_kl.
 //!
-//! - `cut`: what the mortar side covers of each flat *part* of a nonmortar facet; a quadratic facet has the parts that
-//!   its nodes span. Facets face each other within 35° of opposite normals, the nearest counts of those behind each
-//!   other, and `sight`: none with a body between them.
+//! - `cut`: the region of each flat *part* of a nonmortar facet that the mortar side covers; a quadratic facet has the
+//!   parts that its nodes span. Facets face each other within 35° of opposite normals; of facets behind each other the
+//!   nearest counts.
+//! - `sight`: facets with a body between them do not face each other.
 //! - `candidate`: nodes with *hats* H, the linear functions of the parts, on *patches* without a kink.
-//! - `join`: a node that is covered too little for a law of its own, or that two laws would meet at, gives its function
+//! - `join`: a node that is covered too little for a law of its own, or at which two laws would meet, gives its function
 //!   to its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
 //! - `dual`: the functions ψ, dual to the hats.
-//! - The gap of a point, −ν·(B X), is kept within the range of the distances on the support of φ_k: dual functions
-//!   weigh a part of the wedge beside a corner negatively, and bodies that touch would overlap.
-//! - `image`: of a sector, facets face those of the neighbouring sectors, too, and a node on the cut has the facets on
+//! - The gap of a point, −ν·(B X), is limited to the range of the distances on the support of φ_k: dual functions have
+//!   negative weights on a part of the wedge next to a corner, and bodies that touch would overlap.
+//! - `image`: facets of a sector also face those of the neighbouring sectors, and a node on the cut has the facets on
 //!   both sides of it.
 //!
 //! Sources: dual functions, B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989; on covered parts, T. Cichosz and M.
@@ -61,26 +62,26 @@ use tree::Tree;
 pub struct Sides<'a> {
     /// The mesh of all bodies.
     pub mesh: &'a Mesh,
-    /// Positions of its nodes: those of the mesh, or of the displaced bodies.
+    /// Positions of the nodes, of the mesh or of the displaced bodies.
     pub x: &'a [Point],
     /// The side that bears the laws.
     pub nonmortar: &'a FacetSet,
     /// The other side.
     pub mortar: &'a FacetSet,
-    /// What holds their nodes.
+    /// The supports of the nodes.
     pub supports: Supports<'a>,
-    /// Whether nodes that nothing faces have rows as well, with weight zero: those of a pairing that is made anew.
+    /// True if nodes that nothing faces have rows as well, with weight zero, as in an updated pairing.
     pub keeps_all: bool,
 }
 
-/// What a node of a side has of a contact point.
+/// The share of a node of a side in a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// The node; of nodes of which one follows the other that which is followed.
+    /// The node; if one node follows another, the leader.
     pub node: u32,
-    /// Its part, above zero.
+    /// The fraction, positive.
     pub part: f64,
-    /// The sector that the node is in where it is another one than that of the point.
+    /// The sector of the node if it differs from that of the point.
     pub turn: Option<Image>,
 }
 
@@ -89,7 +90,7 @@ pub struct Share {
 pub struct MortarRow {
     /// The node.
     pub node: u32,
-    /// Unit normal ν: the mean of those of the facets that bear φ, by how much of them it is on.
+    /// Unit normal ν: the mean of the normals of the facets that bear φ, weighted by the integral of φ on them.
     pub normal: Point,
     /// ω in m^(d−1); zero where nothing faces the point.
     pub weight: f64,
@@ -97,17 +98,17 @@ pub struct MortarRow {
     pub own: Vec<(u32, f64)>,
     /// M_kl/ω_k by mortar node.
     pub other: Vec<(u32, f64)>,
-    /// The entries that count turned into the sector of the point: the number of each among those of `own` and then of
-    /// `other`, and how. None but at a cut of a sector.
+    /// The entries that are turned into the sector of the point: number of the entry among those of `own` and then
+    /// `other`, and the turn. Empty except at the cut of a sector.
     pub turned: Vec<(usize, Image)>,
-    /// The gap in m: −ν·(B X), kept within the range of the distances of the sides where the point is.
+    /// The gap in m: −ν·(B X), limited to the range of the distances of the sides at the point.
     pub gap: f64,
     /// −ν·(B X) in m.
     pub gap_of_rows: f64,
-    /// Length of the part of B X across ν in m: the lever by which a pressure misses the balance of moments.
+    /// Length of the part of B X across ν in m: the lever arm by which a pressure violates the balance of moments.
     pub lever: f64,
-    /// How what happens at the point is shared out among the nodes of its own and of the mortar side, such as the
-    /// volume that wears off: in parts that sum to 1, Σ_i T_ki ∫H_i H_l. Entries of M take either sign.
+    /// Shares by which quantities at the point, such as worn volume, are distributed to the nodes of its own and of the
+    /// mortar side: fractions Σ_i T_ki ∫H_i H_l, normalized to sum 1. Entries of M take either sign.
     pub shares: [Vec<Share>; 2],
     /// Directions in which the displacement is prescribed alike here and on the other side, so that friction has no
     /// component along them; filled up with zeros.
@@ -121,7 +122,7 @@ pub struct Mortar {
     pub rows: Vec<MortarRow>,
     /// Measure of the nonmortar side in m^(d−1).
     pub measure: f64,
-    /// That of the part of it that the mortar side faces.
+    /// Measure of the part of it that the mortar side faces.
     pub covered: f64,
 }
 
@@ -133,7 +134,7 @@ pub fn mean_facet(mesh: &Mesh, set: &FacetSet) -> f64 {
 }
 
 /// The boundary of the bodies of a mesh as flat facets by their corners: segments in the plane, triangles in space,
-/// seen from outside as [`obstacle::Facets`](super::obstacle::Facets) takes them.
+/// oriented outwards as [`obstacle::Facets`](super::obstacle::Facets) expects.
 #[must_use]
 pub fn surface_of(mesh: &Mesh) -> Vec<Vec<Point>> {
     let boundary = mesh.boundary();
@@ -145,7 +146,7 @@ pub fn surface_of(mesh: &Mesh) -> Vec<Vec<Point>> {
     facets.parts().iter().flat_map(|part| cut(&part.corners)).collect()
 }
 
-/// The share of the first side that the second faces, from 0 to 1, and the same the other way round.
+/// The fraction of the first side that the second faces, from 0 to 1, and vice versa.
 #[must_use]
 pub fn covered_shares(sides: &Sides) -> [f64; 2] {
     let turned = Sides { nonmortar: sides.mortar, mortar: sides.nonmortar, ..*sides };
@@ -156,7 +157,7 @@ pub fn covered_shares(sides: &Sides) -> [f64; 2] {
     })
 }
 
-/// How many nodes of the nonmortar side are covered as far as one with a law of its own is.
+/// Number of nodes of the nonmortar side that are covered enough for a law of their own.
 #[must_use]
 pub fn bearing_nodes(sides: &Sides) -> usize {
     Pairing::new(sides).candidates.all.iter().filter(|candidate| bears(candidate.share)).count()
@@ -184,12 +185,12 @@ impl Mortar {
     }
 }
 
-/// Two sides with what one covers of the other.
+/// Two sides with the covered part of the nonmortar side.
 struct Pairing<'a> {
     sides: &'a Sides<'a>,
     nonmortar: Facets<'a>,
     mortar: Facets<'a>,
-    /// What makes the next sector, where the nonmortar side is that of one.
+    /// The turn to the next sector if the nonmortar side is on a sector.
     sector: Option<Image>,
     /// By part of the nonmortar side.
     covered: Vec<Covered>,
@@ -215,7 +216,7 @@ impl<'a> Pairing<'a> {
         Pairing { sides, nonmortar, mortar, sector, covered, candidates }
     }
 
-    /// The measure of the nonmortar side, and of what is covered of it.
+    /// The measure of the nonmortar side and of its covered part.
     fn measures(&self) -> [f64; 2] {
         let measure = (0..self.nonmortar.len()).map(|facet| self.nonmortar.measure(facet)).sum();
         let weights = self.covered.iter().flat_map(|covered| &covered.samples).map(|sample| sample.weight);
@@ -230,7 +231,7 @@ impl<'a> Pairing<'a> {
         facets.into_iter().flat_map(|facet| self.mortar.facet(facet).1).copied().collect()
     }
 
-    /// The contact points, given whether the laws of several pairs or patches meet at a node.
+    /// The contact points; `is_crossed` is true if the laws of several pairs or patches meet at a node.
     fn mortar(&self, is_crossed: &dyn Fn(u32) -> bool) -> Mortar {
         let Supports { held, links, .. } = self.sides.supports;
         let shared: BTreeSet<u32> = self.sides.mortar.node_list().iter().map(|&node| leader(links, node)).collect();
@@ -246,8 +247,8 @@ impl<'a> Pairing<'a> {
     }
 }
 
-/// What the mortar side covers of each part of the nonmortar side. Only where something may be between the sides is it
-/// asked what bounds the bodies there.
+/// The covered region of each part of the nonmortar side. The boundary of the bodies is needed only if something may
+/// lie between the sides.
 fn covered(sides: &Sides, nonmortar: &Facets, mortar: &Facets) -> Vec<Covered> {
     let tree = Tree::new(mortar.parts());
     let mut opposite = Opposite { facets: mortar, tree: &tree, sight: None, distance: None };

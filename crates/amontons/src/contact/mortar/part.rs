@@ -1,4 +1,4 @@
-//! Facets of a side, and the flat parts that stand for them where sides are projected on each other.
+//! Facets of a side, and the flat parts that represent them in projections between sides.
 
 use crate::element::{Element, MAX_NODES};
 use crate::mesh::{FacetSet, Mesh, cross};
@@ -23,7 +23,7 @@ const SQUARES: [&[[f64; 2]]; 4] = [
     &[[0.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]],
 ];
 
-/// A flat part of a facet: the facet itself if it is linear, else one of those that its nodes span.
+/// A flat part of a facet: the facet itself if it is linear, else one of the parts that its nodes span.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     /// The facet.
@@ -46,7 +46,7 @@ struct Facet<'a> {
     element: &'static Element,
     /// Its nodes, vertices first.
     nodes: &'a [u32],
-    /// Which image it is, by its number among those of the side.
+    /// Number of its image among those of the side.
     image: usize,
 }
 
@@ -54,17 +54,17 @@ struct Facet<'a> {
 pub(super) struct Facets<'a> {
     all: Vec<Facet<'a>>,
     parts: Vec<Part>,
-    /// Where the parts of each facet begin.
+    /// Number of the first part of each facet.
     first: Vec<usize>,
     x: &'a [Point],
     images: Vec<Image>,
     pub is_axisymmetric: bool,
-    /// Of a plane body in m; 1 of others.
+    /// Thickness of a plane body in m; 1 otherwise.
     thickness: f64,
 }
 
 impl<'a> Facets<'a> {
-    /// The facets of a side, as often as there are images; the first of these is the side itself.
+    /// The facets of a side, once per image; the first image is the side itself.
     pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet, images: &[Image]) -> Facets<'a> {
         let of_image = |image: usize| set.facets().map(move |(element, nodes)| Facet { element, nodes, image });
         let mut facets = Facets {
@@ -94,7 +94,7 @@ impl<'a> Facets<'a> {
         (self.all[facet].element, self.all[facet].nodes)
     }
 
-    /// The power of the turn that makes a facet from one of the side.
+    /// The power of the turn that maps a facet of the side to this one.
     pub fn power(&self, facet: usize) -> i8 {
         self.images[self.all[facet].image].power
     }
@@ -117,7 +117,7 @@ impl<'a> Facets<'a> {
         self.all[part.facet].nodes[part.local[corner]]
     }
 
-    /// Where a node of a facet is.
+    /// Position of a node of a facet.
     fn place(&self, facet: usize, local: usize) -> Point {
         let Facet { nodes, image, .. } = self.all[facet];
         self.images[image].position(&self.x[nodes[local] as usize])
@@ -131,7 +131,7 @@ impl<'a> Facets<'a> {
         values
     }
 
-    /// Where a reference point of a facet is.
+    /// Position of a reference point of a facet.
     pub fn position(&self, facet: usize, at: &Point) -> Point {
         let (values, (_, nodes)) = (self.values(facet, at), self.facet(facet));
         (0..nodes.len()).fold([0.0; 3], |sum, local| {
@@ -140,8 +140,8 @@ impl<'a> Facets<'a> {
         })
     }
 
-    /// Unit outward normal of a facet at one of its nodes: where the facet is curved, that of the curve there, as a
-    /// mean over the facet would be off by the order of its size.
+    /// Unit outward normal of a facet at one of its nodes; on a curved facet that of the curve there, since a mean over
+    /// the facet would be wrong by the order of its size.
     pub fn normal_at(&self, facet: usize, local: usize) -> Point {
         let (element, nodes) = self.facet(facet);
         let mut gradients = [[0.0; 3]; MAX_NODES];
@@ -162,12 +162,12 @@ impl<'a> Facets<'a> {
         normal.map(|c| c / size)
     }
 
-    /// Length or area of a facet, of its parts in the case of a curved one; around the axis in a body of revolution.
+    /// Length or area of a facet, as the sum over its parts if it is curved; the swept area in a body of revolution.
     pub fn measure(&self, facet: usize) -> f64 {
         self.parts_of(facet).iter().map(|part| part.area() * self.across(&part.centre)).sum()
     }
 
-    /// 2πr of a body of revolution, the thickness of a plane one, 1 of any other.
+    /// 2πr in a body of revolution, the thickness of a plane body, 1 otherwise.
     pub fn across(&self, x: &Point) -> f64 {
         if self.is_axisymmetric { std::f64::consts::TAU * x[0] } else { self.thickness }
     }
@@ -193,7 +193,7 @@ impl<'a> Facets<'a> {
     }
 }
 
-/// Σ x_i × x_{i+1} of a polygon about its first corner: twice its area along its normal, also if it is warped.
+/// Σ x_i × x_{i+1} of a polygon about its first corner: twice its area along its normal, even if it is warped.
 fn doubled_area(corners: &[Point]) -> Point {
     let from = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - corners[0][c]) };
     corners.windows(2).fold([0.0; 3], |sum, pair| {
@@ -209,7 +209,7 @@ impl Part {
         let distance = |x: &Point| length(&std::array::from_fn(|c| x[c] - centre[c]));
         let radius = corners.iter().map(distance).fold(0.0, f64::max);
         let normal = match corners.as_slice() {
-            // The reference coordinate tells which end of the body the point closes.
+            // The reference coordinate determines which end of the body the point is.
             [_] => [2.0 * reference[0][0] - 1.0, 0.0, 0.0],
             [a, b] => [b[1] - a[1], a[0] - b[0], 0.0],
             _ => doubled_area(&corners),
@@ -218,7 +218,7 @@ impl Part {
         Part { facet, corners, reference, local, normal: normal.map(|c| c / size), centre, radius }
     }
 
-    /// Length or area; 1 of a point.
+    /// Length or area; 1 for a point.
     pub fn area(&self) -> f64 {
         match self.corners.len() {
             1 => 1.0,
@@ -227,7 +227,7 @@ impl Part {
         }
     }
 
-    /// Whether the part and what is in a sphere may cover each other, seen along the normal of the part.
+    /// True if the part and the contents of a sphere may cover each other, seen along the normal of the part.
     pub fn may_cover(&self, centre: &Point, radius: f64) -> bool {
         let apart: Point = std::array::from_fn(|c| centre[c] - self.centre[c]);
         let along = dot(&apart, &self.normal);
@@ -235,7 +235,7 @@ impl Part {
         across <= (self.radius + radius).powi(2) * (1.0 + 1e-9)
     }
 
-    /// Whether what is in a sphere may be within a distance of the part.
+    /// True if the contents of a sphere may be within a distance of the part.
     pub fn is_within(&self, distance: f64, centre: &Point, radius: f64) -> bool {
         let apart: Point = std::array::from_fn(|c| centre[c] - self.centre[c]);
         dot(&apart, &apart) <= (self.radius + radius + distance).powi(2) * (1.0 + 1e-9)

@@ -9,23 +9,23 @@ use super::{MortarRow, Pairing, Share, Sides};
 use crate::mesh::leader;
 use crate::tensor::{Point, dot, given, length};
 
-/// Coefficients of a row, relative to 1, that are round-off.
+/// Coefficients of a row, relative to 1, that count as round-off.
 const ROUND_OFF: f64 = 1e-15;
-/// Gap relative to the largest coordinate of its nodes that is the last bits of these.
+/// Gap relative to the largest coordinate of its nodes that is the round-off of coordinates.
 const LAST_BITS: f64 = 16.0 * f64::EPSILON;
 /// Length of a mean of unit normals below which it has no direction.
 const DIRECTION: f64 = 1e-9;
-/// cos 35°, up to which a normal is taken for one along a plane of symmetry: half a facet is turned by less.
+/// cos 35°: a normal closer to a plane of symmetry is treated as lying in it; half a facet is turned by less.
 const SYMMETRIC: f64 = super::cut::FACING;
-/// Share of a hat that is as good as all of it.
+/// Share of a hat that counts as full coverage.
 const WHOLE: f64 = 1.0 - 1e-9;
-/// Cosine of the normal and a direction that is along the side.
+/// Cosine between the normal and a direction below which the direction counts as tangential.
 const ALONG: f64 = 1e-6;
 
 /// A node with the power of the turn that brings its vectors into the sector of the point.
 type Key = (u32, i8);
 
-/// What a contact point gathers from the parts.
+/// The sums that a contact point collects from the parts.
 #[derive(Clone, Debug, Default)]
 struct Gathered {
     normal: Point,
@@ -33,11 +33,11 @@ struct Gathered {
     own: BTreeMap<Key, f64>,
     other: BTreeMap<Key, f64>,
     shares: [BTreeMap<Key, f64>; 2],
-    /// The parts that its function is on, and whether they are turned back into its sector.
+    /// The parts on which its function is nonzero, and whether they are turned back into its sector.
     parts: Vec<(usize, bool)>,
 }
 
-/// The rows of all candidates with laws, by node and patch ascending; of all candidates if all are kept.
+/// The rows of all candidates with laws, by node and patch ascending; of all candidates if `keeps_all` is set.
 pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
     let Pairing { sides, nonmortar, covered, candidates, .. } = pairing;
     let mut gathered = vec![Gathered::default(); candidates.all.len()];
@@ -71,9 +71,9 @@ pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
     rows
 }
 
-/// Whether the side is covered as a whole, each node with a law of its own: all facets at a node then count alike in
-/// its normal, in the place of each by the integral of the function on it. Both means differ by a quarter of the
-/// product of how much two neighbours differ in size and in direction.
+/// True if the whole side is covered and each node has a law of its own: all facets at a node then have equal weight in
+/// its normal, instead of the integral of the function on each. The two means differ by a quarter of the product of the
+/// relative differences of two neighbours in size and in direction.
 fn is_covered_whole(pairing: &Pairing, joining: &Joining) -> bool {
     let Pairing { nonmortar, candidates, .. } = pairing;
     let corners = nonmortar.parts().iter().zip(&candidates.shares);
@@ -81,7 +81,7 @@ fn is_covered_whole(pairing: &Pairing, joining: &Joining) -> bool {
         && corners.into_iter().all(|(part, shares)| shares[..part.corners.len()].iter().all(|share| *share > WHOLE))
 }
 
-/// More than the distance of any bodies of the mesh.
+/// An upper bound of the distance between bodies of the mesh.
 fn extent(sides: &Sides) -> f64 {
     length(&std::array::from_fn(|c| {
         let along = || sides.mesh.points.iter().map(|x| x[c]);
@@ -107,14 +107,14 @@ fn normal_at(pairing: &Pairing, (number, corner): (usize, usize)) -> Point {
 }
 
 impl Pairing<'_> {
-    /// What brings the sector so many turns on.
+    /// The turn by `times` sectors.
     fn image(&self, times: i8) -> Image {
         self.sector.map_or(Image::SELF, |next| next.times(times))
     }
 }
 
 impl Gathered {
-    /// Adds what the function of a corner gives in a share, and its normal in another one.
+    /// Adds the function of a corner with the factor `share`, and its normal with the factor `of_normal`.
     fn add(&mut self, pairing: &Pairing, (number, a): (usize, usize), dual: &Dual, [share, of_normal]: [f64; 2]) {
         let Pairing { nonmortar, mortar, candidates, sides, .. } = pairing;
         let part = &nonmortar.parts()[number];
@@ -146,7 +146,7 @@ impl Gathered {
         }
     }
 
-    /// The row of a candidate; none where it has no normal.
+    /// The row of a candidate; `None` if it has no normal.
     fn row(self, pairing: &Pairing, number: usize, far: f64) -> Option<MortarRow> {
         let (sides, node) = (pairing.sides, pairing.candidates.all[number].node);
         let held = (sides.supports.held)(node);
@@ -173,7 +173,7 @@ impl Gathered {
             gap_of_rows = dot(&normal, &apart);
             lever = length(&std::array::from_fn(|c| apart[c] - gap_of_rows * normal[c]));
             gap = self.within_range(pairing, &normal, gap_of_rows);
-            // Sides that lie on each other have no gap, and without a load no force.
+            // Sides that touch have zero gap and, without a load, zero force.
             let largest = own.iter().chain(&other).flat_map(|((l, _), _)| sides.x[*l as usize]);
             if gap.abs() <= LAST_BITS * largest.fold(0.0, |largest: f64, x| largest.max(x.abs())) {
                 gap = 0.0;
@@ -195,7 +195,7 @@ impl Gathered {
         Some(MortarRow { node, normal, weight, own, other, turned, gap, gap_of_rows, lever, shares, held: blocked })
     }
 
-    /// A gap within the range of the distances along ν on the parts that the function is on.
+    /// The gap, limited to the range of the distances along ν on the parts where the function is nonzero.
     fn within_range(&self, pairing: &Pairing, normal: &Point, gap: f64) -> f64 {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for &(number, is_turned) in &self.parts {
@@ -209,8 +209,8 @@ impl Gathered {
     }
 }
 
-/// ν of a sum of normals: along planes of symmetry, as the facets behind them would make it. A direction that is
-/// prescribed along the normal itself is none of those.
+/// ν from a sum of normals, made tangential to planes of symmetry as if the mirrored facets were included. A prescribed
+/// direction along the normal itself is no such plane.
 fn along_supports(sum: &Point, held: &[Point; 3]) -> Option<Point> {
     let size = length(sum);
     if size <= DIRECTION {
@@ -228,7 +228,7 @@ fn along_supports(sum: &Point, held: &[Point; 3]) -> Option<Point> {
     Some(normal)
 }
 
-/// The directions along the side in which the displacement is prescribed at a node and alike at a node that it faces:
+/// The directions along the side in which the displacement is prescribed alike at a node and at a node that it faces:
 /// the shear vanishes in planes of symmetry, and the slip along these directions would be that of the neighbours alone.
 fn blocked(sides: &Sides, node: u32, normal: &Point, held: &[Point; 3], other: &[(Key, f64)]) -> [Point; 3] {
     let is_alike = |direction: &&Point| {

@@ -1,4 +1,4 @@
-//! Which facets see each other: not those with a body between them, be it their own.
+//! Visibility between facets: two facets see each other unless a body, possibly their own, lies between them.
 
 use std::collections::BTreeSet;
 
@@ -7,11 +7,12 @@ use super::tree::Tree;
 use crate::mesh::{FacetSet, Link, Mesh, cross, link_of};
 use crate::tensor::{Point, dot, length};
 
-/// Distance of two parts, relative to the size of one, up to which nothing is between them: no body is that thin.
+/// Distance of two parts, relative to the size of one, up to which nothing fits between them: no body is that thin.
 const NEAR: f64 = 1e-3;
-/// Share of a line at its ends that is on the parts themselves.
+/// Fraction of a line at its ends that counts as lying on the parts themselves.
 const END: f64 = 1e-6;
-/// How far beyond its edges a facet hides, relative to it: the round-off of an edge that two facets share.
+/// Margin by which a facet hides beyond its edges, relative to its size: the round-off of an edge that two facets
+/// share.
 const EDGE: f64 = 1e-9;
 
 /// The line from a point of a nonmortar part to the mortar part that faces it.
@@ -23,13 +24,13 @@ pub(super) struct Line<'p> {
 }
 
 /// The facets that bound the bodies of a mesh. Two parts see each other along a line that crosses none of them: in a
-/// gap it then runs outside of all bodies, and where bodies overlap it leaves neither, which makes the overlap
-/// shallower than both.
+/// gap the line then runs outside of all bodies; where bodies overlap it leaves neither, so the overlap is shallower
+/// than both.
 pub(super) struct Sight<'a> {
     tree: Tree<'a>,
 }
 
-/// The facets that bound bodies, without those along which a sector goes on.
+/// The facets that bound bodies, except those along which a sector continues.
 pub(super) fn boundary(mesh: &Mesh, links: &[Link]) -> FacetSet {
     let all = mesh.boundary();
     if links.is_empty() {
@@ -45,7 +46,7 @@ pub(super) fn boundary(mesh: &Mesh, links: &[Link]) -> FacetSet {
 }
 
 impl Line<'_> {
-    /// Whether something may be between the ends.
+    /// True if something may fit between the ends.
     pub fn is_long(&self) -> bool {
         length(&std::array::from_fn(|c| self.to[c] - self.from[c])) > NEAR * self.own.radius
     }
@@ -56,7 +57,7 @@ impl<'a> Sight<'a> {
         Sight { tree: Tree::new(facets.parts()) }
     }
 
-    /// Whether no facet is between the ends of a line that is long.
+    /// True if no facet is between the ends of a long line.
     pub fn is_clear(&self, line: &Line) -> bool {
         let apart: Point = std::array::from_fn(|c| line.to[c] - line.from[c]);
         let size = length(&apart);
@@ -75,13 +76,13 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// Whether two parts are one, by their corners.
+/// True if two parts have the same corners.
 fn is_part(a: &Part, b: &Part) -> bool {
     let same = |x: &Point, y: &Point| length(&std::array::from_fn(|c| x[c] - y[c])) <= EDGE * a.radius;
     same(&a.centre, &b.centre) && a.corners.iter().all(|x| b.corners.iter().any(|y| same(x, y)))
 }
 
-/// The share of a line at which it crosses a part; none where it misses it or runs along it.
+/// The fraction of a line at which it crosses a part; `None` if it misses the part or runs along it.
 fn crossing(part: &Part, from: &Point, apart: &Point) -> Option<f64> {
     match part.corners.as_slice() {
         [] => None,
@@ -118,7 +119,7 @@ fn of_triangle([a, b, c]: [&Point; 3], from: &Point, apart: &Point) -> Option<f6
 mod tests {
     use super::*;
 
-    /// A line through a triangle crosses it where it was led through it, and no line that is led past it does.
+    /// A line through a triangle crosses it at the constructed point; a line past it does not cross.
     #[test]
     fn a_line_crosses_a_triangle_where_it_is_led_through_it() {
         let corners = [[0.1, 0.2, 0.3], [1.3, -0.1, 0.4], [0.2, 1.1, 0.9]];
@@ -134,7 +135,7 @@ mod tests {
         }
     }
 
-    /// The same for segments in the plane.
+    /// A line through a segment in the plane crosses it at the constructed point; a line past it does not cross.
     #[test]
     fn a_line_crosses_a_segment_where_it_is_led_through_it() {
         let part = Part::new(0, vec![[0.0, 1.0, 0.0], [2.0, 0.5, 0.0]], vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![0, 1]);

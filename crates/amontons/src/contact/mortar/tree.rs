@@ -1,4 +1,4 @@
-//! The tree of spheres around the parts of a side: those that may meet something are found without a look at each part.
+//! The tree of spheres around the parts of a side: finds the parts that may meet something without testing each part.
 
 use super::super::spheres::Spheres;
 use super::part::Part;
@@ -15,8 +15,8 @@ impl<'p> Tree<'p> {
         Tree { parts, spheres: Spheres::new(parts.len(), &|part| (parts[part].centre, parts[part].radius)) }
     }
 
-    /// The parts whose sphere `meets` something, with their numbers, in their order. What meets a sphere must meet
-    /// every sphere around it.
+    /// The parts whose sphere `meets` something, with their numbers, in ascending order. Whatever meets a sphere must
+    /// meet every sphere around it.
     pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<(usize, &'p Part)> {
         let of_part = |part: usize| meets(&self.parts[part].centre, self.parts[part].radius);
         self.spheres.met(meets, &of_part).into_iter().map(|part| (part, &self.parts[part])).collect()
@@ -29,7 +29,7 @@ mod tests {
 
     use super::*;
 
-    /// Triangles on a surface that is not flat, `n` × `n`.
+    /// Triangles on a curved surface, `n` × `n`.
     fn parts(n: usize) -> Vec<Part> {
         let of = |k: usize| {
             let [i, j] = [(k % n) as f64, (k / n) as f64];
@@ -43,7 +43,7 @@ mod tests {
         (0..n * n).map(of).collect()
     }
 
-    /// The tree finds what a look at each part finds, and looks at few.
+    /// The tree finds the same parts as a test of each part, with few tests.
     #[test]
     fn the_tree_finds_what_a_look_at_each_part_finds() {
         for n in [0, 1, 2, 3, 7, 40] {
@@ -64,7 +64,7 @@ mod tests {
                         assert_eq!(found, all.map(|other| other.facet).collect::<Vec<usize>>(), "{name}, {n}");
                         assert!(!found.is_empty());
                     }
-                    // One look at each part is that of the comparison.
+                    // The comparison itself tests each part once.
                     let looks = looks.get() - parts.len();
                     assert!(n < 40 || looks <= 150, "{looks} looks at {} parts", parts.len());
                 }

@@ -1,4 +1,4 @@
-//! Adhesion: a layer that pulls up to a bound and is then released.
+//! Adhesion: a layer that pulls up to a bound and then releases.
 //!
 //! Source: P. D. Panagiotopoulos, "Hemivariational Inequalities", Springer (1993), section 1.4: reversible, without
 //! damage.
@@ -6,15 +6,15 @@
 use super::{NormalLaw, Pressure};
 use crate::tensor::Point;
 
-/// p = c r where r ≥ −δ₀, δ₀ = strength/c; where the gap is wider the tension falls to zero, linearly over the length
-/// `release`. Without such a length it vanishes at once.
+/// p = c r for r ≥ −δ₀, δ₀ = strength/c; at wider gaps the tension decreases to zero, linearly over the length
+/// `release`, or at once if `release` is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adhesion {
     /// c > 0 in Pa/m.
     pub stiffness: f64,
     /// Largest tension in Pa.
     pub strength: f64,
-    /// Further opening in m over which the tension falls to zero, ≥ 0.
+    /// Further opening in m over which the tension decreases to zero, ≥ 0.
     pub release: f64,
 }
 

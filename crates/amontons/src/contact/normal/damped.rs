@@ -1,4 +1,4 @@
-//! Damped response: a pressure that depends on the rate of the penetration, too.
+//! Damped response: the pressure also depends on the rate of the penetration.
 //!
 //! Sources: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004),
 //! section 2.6 (linear damped response); K. H. Hunt, F. R. E. Crossley, "Coefficient of restitution interpreted as
@@ -7,7 +7,7 @@
 use super::{NormalLaw, Power, Pressure};
 use crate::tensor::Point;
 
-/// A spring and a dashpot side by side that do not pull: p = (c r + d ṙ)₊ where r > 0.
+/// A spring and a dashpot in parallel without tension: p = (c r + d ṙ)₊ for r > 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damped {
     /// c ≥ 0 in Pa/m.
@@ -36,7 +36,7 @@ impl NormalLaw for Damped {
     }
 }
 
-/// p = c r₊^m (1 + a ṙ)₊: damping grows with the penetration, so that the pressure starts and ends at zero.
+/// p = c r₊^m (1 + a ṙ)₊: damping grows with the penetration, so the pressure starts and ends at zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HuntCrossley {
     /// c r₊^m, the pressure at rest.

@@ -5,7 +5,7 @@ use crate::expression::{ExpressionError, Formula};
 use crate::quadrature::{Rule, Shape, rule};
 use crate::tensor::Point;
 
-/// p = c f(r) for r > r₀, f a formula that does not fall and vanishes at r₀ ≤ 0; no pressure below. With r₀ < 0 the
+/// p = c f(r) for r > r₀, f a nondecreasing formula that vanishes at r₀ ≤ 0; no pressure below. With r₀ < 0 the
 /// pressure begins in the gap, which (H8) does not cover.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureFormula {
@@ -15,32 +15,31 @@ pub struct PressureFormula {
     pressure: Formula,
     /// r₀ in m.
     begin: f64,
-    /// For the energy.
+    /// Quadrature rule for the energy.
     gauss: Rule,
 }
 
-/// Why a formula is no law for the pressure.
+/// Reason why a formula is no law for the pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PressureFormulaFault {
     /// The text is no formula.
     Text(ExpressionError),
-    /// It is not 0 where it begins.
+    /// It is not 0 at r₀.
     Start(f64),
-    /// It begins at a penetration that is not 0 or less.
+    /// It begins at a penetration that is above 0 or not finite.
     Begin(f64),
-    /// The pressure falls, or is not finite, beyond a penetration in m.
+    /// The pressure decreases, or is not finite, beyond a penetration in m.
     Falls(f64),
 }
 
-/// Penetrations, counted from where it begins, at which a formula is looked at: from 10⁻¹² m to 10 m, so many per
-/// decade.
+/// Decades of the penetration, measured from r₀, in which a formula is sampled: from 10⁻¹² m to 10 m.
 const DECADES: [i32; 2] = [-12, 1];
 const PER_DECADE: i32 = 16;
-/// A pressure beyond which a formula may overflow.
+/// Pressure beyond which a formula may overflow.
 const ENOUGH: f64 = 1e16;
 /// Relative round-off of a formula.
 const ROUND_OFF: f64 = 1e-12;
-/// Degree of the rule for the energy, its error relative to it, and the most halvings of an interval.
+/// Degree of the rule for the energy, its relative error, and the largest number of halvings of an interval.
 const DEGREE: usize = 15;
 const ACCURACY: f64 = 1e-14;
 const HALVINGS: usize = 40;
@@ -49,11 +48,11 @@ impl PressureFormula {
     /// Names of the variables.
     pub const VARIABLES: [&'static str; 1] = ["r"];
 
-    /// A formula times a factor, from a penetration r₀ in m on.
+    /// A formula times a factor, for penetrations above r₀ in m.
     ///
     /// # Errors
-    /// Where the text is no formula in `r`, r₀ is above 0, or the formula does not vanish at r₀, or falls between 10⁻¹²
-    /// m and 10 m beyond it.
+    /// Fails if the text is no formula in `r`, if r₀ is above 0, if the formula does not vanish at r₀, or if it
+    /// decreases between 10⁻¹² m and 10 m beyond it.
     pub fn new(pressure: &str, factor: f64, begin: f64) -> Result<PressureFormula, PressureFormulaFault> {
         if !(begin <= 0.0 && begin.is_finite()) {
             return Err(PressureFormulaFault::Begin(begin));
@@ -87,7 +86,7 @@ impl PressureFormula {
         (self.factor * value, self.factor * slope)
     }
 
-    /// ∫ c f between two penetrations by Gauss points.
+    /// ∫ c f between two penetrations by Gauss quadrature.
     fn integral(&self, from: f64, to: f64) -> f64 {
         let at = |(x, weight): (&Point, f64)| {
             weight * self.factor * self.pressure.value([from + x[0] * (to - from), 0.0, 0.0, 0.0])
@@ -95,7 +94,7 @@ impl PressureFormula {
         (to - from) * self.gauss.iter().map(at).sum::<f64>()
     }
 
-    /// The same, with the interval halved until both halves agree with the whole.
+    /// This integral with the interval halved until both halves agree with the whole.
     fn halved(&self, [from, to]: [f64; 2], whole: f64, size: f64, left: usize) -> f64 {
         let middle = 0.5 * (from + to);
         let [a, b] = [self.integral(from, middle), self.integral(middle, to)];
@@ -122,7 +121,7 @@ impl NormalLaw for PressureFormula {
         self.halved([self.begin, r], whole, whole.abs().max(f64::MIN_POSITIVE), HALVINGS)
     }
     fn lipschitz(&self) -> Option<f64> {
-        // Nothing is known of the slope of a formula at all penetrations.
+        // No bound of the slope is known that holds at all penetrations.
         None
     }
 }

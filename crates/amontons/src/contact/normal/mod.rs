@@ -40,50 +40,49 @@ pub struct Pressure {
     pub by_rate: f64,
 }
 
-/// What kind of graph a law is.
+/// The kind of graph of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraphKind {
     /// A function of r and ṙ.
     Function,
-    /// With vertical parts: at a penetration that the foundation does not let exceed, p is what it takes to hold it.
+    /// A graph with vertical parts: at the largest possible penetration, p takes the value that holds it.
     Multivalued,
-    /// One vertical line: the gap is closed whatever the sign of p, so friction acts in tension too.
+    /// One vertical line: the gap stays closed for either sign of p, so friction also acts in tension.
     Bilateral,
 }
 
 /// A graph G from penetration r (m) and its rate ṙ (m/s) to pressure p (Pa).
 ///
-/// Those that (H8) covers are functions of r alone, not negative, nondecreasing, and zero for r ≤ 0.
+/// Laws covered by (H8) are nonnegative, nondecreasing functions of r alone that vanish for r ≤ 0.
 pub trait NormalLaw: Debug + Send + Sync {
-    /// Solves p ∈ G(z − λ p, ṙ) for p; the slopes are those of the solution. A function is evaluated with λ = 0, so
-    /// z = r; [`resolvent`] solves it for others.
+    /// Solves p ∈ G(z − λ p, ṙ) for p; the slopes are those of the solution. A function is evaluated with λ = 0, so z =
+    /// r; [`resolvent`] then solves the equation.
     ///
-    /// The rate is that of r₊, (r₊ⁿ − r₊ⁿ⁻¹)/k: with ṙ itself a damped law would jump when the gap closes within a
-    /// step.
+    /// `rate` is that of r₊, (r₊ⁿ − r₊ⁿ⁻¹)/k: with ṙ itself a damped law would jump when the gap closes within a step.
     fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure;
     /// ∫₀^r G at ṙ = 0, the energy stored in the layer, in J/m².
     fn potential(&self, x: &Point, r: f64) -> f64;
-    /// L_ν of (H8) in Pa/m; none for a multivalued graph and where slopes are not bounded.
+    /// L_ν of (H8) in Pa/m; `None` for a multivalued graph and for unbounded slopes.
     fn lipschitz(&self) -> Option<f64>;
-    /// Largest derivative in the rate, Pa s/m; none where it is not bounded. Zero stands for any law that does not
-    /// depend on the rate.
+    /// Largest derivative in the rate, Pa s/m; `None` if it is unbounded. Zero for a law that does not depend on the
+    /// rate.
     fn lipschitz_in_rate(&self) -> Option<f64> {
         Some(0.0)
     }
-    /// Least slope in Pa/m between two penetrations, the first the smaller; −∞ across a drop. Zero stands for any law
-    /// that does not fall.
+    /// Least slope in Pa/m between two penetrations, the smaller first; −∞ across a drop. May be zero for any law that
+    /// does not soften.
     fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
         0.0
     }
-    /// The law as one whose coefficients vary over the side, if it is one.
+    /// The law as a space-dependent one, if its coefficients vary over the side.
     fn graded(&self) -> Option<&Graded<dyn NormalLaw>> {
         None
     }
-    /// The law at a time in s; none if it does not change with time.
+    /// The law at a time in s; `None` if it does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn NormalLaw>> {
         None
     }
-    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    /// The array functions of the law; they are evaluated for all contact points at once.
     fn arrays(&self) -> Vec<&Arrays> {
         Vec::new()
     }
@@ -96,22 +95,22 @@ pub trait NormalLaw: Debug + Send + Sync {
 /// Most iterations of [`resolvent`]; every third halves the interval.
 const ITERATIONS: usize = 200;
 
-/// What the arguments of a normal law lose with the pressure p.
+/// Coefficients by which the pressure p reduces the arguments of a normal law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Yield {
-    /// λ in m/Pa: λ p is taken off the penetration, and λ p/γ off its rate.
+    /// λ in m/Pa: p reduces the penetration by λ p and its rate by λ p/γ.
     pub lambda: f64,
-    /// λ/γ in m/(Pa s), γ that of the rule in time.
+    /// λ/γ in m/(Pa s), γ of the time-stepping rule.
     pub lambda_rate: f64,
-    /// λ_w in m/Pa: λ_w p₊ is the depth by which the gap opens by wear in a step.
+    /// λ_w in m/Pa: wear opens the gap by λ_w p₊ in a step.
     pub by_wear: f64,
-    /// λ_w/γ in m/(Pa s): by λ_w p₊/γ the penetration grows the slower.
+    /// λ_w/γ in m/(Pa s): wear reduces the rate of the penetration by λ_w p₊/γ.
     pub by_wear_rate: f64,
 }
 
-/// Solves p ∈ G(z − λ p − λ_w p₊, ż − (λ p + λ_w p₊)/γ), for a law that does not fall or with λ = 0: where the law is a
-/// function, by Newton's method between zero and its value at z, where the difference of both sides changes its sign.
-/// The slopes are those of p in z and ż.
+/// Solves p ∈ G(z − λ p − λ_w p₊, ż − (λ p + λ_w p₊)/γ), for a law that does not soften or with λ = 0. A function is
+/// solved by Newton's method between zero and its value at z, where the residual changes its sign. The slopes are ∂p/∂z
+/// and ∂p/∂ż.
 #[must_use]
 pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, by: &Yield) -> Pressure {
     let Yield { lambda, lambda_rate, by_wear, by_wear_rate } = *by;
@@ -127,7 +126,7 @@ pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, by: &Yield) 
         return Pressure { slope: fresh.slope / (1.0 + lambda * fresh.slope), ..fresh };
     }
     let yielding = |at: &Pressure| 1.0 + lambda * at.slope + lambda_rate * at.by_rate;
-    // A law that falls presses harder at a smaller penetration, but not without one.
+    // A softening law gives a higher pressure at a smaller penetration, but none without penetration.
     let falls = law.least_slope(x, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
     let (mut below, mut above) = (fresh.value.min(0.0), if falls { z / lambda } else { fresh.value.max(0.0) });
     let mut p = fresh.value / yielding(&fresh);
@@ -152,7 +151,7 @@ pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, by: &Yield) 
     found
 }
 
-/// Sample laws, each with a penetration typical of it, for tests that hold for every law.
+/// Sample laws, each with a typical penetration, for tests that hold for every law.
 #[cfg(test)]
 pub(crate) fn samples() -> Vec<(Arc<dyn NormalLaw>, f64)> {
     let mut all: Vec<(Arc<dyn NormalLaw>, f64)> = Vec::new();

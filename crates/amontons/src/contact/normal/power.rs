@@ -27,7 +27,7 @@ impl NormalLaw for Power {
         self.stiffness * r.max(0.0).powf(self.exponent + 1.0) / (self.exponent + 1.0)
     }
     fn lipschitz(&self) -> Option<f64> {
-        // For m > 1 slopes grow without a bound.
+        // For m > 1 slopes are unbounded.
         (self.exponent <= 1.0).then_some(self.stiffness)
     }
 }

@@ -14,7 +14,7 @@ impl NormalLaw for Signorini {
         if z > 0.0 { Pressure { value: z / lambda, slope: 1.0 / lambda, by_rate: 0.0 } } else { Pressure::default() }
     }
     fn potential(&self, _x: &Point, _r: f64) -> f64 {
-        // A penetration is round-off.
+        // A positive penetration is round-off.
         0.0
     }
     fn lipschitz(&self) -> Option<f64> {

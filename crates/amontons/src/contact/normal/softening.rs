@@ -1,4 +1,4 @@
-//! A layer that gives way: a pressure that is not monotone, as in hemivariational models.
+//! A softening layer: a pressure that is not monotone, as in hemivariational models.
 //!
 //! Source: S. Migórski, A. Ochal, M. Sofonea, "Nonlinear Inclusions and Hemivariational Inequalities", Springer (2013),
 //! section 6.3.
@@ -6,7 +6,7 @@
 use super::{NormalLaw, Pressure};
 use crate::tensor::Point;
 
-/// p = c r₊ up to the peak, then falling with the slope −s down to the residual pressure, which stays.
+/// p = c r₊ up to the peak, then decreasing with the slope −s to the residual pressure, which remains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Softening {
     /// c > 0 in Pa/m.
@@ -15,12 +15,12 @@ pub struct Softening {
     pub peak: f64,
     /// s > 0 in Pa/m.
     pub softening: f64,
-    /// Pressure in Pa that is left at last, at most the peak.
+    /// Residual pressure in Pa, at most the peak.
     pub residual: f64,
 }
 
 impl Softening {
-    /// Penetrations at the peak and where the residual pressure is reached.
+    /// Penetrations at the peak and at the start of the residual pressure.
     fn corners(&self) -> [f64; 2] {
         let top = self.peak / self.stiffness;
         [top, top + (self.peak - self.residual) / self.softening]

@@ -6,12 +6,12 @@
 use super::{GraphKind, NormalLaw, Pressure};
 use crate::tensor::Point;
 
-/// p = c r₊ for r < depth; at r = depth any p ≥ c depth; deeper it does not go.
+/// p = c r₊ for r < depth; any p ≥ c depth at r = depth; the penetration cannot exceed depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
     /// c ≥ 0 in Pa/m.
     pub stiffness: f64,
-    /// Penetration in m at which the stop is.
+    /// Penetration in m at which the stop acts.
     pub depth: f64,
 }
 

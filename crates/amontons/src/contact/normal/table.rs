@@ -1,11 +1,11 @@
-//! A pressure measured at several penetrations.
+//! A pressure tabulated over the penetration.
 
 use super::{NormalLaw, Pressure};
 use crate::contact::{PiecewiseLinear, TableFault};
 use crate::tensor::Point;
 
-/// p linear between the points of a table that starts at (r₀, 0), r₀ ≤ 0, and does not fall; beyond the last point its
-/// last piece goes on. With r₀ < 0 the pressure begins in the gap, as that of rough surfaces and gaskets does; (H8)
+/// p linear between the points of a table that starts at (r₀, 0), r₀ ≤ 0, and does not decrease; the last piece is
+/// extended beyond the last point. With r₀ < 0 the pressure begins in the gap, as for rough surfaces and gaskets; (H8)
 /// does not cover it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureTable {
@@ -13,19 +13,19 @@ pub struct PressureTable {
     table: PiecewiseLinear,
 }
 
-/// Why a table is no law for the pressure.
+/// Reason why a table is no law for the pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressureTableFault {
     /// It is no function.
     Table(TableFault),
-    /// It does not start without pressure, where the gap closes or before.
+    /// The first point has a pressure, or a positive penetration.
     Start {
         /// First penetration.
         penetration: f64,
         /// First pressure.
         pressure: f64,
     },
-    /// The pressure falls.
+    /// The pressure decreases.
     Falls {
         /// A pressure.
         before: f64,
@@ -35,7 +35,7 @@ pub enum PressureTableFault {
 }
 
 impl PressureTableFault {
-    /// What was found.
+    /// The value found, for messages.
     #[must_use]
     pub fn found(&self) -> String {
         match self {
@@ -47,7 +47,7 @@ impl PressureTableFault {
         }
     }
 
-    /// What was expected.
+    /// The value expected, for messages.
     #[must_use]
     pub fn expected(&self) -> &'static str {
         match self {
@@ -76,7 +76,7 @@ impl PressureTable {
     /// The law through the points of penetration in m and pressure in Pa.
     ///
     /// # Errors
-    /// When the points are no function, do not start at (r₀, 0) with r₀ ≤ 0, or the pressure falls.
+    /// Fails if the points are no function, do not start at (r₀, 0) with r₀ ≤ 0, or the pressure decreases.
     pub fn new(penetration: &[f64], pressure: &[f64]) -> Result<PressureTable, PressureTableFault> {
         let table = PiecewiseLinear::new(penetration, pressure)?;
         let (penetration, pressure) = table.points()[0];
@@ -103,7 +103,7 @@ impl NormalLaw for PressureTable {
         let (value, slope) = self.table.extended(z);
         Pressure { value, slope, by_rate: 0.0 }
     }
-    /// From where the pressure begins, ∫ p dr.
+    /// ∫ p dr, from the penetration where the pressure begins.
     fn potential(&self, x: &Point, r: f64) -> f64 {
         let points = self.table.points().iter().copied().filter(|p| p.0 < r);
         let end = (r, self.pressure(x, r, 0.0, 0.0).value);

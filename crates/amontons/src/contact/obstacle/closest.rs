@@ -3,7 +3,7 @@
 use super::{minus, plus};
 use crate::tensor::{Point, dot};
 
-/// Where on a facet a point is.
+/// The position of a point on a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum On {
     /// Between its edges.
@@ -14,7 +14,7 @@ pub(super) enum On {
     Corner(usize),
 }
 
-/// The nearest point of a facet with these corners, and where it is.
+/// The nearest point of a facet with these corners, and its position on the facet.
 pub(super) fn closest(x: &Point, corners: &[Point]) -> (Point, On) {
     match corners {
         [a, b] => of_segment(x, a, b),
@@ -35,8 +35,8 @@ fn of_segment(x: &Point, a: &Point, b: &Point) -> (Point, On) {
     }
 }
 
-/// By the regions of the plane of the triangle in which the foot of the perpendicular is (Ericson, Real-Time Collision
-/// Detection, 2005, 5.1.5).
+/// Selects the region of the plane of the triangle that contains the foot of the perpendicular (Ericson, Real-Time
+/// Collision Detection, 2005, 5.1.5).
 fn of_triangle(x: &Point, a: &Point, b: &Point, c: &Point) -> (Point, On) {
     let (ab, ac) = (minus(b, a), minus(c, a));
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| minus(x, corner));

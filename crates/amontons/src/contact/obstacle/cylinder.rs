@@ -5,8 +5,8 @@ use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, across, at, key
 use crate::field::Field;
 use crate::tensor::Point;
 
-/// The cylinder without ends of points nearer than R to the axis through c, or of those farther, around a bore that the
-/// body is within.
+/// The infinite cylinder of points nearer than R to the axis through c, or, for a bore around the body, of points
+/// farther than R.
 #[derive(Clone, Debug)]
 pub struct Cylinder {
     center: Point3,
@@ -16,11 +16,11 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// The cylinder with `radius` in m whose axis goes through `center` in the direction `axis`, of any length: (0, 0,
-    /// 1) in two dimensions. With `inside` it is the bore of this radius.
+    /// The cylinder with `radius` in m about the axis through `center` in the direction `axis` of any length, (0, 0, 1)
+    /// in two dimensions. With `inside` it is the bore of this radius.
     ///
     /// # Errors
-    /// When the radius is not positive, the axis zero or the centre depends on space.
+    /// Fails if the radius is not positive, the axis zero or the centre depends on space.
     pub fn new(center: Point3, axis: Point, radius: f64, inside: bool) -> Result<Cylinder, ShapeFaults> {
         let mut checks = Checks::default();
         let center = checks.moving(CENTER, center);
@@ -32,7 +32,7 @@ impl Cylinder {
 
 impl Shape for Cylinder {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
-        // Twice, as the rounding of a long vector is not small beside a short rest.
+        // Applied twice: the rounding of a long vector is not small compared with a short remainder.
         let from = across(&across(&minus(x, &self.place(t)), &self.axis), &self.axis);
         round(&from, self.radius, self.inside, perpendicular(&self.axis))
     }

@@ -1,11 +1,11 @@
 //! The nearest point of the surface φ = 0: y + μ ∇φ(y) = x, φ(y) = 0.
 //!
 //! Iterates stay on the surface: a step in the tangent plane, then back along ∇φ. The step is Newton's for the system
-//! above, second derivatives from differences of the exact first ones, and the gradient's of ‖x − y‖²/2 where the
-//! second variation is not positive; it is halved until y comes nearer. So the distance falls from step to step, and
-//! where it falls no more the point is nearest among its neighbours: where x − y is normal to the surface, or at an
-//! edge. Then φ is looked at on spheres around x within that distance: where it has another sign than at x there is a
-//! nearer part of the surface, from which the descent starts again.
+//! above, with second derivatives from differences of the exact first ones, or the gradient's of ‖x − y‖²/2 if the
+//! second variation is not positive; it is halved until y comes nearer. So the distance decreases at each step. When it
+//! no longer does, the point is a local minimum: x − y is normal to the surface, or the point is at an edge. Then φ is
+//! sampled on spheres around x within that distance: a sign other than at x reveals a nearer part of the surface, from
+//! which the descent starts again.
 
 use super::{Nearest, across, minus, perpendicular, plus};
 use crate::expression::Expression;
@@ -14,12 +14,12 @@ use crate::tensor::{Point, dot, length};
 /// A function of space at one time.
 pub(super) struct Level<'a> {
     pub of: &'a Expression,
-    /// The axes that it depends on: along the others the surface does not change.
+    /// The axes on which it depends; along the others the surface does not change.
     pub axes: &'a [usize],
     pub t: f64,
 }
 
-/// The function at a point.
+/// The value and gradient of the function at a point.
 #[derive(Clone, Copy)]
 struct At {
     y: Point,
@@ -32,7 +32,7 @@ struct At {
 }
 
 impl At {
-    /// x − y, split into its part along the normal and the rest.
+    /// Splits x − y into its component along the normal and the remainder.
     fn split(&self, x: &Point) -> (f64, Point) {
         let gap = minus(x, &self.y);
         (dot(&gap, &self.normal), across(&gap, &self.normal))
@@ -53,7 +53,7 @@ fn largest(v: &Point) -> f64 {
 }
 
 impl Level<'_> {
-    /// What of the surface is nearest to `x`; none if nothing is found.
+    /// The nearest point of the surface to `x`; `None` if the search finds none.
     pub fn nearest(&self, x: &Point) -> Option<Nearest> {
         let value = self.value(x);
         if value.is_nan() {
@@ -62,7 +62,7 @@ impl Level<'_> {
         let outside = value >= 0.0;
         let start = self.onto_surface(x).or_else(|| self.search(x, outside))?;
         let mut foot = self.slide(x, start)?;
-        // Each time nearer; a surface has few parts that are nearest in turn.
+        // Each pass comes nearer; few parts of a surface are nearest in turn.
         for _ in 0..50 {
             let distance = foot.distance(x);
             let Some(next) = self
@@ -81,7 +81,7 @@ impl Level<'_> {
         if length(&rest) <= 1e-6 * distance + foot.round_off(x) {
             return Some(Nearest { distance: along, normal: foot.normal });
         }
-        // At an edge.
+        // The nearest point is at an edge.
         let signed = if outside { distance } else { -distance };
         Some(Nearest { distance: signed, normal: minus(x, &foot.y).map(|c| c / signed) })
     }
@@ -90,7 +90,7 @@ impl Level<'_> {
         self.of.value(y, self.t)
     }
 
-    /// The function at a point where it has a direction.
+    /// The function at a point; `None` if its gradient has no direction.
     fn at(&self, y: Point) -> Option<At> {
         let d = self.of.derivatives(&y, self.t);
         let steepness = length(&d.by_x);
@@ -103,7 +103,7 @@ impl Level<'_> {
         })
     }
 
-    /// From a point along ∇φ to the surface: Newton's method, the step halved until |φ| falls.
+    /// Moves from a point along ∇φ to the surface by Newton's method, halving the step until |φ| decreases.
     fn onto_surface(&self, from: &Point) -> Option<At> {
         let mut at = self.at(*from)?;
         for _ in 0..200 {
@@ -119,13 +119,13 @@ impl Level<'_> {
             let Some(next) = parts.find_map(shorter) else { break };
             at = next;
         }
-        // |φ| falls no more: the zero is as near as rounding lets it be seen, else there is none.
+        // |φ| no longer decreases: the zero is within rounding, or there is none.
         let beyond =
             |part: f64| self.value(&plus(&at.y, -part * at.value / at.steepness, &at.normal)) * at.value <= 0.0;
         [1.0, 2.0, 4.0, 8.0].into_iter().any(beyond).then_some(at)
     }
 
-    /// Along the surface to the point nearest to `x`.
+    /// Moves along the surface to the point nearest to `x`.
     fn slide(&self, x: &Point, start: At) -> Option<At> {
         let mut at = start;
         for _ in 0..500 {
@@ -142,17 +142,17 @@ impl Level<'_> {
         None
     }
 
-    /// A point of the surface that is nearer to `x`, a step or a part of it away.
+    /// A point of the surface nearer to `x`, reached by a step or a fraction of it.
     fn nearer(&self, x: &Point, at: &At, rest: &Point, step: &Point) -> Option<At> {
         let (before, slope) = (at.distance(x).powi(2), dot(step, rest));
-        // What of the square of the distance may be rounding.
+        // Possible rounding error of the squared distance.
         let noise = 1e-12 * before + 4.0 * before.sqrt() * at.round_off(x);
         let close = dot(rest, rest) <= noise;
         let reached = |part: f64| {
             let next = self.onto_surface(&plus(&at.y, part, step))?;
             let after = next.distance(x).powi(2);
             let falls = after < before - 1e-4 * part * slope;
-            // Close to the end the distance does not tell which point is nearer, but the angle does.
+            // Close to the end the distance cannot decide which point is nearer, but the angle can.
             let turns = close && after <= before + noise && length(&next.split(x).1) <= 0.5 * length(rest);
             (falls || turns).then_some(next)
         };
@@ -160,10 +160,10 @@ impl Level<'_> {
     }
 
     /// The step s in the tangent plane with s + λ H s = r, r the part of x − y in that plane, λ the part across and H
-    /// the tangential part of ∇²φ/‖∇φ‖; none where I + λH is not positive.
+    /// the tangential part of ∇²φ/‖∇φ‖; `None` if I + λH is not positive.
     fn newton(&self, x: &Point, at: &At, along: f64, rest: &Point) -> Option<Point> {
         let h = 1e-5 * largest(x).max(largest(&at.y));
-        // In a plane one tangent, in space two.
+        // One tangent in the plane, two in space.
         let tangents = if self.axes.len() == 2 {
             vec![super::unit(rest)?]
         } else {
@@ -188,8 +188,8 @@ impl Level<'_> {
         (a > 0.0 && determinant > 0.0).then(|| plus(&along_first, (a * s - b * r) / determinant, &tangents[1]))
     }
 
-    /// A point next to the surface on a ray from `x`: where φ has another sign at one of the radii, which grow, than at
-    /// `x`.
+    /// A point next to the surface on a ray from `x`, found where φ at one of the increasing radii has another sign
+    /// than at `x`.
     fn crossing(&self, x: &Point, outside: bool, radii: &[f64]) -> Option<Point> {
         let rays = rays(self.axes);
         let across = |value: f64| if outside { value < 0.0 } else { value > 0.0 };
@@ -201,7 +201,7 @@ impl Level<'_> {
                 continue;
             };
             let (mut near, mut far) = (0.0, radius);
-            // Close enough for Newton's method.
+            // Bisection until the bracket suits Newton's method.
             for _ in 0..30 {
                 let middle = 0.5 * (near + far);
                 if across(self.value(&plus(x, middle, ray))) {
@@ -215,7 +215,7 @@ impl Level<'_> {
         None
     }
 
-    /// A point of the surface, looked for far and wide where ∇φ does not lead to one.
+    /// A point of the surface, searched over many radii if ∇φ does not lead to one.
     fn search(&self, x: &Point, outside: bool) -> Option<At> {
         let size = largest(x);
         let radii = (-40..=40).map(|power| 2f64.powi(power) * if size > 0.0 { size } else { 1.0 });
@@ -224,7 +224,7 @@ impl Level<'_> {
     }
 }
 
-/// Unit vectors in the space of some axes: towards the points of a lattice with five points per direction, 16 in a
+/// Unit vectors in the space of some axes, towards the points of a lattice with five points per direction: 16 in a
 /// plane and 98 in space.
 fn rays(axes: &[usize]) -> Vec<Point> {
     let mut points: Vec<[i8; 3]> = vec![[0; 3]];
@@ -234,6 +234,6 @@ fn rays(axes: &[usize]) -> Vec<Point> {
             .flat_map(|p| [-2, -1, 0, 1, 2].map(|c| [0, 1, 2].map(|d| if d == axis { c } else { p[d] })))
             .collect();
     }
-    // A point of even numbers is behind another one.
+    // A point with even coordinates is on the ray of another one.
     points.iter().filter(|p| p.iter().any(|c| c % 2 != 0)).filter_map(|p| super::unit(&p.map(f64::from))).collect()
 }

@@ -1,8 +1,8 @@
 //! Closed surfaces of triangles, and closed lines of segments in the plane.
 //!
 //! The distance has the sign of n·(x − y), y the nearest point and n the normal of its facet, or the pseudonormal of
-//! its edge or vertex: the mean of the normals of the facets there, at a vertex by their angles. Then it is right also
-//! where the nearest point is on an edge or a vertex (Bærentzen, Aanæs 2005).
+//! its edge or vertex: the mean of the normals of the facets there, weighted by their angles at a vertex. The sign is
+//! then also right if the nearest point is on an edge or a vertex (Bærentzen, Aanæs 2005).
 
 use std::collections::BTreeMap;
 
@@ -12,23 +12,24 @@ use super::{Nearest, minus, plus, unit};
 use crate::mesh::cross;
 use crate::tensor::{Point, dot, length};
 
-/// Vertices that are as near to each other as this share of the surface are one: numbers of four bytes have 6e-8.
+/// Vertices closer than this fraction of the size of the surface are merged: four-byte numbers have a relative error of
+/// 6e-8.
 const SAME: f64 = 1e-6;
-/// A direction, of length 1, across which no surface is aligned.
+/// A direction, of length 1, with which no surface is expected to be aligned.
 const ASKEW: Point = [0.439_714_6, 0.561_332_9, 0.701_168_3];
-/// Height of a triangle over its longest side up to which it has no normal.
+/// Height of a triangle over its longest side below which it has no normal.
 const FLAT: f64 = 1e-9;
-/// Share of the size from which on a distance has a direction.
+/// Fraction of the size above which a distance has a direction.
 const ROUND_OFF: f64 = 1e-12;
-/// By how much the mean of unit normals that are the same is shorter than they, for round-off.
+/// Shortening of the mean of equal unit normals by round-off.
 const SHORTER: f64 = 1e-12;
 
-/// A closed surface in space, or a closed line in the plane, whose facets have their normals outwards.
+/// A closed surface in space, or a closed line in the plane, with outward normals.
 #[derive(Clone)]
 pub struct Facets {
     vertices: Vec<Point>,
     all: Vec<Facet>,
-    /// Pseudonormals of the vertices, means of the normals there.
+    /// Pseudonormals of the vertices: means of the normals there.
     at_vertices: Vec<Point>,
     spheres: Spheres,
     bounds: [Point; 2],
@@ -41,37 +42,37 @@ struct Facet {
     corners: Vec<usize>,
     /// Unit normal.
     normal: Point,
-    /// Pseudonormals of the edges, each from a corner to the next, means of the normals there.
+    /// Pseudonormals of the edges, each from a corner to the next: means of the normals there.
     at_edges: Vec<Point>,
 }
 
-/// Why facets bound no solid.
+/// Reason why facets bound no solid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FacetsFault {
-    /// Edges, or ends of segments, of one facet alone.
+    /// Edges, or ends of segments, that belong to one facet only.
     Open {
-        /// How many.
+        /// Number of such edges.
         count: usize,
-        /// The ends of the first of them, twice the same of a segment.
+        /// The ends of the first of them; twice the same point for a segment.
         first: [Point; 2],
     },
     /// Edges that both facets run through in the same direction.
     Turned {
-        /// How many.
+        /// Number of such edges.
         count: usize,
         /// The ends of the first of them.
         first: [Point; 2],
     },
-    /// Edges where more facets meet than two.
+    /// Edges shared by more than two facets.
     Crowded {
-        /// How many.
+        /// Number of such edges.
         count: usize,
         /// The ends of the first of them.
         first: [Point; 2],
     },
     /// Facets without an area.
     Degenerate {
-        /// How many.
+        /// Number of such facets.
         count: usize,
         /// The number of the first of them, from 0, and its first corner.
         first: (usize, Point),
@@ -81,7 +82,7 @@ pub enum FacetsFault {
 }
 
 impl FacetsFault {
-    /// What was found, to follow the name of the file; `place` writes a point, `dim` is 2 in the plane.
+    /// The fault as text that follows the name of the file; `place` formats a point, `dim` is 2 in the plane.
     #[must_use]
     pub fn found(&self, dim: usize, place: &dyn Fn(&Point) -> String) -> String {
         let edges = |count: usize, first: &[Point; 2], what: &str| {
@@ -106,7 +107,7 @@ impl FacetsFault {
         }
     }
 
-    /// What was expected, and what to try.
+    /// The expectation, and a hint.
     #[must_use]
     pub fn expected(&self) -> [&'static str; 2] {
         match self {
@@ -134,12 +135,12 @@ impl std::fmt::Debug for Facets {
 }
 
 impl Facets {
-    /// The surface of facets that are given by their corners in m, three in space and two in the plane, z = 0: in
-    /// space anticlockwise seen from outside, in the plane with the matter on the left. Where all are turned the other
-    /// way, the surface is turned over.
+    /// The surface of facets given by their corners in m, three in space and two in the plane (z = 0): in space
+    /// anticlockwise seen from outside, in the plane with the matter on the left. If all are oriented the other way,
+    /// the surface is reversed.
     ///
     /// # Errors
-    /// When they bound no solid.
+    /// Fails if the facets bound no solid.
     pub fn new(facets: &[Vec<Point>]) -> Result<Facets, FacetsFault> {
         let points: Vec<Point> = facets.iter().flatten().copied().collect();
         let bounds = bounds(&points);
@@ -148,7 +149,7 @@ impl Facets {
         let mut rest = numbers.into_iter();
         let numbered = facets.iter().map(|corners| corners.iter().filter_map(|_| rest.next()).collect());
         let mut all: Vec<(usize, Vec<usize>)> = numbered.enumerate().collect();
-        // What two of whose corners are one is a side, which leaves its neighbours beside each other.
+        // A facet with two merged corners is only an edge; without it its neighbours are adjacent.
         let is_whole = |corners: &[usize]| (0..corners.len()).all(|i| !corners[..i].contains(&corners[i]));
         all.retain(|(_, corners): &(usize, Vec<usize>)| corners.len() > 1 && is_whole(corners));
         check_area(&vertices, &all)?;
@@ -168,7 +169,7 @@ impl Facets {
         Ok(Facets::of(vertices, all, bounds))
     }
 
-    /// The surface with its pseudonormals and its tree.
+    /// The surface with its pseudonormals and its search tree.
     fn of(vertices: Vec<Point>, all: Vec<Vec<usize>>, bounds: [Point; 2]) -> Facets {
         let normal = |corners: &[usize]| {
             let across = across(&vertices, corners);
@@ -211,13 +212,13 @@ impl Facets {
         self.all.len()
     }
 
-    /// Whether it has none.
+    /// True if there are no facets.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
 
-    /// What of the surface is nearest to a point.
+    /// The nearest point of the surface.
     #[must_use]
     pub fn nearest(&self, x: &Point) -> Nearest {
         if !x.iter().all(|c| c.is_finite()) {
@@ -238,7 +239,7 @@ impl Facets {
             On::Corner(corner) => facet.corners.get(corner).map_or(facet.normal, |&vertex| self.at_vertices[vertex]),
         };
         let (size, outwards) = (length(&away), dot(&away, &normal));
-        // In a plane that is cut into facets the direction is that of the plane, however near the point is.
+        // On a plane split into facets the direction is the normal of the plane, however near the point is.
         if length(&normal) > 1.0 - SHORTER {
             return Nearest { distance: dot(&away, &facet.normal), normal: facet.normal };
         }
@@ -252,7 +253,7 @@ impl Facets {
     }
 }
 
-/// A mean of vectors by their weights.
+/// A weighted mean of vectors.
 #[derive(Clone, Default)]
 struct Mean {
     sum: Point,
@@ -280,7 +281,7 @@ fn edges(corners: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..count).map(move |i| [corners[i], corners[(i + 1) % corners.len()]])
 }
 
-/// A vector along the normal of a facet.
+/// A vector along the normal of a facet, of twice its area or of its length.
 fn across(vertices: &[Point], corners: &[usize]) -> Point {
     match *corners {
         [a, b] => [vertices[b][1] - vertices[a][1], vertices[a][0] - vertices[b][0], 0.0],
@@ -289,7 +290,7 @@ fn across(vertices: &[Point], corners: &[usize]) -> Point {
     }
 }
 
-/// The area or volume between a facet and a point, above zero where the normal points away from it.
+/// The signed area or volume between a facet and a point, positive if the normal points away from it.
 fn content(vertices: &[Point], corners: &[usize], from: &Point) -> f64 {
     let Some(first) = corners.first() else { return 0.0 };
     let factor = if corners.len() == 2 { 0.5 } else { 1.0 / 6.0 };
@@ -314,7 +315,7 @@ fn bounds(points: &[Point]) -> [Point; 2] {
     [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Points of which those within a distance of each other are one, and the number of each.
+/// Merges points within a distance of each other; returns the merged points and the number of each original one.
 fn welded(points: &[Point], within: f64) -> (Vec<Point>, Vec<usize>) {
     let along = |x: &Point| dot(x, &ASKEW);
     let mut order: Vec<usize> = (0..points.len()).collect();
@@ -322,7 +323,7 @@ fn welded(points: &[Point], within: f64) -> (Vec<Point>, Vec<usize>) {
     let (mut vertices, mut numbers): (Vec<Point>, Vec<usize>) = (Vec::new(), vec![0; points.len()]);
     for i in order {
         let x = &points[i];
-        // Vertices are in the order of their places along the direction: those before are too far.
+        // Vertices are ordered along the direction: earlier ones are too far away.
         let near = vertices.iter().enumerate().rev().take_while(|(_, other)| along(x) - along(other) <= within);
         let same = near.filter(|(_, other)| length(&minus(x, other)) <= within).map(|(number, _)| number).last();
         numbers[i] = same.unwrap_or(vertices.len());
@@ -333,7 +334,7 @@ fn welded(points: &[Point], within: f64) -> (Vec<Point>, Vec<usize>) {
     (vertices, numbers)
 }
 
-/// Whether each facet has a normal.
+/// Checks that each facet has a normal.
 fn check_area(vertices: &[Point], all: &[(usize, Vec<usize>)]) -> Result<(), FacetsFault> {
     let is_flat = |corners: &[usize]| {
         let longest = edges(corners).map(|[a, b]| length(&minus(&vertices[b], &vertices[a]))).fold(0.0, f64::max);
@@ -345,10 +346,10 @@ fn check_area(vertices: &[Point], all: &[(usize, Vec<usize>)]) -> Result<(), Fac
     Err(FacetsFault::Degenerate { count: 1 + flat.count(), first: (*number, at) })
 }
 
-/// Whether two facets that agree meet at each edge, or at each end of a segment.
+/// Checks that two consistently oriented facets meet at each edge, or two segments at each end.
 fn check_closed(vertices: &[Point], all: &[Vec<usize>]) -> Result<(), FacetsFault> {
-    // How often an edge is run through from its lower to its higher vertex, and how often back; of segments how often a
-    // vertex is their first and their last.
+    // Counts how often an edge is traversed from its lower to its higher vertex, and how often back; for segments, how
+    // often a vertex is their first and their last.
     let mut seen: BTreeMap<[usize; 2], [usize; 2]> = BTreeMap::new();
     for corners in all {
         if let [a, b] = corners[..] {
@@ -371,7 +372,7 @@ fn check_closed(vertices: &[Point], all: &[Vec<usize>]) -> Result<(), FacetsFaul
     if let Some((count, first)) = which(&|there, back| there + back == 2 && there != back) {
         return Err(FacetsFault::Turned { count, first });
     }
-    // Two solids that touch along an edge have it twice each way.
+    // Two solids that touch along an edge traverse it twice in each direction.
     if let Some((count, first)) = which(&|there, back| there != back) {
         return Err(FacetsFault::Crowded { count, first });
     }

@@ -8,7 +8,7 @@ use crate::tensor::Point;
 
 const ORIGIN: [&str; 3] = ["origin[0]", "origin[1]", "origin[2]"];
 
-/// The solid within a surface of facets, or the matter around a cavity of this shape, which moves with its origin.
+/// The solid within a surface of facets, or the matter around such a cavity; it moves with its origin.
 #[derive(Clone, Debug)]
 pub struct File {
     surface: Arc<Facets>,
@@ -17,10 +17,10 @@ pub struct File {
 }
 
 impl File {
-    /// The solid within a surface whose origin is at `origin`; with `inside` the body is within the surface.
+    /// The solid within a surface whose origin is at `origin`; with `inside` the surface is a cavity around the body.
     ///
     /// # Errors
-    /// When the origin depends on space.
+    /// Fails if the origin depends on space.
     pub fn new(surface: Arc<Facets>, origin: Point3, inside: bool) -> Result<File, ShapeFaults> {
         let mut checks = Checks::default();
         let file = File { surface, origin: checks.moving(ORIGIN, origin), inside };

@@ -4,9 +4,9 @@ use super::{Checks, ShapeFaults};
 use crate::field::Field;
 use crate::tensor::Point;
 
-/// What presses an obstacle, which is guided: it keeps its direction and moves along a line as far as the body lets it.
+/// A load on a guided obstacle, which keeps its orientation and moves along a line as far as the body allows.
 ///
-/// It moves by δ(t) along the unit vector d, besides what its place does, with the axis about which it turns, so that
+/// Besides its prescribed motion it moves, with its axis of rotation, by δ(t) along the unit vector d, so that
 ///
 /// ```text
 ///     m δ̈ = F(t) + d·∫ (p ν + q)
@@ -18,14 +18,14 @@ use crate::tensor::Point;
 /// Source: the balance of momentum of a rigid body that is guided along a line.
 #[derive(Clone, Debug)]
 pub struct ObstacleLoad {
-    /// F in N along d, a field of time, per unit of thickness in two dimensions; on the whole ring of a body of
+    /// F in N along d, a function of time, per unit of thickness in two dimensions; on the whole ring of a body of
     /// revolution.
     pub force: Field,
     /// d, a unit vector.
     pub direction: Point,
     /// m ≥ 0 in kg, per unit of thickness in two dimensions.
     pub mass: f64,
-    /// δ in m as a run has found it, to show where the obstacle was; none before.
+    /// δ in m as computed by a run, to show the obstacle where it was; `None` before the run.
     pub found: Option<Field>,
 }
 
@@ -33,14 +33,14 @@ impl ObstacleLoad {
     /// A load along a vector of any length.
     ///
     /// # Errors
-    /// When the direction is zero or not finite.
+    /// Fails if the direction is zero or not finite.
     pub fn new(force: Field, direction: Point, mass: f64) -> Result<ObstacleLoad, ShapeFaults> {
         let mut checks = Checks::default();
         let direction = checks.unit("direction", direction);
         checks.result(ObstacleLoad { force, direction, mass, found: None })
     }
 
-    /// δ as far as it is known.
+    /// δ as far as known, m; zero before the run.
     pub(super) fn known(&self, t: f64) -> f64 {
         self.found.as_ref().map_or(0.0, |found| found.value(&[0.0; 3], t))
     }

@@ -1,8 +1,7 @@
-//! Rigid surfaces that may move: what of them is nearest to a point, one shape per file.
+//! Rigid surfaces that may move: nearest points and normals, one shape per file.
 //!
-//! An obstacle gives (2.8)–(2.10) their geometry: contact acts along ν = −n, n the normal of the obstacle at the point
-//! of it that is nearest, and the gap is the distance there. Both are functions of the place alone, whatever the mesh
-//! of the body is.
+//! An obstacle defines the geometry of (2.8)–(2.10): contact acts along ν = −n, n the normal of the obstacle at its
+//! nearest point, and the gap is the distance there. Both depend on the position alone, not on the mesh of the body.
 
 mod closest;
 mod cylinder;
@@ -37,24 +36,23 @@ use crate::tensor::{Point, dot, length};
 pub struct Obstacle {
     /// Its surface.
     pub shape: Arc<dyn Shape>,
-    /// Whether distances and normals are those at x + u_{n−1}, anew in each step; else they are those at x, for small
+    /// True if distances and normals are evaluated at x + u_{n−1} in each step; otherwise at x, for small
     /// displacements.
     pub updated: bool,
-    /// How it turns; none where it does not.
+    /// Rotation of the obstacle; `None` if it does not turn.
     pub turning: Option<Turning>,
-    /// The force under which it moves besides what its place does; none where its place says where it is.
+    /// The load under which it moves in addition to its place; `None` if its place is prescribed completely.
     pub load: Option<ObstacleLoad>,
 }
 
 impl Obstacle {
-    /// What is nearest to a point at a time, of an obstacle under a load where that has moved it, as far as is known.
+    /// The nearest point at a time; an obstacle under a load is moved by its δ, as far as known.
     #[must_use]
     pub fn nearest(&self, x: &Point, t: f64) -> Nearest {
         self.nearest_moved(x, t, self.known(t))
     }
 
-    /// What is nearest to a point at a time, of an obstacle that has moved by a length δ along the direction of its
-    /// load.
+    /// The nearest point at a time, for an obstacle that its load has moved by a length δ.
     #[must_use]
     pub fn nearest_moved(&self, x: &Point, t: f64, along: f64) -> Nearest {
         let direction = self.direction();
@@ -65,14 +63,14 @@ impl Obstacle {
         Nearest { distance, normal: turn.after(&normal) }
     }
 
-    /// The rotation where it changes the place of the surface: not of a ball about its centre, a cylinder about its
-    /// axis, and a plane about its normal.
+    /// The rotation if it changes the surface; `None` for a ball about its centre, a cylinder about its axis, and a
+    /// plane about its normal.
     fn changes_by(&self) -> Option<&Turning> {
         let turning = self.turning.as_ref()?;
         (!self.shape.turns_into_itself(turning.axis(), turning.is_about_place())).then_some(turning)
     }
 
-    /// Whether it turns, and its surface stays where it is.
+    /// True if it turns while its surface stays in place.
     #[must_use]
     pub fn turns_in_place(&self) -> bool {
         self.turning.is_some() && self.changes_by().is_none()
@@ -84,13 +82,13 @@ impl Obstacle {
         self.load.as_ref().map_or([0.0; 3], |load| load.direction)
     }
 
-    /// δ as far as it is known.
+    /// δ as far as known, m.
     fn known(&self, t: f64) -> f64 {
         self.load.as_ref().map_or(0.0, |load| load.known(t))
     }
 
-    /// Its velocity as a rigid body at a time, `rate` making the rate at that time of a function of time; what its load
-    /// adds, as far as it is known.
+    /// Its velocity as a rigid body at a time, including that of its load as far as known; `rate` differentiates a
+    /// function of time at that time.
     #[must_use]
     pub fn motion(&self, t: f64, rate: &Rate) -> Motion {
         let motion = Motion::new(self.turning.as_ref(), &|t| self.shape.place(t), t, rate);
@@ -99,21 +97,21 @@ impl Obstacle {
         motion.carried(&moved, &speed)
     }
 
-    /// Place of a point that moves with the obstacle and does not turn, as far as it is known.
+    /// Position of a point that moves with the obstacle but does not turn, as far as known.
     #[must_use]
     pub fn place(&self, t: f64) -> Point {
         let (place, along, direction) = (self.shape.place(t), self.known(t), self.direction());
         std::array::from_fn(|c| place[c] + along * direction[c])
     }
 
-    /// Whether it may move or change its shape.
+    /// True if it may move or change its shape.
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
         let turns = |turning: &Turning| turning.fields().iter().any(|(_, field)| field.depends_on_time());
         self.load.is_some() || self.shape.depends_on_time() || self.changes_by().is_some_and(turns)
     }
 
-    /// The data that may vary in time, by their keys.
+    /// The data that may vary in time, with their keys.
     #[must_use]
     pub fn fields(&self) -> Vec<(&'static str, &Field)> {
         let turning = self.turning.iter().flat_map(Turning::fields);
@@ -121,12 +119,12 @@ impl Obstacle {
     }
 }
 
-/// What of an obstacle is nearest to a point.
+/// The nearest point of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
     /// Distance in m, negative inside the obstacle; NaN where there is no nearest point.
     pub distance: f64,
-    /// Unit normal out of the obstacle at the nearest point of its surface, which is the gradient of the distance.
+    /// Unit normal out of the obstacle at the nearest point of its surface; it is the gradient of the distance.
     pub normal: Point,
 }
 
@@ -137,32 +135,32 @@ impl Nearest {
 
 /// The surface of an obstacle. In two dimensions points have z = 0, and so have normals.
 pub trait Shape: Debug + Send + Sync {
-    /// What is nearest to a point at a time; of several points equally near the same in each call.
+    /// The nearest point at a time; of several points equally near, each call returns the same.
     fn nearest(&self, x: &Point, t: f64) -> Nearest;
-    /// Place in m of a point that moves with the obstacle; zero where it has none.
+    /// Position in m of a point that moves with the obstacle; zero if it has none.
     fn place(&self, _t: f64) -> Point {
         [0.0; 3]
     }
-    /// The data that may vary in time, by their keys.
+    /// The data that may vary in time, with their keys.
     fn fields(&self) -> Vec<(&'static str, &Field)> {
         Vec::new()
     }
-    /// Whether a rotation about an axis with this unit vector leaves it where it is: about its place, or about any
-    /// point.
+    /// True if a rotation about an axis with this unit vector leaves the surface unchanged; the axis goes through its
+    /// place, or anywhere if `about_place` is false.
     fn turns_into_itself(&self, _axis: &Point, _about_place: bool) -> bool {
         false
     }
-    /// The least and the largest coordinates of a surface of finite size at a time, m.
+    /// The least and the largest coordinates of a bounded surface at a time, m; `None` if unbounded.
     fn bounds(&self, _t: f64) -> Option<[Point; 2]> {
         None
     }
-    /// Whether what is nearest may change with time.
+    /// True if the nearest point may change with time.
     fn depends_on_time(&self) -> bool {
         self.fields().iter().any(|(_, field)| field.depends_on_time())
     }
 }
 
-/// What is wrong with a datum of a shape.
+/// A fault in a datum of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeFault {
     /// A length is not positive.
@@ -191,12 +189,12 @@ pub enum ShapeFault {
         /// The direction.
         direction: Point,
     },
-    /// The place of an obstacle that would move as a whole depends on where it is looked at.
+    /// A component of the place of an obstacle depends on position, though the obstacle moves as a whole.
     InSpace {
         /// The key of the component.
         key: &'static str,
     },
-    /// The level of a surface is the same everywhere.
+    /// The level of a surface does not depend on position.
     Level,
 }
 
@@ -209,7 +207,7 @@ impl std::fmt::Display for ShapeFault {
 impl std::error::Error for ShapeFault {}
 
 impl ShapeFault {
-    /// What was found.
+    /// The value found, for messages.
     #[must_use]
     pub fn found(&self) -> String {
         match self {
@@ -223,7 +221,7 @@ impl ShapeFault {
         }
     }
 
-    /// What was expected.
+    /// The value expected, for messages.
     #[must_use]
     pub fn expected(&self) -> &'static str {
         match self {
@@ -250,12 +248,12 @@ impl ShapeFault {
     }
 }
 
-/// What is wrong with a shape, all at once.
+/// All faults of a shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", .0.iter().map(|fault| format!("{}: {fault}", fault.key())).collect::<Vec<_>>().join("\n"))]
 pub struct ShapeFaults(pub Vec<ShapeFault>);
 
-/// Collects what is wrong.
+/// Collects faults.
 #[derive(Default)]
 struct Checks(Vec<ShapeFault>);
 
@@ -275,7 +273,7 @@ impl Checks {
         })
     }
 
-    /// Components that may depend on time.
+    /// Checks components that may depend on time but not on position.
     fn moving(&mut self, keys: [&'static str; 3], components: Point3) -> Point3 {
         let in_space = keys.into_iter().zip(&components).filter(|(_, field)| field.depends_on_space());
         self.0.extend(in_space.map(|(key, _)| ShapeFault::InSpace { key }));
@@ -310,9 +308,9 @@ fn plus(a: &Point, s: f64, b: &Point) -> Point {
     [0, 1, 2].map(|c| a[c] + s * b[c])
 }
 
-/// The unit vector along `v`; none of a vector that is zero or not finite.
+/// The unit vector along `v`; `None` if `v` is zero or not finite.
 fn unit(v: &Point) -> Option<Point> {
-    // The square of a short vector would underflow.
+    // Scaled first: the square of a short vector would underflow.
     let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let scaled = v.map(|c| c / largest);
     let length = length(&scaled);
@@ -324,13 +322,13 @@ fn across(v: &Point, n: &Point) -> Point {
     plus(v, -dot(v, n), n)
 }
 
-/// A unit vector across the unit vector `n`, in the plane z = 0 where `n` is along z.
+/// A unit vector across the unit vector `n`, in the plane z = 0 if `n` is along z.
 fn perpendicular(n: &Point) -> Point {
     let axis = if n[0].abs() <= n[1].abs() { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     unit(&across(&axis, n)).unwrap_or(axis)
 }
 
-/// The nearest point of a round surface, `from` the vector to the point from the centre or axis; on the centre or axis,
+/// The nearest point of a round surface, `from` the vector from the centre or axis to the point. On the centre or axis,
 /// where all points are equally near, it is the one in direction `otherwise`.
 fn round(from: &Point, radius: f64, inside: bool, otherwise: Point) -> Nearest {
     if from.iter().any(|c| c.is_nan()) {
@@ -338,6 +336,6 @@ fn round(from: &Point, radius: f64, inside: bool, otherwise: Point) -> Nearest {
     }
     let distance = length(from) - radius;
     let normal = unit(from).unwrap_or(otherwise);
-    // A hollow one has its matter outside.
+    // A hollow shape has its matter outside.
     if inside { Nearest { distance: -distance, normal: normal.map(|c| -c) } } else { Nearest { distance, normal } }
 }

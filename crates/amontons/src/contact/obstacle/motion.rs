@@ -1,4 +1,4 @@
-//! How an obstacle moves: with its place, and by turning about an axis.
+//! Motion of an obstacle: with its place, and by rotation about an axis.
 
 use super::{Checks, Point3, ShapeFault, ShapeFaults, across, at, keyed, minus, plus};
 use crate::field::Field;
@@ -7,10 +7,10 @@ use crate::tensor::{Point, Rotation, length};
 
 const ABOUT: [&str; 3] = ["turning.about[0]", "turning.about[1]", "turning.about[2]"];
 const ANGLE: &str = "turning.angle";
-/// Sine of the angle between directions that are the same up to round-off.
+/// Sine of the angle between directions that are equal up to round-off.
 const PARALLEL: f64 = 1e-12;
 
-/// A rotation of an obstacle: what the shape is at a time is turned by an angle about an axis through a point.
+/// A rotation of an obstacle: the shape at a time is turned by an angle about an axis through a point.
 #[derive(Clone, Debug)]
 pub struct Turning {
     angle: Field,
@@ -20,10 +20,10 @@ pub struct Turning {
 
 impl Turning {
     /// The rotation by `angle` in rad, by the right-hand rule about the direction `axis`, of any length: (0, 0, 1) in
-    /// two dimensions. The axis goes through `about`, or through the place of the shape and with it.
+    /// two dimensions. The axis goes through `about`, or through the place of the shape and moves with it.
     ///
     /// # Errors
-    /// When the axis is zero, or the angle or the point depend on space.
+    /// Fails if the axis is zero, or the angle or the point depend on space.
     pub fn new(angle: Field, axis: Point, about: Option<Point3>) -> Result<Turning, ShapeFaults> {
         let mut checks = Checks::default();
         if angle.depends_on_space() {
@@ -40,13 +40,13 @@ impl Turning {
         &self.axis
     }
 
-    /// Whether the axis goes through the place of the shape.
+    /// True if the axis goes through the place of the shape.
     #[must_use]
     pub fn is_about_place(&self) -> bool {
         self.about.is_none()
     }
 
-    /// The data that may vary in time, by their keys.
+    /// The data that may vary in time, with their keys.
     pub(super) fn fields(&self) -> Vec<(&'static str, &Field)> {
         let about = self.about.iter().flat_map(|about| keyed(ABOUT, about));
         std::iter::once((ANGLE, &self.angle)).chain(about).collect()
@@ -57,7 +57,7 @@ impl Turning {
         self.angle.value(&[0.0; 3], t)
     }
 
-    /// A point of the axis at a time, `place` that of the shape.
+    /// A point of the axis at a time, for a shape at `place`.
     fn about(&self, place: Point, t: f64) -> Point {
         self.about.as_ref().map_or(place, |about| at(about, t))
     }
@@ -78,7 +78,7 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// Where a point has been before the rotation.
+    /// The position of a point before the rotation.
     pub fn before(&self, x: &Point) -> Point {
         plus(&self.about, 1.0, &self.back.vector(&minus(x, &self.about)))
     }
@@ -89,7 +89,7 @@ impl Turn {
     }
 }
 
-/// Whether a direction is along a unit vector, either way.
+/// True if a direction is parallel to a unit vector, in either sense.
 pub(super) fn is_along(direction: &Point, unit: &Point) -> bool {
     length(&across(direction, unit)) < PARALLEL
 }
@@ -106,10 +106,10 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// That of an obstacle whose place is a function of time, at a time; `rate` makes the rate at that time of a
-    /// function of time.
+    /// The velocity at time t of an obstacle whose place is a function of time; `rate` differentiates a function of
+    /// time at that time.
     ///
-    /// With the place p and the rotation R about a(t) a point of the obstacle is x = a + R (ξ + p − a), ξ fixed, so
+    /// With the place p and the rotation R about a(t), a point of the obstacle is x = a + R (ξ + p − a), ξ fixed, so
     /// that ẋ = ȧ + R (ṗ − ȧ) + ω × (x − a).
     pub(super) fn new(turning: Option<&Turning>, place: &dyn Fn(f64) -> Point, t: f64, rate: &Rate) -> Motion {
         let of = |point: &dyn Fn(f64) -> Point| -> Point { std::array::from_fn(|c| rate(&|t| point(t)[c])) };
@@ -126,7 +126,7 @@ impl Motion {
         Motion { velocity: plus(&axis, 1.0, &turned), spin, about }
     }
 
-    /// The same of an obstacle that is carried along, with its axis, by a displacement and with a velocity.
+    /// This motion with a further displacement `by` and `velocity`, which also carry the axis.
     pub(super) fn carried(&self, by: &Point, velocity: &Point) -> Motion {
         Motion { velocity: plus(&self.velocity, 1.0, velocity), spin: self.spin, about: plus(&self.about, 1.0, by) }
     }
@@ -141,5 +141,5 @@ impl Motion {
     }
 }
 
-/// The rate of a function of time at a time that is known.
+/// Differentiates a function of time at a fixed time.
 pub type Rate<'r> = dyn Fn(&dyn Fn(f64) -> f64) -> f64 + 'r;

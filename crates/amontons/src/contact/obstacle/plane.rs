@@ -16,7 +16,7 @@ impl Plane {
     /// The half-space below the plane through `point` with the normal `normal`, of any length.
     ///
     /// # Errors
-    /// When the normal is zero or the point depends on space.
+    /// Fails if the normal is zero or the point depends on space.
     pub fn new(point: Point3, normal: Point) -> Result<Plane, ShapeFaults> {
         let mut checks = Checks::default();
         let plane = Plane { point: checks.moving(POINT, point), normal: checks.unit("normal", normal) };

@@ -4,7 +4,7 @@ use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, at, keyed, minu
 use crate::field::Field;
 use crate::tensor::Point;
 
-/// The ball ‖x − c‖ < R, or ‖x − c‖ > R around a socket that the body is within; in two dimensions a disc.
+/// The ball ‖x − c‖ < R, or ‖x − c‖ > R for a socket around the body; in two dimensions a disc.
 #[derive(Clone, Debug)]
 pub struct Sphere {
     center: Point3,
@@ -16,7 +16,7 @@ impl Sphere {
     /// The ball around `center` with `radius` in m; with `inside` the socket of this radius.
     ///
     /// # Errors
-    /// When the radius is not positive or the centre depends on space.
+    /// Fails if the radius is not positive or the centre depends on space.
     pub fn new(center: Point3, radius: f64, inside: bool) -> Result<Sphere, ShapeFaults> {
         let mut checks = Checks::default();
         let sphere =

@@ -1,4 +1,4 @@
-//! The zero level of a function.
+//! The zero level set of a function.
 
 use super::descent::Level;
 use super::{Nearest, Shape, ShapeFault, ShapeFaults};
@@ -7,22 +7,22 @@ use crate::tensor::Point;
 
 /// The matter where φ(x, t) < 0, bounded by the surface φ = 0.
 ///
-/// φ is no distance: the nearest point is looked for, see `descent`. Of several parts of the surface whose distances
-/// differ by a few hundredths the farther may be taken, which does not occur close to the surface. It may have edges;
-/// there the normal is the direction in which the distance grows. It has no place: what moves along it is told by the
-/// velocity of the foundation.
+/// φ is no distance: the nearest point is searched, see `descent`. If distances to several parts of the surface differ
+/// by a few hundredths, the search may return the farther one, which does not occur close to the surface. The surface
+/// may have edges; there the normal is the direction in which the distance grows. It has no place: describe motion
+/// along it by the velocity of the foundation.
 #[derive(Clone, Debug)]
 pub struct Surface {
     level: Expression,
-    /// The axes that φ depends on.
+    /// The axes on which φ depends.
     axes: Vec<usize>,
 }
 
 impl Surface {
-    /// The surface on which `level` is zero; it is positive outside the obstacle.
+    /// The surface on which `level` is zero; `level` is positive outside the obstacle.
     ///
     /// # Errors
-    /// When the level does not depend on space.
+    /// Fails if the level does not depend on space.
     pub fn new(level: Expression) -> Result<Surface, ShapeFaults> {
         let axes: Vec<usize> = [Variable::X, Variable::Y, Variable::Z]
             .into_iter()

@@ -19,12 +19,12 @@ pub struct Wave {
 
 impl Wave {
     /// The wave about the plane through `point` with the normal `normal`, with `amplitude` and `wavelength` in m along
-    /// the part of `direction` in that plane; a crest is at `point` if the amplitude is positive. The length of the two
-    /// vectors does not count.
+    /// the part of `direction` in that plane; a crest is at `point` if the amplitude is positive. The lengths of the
+    /// two vectors do not matter.
     ///
     /// # Errors
-    /// When the wavelength is not positive, the amplitude not finite, the normal zero, the direction zero or along the
-    /// normal, or the point depends on space.
+    /// Fails if the wavelength is not positive, the amplitude not finite, the normal zero, the direction zero or along
+    /// the normal, or the point depends on space.
     pub fn new(
         point: Point3,
         normal: Point,
@@ -40,7 +40,7 @@ impl Wave {
         let frequency = TAU / checks.positive("wavelength", wavelength);
         let (normal, along) = (checks.unit("normal", normal), checks.unit("direction", direction));
         let part = across(&along, &normal);
-        // What is left of a direction along the normal is round-off.
+        // The remainder of a direction along the normal is round-off.
         let crosses = part.iter().any(|c| c.abs() > 1e-12);
         if !crosses && checks.0.is_empty() {
             checks.0.push(ShapeFault::AlongNormal { direction });
@@ -50,27 +50,27 @@ impl Wave {
     }
 }
 
-/// A point before half a period of the wave, lengths in units of λ/2π: the wave is at α cos w, 0 ≤ w ≤ π.
+/// A point relative to half a period of the wave, lengths in units of λ/2π: the wave is at α cos w, 0 ≤ w ≤ π.
 ///
-/// The mirrors w = 0 and w = π map the wave to itself, so the nearest point of a point between them is between them
-/// too.
+/// The mirrors w = 0 and w = π map the wave to itself, so the nearest point of a point between them is also between
+/// them.
 struct HalfPeriod {
     /// α.
     amplitude: f64,
-    /// Along the wave, in [0, π].
+    /// Coordinate along the wave, in [0, π].
     v: f64,
-    /// Along the normal.
+    /// Coordinate along the normal.
     height: f64,
 }
 
 impl HalfPeriod {
-    /// Half the square of the distance to the wave at w.
+    /// Half the squared distance to the wave at w.
     fn energy(&self, w: f64) -> f64 {
         let (s, h) = (w - self.v, self.amplitude * w.cos() - self.height);
         0.5 * (s * s + h * h)
     }
 
-    /// Its derivative by w; at the mirrors sin w is 0, and not what rounding makes of it.
+    /// Its derivative by w; at the mirrors sin w is set to exactly 0.
     fn slope(&self, w: f64) -> f64 {
         let sin = if w <= 0.0 || w >= PI { 0.0 } else { w.sin() };
         (w - self.v) - (self.amplitude * w.cos() - self.height) * self.amplitude * sin
@@ -82,8 +82,8 @@ impl HalfPeriod {
         1.0 + self.amplitude * (self.amplitude * (1.0 - 2.0 * c * c) + self.height * c)
     }
 
-    /// Where the second derivative changes its sign: at roots of a quadratic equation for cos w, so that the slope is
-    /// monotone on three parts at most.
+    /// The w at which the second derivative changes its sign: roots of a quadratic equation for cos w, so that the
+    /// slope is monotone on at most three parts.
     fn inflections(&self) -> impl Iterator<Item = f64> {
         let (a, b, c) = (
             2.0 * self.amplitude * self.amplitude,
@@ -113,8 +113,8 @@ impl HalfPeriod {
         nearest.map(|(w, _)| w)
     }
 
-    /// The zero of the slope between two places where it is not positive and not negative: Newton's method, halving
-    /// where that leaves the bracket or is slow.
+    /// The zero of the slope between `low`, where it is not positive, and `high`, where it is not negative: Newton's
+    /// method, with bisection if that leaves the bracket or is slow.
     fn minimum(&self, mut low: f64, mut high: f64) -> f64 {
         let mut w = self.v.clamp(low, high);
         let mut last = high - low;

@@ -145,7 +145,7 @@ fn powers() {
     ] {
         assert_eq!(slope(source, x), exact, "{source} at {x}");
     }
-    // An exponent known only at evaluation is not constant, but is by x.
+    // An exponent known only at evaluation varies in time but not with x.
     for (x, t, exact) in [
         (0.0, 0.0, 0.0),
         (-2.0, 0.0, 0.0),
@@ -274,7 +274,7 @@ fn constants_time_and_large_expressions() {
 fn difference(tree: &tree::Tree, x: &[f64; 3], t: f64, direction: usize) -> Option<f64> {
     const LARGEST: f64 = 1e3;
     let after = |h: f64| {
-        // Beside large terms, small ones are lost to rounding.
+        // Small terms next to large ones are lost to rounding.
         let largest = after(|x, t| tree.largest(x, t), x, t, direction, h);
         (largest < LARGEST).then(|| after(|x, t| tree.value(x, t), x, t, direction, h))
     };
@@ -289,7 +289,7 @@ fn difference(tree: &tree::Tree, x: &[f64; 3], t: f64, direction: usize) -> Opti
     slopes.iter().flatten().all(close).then_some(central)
 }
 
-/// The seed is fixed, because rounding may make any difference wrong for some tree.
+/// The seed is fixed because rounding may make the difference wrong for some tree.
 #[test]
 fn derivatives_agree_with_the_differences_of_random_trees() {
     let compared = Cell::new(0);

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-/// An expression as its author thinks of it.
+/// An expression as a tree.
 #[derive(Clone, Debug)]
 pub(super) enum Tree {
     Number(f64),
@@ -13,7 +13,7 @@ pub(super) enum Tree {
 }
 
 impl Tree {
-    /// How tightly the outermost operation binds.
+    /// Precedence of the outermost operation.
     fn level(&self) -> u8 {
         match self {
             Tree::Infix("+" | "-", ..) => 1,
@@ -25,7 +25,7 @@ impl Tree {
         }
     }
 
-    /// With parentheses only where the grammar needs them.
+    /// The text, with parentheses only where the grammar needs them.
     pub(super) fn text(&self, least: u8) -> String {
         let text = match self {
             Tree::Number(value) => format!("{value:?}"),
@@ -169,7 +169,7 @@ const CALLS: [(&str, usize); 18] = [
     ("max", 3),
 ];
 
-/// Expressions of every kind, of which many have no finite value.
+/// Expressions of every kind; many have no finite value.
 pub(super) fn tree() -> impl Strategy<Value = Tree> {
     let leaf = prop_oneof![
         (0_u8..20).prop_map(|n| Tree::Number(f64::from(n))),
@@ -180,7 +180,7 @@ pub(super) fn tree() -> impl Strategy<Value = Tree> {
     grown(leaf, &["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!="], 6)
 }
 
-/// Expressions of which many vary with the variables, and moderately.
+/// Expressions most of which vary moderately with the variables.
 pub(super) fn moderate_tree() -> impl Strategy<Value = Tree> {
     let leaf = prop_oneof![
         1 => (0_u8..4).prop_map(|n| Tree::Number(f64::from(n))),

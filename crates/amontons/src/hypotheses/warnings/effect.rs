@@ -1,6 +1,6 @@
-//! `no-effect` and `static-friction`: data that change nothing, and friction whose slip no data limit.
+//! `no-effect` and `static-friction`: data without effect, and friction whose slip no data limit.
 //!
-//! Loads on a side that is held in their direction, and heat into one whose temperature is prescribed, are faults.
+//! Loads along a held direction, and heat into a side of prescribed temperature, are faults instead.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::mesh::FacetSet;
 use crate::problem::{Physics, Problem};
 use crate::tensor::Sym;
 
-/// `no-effect`: data that results do not depend on, one finding per datum.
+/// `no-effect`: data without effect on the results, one finding per datum.
 pub(super) fn without_effect(problem: &Problem) -> Vec<Finding> {
     let told = |(place, message, repair): (String, String, &'static str)| {
         warning(FindingId::NoEffect, &place, [0.0, 1.0], message, repair)
@@ -26,10 +26,10 @@ pub(super) fn without_effect(problem: &Problem) -> Vec<Finding> {
     of_body.chain(of_contacts).map(told).collect()
 }
 
-/// Where it stands, what it means, and what to do.
+/// Path, message, and repair.
 type Idle = (String, String, &'static str);
 
-/// A body without inertia is in balance from the first step on, whatever its velocity was.
+/// Initial velocity without inertia: the body is in balance from the first step on.
 fn velocity_without_inertia(problem: &Problem) -> Option<Idle> {
     let is_given = problem.initial.velocity.iter().any(|velocity| !velocity.is_zero());
     if !is_given || has_inertia(problem) {
@@ -41,7 +41,7 @@ fn velocity_without_inertia(problem: &Problem) -> Option<Idle> {
     Some(("initial.velocity".to_owned(), message.to_owned(), repair))
 }
 
-/// A temperature that is given acts by expansion, by laws that depend on it, and by friction and wear.
+/// Temperature without effect: it acts only by expansion, temperature-dependent laws, friction and wear.
 fn temperature_without_expansion(problem: &Problem) -> Option<Idle> {
     let expands = |m: &Material| {
         let is_fixed = |law: &Arc<dyn TensorLaw>| !depends_on_temperature(law.as_ref());
@@ -55,7 +55,7 @@ fn temperature_without_expansion(problem: &Problem) -> Option<Idle> {
     Some((given.key.clone(), message.to_owned(), "give material.expansion_coefficient, or remove the temperature"))
 }
 
-/// Friction, and wear by what slides, are all that a sliding foundation acts by.
+/// Sliding without effect: a sliding foundation acts only by friction and by the wear of sliding.
 fn slides_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
     let slides = contact.foundation_velocity.iter().any(|velocity| !velocity.is_zero());
     if !slides || !contact.friction.is_frictionless() || contact.wear.is_some() || contact.obstacle.is_some() {
@@ -65,7 +65,7 @@ fn slides_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
     Some((format!("{path}.foundation_velocity"), message.to_owned(), "give `friction`, or remove the velocity"))
 }
 
-/// A roller that turns about its axis, and a table about its normal, act by friction alone.
+/// Turning without effect: a roller about its axis, and a table about its normal, act only by friction.
 fn turns_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
     let turns = contact.obstacle.as_ref().is_some_and(Obstacle::turns_in_place);
     if !turns || !contact.friction.is_frictionless() || contact.wear.is_some() {
@@ -85,13 +85,13 @@ fn heats_without_friction(path: &str, contact: &Contact) -> Option<Idle> {
     Some((format!("{path}.frictional_heat"), message.to_owned(), "give `friction`, or remove `frictional_heat`"))
 }
 
-/// Whether some material has a density.
+/// True if some material has a density.
 fn has_inertia(problem: &Problem) -> bool {
     problem.values_of(|material| &material.density).iter().any(|density| density.value > 0.0)
 }
 
-/// `static-friction`: friction that drops when slip starts, at a side of a body that neither inertia nor viscosity
-/// slows down. A point then jumps within a step, however short that is.
+/// `static-friction`: friction drops when slip starts, at a side of a body that neither inertia nor viscosity slows. A
+/// point then jumps within a step of any length.
 pub(super) fn jumps(problem: &Problem) -> Vec<Finding> {
     let drops = problem.contacts.iter().enumerate().filter(|(_, contact)| contact.friction.drops_from_rest());
     let jumping = drops.filter(|(_, contact)| contact.sides().any(|side| !is_slowed(problem, side)));
@@ -111,7 +111,7 @@ pub(super) fn jumps(problem: &Problem) -> Vec<Finding> {
     jumping.map(told).collect()
 }
 
-/// Whether the body of a side has a density or a viscosity.
+/// True if the body of a side has a density or a viscosity.
 fn is_slowed(problem: &Problem, side: &str) -> bool {
     let mesh = &*problem.mesh;
     let Some(nodes) = mesh.facets.get(side).map(FacetSet::node_list) else { return true };

@@ -1,9 +1,9 @@
-//! `pair-gap`, `start-inside`: the gap of pairs as the mesh makes it, and of sides in front of obstacles, at rest.
+//! `pair-gap`, `start-inside`: gaps at rest between the sides of pairs on the mesh, and to obstacles.
 //!
-//! The vertices of a curved side lie on it, and its facets cut in by their depth. Where both sides are curved alike, as
-//! a shaft in its bearing, and their facets do not face each other one by one, the gap of the mesh is that of the
-//! bodies and a share of both depths that varies along the side. What varies so is told from the gap of two bodies that
-//! are shifted, a + b·ν, by what is left of the gap besides the best of these.
+//! The vertices of a curved side lie on it, while its facets cut in by their depth. If both sides have the same
+//! curvature, as a shaft in its bearing, and their facets do not match one by one, the gap of the mesh is the true gap
+//! plus a share of both depths that varies along the side. That variation is distinguished from a shift of the bodies,
+//! with the gap a + b·ν, by the remainder of the gap after the best fit of this form.
 
 use std::collections::BTreeMap;
 
@@ -16,18 +16,18 @@ use crate::problem::Problem;
 use crate::tensor::{Point, dot, length};
 use crate::units::{Measure, Units};
 
-/// Depth of an overlap that is the round-off of a mesh file: relative to a facet, and to the size of the side.
+/// Depth of an overlap that is round-off of a mesh file: relative to a facet, and to the size of the side.
 const OF_FACET: f64 = 1e-6;
 const OF_SIDE: f64 = 2e-7;
-/// Shares of the mean gap from which on facets change pressures: their depth, and by how much the gap varies with them,
-/// which facets that face each other one by one do not make it do.
+/// Fractions of the mean gap above which facets change pressures: their depth, and the variation of the gap by them,
+/// which vanishes if facets match one by one.
 const DEEP: f64 = 0.25;
 const VARIES: f64 = 0.01;
-/// Cosine of the angle between facets from which on there is a kink between them and no curvature: 35°.
+/// Cosine of the angle between facets beyond which they form a kink instead of a curvature: 35°.
 const KINK: f64 = 0.819;
 
-/// `pair-gap`: where bodies overlap at rest, and where the facets of their sides are deep beside the gap between them.
-/// Nothing is said of a gap that is given.
+/// `pair-gap`: warns if bodies overlap at rest, or if the facets of their sides are deep compared with the gap. A given
+/// gap is not checked.
 pub(super) fn of_pairs(problem: &Problem) -> Vec<Finding> {
     let of_mesh = |contact: &Contact| contact.pair.as_ref().filter(|pair| !pair.gap_is_given).map(|pair| pair.closes);
     if !problem.contacts.iter().any(|contact| of_mesh(contact).is_some()) {
@@ -89,7 +89,7 @@ fn of_pair(
     Some(warning(FindingId::PairGap, &place, numbers, message, repair(cuts, units)))
 }
 
-/// Sides of a tie that are farther apart than the facets of both make them.
+/// Warns if the sides of a tie are farther apart than their facets explain.
 fn of_tie(
     problem: &Problem,
     (number, contact): (usize, &Contact),
@@ -107,7 +107,7 @@ fn of_tie(
     (gap.abs() > most).then(|| warning(FindingId::PairGap, &at, [gap.abs(), most], message, repair))
 }
 
-/// What repairs a gap.
+/// The instruction that repairs a gap.
 fn repair(cuts: bool, units: Units) -> String {
     let example = if units.of(Measure::Length).is_empty() { "" } else { ", such as gap = \"10 µm\"," };
     if cuts {
@@ -121,8 +121,8 @@ fn repair(cuts: bool, units: Units) -> String {
     }
 }
 
-/// `start-inside`: a side that is inside an obstacle at t = 0, by more than its own facets cut in. The gap of a
-/// foundation without an obstacle is a datum: a negative one is a preload that is meant.
+/// `start-inside`: warns if a side is inside an obstacle at t = 0 by more than the depth of its facets. The gap of a
+/// foundation without an obstacle is a datum: a negative one is an intended preload.
 pub(super) fn of_obstacles(problem: &Problem) -> Vec<Finding> {
     if problem.contacts.iter().all(|contact| contact.obstacle.is_none()) {
         return Vec::new();
@@ -162,14 +162,14 @@ fn of_obstacle(problem: &Problem, points: &[PointOnBoundary], number: usize, con
     Some(warning(FindingId::StartInside, &place, [most, limit], message, repair))
 }
 
-/// The depth of an overlap that is round-off on a side, m.
+/// The overlap depth that is round-off on a side, m.
 fn round_off(mesh: &Mesh, set: &FacetSet) -> f64 {
     let facet = Facet::all(mesh, set).iter().map(|facet| facet.size).fold(f64::INFINITY, f64::min);
     let far = set.node_list().into_iter().filter_map(|node| mesh.points.get(node as usize)).map(length);
     (if facet.is_finite() { OF_FACET * facet } else { 0.0 }).max(OF_SIDE * far.fold(0.0, f64::max))
 }
 
-/// A facet: its vertices, its normals there, and its size.
+/// A facet: its vertices with their normals, and its size.
 struct Facet {
     vertices: Vec<(u32, Point)>,
     size: f64,
@@ -196,8 +196,8 @@ impl Facet {
         all
     }
 
-    /// What it may share with another facet, a vertex of a line or an edge of a face: the nodes, the normal there, and
-    /// how far the facet extends from it.
+    /// Its vertices (of a line) or edges (of a face), which it may share with other facets: nodes, normal, and extent
+    /// of the facet from there.
     fn rims(&self, mesh: &Mesh) -> Vec<([u32; 2], Point, f64)> {
         let n = self.vertices.len();
         let at = |i: usize| self.vertices.get(i % n.max(1)).copied().unwrap_or((0, [0.0; 3]));
@@ -233,9 +233,9 @@ fn from_line(mesh: &Mesh, [a, b]: [u32; 2], node: u32) -> f64 {
     length(&std::array::from_fn(|c| v[c] - share * along[c]))
 }
 
-/// How deep a facet of a side cuts into the surface that its vertices lie on, in m: half of the facets cut deeper. Of a
-/// chord of length h between facets that turn by α it is h/2 tan α/4; zero for a plane side, and next to it for
-/// quadratic facets that follow the surface.
+/// Median depth, in m, by which the facets of a side cut into the surface through their vertices. For a chord of length
+/// h between facets that turn by α it is h/2 tan α/4; zero for a plane side, and nearly zero for quadratic facets that
+/// follow the surface.
 fn depth(mesh: &Mesh, set: &FacetSet) -> f64 {
     let facets = Facet::all(mesh, set);
     let mut rims: BTreeMap<[u32; 2], Vec<(usize, Point, f64)>> = BTreeMap::new();
@@ -251,7 +251,7 @@ fn depth(mesh: &Mesh, set: &FacetSet) -> f64 {
         if cosine < KINK {
             continue;
         }
-        // The sine of half the angle has digits where the cosine has none.
+        // The sine of half the angle is accurate where the cosine is not.
         let half = 0.5 * length(&std::array::from_fn(|c| first[c] - second[c]));
         let depth = 0.25 * (of_first + of_second) * (0.5 * half.min(1.0).asin()).tan();
         for number in [*i, *j] {
@@ -264,11 +264,11 @@ fn depth(mesh: &Mesh, set: &FacetSet) -> f64 {
     depths.get(depths.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The mean size of the gap, and how far it varies besides the best a + b·ν: that of bodies that are shifted.
+/// The mean size of the gap, and its variation beyond the best fit a + b·ν, the gap of shifted bodies.
 fn variation(points: &[(&PointOnBoundary, f64)]) -> (f64, f64) {
     let weight: f64 = points.iter().map(|(point, _)| point.weight).sum();
     let mean = points.iter().map(|(point, gap)| point.weight * gap).sum::<f64>() / weight;
-    // Gram–Schmidt over the functions 1, ν_x, ν_y, ν_z of the points, those that are combinations of others left out.
+    // Gram–Schmidt over the functions 1, ν_x, ν_y, ν_z of the points, omitting linear combinations of others.
     let product = |a: &[f64], b: &[f64]| -> f64 {
         points.iter().zip(a).zip(b).map(|(((point, _), a), b)| point.weight * a * b).sum::<f64>() / weight
     };
@@ -292,7 +292,7 @@ fn variation(points: &[(&PointOnBoundary, f64)]) -> (f64, f64) {
     (mean.abs(), high - low)
 }
 
-/// Takes the part along an orthonormal basis off a function, twice for its round-off.
+/// Removes the part along an orthonormal basis from a function, twice to reduce round-off.
 fn without(function: &mut [f64], basis: &[Vec<f64>], product: &dyn Fn(&[f64], &[f64]) -> f64) {
     for b in basis.iter().chain(basis) {
         let along = product(function, b);

@@ -8,19 +8,19 @@ use crate::mesh::{Block, Mesh};
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym};
 
-/// Change along an edge, relative to the values, below which no jump is looked for.
+/// Change along an edge, relative to the values, below which no jump is searched.
 const SMALL: f64 = 1e-2;
-/// Halvings of an edge: a smooth coefficient changes by about 2⁻¹⁶ of its change along the edge over what is left.
+/// Halvings of an edge: over the last piece a smooth coefficient changes by about 2⁻¹⁶ of its change along the edge.
 const HALVINGS: usize = 16;
-/// Share of the change along an edge over what is left of it from which it is a jump.
+/// Fraction of the change along an edge that counts as a jump if it occurs over the last piece.
 const JUMP: f64 = 0.1;
-/// Share of a cell by which its nodes are moved inward, so that jumps between cells do not count.
+/// Fraction of a cell by which its nodes are moved inward, so that jumps between cells do not count.
 const INWARD: f64 = 1e-6;
 
 /// The value of a coefficient at a point: the entries of a map on 𝕊^d, or fewer.
 type Value = [f64; 36];
 
-/// Warns if a coefficient of the material jumps within a cell, where the order of the method is lost.
+/// Warns if a coefficient of the material jumps within a cell, which reduces the order of the method.
 pub(super) fn jump(problem: &Problem, material: usize) -> Option<Finding> {
     let m = problem.materials.get(material)?;
     let region = problem.region_of(material);
@@ -55,8 +55,7 @@ fn distance(a: &Value, b: &Value) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The first jump of a coefficient along the edges from the first node of a cell, and how large it is relative to the
-/// values.
+/// The first jump of a coefficient along the edges from the first node of a cell, with its size relative to the values.
 fn first(mesh: &Mesh, region: Option<usize>, value: &dyn Fn(&Point) -> Value) -> Option<(Point, f64)> {
     let blocks = mesh.blocks.iter().filter(|block| region.is_none_or(|region| block.region == region));
     blocks.flat_map(|block: &Block| block.cells()).find_map(|cell| {
@@ -69,7 +68,7 @@ fn first(mesh: &Mesh, region: Option<usize>, value: &dyn Fn(&Point) -> Value) ->
     })
 }
 
-/// A jump on the way between two points, by halving it towards the larger change.
+/// A jump between two points, found by repeatedly taking the half with the larger change.
 fn along([mut from, mut to]: [Point; 2], value: &dyn Fn(&Point) -> Value) -> Option<(Point, f64)> {
     let zero = [0.0; 36];
     let (mut low, mut high) = (value(&from), value(&to));

@@ -1,5 +1,5 @@
-//! Warnings: data and runs that are legal and hardly meant. Each has a place, a number and a repair, and is absent
-//! where nothing is wrong.
+//! Warnings: data and runs that are legal but hardly intended. Each has a place, a number and a repair, and is absent
+//! if nothing is wrong.
 //!
 //! | id | warns if | by |
 //! |---|---|---|
@@ -8,14 +8,14 @@
 //! | `point-force` | a force acts on points, or in space along an edge | the data |
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
 //! | `rigid-on-rigid` | a rigid part meets a rigid foundation, or another rigid part, by rigid contact | the data |
-//! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep beside the gap between them | the gap of the mesh |
+//! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep compared with the gap between them | the gap of the mesh |
 //! | `obstacle-size` | an obstacle from a file is far larger or smaller than the body | its extent |
 //! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
-//! | `mean-dilatation` | the mean dilatation is asked of linear simplices, which it changes nothing in | the cells |
+//! | `mean-dilatation` | the mean dilatation is requested for linear simplices, where it has no effect | the cells |
 //! | `coefficient-jump` | a coefficient of the material jumps within a cell | its values along the edges of cells |
-//! | `thermal-layer` | the heat of Γ_C does not get through a cell | lengths |
+//! | `thermal-layer` | the heat from Γ_C does not penetrate a cell | lengths |
 //! | `strain` | the strain is not small | the run |
 //! | `temperature-range` | temperatures leave the range that the data allow | the run |
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
@@ -23,7 +23,7 @@
 //! | `undetermined-motion` | no support, contact or load determines a rigid motion | the run |
 //! | `no-contact` | no contact point presses in any step | the run |
 //! | `few-points` | a contact that ends within a side is borne by fewer than four points | the run |
-//! | `leak` | a fluid has come through a contact to where it should not be | the run |
+//! | `leak` | a fluid has passed through a contact to points that it should not reach | the run |
 //! | `scheme-share` | the scheme takes more than 5 % of the energy of a motion | the run |
 //! | `magnitude` | waves in a material are slower or faster than in any | the material |
 //! | `no-effect` | results do not depend on a datum | the data |
@@ -51,7 +51,7 @@ use crate::problem::Problem;
 use crate::tensor::Sym;
 use crate::units::{Measure, System};
 
-/// A warning with the value found and the limit that it exceeds or misses.
+/// A warning with the value found and the limit that it violates.
 fn warning(
     id: FindingId,
     place: &str,
@@ -62,7 +62,7 @@ fn warning(
     Finding::new(id, FindingStatus::Fails, message, place).numbers(Some(value), Some(limit)).repair(repair)
 }
 
-/// The warnings that data give cause for.
+/// The warnings about data.
 pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
     findings.extend(not_merged(problem));
@@ -86,7 +86,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings
 }
 
-/// `coincident-nodes`, but for nodes of the two sides of a pair, which may touch.
+/// `coincident-nodes`, except for nodes of the two sides of a pair, which may touch.
 fn not_merged(problem: &Problem) -> Option<Finding> {
     let mesh = &*problem.mesh;
     let paired: Vec<Vec<u32>> = problem
@@ -115,7 +115,7 @@ fn not_merged(problem: &Problem) -> Option<Finding> {
     Some(warning(FindingId::CoincidentNodes, "mesh.file", [pairs.len() as f64, 0.0], message, repair))
 }
 
-/// Where a number of the material of a region stands in the case file.
+/// Path in the case file of a number of the material of a region.
 fn material_key(problem: &Problem, region: usize, key: &str) -> String {
     if problem.materials.len() == 1 {
         format!("material.{key}")
@@ -124,12 +124,12 @@ fn material_key(problem: &Problem, region: usize, key: &str) -> String {
     }
 }
 
-/// Thermal strain per kelvin below which 𝓜 is none of a material: Zerodur and ULE, which expand least, have 1e-8.
+/// Thermal strain per kelvin below which 𝓜 fits no material: Zerodur and ULE, which expand least, have 1e-8.
 const LEAST_EXPANSION: f64 = 1e-9;
-/// Values that a coefficient of thermal expansion has, per kelvin.
+/// Range of coefficients of thermal expansion, per kelvin.
 const COEFFICIENTS: std::ops::RangeInclusive<f64> = 1e-8..=1e-3;
 
-/// `expansion-scale`: 𝓜 = α (3λ + 2μ) is a stress per kelvin; one that has the size of α expands nothing.
+/// `expansion-scale`: 𝓜 = α (3λ + 2μ) is a stress per kelvin; with a value of the size of α nothing expands.
 fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
     let material = problem.materials.get(region)?;
     let values = problem.values_in(region, |m| &m.expansion);
@@ -157,11 +157,11 @@ fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
     ))
 }
 
-/// `expansion-zz`: in plane strain a number expands the body across its plane, too, a matrix of the plane does not.
+/// `expansion-zz`: in plane strain a scalar also expands the body across its plane, a matrix of the plane does not.
 fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     let material = problem.materials.get(region)?;
     let x = problem.mesh.points.first()?;
-    // A law that holds a plane strain answers with σ_zz.
+    // A law for plane strain returns σ_zz.
     let held = problem.mesh.dim == 2
         && !problem.mesh.axisymmetric
         && material.elasticity.value(x, &(1e-6 * Sym::identity(2))).0[3] != 0.0;
@@ -186,9 +186,9 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     ))
 }
 
-/// `magnitude`: √(λ/ρ), λ the largest eigenvalue of 𝓔, is the speed of waves. In what is as dense as stone it is
-/// kilometres in a second, and in nothing more than 20 of them: a modulus in MPa or a density in t/mm³ is taken for one
-/// in SI units.
+/// `magnitude`: √(λ/ρ), λ the largest eigenvalue of 𝓔, is the wave speed. In materials as dense as stone it is
+/// kilometres per second, and nowhere more than 20: otherwise a modulus in MPa or a density in t/mm³ was probably read
+/// as SI.
 fn magnitude(problem: &Problem, region: usize) -> Option<Finding> {
     const DENSE: f64 = 2000.0;
     const SPEEDS: [f64; 2] = [30.0, 3e4];
@@ -214,7 +214,7 @@ fn magnitude(problem: &Problem, region: usize) -> Option<Finding> {
     Some(warning(FindingId::Magnitude, &key, [speed, limit], message, repair))
 }
 
-/// `mean-dilatation`: the dilatation of a linear triangle or tetrahedron is constant, so that its mean is itself.
+/// `mean-dilatation`: the dilatation of a linear triangle or tetrahedron is constant and equals its mean.
 fn mean_dilatation(problem: &Problem, region: usize) -> Option<Finding> {
     let mesh = &*problem.mesh;
     problem.materials.get(region).filter(|material| material.dilatation == Dilatation::Mean)?;

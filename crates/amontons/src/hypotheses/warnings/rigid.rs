@@ -1,4 +1,4 @@
-//! Rigid parts that meet rigid bodies.
+//! Contact of rigid parts with rigid bodies.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use crate::contact::{Contact, GraphKind};
 use crate::hypotheses::{Finding, FindingId};
 use crate::problem::Problem;
 
-/// `rigid-on-rigid`: more points press than a rigid body has equations, so that their pressures are not determined. One
+/// `rigid-on-rigid`: more points press than a rigid body has equations, so their pressures are undetermined. One
 /// warning per contact.
 pub(super) fn on_rigid(problem: &Problem) -> Vec<Finding> {
     let rigid: BTreeSet<u32> = problem.rigid.iter().flat_map(|part| part.nodes(&problem.mesh)).collect();
@@ -22,11 +22,11 @@ pub(super) fn on_rigid(problem: &Problem) -> Vec<Finding> {
             let nodes = problem.mesh.facets.get(side).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
             nodes.into_iter().collect()
         };
-        // What a pair faces is rigid where all of it is.
+        // The opposite side of a pair is rigid only if all of it is.
         let faces_deformable =
             contact.facing().is_some_and(|side| of_side(side).iter().any(|node| !rigid.contains(node)));
         let count = of_side(contact.bearing()).intersection(&rigid).count();
-        // A resultant and its place: two pressures in the plane, three in space.
+        // A resultant and its line of action determine two pressures in the plane, three in space.
         let determined = problem.mesh.dim.min(3);
         if faces_deformable || count <= determined {
             return None;

@@ -9,68 +9,67 @@ use crate::problem::Problem;
 use crate::tensor::Point;
 use crate::units::Measure;
 
-/// Strain above which a theory of small strains is off by more than it: 5 %.
+/// Strain above which the error of small-strain theory exceeds the same fraction: 5 %.
 const STRAIN: f64 = 0.05;
-/// Share of the range of temperatures by which they may leave that of the data.
+/// Fraction of the range of temperatures by which they may leave that of the data.
 const RANGE: f64 = 0.01;
-/// Penetration beside the height of a cell on Γ_C above which a foundation has given way.
+/// Penetration relative to the cell height on Γ_C above which a foundation has given way.
 const PENETRATION: f64 = 0.1;
 
-/// Points that bear a contact below which its pressures are hardly resolved.
+/// Number of points bearing a contact below which its pressures are hardly resolved.
 const POINTS: usize = 4;
-/// Share of the energy that the scheme may take of a motion.
+/// Fraction of the energy that the scheme may dissipate in a motion.
 const SCHEME: f64 = 0.05;
-/// Share of the energy turned over from which on kinetic energy counts.
+/// Fraction of the energy turned over above which kinetic energy counts.
 const MOVES: f64 = 0.01;
-/// Ratio of the largest von Mises stress recovered at a node to that in a cell beyond which neither is resolved.
+/// Ratio of the largest nodal von Mises stress to that in a cell above which neither is resolved.
 const APART: f64 = 1.5;
-/// Stress relative to that of the strain below which it is round-off, as of a body that expands freely.
+/// Stress, relative to that of the strain, below which it is round-off, as in a freely expanding body.
 const ROUND_OFF: f64 = 1e-9;
-/// Contact systems of a step, in multiples of those that the time of a run is predicted with, from which on the
-/// prediction is off.
+/// Ratio of the contact systems of a step to the predicted number above which the prediction of the time is off.
 const OFF: f64 = 10.0;
-/// Operations of contact systems, about half a minute, below which nobody minds.
+/// Operations of contact systems, about half a minute, below which the warning is omitted.
 const COSTLY: f64 = 1e12;
 
-/// What a run came to, to be judged.
+/// Results of a run on which warnings are based.
 #[derive(Clone, Debug)]
 pub struct Figures {
-    /// Largest principal strain in magnitude at the last step, and where.
+    /// Largest principal strain in magnitude at the last step.
     pub strain: f64,
-    /// Where it is.
+    /// Position of the largest strain, m.
     pub strain_at: Point,
     /// Least and largest nodal temperature since the start, K.
     pub temperature: [f64; 2],
-    /// By how much these are below and above all that the data allow, K; none where sources and sinks allow any.
+    /// Excess of these below and above all that the data allow, K; `None` if sources and sinks allow any temperature.
     pub outside: [Option<f64>; 2],
-    /// Largest penetration beside the cells of its side at the last step; none without contact.
+    /// Largest penetration relative to the cells of its side at the last step; `None` without contact.
     pub penetration: Option<Penetration>,
-    /// The rigid motions that nothing determines in the last step, in words.
+    /// The undetermined rigid motions of the last step, in words.
     pub loose: Vec<String>,
-    /// Steps that were made.
+    /// Number of steps made.
     pub steps: usize,
-    /// Those at whose end a contact point bore a traction.
+    /// Number of steps at whose end a contact point bore a traction.
     pub contact_steps: usize,
-    /// The contact of which the fewest points bear a traction at the last step while others are open, and how many do.
+    /// The partly open contact with the fewest points under traction at the last step, and their number.
     pub few: Option<(usize, usize)>,
-    /// The contact that a fluid came through first, and where: the narrowest place on its way.
+    /// The contact with the first leak, and the position of the narrowest place on its path.
     pub leak: Option<(usize, Leak, Point)>,
-    /// What the scheme took of the energy, the kinetic energy at the last step, and all that was turned over.
+    /// Energy dissipated by the scheme, kinetic energy at the last step, and all energy turned over.
     pub scheme: [f64; 3],
     /// Largest von Mises stress at the centre of a cell, Pa.
     pub von_mises: f64,
-    /// Largest von Mises stress recovered at a node, Pa, and where; none where it is not known.
+    /// Largest von Mises stress recovered at a node, Pa, and its position; `None` if not known.
     pub recovered: Option<(f64, Point)>,
     /// Stress of the largest strain in the stiffest material, Pa.
     pub stiff: f64,
-    /// Contact systems that were factorized, and the unknowns of one.
+    /// Number of contact systems factorized, and the unknowns of one.
     pub systems: [usize; 2],
 }
 
-/// A penetration beside the cells of the side.
+/// A penetration relative to the cells of the side.
 #[derive(Clone, Copy, Debug)]
 pub struct Penetration {
-    /// Which of the contacts of the problem.
+    /// Number of the contact of the problem.
     pub side: usize,
     /// Largest penetration, m.
     pub depth: f64,
@@ -78,7 +77,7 @@ pub struct Penetration {
     pub cell: f64,
 }
 
-/// The warnings that a run gives cause for.
+/// The warnings about a run.
 #[must_use]
 pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
     let parts = [
@@ -135,7 +134,7 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let repair = format!(
         "use finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
         problem.materials.first().map_or_else(String::new, |m| {
-            // Of coefficients that vary, those of a node say how long the layer is.
+            // If coefficients vary, those at one node give the length of the layer.
             let x = problem.mesh.points.first().copied().unwrap_or_default();
             let (capacity, conductivity) = (m.heat_capacity.at(&x), m.conductivity.at(&x));
             let conductivity = conductivity.eigenvalues(problem.mesh.dim).first().copied().unwrap_or(0.0).max(0.0);
@@ -170,7 +169,7 @@ fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
     ))
 }
 
-/// Motions that nothing determines: they are the least, and another mesh may give others.
+/// Undetermined motions: the smallest ones are computed, and another mesh may give others.
 fn undetermined(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let [first, rest @ ..] = figures.loose.as_slice() else { return None };
     let motions = rest.iter().fold(first.clone(), |told, motion| format!("{told}; {motion}"));
@@ -204,7 +203,7 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
     ))
 }
 
-/// `no-contact`: of a run that has ended, and of contacts that nothing but pressure acts through.
+/// `no-contact`: only for finished runs, and if contacts act by pressure alone.
 fn no_contact(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let may_press = problem.contacts.iter().any(|contact| !contact.is_tie());
     if !may_press || problem.physics.has_heat() || figures.steps < problem.timeline.steps() || figures.contact_steps > 0
@@ -254,8 +253,8 @@ fn leak(problem: &Problem, figures: &Figures) -> Option<Finding> {
     Some(warning(FindingId::Leak, &place, [t, problem.timeline.end()], message, repair))
 }
 
-/// `scheme-share`: where there is a motion that it could slow down. What the scheme takes of a slow process is that of
-/// work that is summed up in steps, and the state at their end is right.
+/// `scheme-share`: only if there is a motion that the scheme could slow down. In a slow process the dissipation of the
+/// scheme is a sum over steps of work, and the state at their end is right.
 fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let [taken, kinetic, turned_over] = figures.scheme;
     let is_thrown = problem.initial.velocity.iter().any(|velocity| !velocity.is_zero());
@@ -271,7 +270,8 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
     Some(warning(FindingId::SchemeShare, "time.steps", [share, SCHEME], message, repair))
 }
 
-/// `nodal-stress`: both are right to the size of a cell, so that they differ where stresses vary from cell to cell.
+/// `nodal-stress`: both stresses are right up to the size of a cell, so they differ where stresses vary from cell to
+/// cell.
 fn nodal_stress(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let (recovered, x) = figures.recovered?;
     let ratio = recovered / figures.von_mises;

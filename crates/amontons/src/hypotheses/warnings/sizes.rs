@@ -1,4 +1,4 @@
-//! `obstacle-size`: an obstacle from a file that is in another unit than the body.
+//! `obstacle-size`: warns about an obstacle from a file in another unit than the body.
 
 use super::super::{Finding, FindingId};
 use super::warning;
@@ -6,8 +6,8 @@ use crate::problem::Problem;
 use crate::tensor::{Point, length};
 use crate::units::Measure;
 
-/// How many times larger than the body, and how many times smaller, an obstacle may be: files in millimetres are read a
-/// thousand times too large, and tools may be a few times larger than the body, tips a hundred times smaller.
+/// Largest ratios of obstacle to body size and of body to obstacle size: files in millimetres are read a thousand times
+/// too large; tools may be a few times larger than the body, tips a hundred times smaller.
 const LARGER: f64 = 100.0;
 const SMALLER: f64 = 1000.0;
 

@@ -1,4 +1,4 @@
-//! What holds the body, and what holds it where contact should.
+//! Supports of the body, and supports that prevent contact from acting.
 
 use super::super::laws::at;
 use super::super::sample::times;
@@ -11,12 +11,12 @@ use crate::model::rigid_motions;
 use crate::problem::Problem;
 use crate::tensor::{Point, dot};
 
-/// Direction cosines below which a displacement has no part along the normal.
+/// Direction cosine below which a displacement has no normal component.
 const ACROSS: f64 = 1e-6;
-/// Time levels at which prescribed displacements are looked at.
+/// Number of time levels at which prescribed displacements are evaluated.
 const LEVELS: usize = 64;
 
-/// `contact-held`: points of Γ_C whose normal displacement a side prescribes, where it closes the gap. Forces there go
+/// `contact-held`: warns if the normal displacement of points of Γ_C is prescribed and closes the gap. Forces there go
 /// into the support.
 pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
     let (mesh, space, boundary) = (&problem.mesh, problem.displacement_space(), problem.contact_boundary());
@@ -46,7 +46,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
                 candidates.iter().zip(contact.gaps(&places, t)).zip(&mut closed).zip(&places)
             {
                 let normal = dot(&boundary.vector_at(point, dim, &u), &point.normal);
-                // A gap that is closed to the round-off of the coordinates is closed.
+                // A gap counts as closed up to the round-off of the coordinates.
                 let round_off = 4.0 * f64::EPSILON * place.iter().fold(normal.abs(), |max, x| max.max(x.abs()));
                 *closed |= normal - gap >= -round_off;
             }
@@ -75,7 +75,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
     findings
 }
 
-/// `part-free`: parts of the body without contact that can move, or turn, without strain.
+/// `part-free`: warns about parts of the body without contact that can move or turn without strain.
 pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
     let mesh = &*problem.mesh;
     let parts = components(mesh);

@@ -1,4 +1,4 @@
-//! `thermal-layer`: how deep heat gets from Γ_C beside the size of a cell.
+//! `thermal-layer`: compares the penetration depth of heat from Γ_C with the size of a cell.
 
 use super::super::laws::at;
 use super::super::{Finding, FindingId};
@@ -7,16 +7,16 @@ use crate::model::thermal_layers;
 use crate::problem::Problem;
 use crate::units::Measure;
 
-/// Share of the steps in which the layer may be thinner than a cell.
+/// Fraction of the steps in which the layer may be thinner than a cell.
 const SHARE: f64 = 0.1;
 
-/// `thermal-layer`: heat that enters through Γ_C reaches the depth √(t K/c) in the time t. While that is less than a
-/// cell, linear functions cannot represent the layer: the surface is too cold, and nodes below it undershoot. Warns if
-/// that is so in more than a tenth of the steps.
+/// `thermal-layer`: heat that enters through Γ_C reaches the depth √(t K/c) in the time t. As long as that is less than
+/// a cell, linear functions cannot represent the layer: the surface is too cold, and nodes below it undershoot. Warns
+/// if this is so in more than a tenth of the steps.
 pub(super) fn layer(problem: &Problem) -> Option<Finding> {
     let layers = thermal_layers(problem);
     let layer = layers.into_iter().max_by(|a, b| (a.cell / a.end).total_cmp(&(b.cell / b.end)))?;
-    // The layer has the depth of a cell after n = (h/δ)² steps.
+    // The layer is as deep as a cell after n = (h/δ)² steps.
     let unresolved = (layer.cell / layer.step).powi(2);
     if unresolved <= SHARE * problem.timeline.steps() as f64 {
         return None;

@@ -1,21 +1,21 @@
-//! Nodes at one place that are not the same node: a crack, or parts that were not merged.
+//! Distinct nodes at the same position: a crack, or parts that were not merged.
 
 use rayon::prelude::*;
 
 use super::super::{Block, Mesh};
 use crate::tensor::{Point, dot, length};
 
-/// Share of the shortest edge at a node within which another node is at the same place.
+/// Fraction of the shortest edge at a node within which another node counts as coincident.
 const SAME: f64 = 1e-6;
-/// A direction, of length 1, across which no mesh is aligned.
+/// A direction, of length 1, with which no mesh is expected to be aligned.
 const ASKEW: Point = [0.439_714_6, 0.561_332_9, 0.701_168_3];
-/// Round-off of a coordinate along it, relative to the distance from the origin.
+/// Round-off of a coordinate along this direction, relative to the distance from the origin.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 
-/// Pairs of nodes at one place, the lower node first, ascending.
+/// Pairs of coincident nodes, the lower node first, ascending.
 ///
-/// The mesh is sound with them: a displacement may jump there. Where that is not meant, the nodes are to be merged.
-/// Nodes must exist and have finite coordinates, see [`super::defects`].
+/// The mesh is sound with them: a displacement may jump there. If that is not intended, the nodes must be merged. Nodes
+/// must exist and have finite coordinates, see [`super::defects`].
 #[must_use]
 pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     let edges = shortest_edges(mesh);
@@ -23,7 +23,7 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     if !(spacing > 0.0 && spacing.is_finite()) {
         return Vec::new();
     }
-    // Along a direction that no mesh has few nodes are as near as they have to be, whatever the cells are like.
+    // Sorted along a direction askew to any mesh, each node has few candidates.
     let along = |p: &Point| dot(p, &ASKEW);
     let mut order: Vec<(f64, u32)> = mesh.points.iter().zip(0..).map(|(p, node)| (along(p), node)).collect();
     order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -33,7 +33,7 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
         let others = &order[order.partition_point(|(at, _)| *at < here - beyond)..];
         let others = others.iter().take_while(|(at, _)| *at <= here + beyond).map(|(_, other)| *other);
         let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
-        // Each pair is found at both of its nodes, or at one where their reach differs.
+        // Each pair is found at both of its nodes, or at one if their tolerances differ.
         let (node, apart) = (node as u32, |other: &u32| *other as usize != node);
         let pairs = others.filter(apart).filter(near).map(|other| [node.min(other), node.max(other)]);
         pairs.collect::<Vec<_>>()
@@ -44,7 +44,7 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Shortest distance of each node from another vertex of one of its cells, m; infinite for nodes of no cell.
+/// Shortest distance of each node to another vertex of one of its cells, m; infinite for nodes without a cell.
 fn shortest_edges(mesh: &Mesh) -> Vec<f64> {
     let mut edges = vec![f64::INFINITY; mesh.points.len()];
     for cell in mesh.blocks.iter().flat_map(Block::cells) {
@@ -69,8 +69,8 @@ mod tests {
     use super::*;
     use crate::mesh::{Diagonal, MeshError};
 
-    /// A rectangle and its copy moved by its width, in an oblique position: the nodes of the common side are pairs,
-    /// whatever side of a box they are on, and no others.
+    /// A rectangle and its copy moved by its width, in an oblique position: exactly the nodes of the common side are
+    /// pairs.
     #[test]
     fn nodes_of_two_parts_that_touch_are_pairs() -> Result<(), MeshError> {
         for angle in [0.0, 0.3, 1.1] {

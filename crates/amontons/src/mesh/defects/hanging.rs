@@ -1,5 +1,4 @@
-//! Facets on the boundary of cells that lie on others without being the same: places where a mesh does not fit
-//! together.
+//! Boundary facets of cells that lie on other facets without being the same: nonconforming places of a mesh.
 
 use super::{Defect, List, centre, extent, labels};
 use crate::element::{Element, MAX_NODES};
@@ -8,8 +7,8 @@ use crate::mesh::topology::Owner;
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
 
-/// How far from a facet a node lies on it, relative to the size of the facet: files are often written with seven
-/// digits.
+/// Distance of a node from a facet, relative to the size of the facet, within which it lies on it: files often have
+/// seven digits.
 const NEAR: f64 = 1e-6;
 
 struct FacetOf {
@@ -19,7 +18,7 @@ struct FacetOf {
     size: f64,
 }
 
-/// Adds hanging nodes and, where there are none, facets that overlap.
+/// Adds hanging nodes and, if there are none, overlapping facets.
 pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
     if mesh.dim < 2 {
         return;
@@ -51,7 +50,7 @@ pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
         for &node in &near {
             let at = &mesh.points[node as usize];
             let apart = facet.nodes.iter().all(|&n| distance(&mesh.points[n as usize], at) > NEAR * facet.size);
-            // Faces of a crack or of bodies that touch have no node in common there.
+            // Faces of a crack or of bodies that touch share no node there.
             let joined = || of_node(node).any(|other| facets[other].nodes.iter().any(|n| facet.nodes.contains(n)));
             if apart && labels[node as usize] == labels[facet.nodes[0] as usize] && joined() && on(mesh, facet, at) {
                 hanging.push((node, f));
@@ -59,7 +58,7 @@ pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
         }
     }
     hanging.sort_unstable();
-    // The facets beside an edge may share it: one of them is enough.
+    // The facets next to an edge may share a hanging node: one of them is enough.
     hanging.dedup_by_key(|pair| pair.0);
     for &(node, f) in &hanging {
         let facet = &facets[f];
@@ -77,7 +76,7 @@ pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
 
 /// A box around a facet.
 fn bounds(mesh: &Mesh, facet: &FacetOf) -> (Point, Point) {
-    // The nodes of a curved facet do not bound it; half its size does, generously.
+    // The nodes of a curved facet do not bound it; a margin of half its size is ample.
     let margin = if facet.element.gradient_degree == 0 { NEAR * facet.size } else { 0.5 * facet.size };
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &n in &facet.nodes {
@@ -89,7 +88,7 @@ fn bounds(mesh: &Mesh, facet: &FacetOf) -> (Point, Point) {
     (low, high)
 }
 
-/// Adds pairs of facets with a common edge, of which one has its centre on the other.
+/// Adds pairs of facets with a common edge where one has its centre on the other.
 fn overlaps<I: Iterator<Item = usize>>(mesh: &Mesh, facets: &[FacetOf], of_node: impl Fn(u32) -> I, list: &mut List) {
     let mut pairs: Vec<(usize, usize)> = Vec::new();
     for (f, facet) in facets.iter().enumerate() {
@@ -116,7 +115,7 @@ fn overlaps<I: Iterator<Item = usize>>(mesh: &Mesh, facets: &[FacetOf], of_node:
     }
 }
 
-/// Whether two facets coincide node by node, as the faces of a crack do beside its front.
+/// True if two facets coincide node by node, as the faces of a crack do next to its front.
 fn coincide(mesh: &Mesh, a: &FacetOf, b: &FacetOf) -> bool {
     let near = |m: u32, n: u32| distance(&mesh.points[m as usize], &mesh.points[n as usize]) < NEAR * a.size;
     a.nodes.len() == b.nodes.len() && a.nodes.iter().all(|&m| b.nodes.iter().any(|&n| near(m, n)))
@@ -126,7 +125,7 @@ fn distance(a: &Point, b: &Point) -> f64 {
     length(&std::array::from_fn(|d| a[d] - b[d]))
 }
 
-/// Whether a point lies on a facet: its nearest point there, by Gauss and Newton, is within [`NEAR`].
+/// True if a point lies on a facet: the nearest point of the facet, by Gauss-Newton iteration, is within [`NEAR`].
 fn on(mesh: &Mesh, facet: &FacetOf, at: &Point) -> bool {
     let (mut values, mut gradients) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
     let n = facet.nodes.len();
@@ -166,10 +165,10 @@ fn on(mesh: &Mesh, facet: &FacetOf, at: &Point) -> bool {
     false
 }
 
-/// Most nodes of a leaf.
+/// Largest number of nodes in a leaf.
 const LEAF: usize = 8;
 
-/// Sorts nodes into a k-d tree: the middle one splits the others by the coordinate of its depth.
+/// Sorts nodes into a k-d tree: the median splits the others by the coordinate of its depth.
 fn build(mesh: &Mesh, nodes: &mut [u32], depth: usize) {
     if nodes.len() <= LEAF {
         return;

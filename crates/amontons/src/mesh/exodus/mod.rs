@@ -1,10 +1,10 @@
 //! Meshes of Cubit, MOOSE and SIERRA: Exodus II, which is netCDF (`.e`, `.exo`, `.g`), as described in "EXODUS II: A
 //! Finite Element Data Model" (Schoof and Yarberry, Sandia report SAND92-2137).
 //!
-//! Blocks of the highest dimension become regions, those of faces (in the plane of edges) and side sets become sides,
-//! blocks of lower dimension named edges and points. Shells beside solids and sets of sides that are not those of the
-//! body are skipped. Sets of nodes that hold facets of the boundary are sides, the
-//! others edges or points. What has no name is called by its number, a set of nodes by `nodeset_` and its number.
+//! Blocks of the highest dimension become regions; blocks of faces (in the plane, of edges) and side sets become sides;
+//! blocks of lower dimension become named edges and points. Shells in a mesh with solids, and sides of cells outside
+//! the body, are skipped. Node sets that contain facets of the boundary are sides, the others edges or points. Unnamed
+//! items are called by their number, node sets by `nodeset_` and their number.
 
 mod netcdf;
 mod types;
@@ -24,12 +24,12 @@ fn refuse(message: impl Into<String>) -> MeshFileError {
 /// Reads a mesh from the bytes of an Exodus file.
 ///
 /// # Errors
-/// When the bytes are no mesh of one body; the error names the variable of the file.
+/// Fails if the bytes are no mesh of one body; the error names the variable of the file.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     read(bytes).map(|read| read.mesh)
 }
 
-/// The same with what else the file has.
+/// Reads the mesh and the list of skipped contents.
 pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let file = Variables::of(bytes)?;
     let (points, dim) = points(&file)?;
@@ -42,7 +42,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     reading.loose.into_read(FilePosition::Cell)
 }
 
-/// The coordinates, and how many a node has.
+/// The coordinates, and their number per node.
 fn points(file: &Variables) -> Result<(Vec<Point>, usize), MeshFileError> {
     let mut axes: Vec<Vec<f64>> = Vec::new();
     if let Some(Numbers { shape, values }) = file.numbers("coord")? {
@@ -69,7 +69,7 @@ fn points(file: &Variables) -> Result<(Vec<Point>, usize), MeshFileError> {
     }
 }
 
-/// A place in a list of `count`, which the file counts from 1.
+/// Index into a list of `count` for a number that the file counts from 1.
 fn place(number: f64, count: usize) -> Option<usize> {
     (number.fract() == 0.0 && number >= 1.0 && number <= count as f64).then(|| number as usize - 1)
 }
@@ -80,27 +80,27 @@ struct Cells {
     /// Its first cell among all.
     first: usize,
     count: usize,
-    /// Where its cells are among the blocks that were read.
+    /// Number of its block among those read.
     block: usize,
-    /// What it is called.
+    /// Name of the block.
     name: String,
 }
 
-/// What a block or a set is called: by its number where it has no name.
+/// Name of a block or set: its number if it has none.
 fn called((number, name): (i64, String)) -> String {
     if name.is_empty() { number.to_string() } else { name }
 }
 
 struct Reading {
     file: Variables,
-    /// Number of coordinates of a node.
+    /// Number of coordinates per node.
     dim: usize,
     loose: Loose,
     cells: Vec<Cells>,
 }
 
 impl Reading {
-    /// Numbers and names of the blocks or sets; an empty name where there is none.
+    /// Numbers and names of the blocks or sets; the name is empty if there is none.
     fn named(&self, short: &str) -> Result<Vec<(i64, String)>, MeshFileError> {
         let list = format!("{short}_prop1");
         let numbers = self.file.list(&list)?;
@@ -115,7 +115,7 @@ impl Reading {
         Ok(numbers.iter().enumerate().map(|(at, number)| (*number as i64, name(at))).collect())
     }
 
-    /// The group of a dimension for a block or a set of sides.
+    /// The group of a dimension for a block or a side set.
     fn group(&mut self, dim: usize, name: String) -> BTreeSet<i64> {
         let known = self.loose.names.iter().find(|((of, _), other)| *of == dim && **other == name);
         match known.map(|((_, tag), _)| *tag) {
@@ -167,7 +167,7 @@ impl Reading {
         Ok(())
     }
 
-    /// Empties the blocks of shells beside solids.
+    /// Removes the blocks of shells in a mesh with solids.
     fn leave_out_shells(&mut self) {
         if self.loose.dim() < 3 {
             return;
@@ -179,7 +179,7 @@ impl Reading {
         }
     }
 
-    /// Sides of cells, by the numbers of both; those of cells that are not of the body are left out.
+    /// Side sets, given by cell and side numbers; sides of cells outside the body are left out.
     fn side_sets(&mut self) -> Result<(), MeshFileError> {
         let all: usize = self.cells.iter().map(|cells| cells.count).sum();
         let dim = self.loose.dim();
@@ -215,7 +215,7 @@ impl Reading {
         Ok(())
     }
 
-    /// A side of a cell; none of one that is no cell of the body.
+    /// A side of a cell; `None` if the cell does not belong to the body.
     fn facet(&self, cell: usize, number: f64, dim: usize) -> Result<Option<FacetOf>, MeshFileError> {
         let at = self.cells.partition_point(|cells| cells.first <= cell).saturating_sub(1);
         let Cells { kind, first, block, .. } = &self.cells[at];

@@ -1,5 +1,4 @@
-//! The variables of a netCDF file of any of its formats: classic, with 64-bit offsets or data, and netCDF-4, which is
-//! HDF5.
+//! The variables of a netCDF file of any format: classic, with 64-bit offsets or data, and netCDF-4, which is HDF5.
 
 use super::super::read::{CHARACTER, MeshFileError, NUMBER, Room};
 use super::refuse;
@@ -41,12 +40,12 @@ impl Variables {
         Ok(Variables { file, room: Room::of(bytes) })
     }
 
-    /// How many blocks or sets the file may have.
+    /// Largest number of blocks or sets that the file can have.
     pub fn most_things(&self) -> usize {
         self.room.things()
     }
 
-    /// Lengths of the dimensions of a variable with values of so many bytes each, if there is one of this name.
+    /// Shape of a variable with values of `each` bytes; `None` if there is no variable of this name.
     fn shape(&self, name: &str, each: u64) -> Result<Option<Vec<usize>>, MeshFileError> {
         let shape = match &self.file {
             Format::Classic(file) => file.variable(name).ok().map(netcdf_reader::NcVariable::shape),
@@ -75,12 +74,12 @@ impl Variables {
         Ok(Some(Numbers { shape, values }))
     }
 
-    /// The numbers of an array of one dimension; none if there is no such array.
+    /// The numbers of a one-dimensional array; empty if there is no such array.
     pub fn list(&self, name: &str) -> Result<Vec<f64>, MeshFileError> {
         Ok(self.numbers(name)?.map_or_else(Vec::new, |numbers| numbers.values))
     }
 
-    /// The rows of an array of characters, without the zeros and blanks behind them.
+    /// The rows of an array of characters, without trailing zeros and blanks.
     pub fn lines(&self, name: &str) -> Result<Vec<String>, MeshFileError> {
         let Some(shape) = self.shape(name, CHARACTER)? else { return Ok(Vec::new()) };
         let trimmed = |text: &str| text.split('\0').next().unwrap_or_default().trim().to_owned();
@@ -97,7 +96,7 @@ impl Variables {
         }
     }
 
-    /// An attribute of a variable, as text.
+    /// An attribute of a variable as text.
     pub fn attribute(&self, name: &str, key: &str) -> Option<String> {
         let text = match &self.file {
             Format::Classic(file) => file.variable(name).ok()?.attribute(key)?.value.as_string()?,

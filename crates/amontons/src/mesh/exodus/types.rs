@@ -1,13 +1,13 @@
-//! The types of elements of Exodus: names, order of the nodes, and sides.
+//! The element types of Exodus: names, node order, and sides.
 
 use super::super::read::{Kind, completed};
 use crate::element;
 use crate::quadrature::Shape;
 
-/// What is read, to end the message about what is not.
+/// The supported types, as the end of the message about an unsupported one.
 pub(super) const KNOWN: &str = "expected bars of 2 or 3 nodes, triangles of 3 or 6, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or 10, pyramids of 5, 13 or 14, wedges of 6, 15 or 18, or hexahedra of 8, 20 or 27";
 
-/// What the names of types begin with.
+/// Prefixes of the names of types.
 const SHAPES: [(&str, Shape); 16] = [
     ("SPHERE", Shape::Point),
     ("CIRCLE", Shape::Point),
@@ -32,14 +32,14 @@ const SHAPES: [(&str, Shape); 16] = [
 pub(super) struct Type {
     pub kind: Kind,
     pub shape: Shape,
-    /// Places in the file of the nodes in the order of the library, which is VTK's.
+    /// Position in the file of each node in the order of the library, which is VTK's.
     pub order: Vec<usize>,
-    /// Whether it is one of a shell.
+    /// True for a shell type.
     pub is_shell: bool,
 }
 
 impl Type {
-    /// The type with a name and this number of nodes.
+    /// The type with a name and number of nodes.
     pub fn of(name: &str, nodes: usize) -> Option<Type> {
         let name = name.to_ascii_uppercase();
         let shape = match SHAPES.iter().find(|(start, _)| name.starts_with(start))?.1 {
@@ -53,8 +53,8 @@ impl Type {
     }
 }
 
-/// In Exodus the nodes on vertical edges of hexahedra and wedges stand before those of the top, and the node inside a
-/// hexahedron before those of its faces, of which bottom and top are the first.
+/// Node order of Exodus: nodes on vertical edges of hexahedra and wedges come before those of the top, and the node
+/// inside a hexahedron before those of its faces, of which bottom and top are the first.
 fn order(shape: Shape, nodes: usize) -> Vec<usize> {
     match (shape, nodes) {
         (Shape::Hexahedron, 20) => (0..12).chain(16..20).chain(12..16).collect(),
@@ -64,7 +64,7 @@ fn order(shape: Shape, nodes: usize) -> Vec<usize> {
     }
 }
 
-/// The vertices of the side 1, 2, … of an element, numbered from 0.
+/// The vertices of side 1, 2, … of an element, numbered from 0.
 pub(super) fn side(shape: Shape, number: f64) -> Option<&'static [usize]> {
     let sides: &[&[usize]] = match shape {
         Shape::Segment => &[&[0], &[1]],

@@ -1,8 +1,8 @@
-//! Numbers of a Gmsh file, from text or from bytes of either order.
+//! Reads numbers of a Gmsh file, from text or from bytes of either order.
 
 use super::super::read::{FilePosition, MeshFileError};
 
-/// How the numbers of a file are written.
+/// Format of the numbers of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Ascii,
@@ -25,7 +25,7 @@ impl<'a> Cursor<'a> {
         Cursor { bytes, at: 0, mode: Mode::Ascii }
     }
 
-    /// The byte where the next number begins.
+    /// The byte at which the next number begins.
     pub(super) fn position(&mut self) -> usize {
         if self.mode == Mode::Ascii {
             self.skip_space();
@@ -33,13 +33,13 @@ impl<'a> Cursor<'a> {
         self.at
     }
 
-    /// The byte where the next word begins, of the parts that are text in every file.
+    /// The byte at which the next word begins, in parts that are text in every file.
     pub(super) fn word_position(&mut self) -> usize {
         self.skip_space();
         self.at
     }
 
-    /// What messages call a byte: its line in a text file.
+    /// Position of a byte as named in messages: its line in a text file.
     pub(super) fn place(&self, at: usize) -> FilePosition {
         match self.mode {
             Mode::Ascii => FilePosition::line(self.bytes, at),
@@ -47,7 +47,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The fault that something else stands at a byte than was expected.
+    /// The error for unexpected contents at a byte.
     pub(super) fn fault(&self, at: usize, expected: impl Into<String>) -> MeshFileError {
         let rest = self.bytes.get(at..).unwrap_or_default();
         let token = rest.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -75,13 +75,13 @@ impl<'a> Cursor<'a> {
         rest.get(..length).unwrap_or_default()
     }
 
-    /// The next word with the byte where it begins, in text and between binary sections.
+    /// The next word with its first byte, in text and between binary sections.
     pub(super) fn word(&mut self) -> (usize, &'a [u8]) {
         let word = self.token();
         (self.at - word.len(), word)
     }
 
-    /// The rest of the line, without its end; the cursor goes behind it.
+    /// The rest of the line without its end; moves the cursor behind it.
     pub(super) fn line(&mut self) -> &'a [u8] {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
@@ -89,14 +89,14 @@ impl<'a> Cursor<'a> {
         rest.get(..length).unwrap_or_default()
     }
 
-    /// Goes to the first byte of values that follow text: of a binary file the next line.
+    /// Moves to the first byte of values after text: in a binary file the next line.
     pub(super) fn begin_data(&mut self) {
         if self.mode != Mode::Ascii {
             self.line();
         }
     }
 
-    /// Goes behind the word that ends a section, whatever stands before it.
+    /// Moves behind the word that ends a section, ignoring everything before it.
     pub(super) fn skip_section(&mut self, name: &[u8]) -> Result<(), MeshFileError> {
         let end = [b"$End", name.get(1..).unwrap_or_default()].concat();
         let rest = self.bytes.get(self.at..).unwrap_or_default();
@@ -112,13 +112,13 @@ impl<'a> Cursor<'a> {
         Err(self.fault(self.bytes.len(), String::from_utf8_lossy(&end)))
     }
 
-    /// Goes behind the word that ends a section.
+    /// Moves behind the word that ends a section, which must come next.
     pub(super) fn end_section(&mut self, name: &str) -> Result<(), MeshFileError> {
         let (at, word) = self.word();
         if word == [b"$End", name.as_bytes()].concat() { Ok(()) } else { Err(self.fault(at, format!("$End{name}"))) }
     }
 
-    /// An integer that is written as text in every file.
+    /// An integer written as text in every file.
     pub(super) fn text_integer(&mut self, expected: &'static str) -> Result<i64, MeshFileError> {
         let token = self.token();
         let (negative, digits) = match token.split_first() {
@@ -214,7 +214,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Finds the byte order by the integer 1 that a binary file begins with.
+    /// Detects the byte order from the integer 1 at the beginning of a binary file.
     pub(super) fn byte_order(&mut self, size: usize) -> Result<(), MeshFileError> {
         let at = self.at;
         self.mode = Mode::Binary { big: false, size };

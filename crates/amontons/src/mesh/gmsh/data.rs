@@ -9,13 +9,13 @@ use super::sections::{self, Tags};
 use crate::mesh::Block;
 use crate::tensor::Point;
 
-/// Numbers of elements or nodes with a value each.
+/// Element or node numbers with one value each.
 pub(super) struct Section {
     of_elements: bool,
     values: Vec<(i64, f64)>,
 }
 
-/// Reads the data section at the cursor if it has the name that is wanted, and passes over it otherwise.
+/// Reads the data section at the cursor if it has the wanted name, or skips it.
 pub(super) fn section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<Option<Section>, MeshFileError> {
     let texts = cursor.text_integer("the number of string tags")?;
     cursor.line();
@@ -92,7 +92,7 @@ pub(in crate::mesh) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec
     Ok((points, blocks, Values::Nodes(nodes)))
 }
 
-/// Values by node; NaN at nodes without one.
+/// Values per node; NaN for nodes without one.
 fn of_nodes(tags: &Tags, count: usize, values: &[(i64, f64)]) -> Vec<f64> {
     let mut nodes = vec![f64::NAN; count];
     for &(tag, value) in values {

@@ -1,4 +1,4 @@
-//! Entities of a Gmsh file in the place of physical groups, cells that are written once per group, and partitions.
+//! Entities that replace missing physical groups, cells written once per group, and partitions, in Gmsh files.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -8,9 +8,9 @@ use super::sections::list;
 use crate::mesh::read::MeshFileError;
 use crate::mesh::topology::{Key, key};
 
-/// What the names of the groups begin with that Gmsh makes of partitions.
+/// Prefix of the names of groups that Gmsh creates for partitions.
 const OF_PARTITION: &str = "_part{";
-/// What Gmsh calls entities of each dimension.
+/// Gmsh's names of entities per dimension.
 const ENTITIES: [&str; 4] = ["point", "curve", "surface", "volume"];
 
 /// Entities by their dimension and tag.
@@ -18,14 +18,14 @@ const ENTITIES: [&str; 4] = ["point", "curve", "surface", "volume"];
 pub(super) struct Entities {
     /// Physical groups of each entity.
     pub groups: BTreeMap<(i64, i64), Vec<i64>>,
-    /// The entity that each part of a partition is of.
+    /// The original entity of each partitioned one.
     pub parents: BTreeMap<(i64, i64), (i64, i64)>,
     /// Tags of entities of ghost cells.
     pub ghosts: BTreeSet<i64>,
 }
 
 impl Entities {
-    /// The tag of the entity that a user knows, 0 for what lies between partitions.
+    /// The tag of the original entity, 0 for interfaces between partitions.
     pub fn known(&self, entity: (i64, i64)) -> i64 {
         match self.parents.get(&entity) {
             Some((dim, tag)) if *dim == entity.0 => *tag,
@@ -34,7 +34,7 @@ impl Entities {
         }
     }
 
-    /// The section of the entities that partitions are made of.
+    /// Reads the section of partitioned entities.
     pub fn partitioned(&mut self, cursor: &mut Cursor) -> Result<(), MeshFileError> {
         cursor.line();
         cursor.size("the number of partitions")?;
@@ -87,7 +87,8 @@ pub(super) fn join_copies(loose: &mut Loose, entities: &[i64]) {
                 std::mem::replace(block, empty)
             })
             .collect();
-        // There are not more combinations of groups than blocks where each block has one entity and all of its cells.
+        // There are at most as many combinations of groups as blocks, since each block has one entity and all of its
+        // cells.
         for (place, block) in joined(blocks).into_iter().enumerate() {
             match places.get(place) {
                 Some(&place) => loose.blocks[place] = block,
@@ -97,7 +98,7 @@ pub(super) fn join_copies(loose: &mut Loose, entities: &[i64]) {
     }
 }
 
-/// The cells of blocks, those with the same vertices in different blocks once, by their groups.
+/// The cells of blocks by their groups; cells with the same vertices in different blocks are merged.
 fn joined(blocks: Vec<LooseBlock>) -> Vec<LooseBlock> {
     let Some(first) = blocks.first() else { return blocks };
     let (kind, at) = (first.kind, first.at);
@@ -130,7 +131,7 @@ fn joined(blocks: Vec<LooseBlock>) -> Vec<LooseBlock> {
     joined.into_values().collect()
 }
 
-/// Names sides and regions by the tags of their entities where no physical group of their dimension is there.
+/// Names sides and regions by the tags of their entities if there are no physical groups of their dimension.
 pub(super) fn name(loose: &mut Loose, entities: &[i64]) {
     let of_partitions: BTreeSet<(usize, i64)> =
         loose.names.iter().filter(|(_, name)| name.starts_with(OF_PARTITION)).map(|(group, _)| *group).collect();
@@ -153,13 +154,13 @@ pub(super) fn name(loose: &mut Loose, entities: &[i64]) {
     }
 }
 
-/// The blocks of a dimension with elements.
+/// The nonempty blocks of a dimension.
 fn tagged<'l>(loose: &'l Loose, entities: &'l [i64], dim: usize) -> impl Iterator<Item = usize> + 'l {
     let blocks = loose.blocks.iter().zip(entities).enumerate();
     blocks.filter(move |(_, (block, _))| block.kind.dim == dim && !block.nodes.is_empty()).map(|(place, _)| place)
 }
 
-/// Gives each block of a dimension the group of its entity.
+/// Assigns to each block of a dimension the group of its entity.
 fn give(loose: &mut Loose, entities: &[i64], dim: usize) {
     let kind = ENTITIES.get(dim).copied().unwrap_or_default();
     for (block, &entity) in loose.blocks.iter_mut().zip(entities).filter(|(block, _)| block.kind.dim == dim) {
@@ -170,7 +171,7 @@ fn give(loose: &mut Loose, entities: &[i64], dim: usize) {
     }
 }
 
-/// Names what the entities have of the boundary, unless it is one entity.
+/// Names the boundary parts by their entities, unless there is only one.
 fn name_sides(loose: &mut Loose, entities: &[i64], dim: usize) {
     let places: Vec<usize> = tagged(loose, entities, dim - 1).filter(|&place| entities[place] != 0).collect();
     if places.is_empty() {

@@ -1,13 +1,12 @@
 //! Meshes of Gmsh: the formats MSH 2.x and 4.1, text and binary of either byte order, as documented in the Gmsh
 //! reference manual (section "Gmsh file formats").
 //!
-//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by
-//! their name or, without one, by the digits of their tag; groups of one name are one. Where no group of a
-//! dimension is there, the tags of the entities serve: `surface-3`, `curve-11`, of dimension d only if there are
-//! several, of dimension d − 1 what is on the boundary. Cells of several groups are in one region: the smallest of
-//! them if that lies within the others. A mesh in partitions is read as one: its entities are those that were
-//! parted, ghost cells are left out. Sections other than the format, names, entities, nodes and elements are
-//! skipped.
+//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by their
+//! name or, without one, by the digits of their tag; groups with the same name are merged. If a dimension has no
+//! groups, the tags of the entities are used: `surface-3`, `curve-11`, for dimension d only if there are several, for
+//! dimension d − 1 only on the boundary. A cell in several groups belongs to the region of the smallest of them if that
+//! lies within the others. A partitioned mesh is read as one: its entities are the original ones, and ghost cells are
+//! left out. Sections other than format, names, entities, nodes and elements are skipped.
 
 mod cursor;
 mod data;
@@ -44,7 +43,7 @@ const KINDS: [(&str, usize, usize); 19] = [
     ("13-node pyramid", 3, 13),
 ];
 
-/// The type of element with a number.
+/// The element type with a number.
 fn kind(code: i64) -> Option<Kind> {
     let index = usize::try_from(code).ok()?.checked_sub(1)?;
     let &(name, dim, nodes) = KINDS.get(index)?;
@@ -62,16 +61,16 @@ fn kind(code: i64) -> Option<Kind> {
 
 /// Reads a mesh from the bytes of an MSH file.
 ///
-/// A set of cells of one entity that is mirrored as a whole – a plane surface whose normal is −z – is turned over;
-/// single inverted cells stay as they are, for [`Mesh::check`] to name.
+/// The cells of an entity are turned over if all of them are mirrored, as on a plane surface whose normal is −z; single
+/// inverted cells are kept and reported by [`Mesh::check`].
 ///
 /// # Errors
-/// When the bytes are no mesh of one body; the error names the line (text) or byte (binary).
+/// Fails if the bytes are no mesh of one body; the error names the line (text) or byte (binary).
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     read(bytes).map(|read| read.mesh)
 }
 
-/// The same with what else the file has.
+/// Reads the mesh and the list of skipped contents.
 pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let (mut loose, entities, binary) = sections::parse(bytes)?;
     entities::join_copies(&mut loose, &entities);

@@ -8,7 +8,7 @@ use super::data::{self, Section};
 use super::entities::Entities;
 use crate::tensor::Point;
 
-/// What has been read of a file.
+/// Contents of a file read so far.
 #[derive(Default)]
 struct File {
     version: Option<Version>,
@@ -19,7 +19,7 @@ struct File {
     data: Option<Section>,
 }
 
-/// Elements, and the tag of the entity of each block, 0 for none.
+/// Elements, and the entity tag of each block, 0 for none.
 type Blocks = (Vec<LooseBlock>, Vec<i64>);
 
 #[derive(Clone, Copy, PartialEq)]
@@ -28,14 +28,14 @@ enum Version {
     Four,
 }
 
-/// Reads all sections but data; also returns the entity of each block and whether the file is binary.
+/// Reads all sections except data; also returns the entity of each block, and true if the file is binary.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, Vec<i64>, bool), MeshFileError> {
     let (mut file, binary) = read(bytes, None)?;
     let (points, _, (blocks, entities)) = file.parts(bytes)?;
     Ok((Loose { points, blocks, names: file.names, ..Loose::default() }, entities, binary))
 }
 
-/// Nodes with their tags, elements, and the data with this name, if there are any.
+/// Nodes with their tags, elements, and the data with this name, if any.
 pub(super) fn with_data(
     bytes: &[u8],
     name: &str,
@@ -91,7 +91,7 @@ fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(File, bool), MeshFileErro
 }
 
 impl File {
-    /// Nodes with their tags, and elements, which every file has.
+    /// Nodes with their tags, and elements; every file must have them.
     fn parts(&mut self, bytes: &[u8]) -> Result<(Vec<Point>, Tags, Blocks), MeshFileError> {
         let (cursor, end) = (Cursor::new(bytes), bytes.len());
         let (tags, points) = self.nodes.take().ok_or_else(|| cursor.fault(end, "a section $Nodes"))?;
@@ -135,7 +135,7 @@ fn format(cursor: &mut Cursor) -> Result<Version, MeshFileError> {
     Ok(version)
 }
 
-/// Lines `dimension tag "name"`, text in every file.
+/// Lines `dimension tag "name"`, which are text in every file.
 fn physical_names(cursor: &mut Cursor) -> Result<BTreeMap<(usize, i64), String>, MeshFileError> {
     let count = cursor.text_integer("the number of physical names")?;
     let mut names = BTreeMap::new();
@@ -155,7 +155,7 @@ fn physical_names(cursor: &mut Cursor) -> Result<BTreeMap<(usize, i64), String>,
     Ok(names)
 }
 
-/// The physical groups of the entities, points to volumes.
+/// The physical groups of the entities, from points to volumes.
 fn entities(cursor: &mut Cursor) -> Result<BTreeMap<(i64, i64), Vec<i64>>, MeshFileError> {
     let mut counts = [0; 4];
     for count in &mut counts {
@@ -170,7 +170,7 @@ fn entities(cursor: &mut Cursor) -> Result<BTreeMap<(i64, i64), Vec<i64>>, MeshF
                 cursor.real("a coordinate of the bounding box of an entity")?;
             }
             let physical = list(cursor, "physical groups of an entity")?;
-            // The sign of a group tells its orientation, which the cells decide here.
+            // The sign of a group gives its orientation, which is taken from the cells instead.
             groups.insert((dim as i64, tag), physical.into_iter().map(i64::abs).collect());
             if dim > 0 {
                 list(cursor, "bounding entities of an entity")?;
@@ -188,7 +188,7 @@ pub(super) fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, 
     (0..count).map(|_| cursor.integer(what)).collect()
 }
 
-/// From tags of nodes to their indices.
+/// Map from node tags to indices.
 pub(super) enum Tags {
     /// Index by tag, `u32::MAX` for an unused tag, and the number of nodes.
     Dense(Vec<u32>, usize),
@@ -257,7 +257,7 @@ fn nodes(cursor: &mut Cursor, version: Version) -> Result<(Tags, Vec<Point>), Me
     Ok((Tags::new(&read.0)?, read.1))
 }
 
-/// A count that version 2 writes as text in binary files too; what follows begins on the next line.
+/// A count that version 2 writes as text also in binary files; the data begin on the next line.
 fn text_count(cursor: &mut Cursor, what: &'static str) -> Result<(usize, u64), MeshFileError> {
     let at = cursor.word_position();
     let count = u64::try_from(cursor.text_integer(what)?).map_err(|_| cursor.fault(at, what))?;
@@ -328,7 +328,7 @@ fn kind(cursor: &mut Cursor) -> Result<Kind, MeshFileError> {
     super::kind(code).ok_or_else(|| MeshFileError::ElementType { at: cursor.place(at), found: code })
 }
 
-/// Reads the nodes of an element into our order.
+/// Reads the nodes of an element in the order of the library.
 fn connectivity(
     cursor: &mut Cursor,
     kind: &Kind,
@@ -388,7 +388,7 @@ fn elements_of_four(cursor: &mut Cursor, tags: &Tags, entities: Option<&Entities
             connectivity(cursor, &kind, tags, Version::Four, &mut nodes)?;
         }
         total += own as u64;
-        // Ghost cells are those of another partition.
+        // Ghost cells belong to another partition.
         if let Some(groups) = groups {
             read.push(LooseBlock { kind, groups: groups.into_iter().collect(), at, nodes, numbers });
             of.push(entities.map_or(entity, |all| all.known((dim, entity))));
@@ -408,7 +408,7 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileE
     let mut done = 0;
     while done < count {
         let at = cursor.position();
-        // In text the tag of the element comes first; in binary a header stands before elements of one type.
+        // In text the element tag comes first; in binary a header precedes elements of one type.
         let mut number = 0;
         let (kind, follow) = if cursor.mode == Mode::Ascii {
             number = cursor.integer("the tag of an element")?;
@@ -431,7 +431,7 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileE
             if cursor.mode != Mode::Ascii {
                 number = cursor.integer("the tag of an element")?;
             }
-            // Physical group, entity, number of partitions, and these: the first one owns the element.
+            // Physical group, entity, number of partitions, and the partitions, of which the first owns the element.
             let mut own = [0; 4];
             for i in 0..tag_count {
                 let tag = cursor.integer("a tag of an element")?;
@@ -454,11 +454,11 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileE
     Ok((read.blocks, read.entities))
 }
 
-/// Blocks of version 2, whose elements come one by one.
+/// Blocks of version 2, whose elements are listed one by one.
 #[derive(Default)]
 struct BlocksOfTwo {
     blocks: Vec<LooseBlock>,
-    /// The entity of each.
+    /// The entity of each block.
     entities: Vec<i64>,
     /// Block by name of the element, physical group and entity.
     index: BTreeMap<(&'static str, i64, i64), usize>,

@@ -1,35 +1,35 @@
-//! `*INCLUDE`: the text of an input file with those that it includes in the places of these lines.
+//! `*INCLUDE`: replaces these lines by the text of the included files.
 //!
-//! A name is seen from the folder of the file that includes it. The place of every line stays known, so that messages
-//! name the file and its line. In the whole text a comment stands in the place of the keyword.
+//! A file name is relative to the folder of the including file. The origin of every line is recorded, so that messages
+//! name the file and its line. In the whole text a comment replaces the keyword.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
 
 use super::super::read::{FilePosition, Include, MeshFileError, Skipped};
 
-/// How deep files may include files: Abaqus admits five.
+/// Largest depth of nested includes; Abaqus allows five.
 const DEEPEST: usize = 16;
-/// Most files that are included.
+/// Largest number of included files.
 const MOST: usize = 1000;
-/// Longest whole text in bytes: that of one file.
+/// Longest whole text in bytes, as for a single file.
 const LONGEST: usize = 4 << 30;
 
-/// A text with the places of its lines.
+/// A text with the origin of its lines.
 pub(super) struct Whole<'a> {
     pub bytes: Cow<'a, [u8]>,
     stretches: Vec<Stretch>,
-    /// Names of the files, of which the first is the mesh file.
+    /// Names of the files; the first is the mesh file.
     names: Vec<String>,
 }
 
-/// Lines that follow each other in one file.
+/// Consecutive lines from one file.
 #[derive(Clone, Copy)]
 struct Stretch {
     /// Its first line in the whole text, from 1.
     first: usize,
     file: usize,
-    /// That line in its file.
+    /// Number of that line in its file.
     line: usize,
 }
 
@@ -37,7 +37,7 @@ impl<'a> Whole<'a> {
     /// The text of a file of this name.
     ///
     /// # Errors
-    /// When a file that is included cannot be had, includes itself, or is too deep, or when the text is too long.
+    /// Fails if an included file cannot be read, includes itself, or is nested too deep, or if the text is too long.
     pub fn of(name: &str, bytes: &'a [u8], include: Option<&mut Include>) -> Result<Whole<'a>, MeshFileError> {
         let stretch = Stretch { first: 1, file: 0, line: 1 };
         if !lines(bytes).any(|(_, text)| is_include(text)) {
@@ -50,26 +50,26 @@ impl<'a> Whole<'a> {
         Ok(made.text)
     }
 
-    /// Whether other files are in it.
+    /// True if it includes other files.
     pub fn includes(&self) -> bool {
         matches!(self.bytes, Cow::Owned(_))
     }
 
-    /// The file that has a line of the whole text, none for the mesh file itself, and its line there.
+    /// File and line of a line of the whole text; the file is `None` for the mesh file itself.
     fn place(&self, line: usize) -> (Option<&String>, usize) {
         let at = self.stretches.partition_point(|stretch| stretch.first <= line).saturating_sub(1);
         let Some(Stretch { first, file, line: own }) = self.stretches.get(at).copied() else { return (None, line) };
         (self.names.get(file).filter(|_| file > 0), own + line.saturating_sub(first))
     }
 
-    /// A fault of the whole text, with the place in its file.
+    /// An error in the whole text, located in its file.
     pub fn told(&self, fault: MeshFileError) -> MeshFileError {
         let Some(FilePosition::Line(line)) = fault.at() else { return fault };
         let (file, line) = self.place(line);
         inside(file, fault.in_line(line))
     }
 
-    /// Something that was skipped, with the place in its file.
+    /// A skipped item, located in its file.
     pub fn located(&self, skipped: Skipped) -> Skipped {
         let Some(line) = skipped.line else { return skipped };
         let (file, line) = self.place(line);
@@ -77,7 +77,7 @@ impl<'a> Whole<'a> {
     }
 }
 
-/// The fault in the file of this name, if it is not the mesh file.
+/// The error in the file of this name, unless it is the mesh file.
 fn inside(file: Option<&String>, fault: MeshFileError) -> MeshFileError {
     match file {
         Some(file) => MeshFileError::In { path: PathBuf::from(file), fault: Box::new(fault) },
@@ -85,13 +85,13 @@ fn inside(file: Option<&String>, fault: MeshFileError) -> MeshFileError {
     }
 }
 
-/// A text in the making.
+/// A whole text under construction.
 struct Making<'i, 'f, 'a> {
     text: Whole<'a>,
     /// Lines of the text so far.
     lines: usize,
     longest: usize,
-    /// Names of the files that include each other, down to the present one.
+    /// Names of the files that include each other, from the first to the current one.
     open: Vec<String>,
     include: Option<&'i mut Include<'f>>,
 }
@@ -109,7 +109,7 @@ impl Making<'_, '_, '_> {
                 self.push(text);
                 continue;
             }
-            // The keyword goes on in the next lines where it ends with a comma.
+            // A keyword that ends with a comma continues on the next line.
             let (mut keyword, mut last) = (text.to_vec(), line);
             while keyword.trim_ascii_end().ends_with(b",") {
                 let Some((line, more)) = all.next() else { break };
@@ -136,7 +136,7 @@ impl Making<'_, '_, '_> {
         }
     }
 
-    /// Adds the file that a keyword names.
+    /// Adds the file named by a keyword.
     fn include(&mut self, keyword: &[u8], line: usize) -> Result<(), MeshFileError> {
         let at = FilePosition::Line(line);
         let written = String::from_utf8_lossy(keyword);
@@ -176,7 +176,7 @@ impl Making<'_, '_, '_> {
     }
 }
 
-/// A name without `.` and, where a folder stands before it, `..`.
+/// The parts of a path without `.` and, after a folder, `..`.
 fn plain(name: &str) -> Vec<&str> {
     let mut parts: Vec<&str> = Vec::new();
     for part in name.split('/').filter(|part| !part.is_empty() && *part != ".") {

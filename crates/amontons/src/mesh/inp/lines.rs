@@ -9,24 +9,24 @@ use super::super::read::{FilePosition, MeshFileError};
 pub struct Keyword<'a> {
     /// Line of the keyword, from 1.
     pub line: usize,
-    /// In capitals without the star, words separated by one space: `SOLID SECTION`.
+    /// Name in capitals without the star, words separated by one space: `SOLID SECTION`.
     pub name: String,
-    /// Parameters by their names in capitals; those without a value have an empty one.
+    /// Parameters by their names in capitals; the value is empty if there is none.
     pub parameters: BTreeMap<String, String>,
     /// Data lines with their numbers.
     pub data: Vec<(usize, &'a str)>,
 }
 
 impl Keyword<'_> {
-    /// The value of a parameter, none where it is missing or empty.
+    /// The value of a parameter; `None` if it is missing or empty.
     pub fn parameter(&self, name: &str) -> Option<&str> {
         self.parameters.get(name).map(String::as_str).filter(|value| !value.is_empty())
     }
 
-    /// The value of a parameter without which the keyword says nothing.
+    /// The value of a mandatory parameter.
     ///
     /// # Errors
-    /// Names the line of the keyword if the parameter is missing or empty.
+    /// Fails if the parameter is missing or empty; the error names the line of the keyword.
     pub fn required(&self, name: &str) -> Result<&str, MeshFileError> {
         self.parameter(name).ok_or_else(|| MeshFileError::Syntax {
             at: FilePosition::Line(self.line),
@@ -35,18 +35,18 @@ impl Keyword<'_> {
         })
     }
 
-    /// Whether a parameter is given, with a value or without.
+    /// True if a parameter is given, with or without a value.
     pub fn has(&self, name: &str) -> bool {
         self.parameters.contains_key(name)
     }
 
-    /// The entries of all data lines, with the numbers of their lines; empty ones are left out.
+    /// The nonempty entries of all data lines, with their line numbers.
     pub fn entries(&self) -> impl Iterator<Item = (usize, &str)> {
         self.data.iter().flat_map(|&(line, text)| entries(text).map(move |entry| (line, entry)))
     }
 }
 
-/// The entries of a data line without the empty ones.
+/// The nonempty entries of a data line.
 pub fn entries(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(|entry| entry.trim().trim_matches('"')).filter(|entry| !entry.is_empty())
 }
@@ -60,11 +60,11 @@ pub(super) fn number<T: std::str::FromStr>(line: usize, text: &str, expected: &s
     })
 }
 
-/// The keywords of a file in turn. Lines with two stars are comments; a keyword goes on in the next line where it ends
-/// with a comma.
+/// The keywords of a file in order. Lines with two stars are comments; a keyword that ends with a comma continues on
+/// the next line.
 ///
 /// # Errors
-/// Names the first line if it is neither a keyword nor a comment.
+/// Fails if the first line is neither a keyword nor a comment; the error names it.
 pub fn keywords(text: &str) -> Result<Vec<Keyword<'_>>, MeshFileError> {
     let mut keywords: Vec<Keyword> = Vec::new();
     let mut continues = false;
@@ -98,7 +98,7 @@ pub fn keywords(text: &str) -> Result<Vec<Keyword<'_>>, MeshFileError> {
     Ok(keywords)
 }
 
-/// Takes the parameters of a keyword line.
+/// Reads the parameters of a keyword line.
 fn parameters(text: &str, into: &mut BTreeMap<String, String>) {
     for parameter in text.split(',').map(str::trim).filter(|parameter| !parameter.is_empty()) {
         let (name, value) = parameter.split_once('=').unwrap_or((parameter, ""));

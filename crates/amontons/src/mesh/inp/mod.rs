@@ -1,17 +1,17 @@
 //! Meshes of Abaqus and CalculiX: input files (`.inp`), as documented in the manuals of Abaqus ("Input syntax rules",
 //! "Element-based surface definition") and CalculiX CrunchiX ("Input deck format").
 //!
-//! Read are `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` with `GENERATE`, `*SURFACE` of faces of elements and of nodes,
-//! `*SOLID SECTION`, parts with their instances, and `*INCLUDE`. Everything else is skipped and named in
-//! [`Read::skipped`](crate::mesh::Read::skipped): materials, loads and steps are those of the case file.
+//! Supported are `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` with `GENERATE`, `*SURFACE` of element faces and of nodes,
+//! `*SOLID SECTION`, parts with their instances, and `*INCLUDE`. Everything else is skipped and listed in
+//! [`Read::skipped`](crate::mesh::Read::skipped): materials, loads and steps come from the case file.
 //!
-//! - Regions are the element sets of the solid sections, of which a later one takes the cells of an earlier one;
-//!   without sections, the sets that the `*ELEMENT` lines name. In a file of Gmsh, which names these Volume1, Volume2
-//!   and so on, the other element sets come first: they are its physical groups.
+//! - Regions are the element sets of the solid sections; a later section takes the cells of an earlier one. Without
+//!   sections, they are the sets named by `*ELEMENT` lines. In a file of Gmsh, which names these Volume1, Volume2 and
+//!   so on, the other element sets come first: they are its physical groups.
 //! - Sides are the surfaces, the element sets of shells, membranes and plane elements (in the plane of lines) that are
-//!   facets of the boundary, and the node sets that hold all nodes of a facet of the boundary. Of one name the first
-//!   kind counts.
-//! - With several instances, the sets of a part have the name of the instance and a point in front of theirs.
+//!   facets of the boundary, and the node sets that contain all nodes of a facet of the boundary. For equal names the
+//!   first kind counts.
+//! - With several instances, the names of the sets of a part are prefixed by the instance: `INSTANCE.SET`.
 //! - Names are compared without regard to case, as Abaqus does, and keep the spelling of their first definition.
 //! - Sets may hold elements that are left out, and nodes and elements that the file lacks: these are skipped, too.
 
@@ -29,15 +29,15 @@ pub use solid::{SolidType, face, solid_type};
 
 use super::read::{FilePosition, Include, MeshFileError, Read};
 
-/// Reads a mesh from the bytes of an input file, which may include no other file.
+/// Reads a mesh from the bytes of an input file without included files.
 ///
 /// # Errors
-/// When the bytes are no mesh of one body; the error names the line.
+/// Fails if the bytes are no mesh of one body; the error names the line.
 pub fn parse(bytes: &[u8]) -> Result<Read, MeshFileError> {
     read("deck.inp", bytes, None)
 }
 
-/// Reads a mesh from the bytes of an input file of this name, and those of the files that it includes.
+/// Reads a mesh from the bytes of a named input file and of the files that it includes.
 pub(super) fn read(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<Read, MeshFileError> {
     let whole = include::Whole::of(name, bytes, include)?;
     let mut read = of_text(&String::from_utf8_lossy(&whole.bytes)).map_err(|fault| whole.told(fault))?;

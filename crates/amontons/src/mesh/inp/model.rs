@@ -1,4 +1,4 @@
-//! Nodes, elements and sets of an input file: the parts, and where the instances of an assembly put them.
+//! Nodes, elements and sets of an input file: the parts, and the positions of their instances in an assembly.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use super::lines::{Keyword, entries, number};
 use super::solid::{self, Solid, Type};
 use crate::tensor::Point;
 
-/// Keywords that make nodes or elements of others: a mesh without them would not be the whole one.
+/// Keywords that generate nodes or elements: without them the mesh would be incomplete.
 const MAKERS: [&str; 8] = ["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL"];
 
-/// Elements of one keyword.
+/// Common data of the elements of one keyword.
 #[derive(Debug)]
 pub(super) struct Sort {
     /// The name of their type.
@@ -27,14 +27,14 @@ pub(super) struct Cell {
     pub number: i64,
     /// Its line.
     pub line: usize,
-    /// Its first node in the list of its part.
+    /// Position of its first node in the node list of its part.
     pub first: usize,
     pub of: Arc<Sort>,
-    /// The set that its keyword names.
+    /// The set named by its keyword.
     pub set: Option<Arc<str>>,
 }
 
-/// Nodes and elements that are numbered together.
+/// Nodes and elements with a common numbering.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     pub tags: Vec<i64>,
@@ -43,29 +43,29 @@ pub(super) struct Part {
     /// Numbers of the nodes of the cells.
     pub nodes: Vec<i64>,
     pub sets: Vec<Set>,
-    /// Numbers of elements that are left out.
+    /// Numbers of the elements left out.
     pub left_out: HashSet<i64>,
 }
 
-/// What a set has.
+/// The contents of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Has {
     Nodes,
     Elements,
-    /// Faces of elements, or nodes of which facets are made.
+    /// Faces of elements, or nodes that define facets.
     Faces,
     NodesOfSurface,
     /// Elements of one material.
     Section,
 }
 
-/// A set as the file defines it, in parts.
+/// A set as defined by the file, in parts.
 #[derive(Clone, Debug)]
 pub(super) struct Set {
     pub has: Has,
     pub name: String,
     pub line: usize,
-    /// The instance that its numbers are those of.
+    /// The instance to which its numbers refer.
     pub instance: Option<String>,
     pub items: Vec<Item>,
 }
@@ -73,25 +73,25 @@ pub(super) struct Set {
 /// An entry of a set.
 #[derive(Clone, Debug)]
 pub(super) enum Item {
-    /// From a number to another one in steps.
+    /// First and last number, and step.
     Range(i64, i64, i64),
-    /// A number or the name of a set, and the label of a face, if it has one.
+    /// A number or the name of a set, and the label of a face, if given.
     Named { line: usize, name: String, face: Option<String> },
     /// The nodes of a set of elements.
     NodesOf { line: usize, name: String },
 }
 
-/// A part at its place in the assembly.
+/// A part at its position in the assembly.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
     pub name: String,
     pub part: Part,
 }
 
-/// What the keywords of a file say about a mesh.
+/// The mesh data in the keywords of a file.
 #[derive(Debug, Default)]
 pub(super) struct Model {
-    /// What is not in a part.
+    /// Items outside of parts.
     pub flat: Part,
     parts: BTreeMap<String, Part>,
     pub instances: Vec<Instance>,
@@ -101,7 +101,7 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Takes the keywords in their order.
+    /// Reads the keywords in order.
     pub fn of(keywords: &[Keyword]) -> Result<Model, MeshFileError> {
         let mut model = Model::default();
         for keyword in keywords {
@@ -110,7 +110,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Where nodes, elements and sets go at present.
+    /// The part to which nodes, elements and sets are currently added.
     fn current(&mut self) -> &mut Part {
         if let Some(instance) = &mut self.instance {
             return &mut instance.part;
@@ -174,7 +174,7 @@ impl Model {
         Ok(())
     }
 
-    /// Notes what is left out; what has been noted before is counted.
+    /// Records a skipped item; repeated items are counted.
     fn skip(&mut self, what: String, line: usize, count: usize) {
         match self.skipped.iter_mut().find(|skipped| skipped.what == what) {
             Some(skipped) => skipped.count += count,
@@ -182,7 +182,7 @@ impl Model {
         }
     }
 
-    /// Begins an instance of a part, moved by the first data line and turned by the second one.
+    /// Begins an instance of a part, moved as given by the first data line and turned as given by the second one.
     fn begin(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
         let (name, part) = (keyword.required("NAME")?.to_owned(), keyword.required("PART")?);
         let Some(known) = self.parts.get(&part.to_uppercase()) else {
@@ -275,7 +275,7 @@ impl Model {
         Ok(())
     }
 
-    /// Leaves out elements of a type; their numbers and sets stay known.
+    /// Leaves out elements of a type but keeps their numbers and sets.
     fn leave_out(&mut self, keyword: &Keyword, name: &str) {
         let mut continues = false;
         let mut items = Vec::new();
@@ -329,7 +329,7 @@ impl Model {
     }
 }
 
-/// The members of a set: numbers, names of sets, or ranges.
+/// The members of a set: numbers, set names, or ranges.
 fn members(keyword: &Keyword) -> Result<Vec<Item>, MeshFileError> {
     if !keyword.has("GENERATE") {
         let named = |(line, name): (usize, &str)| Item::Named { line, name: name.to_owned(), face: None };
@@ -351,7 +351,7 @@ fn members(keyword: &Keyword) -> Result<Vec<Item>, MeshFileError> {
     keyword.data.iter().map(range).collect()
 }
 
-/// Takes nodes: their number and up to three coordinates.
+/// Reads nodes: number and up to three coordinates.
 fn nodes(keyword: &Keyword, part: &mut Part) -> Result<(), MeshFileError> {
     for &(line, text) in &keyword.data {
         let mut entries = text.split(',').map(str::trim);
@@ -370,7 +370,7 @@ fn nodes(keyword: &Keyword, part: &mut Part) -> Result<(), MeshFileError> {
     Ok(())
 }
 
-/// Where the nodes of a part are by their numbers.
+/// Index of each node of a part by its number.
 pub(super) fn index<'a>(tags: impl Iterator<Item = &'a i64>) -> Result<HashMap<i64, u32>, MeshFileError> {
     let mut index = HashMap::new();
     for (place, &tag) in tags.enumerate() {
@@ -390,7 +390,7 @@ struct Rotation {
 }
 
 impl Rotation {
-    /// About the axis from `a` to `b` by an angle in degrees.
+    /// The rotation about the axis from `a` to `b` by an angle in degrees; `None` if the axis or angle is undefined.
     fn new(a: Point, b: Point, degrees: f64) -> Option<Rotation> {
         let d: Point = std::array::from_fn(|i| b[i] - a[i]);
         let length = crate::tensor::length(&d);

@@ -1,4 +1,4 @@
-//! Regions of an input file: the sets of its sections, or else those of its elements.
+//! Regions of an input file: the sets of its sections, or else of its elements.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -7,10 +7,10 @@ use super::model::{Cell, Has};
 use super::sets::{CellOf, Sets};
 use super::told::Left;
 
-/// Name of the region of elements in no set.
+/// Name of the region of elements without a set.
 const BODY: &str = "body";
 
-/// Names of regions in the order in which they are met.
+/// Names of regions in the order of occurrence.
 #[derive(Default)]
 struct Groups {
     names: Vec<String>,
@@ -31,7 +31,7 @@ impl Groups {
 type OfCells = HashMap<CellOf, BTreeSet<i64>>;
 
 impl Sets {
-    /// The cells with their regions.
+    /// Adds the cells with their regions.
     pub(super) fn regions(&self, loose: &mut Loose) -> Result<(), MeshFileError> {
         let mut groups = Groups::default();
         let mut of_cell = self.of_sections(&mut groups)?;
@@ -56,7 +56,7 @@ impl Sets {
         Ok(())
     }
 
-    /// Of the sections the last one that names a cell counts.
+    /// Regions from the sections; the last section that names a cell counts.
     fn of_sections(&self, groups: &mut Groups) -> Result<OfCells, MeshFileError> {
         let mut of_cell = HashMap::new();
         let mut met: HashMap<(Option<usize>, String), usize> = HashMap::new();
@@ -83,7 +83,7 @@ impl Sets {
         Ok(of_cell)
     }
 
-    /// The sets that the keywords of elements name; of a file of Gmsh its groups before these.
+    /// Regions from the sets named by element keywords; in a file of Gmsh its groups come first.
     fn of_elements(&self, groups: &mut Groups) -> Result<OfCells, MeshFileError> {
         let mut of_cell = HashMap::new();
         if self.is_of_gmsh() {
@@ -110,13 +110,13 @@ impl Sets {
         Ok(of_cell)
     }
 
-    /// Whether Gmsh has written the elements, in sets by its volumes, surfaces and curves.
+    /// True if Gmsh wrote the elements, in sets per volume, surface and curve.
     fn is_of_gmsh(&self) -> bool {
         self.body_cells().all(|(body, cell)| self.cell(body, cell).set.as_deref().is_some_and(is_entity))
     }
 
-    /// Notes the sets of cells that are no regions; those of Gmsh's volumes and those of preprocessors for themselves,
-    /// which begin with a line, do not count.
+    /// Records the cell sets that are no regions, except those of Gmsh's volumes and the internal sets of
+    /// preprocessors, whose names begin with an underscore.
     fn unnamed(&self, groups: &Groups, used: &BTreeSet<i64>) -> Result<(), MeshFileError> {
         let regions: BTreeSet<String> = groups
             .names
@@ -139,7 +139,7 @@ impl Sets {
     }
 }
 
-/// Whether a set is one that Gmsh makes of a volume, a surface or a curve.
+/// True for the name of a set that Gmsh creates for a volume, a surface or a curve.
 fn is_entity(name: &str) -> bool {
     let number = ["Volume", "Surface", "Line"].iter().find_map(|entity| name.strip_prefix(entity));
     number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))

@@ -1,4 +1,4 @@
-//! Sets of an input file, resolved to elements, nodes and facets, and the sides that they are.
+//! Sets of an input file, resolved to elements, nodes and facets, and the sides they define.
 
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -11,14 +11,14 @@ use super::solid::face;
 use super::thin::Skin;
 use super::told::{Left, Told};
 
-/// How deep sets may be named in sets.
+/// Largest depth of nested sets.
 const DEEPEST: usize = 32;
 
-/// A body of the assembly: the flat part of the file, or an instance.
+/// A body of the assembly: the items outside of parts, or an instance.
 struct Body {
     name: Option<String>,
     part: Part,
-    /// Number of its first node among all.
+    /// Global number of its first node.
     first_node: u32,
     nodes: HashMap<i64, u32>,
     cells: HashMap<i64, usize>,
@@ -27,37 +27,37 @@ struct Body {
 /// Sets of a body, or of the assembly, by kind and name in capitals.
 type Key = (Option<usize>, Has, String);
 
-/// What sets have been resolved to: a set that many name, and these again, is resolved once.
+/// Cache of resolved sets, so that a set used many times is resolved once.
 type Resolved<T> = RefCell<HashMap<Key, Arc<[T]>>>;
 
-/// All sets with what is needed to resolve them.
+/// All sets, with the data needed to resolve them.
 pub(super) struct Sets {
     bodies: Vec<Body>,
     known: HashMap<Key, Vec<Set>>,
     elements: Resolved<CellOf>,
     numbers: Resolved<u32>,
-    /// In the order of the file: body, kind and name as written.
+    /// Sets in the order of the file: body, kind and name as written.
     pub(super) order: Vec<(Option<usize>, Has, String)>,
     /// Dimension of the cells of the body.
     pub(super) dim: usize,
     pub(super) told: Told,
-    /// Elements that are facets of a side.
+    /// Elements used as facets of a side.
     on_sides: RefCell<HashSet<CellOf>>,
 }
 
 /// A cell of a body.
 pub(super) type CellOf = (usize, usize);
 
-/// What fills a body, for messages.
+/// Elements that fill a body, for messages.
 const FILL: &str = "elements that fill a body, C3D… in space, CPS…, CPE… or CAX… in the plane; shells, membranes and beams are not computed: mesh the volume";
 
-/// The error of something that a line names and that there is not.
+/// The error for an unknown item named by a line.
 fn unknown(line: usize, found: String, expected: &str) -> MeshFileError {
     MeshFileError::Syntax { at: FilePosition::Line(line), found, expected: expected.to_owned() }
 }
 
 impl Sets {
-    /// What the file describes, beside what was skipped before.
+    /// The contents described by the file, in addition to those skipped before.
     pub(super) fn loose(&self, mut skipped: Vec<Skipped>) -> Result<Loose, MeshFileError> {
         let points = self.bodies.iter().flat_map(|body| body.part.points.iter().copied()).collect();
         let mut loose = Loose { points, ..Loose::default() };
@@ -79,7 +79,7 @@ impl Sets {
         Ok(loose)
     }
 
-    /// The elements that are neither cells of the body nor facets of a side, by their type.
+    /// The elements that are neither cells of the body nor facets of a side, by type.
     fn left_out(&self) -> Vec<Skipped> {
         let on_sides = self.on_sides.borrow();
         let mut skipped: Vec<Skipped> = Vec::new();
@@ -109,7 +109,7 @@ impl Sets {
         };
         let mut first_node = 0;
         let mut flat = model.flat;
-        // Sets outside of parts may be those of any instance.
+        // Sets outside of parts may refer to any instance.
         let of_assembly = if model.instances.is_empty() { Vec::new() } else { std::mem::take(&mut flat.sets) };
         let parts = model.instances.into_iter().map(|instance| (Some(instance.name), instance.part));
         for (name, mut part) in std::iter::once((None, flat)).chain(parts) {
@@ -135,24 +135,24 @@ impl Sets {
     fn add(&mut self, body: Option<usize>, set: Set) {
         let key = (body, set.has, set.name.to_uppercase());
         let parts = self.known.entry(key).or_default();
-        // Sections count in their order.
+        // Sections are kept in their order.
         if parts.is_empty() || set.has == Has::Section {
             self.order.push((body, set.has, set.name.clone()));
         }
         parts.push(set);
     }
 
-    /// All cells in turn.
+    /// All cells in order.
     fn cells(&self) -> impl Iterator<Item = CellOf> {
         self.bodies.iter().enumerate().flat_map(|(b, body)| (0..body.part.cells.len()).map(move |cell| (b, cell)))
     }
 
-    /// The cells of the mesh in turn.
+    /// The cells of the mesh in order.
     pub(super) fn body_cells(&self) -> impl Iterator<Item = CellOf> {
         self.cells().filter(|cell| self.is_of_body(*cell))
     }
 
-    /// Whether an element is a cell of the mesh.
+    /// True if an element is a cell of the mesh.
     pub(super) fn is_of_body(&self, (body, cell): CellOf) -> bool {
         let solid = &self.cell(body, cell).solid;
         solid.fills && solid.kind.dim == self.dim
@@ -162,7 +162,7 @@ impl Sets {
         &self.bodies[body].part.cells[cell]
     }
 
-    /// Numbers of the nodes of a cell among all nodes.
+    /// Global node numbers of a cell.
     pub(super) fn nodes(&self, body: usize, cell: usize) -> Result<Vec<u32>, MeshFileError> {
         let Body { part, nodes, first_node, .. } = &self.bodies[body];
         let Cell { first, solid, line, .. } = &part.cells[cell];
@@ -190,14 +190,14 @@ impl Sets {
         }
     }
 
-    /// What all elements say of the direction that a plane body lacks, if it is the same.
+    /// Plane stress or strain, if all elements agree on it.
     pub(super) fn plane(&self) -> Option<Plane> {
         let mut of_cells = self.body_cells().map(|(body, cell)| self.cell(body, cell).solid.plane);
         let first = of_cells.next().flatten();
         first.filter(|_| of_cells.all(|other| other == first))
     }
 
-    /// The name of a set of a body to the outside.
+    /// The public name of a set of a body.
     pub(super) fn outside(&self, body: Option<usize>, name: &str) -> String {
         let instances = self.bodies.iter().filter(|body| body.name.is_some()).count();
         match body.and_then(|body| self.bodies[body].name.as_ref()) {
@@ -206,29 +206,29 @@ impl Sets {
         }
     }
 
-    /// The name of a set as it is spelled first.
+    /// The name of a set in its first spelling.
     pub(super) fn spelling(&self, body: Option<usize>, has: Has, name: &str) -> String {
         let first = self.known.get(&(body, has, name.to_uppercase())).and_then(|sets| sets.first());
         first.map_or_else(|| name.to_owned(), |set| set.name.clone())
     }
 
-    /// The line where a set is first defined.
+    /// The line in which a set is first defined.
     pub(super) fn line(&self, body: Option<usize>, has: Has, name: &str) -> usize {
         self.lines(body, has, name).next().unwrap_or(0)
     }
 
-    /// The lines where parts of a set are defined.
+    /// The lines in which parts of a set are defined.
     pub(super) fn lines(&self, body: Option<usize>, has: Has, name: &str) -> impl Iterator<Item = usize> {
         self.known.get(&(body, has, name.to_uppercase())).into_iter().flatten().map(|set| set.line)
     }
 
-    /// Surfaces, sets of elements on the boundary, and sets of nodes.
+    /// Adds the sides: surfaces, sets of elements on the boundary, and node sets.
     fn sides(&self, loose: &mut Loose) -> Result<(), MeshFileError> {
         let has_thin = self.cells().any(|cell| !self.is_of_body(cell));
         let skin = has_thin.then(|| Skin::of(loose));
         let mut of_body = vec![false; loose.points.len()];
         loose.blocks.iter().flat_map(|block| &block.nodes).for_each(|&node| of_body[node as usize] = true);
-        // Of a name the surface counts, then the set of elements, then that of nodes.
+        // For equal names the surface counts, then the element set, then the node set.
         let mut order: Vec<&(Option<usize>, Has, String)> = self.order.iter().collect();
         order.sort_by_key(|(_, has, _)| match has {
             Has::Faces | Has::NodesOfSurface | Has::Section => 0,
@@ -278,7 +278,7 @@ impl Sets {
         Ok(())
     }
 
-    /// Notes a surface or a set of elements of which no side is made, unless it is one of cells.
+    /// Records a surface or element set that defines no side, unless it is one of cells.
     fn nothing_of(
         &self,
         body: Option<usize>,
@@ -294,7 +294,7 @@ impl Sets {
         Ok(())
     }
 
-    /// The facets of the boundary that the elements of a set are, if none of them is a cell of the body.
+    /// The boundary facets that the elements of a set represent; empty if one of them is a cell of the body.
     fn thin(&self, body: Option<usize>, name: &str, skin: Option<&Skin>) -> Result<Vec<FacetOf>, MeshFileError> {
         let Some(skin) = skin else { return Ok(Vec::new()) };
         let cells = self.elements(body, Has::Elements, name, 0)?;
@@ -304,7 +304,7 @@ impl Sets {
         Ok(cells.into_iter().filter_map(|cell| self.facet_of(cell, skin)).collect())
     }
 
-    /// The facet of the boundary that an element is; it is noted as one of a side.
+    /// The boundary facet that an element represents; records the element as part of a side.
     fn facet_of(&self, (body, cell): CellOf, skin: &Skin) -> Option<FacetOf> {
         let kind = self.cell(body, cell).solid.kind;
         let nodes = self.nodes(body, cell).ok().filter(|_| kind.dim + 1 == self.dim)?;
@@ -313,8 +313,8 @@ impl Sets {
         Some(facet)
     }
 
-    /// The facets of a surface: of labelled faces, of all free faces of elements without a label, and of the elements
-    /// themselves that lie on the boundary.
+    /// The facets of a surface: labelled faces, all free faces of elements without a label, and elements that lie on
+    /// the boundary.
     fn faces(
         &self,
         body: Option<usize>,
@@ -329,7 +329,7 @@ impl Sets {
                 let scope = self.scope(body, set.instance.as_deref());
                 let cells = self.named_elements(scope, *line, name, 0)?;
                 let (cells, others): (Vec<_>, Vec<_>) = cells.into_iter().partition(|cell| self.is_of_body(*cell));
-                // The label of an edge of a shell begins with E.
+                // The label of a shell edge begins with E.
                 if let Some(skin) = skin.filter(|_| label.as_ref().is_none_or(|label| !label.starts_with('E'))) {
                     facets.extend(others.into_iter().filter_map(|cell| self.facet_of(cell, skin)));
                 }
@@ -364,7 +364,7 @@ impl Sets {
         Ok(FacetOf::new(found, &nodes))
     }
 
-    /// The body that numbers in a set are those of: of its instance, its own, or the only one there is.
+    /// The body to which numbers in a set refer: that of its instance, or else its own.
     fn scope(&self, body: Option<usize>, instance: Option<&str>) -> Option<usize> {
         let of = |name: &str| {
             self.bodies.iter().position(|body| body.name.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(name)))
@@ -372,12 +372,12 @@ impl Sets {
         instance.and_then(of).or(body)
     }
 
-    /// The nodes of the assembly, if it has any beside those of its instances: reference points.
+    /// The body of nodes in the assembly outside of instances, such as reference points, if there are any.
     fn assembly(&self) -> Option<usize> {
         self.bodies.first().filter(|body| body.name.is_none() && !body.part.points.is_empty()).map(|_| 0)
     }
 
-    /// Body and name of something that is called `instance.name`, or that is of a scope.
+    /// Body and name for `instance.name`, or for a name within a scope.
     fn split<'n>(&self, scope: Option<usize>, name: &'n str) -> (Option<usize>, &'n str) {
         match name.split_once('.').map(|(instance, rest)| (self.scope(None, Some(instance)), rest)) {
             Some((Some(body), rest)) => (Some(body), rest),
@@ -385,7 +385,7 @@ impl Sets {
         }
     }
 
-    /// What the entries of a set stand for, in their order and each once.
+    /// The items that the entries of a set stand for, in their order and without repetition.
     fn resolved<T: Copy + Eq + Hash>(
         &self,
         (body, has, name): (Option<usize>, Has, &str),
@@ -408,7 +408,7 @@ impl Sets {
         Ok(found)
     }
 
-    /// The scope in which a set is defined that an entry of a scope names, `depth` sets deep.
+    /// The scope in which a set named by an entry is defined, at nesting depth `depth`.
     fn home(
         &self,
         (scope, line, depth): (Option<usize>, usize, usize),
@@ -444,7 +444,7 @@ impl Sets {
         })
     }
 
-    /// Elements that an entry names: by number, or as a set.
+    /// Elements named by an entry: by number, or by set.
     fn named_elements(
         &self,
         scope: Option<usize>,
@@ -464,7 +464,7 @@ impl Sets {
         self.elements(body, Has::Elements, name, depth + 1)
     }
 
-    /// Nodes of a set, by their numbers among all.
+    /// Nodes of a set, by global number.
     fn node_numbers(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<u32>, MeshFileError> {
         self.resolved((body, has, name), &self.numbers, |scope, item| match item {
             Item::Range(first, last, step) => {
@@ -482,7 +482,7 @@ impl Sets {
         })
     }
 
-    /// Nodes that an entry names: by number, or as a set.
+    /// Nodes named by an entry: by number, or by set.
     fn named_nodes(
         &self,
         scope: Option<usize>,
@@ -504,7 +504,7 @@ impl Sets {
     }
 }
 
-/// The values of the numbers of a range that there are: as many as the smaller of both has.
+/// The values of those numbers of a range that exist; iterates over the smaller of both.
 fn within<T>(known: &HashMap<i64, T>, first: i64, last: i64, step: i64) -> impl Iterator<Item = &T> {
     let numbers = (last.saturating_sub(first) / step).saturating_add(1);
     let few = usize::try_from(numbers).is_ok_and(|numbers| numbers <= known.len());

@@ -1,11 +1,11 @@
-//! The element types of Abaqus and CalculiX that are parts of a body or may lie on it, and their faces.
+//! The element types of Abaqus and CalculiX that fill a body or may lie on it, and their faces.
 
 use crate::element::{self, Element};
 
 use super::super::read::{Kind, Plane};
 
-/// Families of types whose elements fill a body, with the dimension; what follows is the number of nodes and letters
-/// for integration, mixed forms and coupled fields, which say nothing about the mesh.
+/// Families of types whose elements fill a body, with their dimension. The number of nodes follows, then letters for
+/// integration, mixed forms and coupled fields, which do not affect the mesh.
 const FAMILIES: [(&str, usize); 13] = [
     ("CPEG", 2),
     ("CPS", 2),
@@ -29,26 +29,26 @@ const REVOLUTION: [&str; 3] = ["CGAX", "CAX", "DCAX"];
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solid {
     pub kind: Kind,
-    /// Whether it is part of the half section of a body of revolution.
+    /// True if it belongs to the half section of a body of revolution.
     pub axisymmetric: bool,
-    /// What it says of the direction that a plane body lacks.
+    /// Plane stress or strain, for a plane element.
     pub plane: Option<Plane>,
-    /// Whether it fills a body; others may be facets of one.
+    /// True if it fills a body; other elements may be facets of one.
     pub fills: bool,
 }
 
-/// What a name of an element type means.
+/// The meaning of the name of an element type.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Type {
     /// An element that fills a body, or that may be a facet of one.
     Solid(Solid),
-    /// One that fills a body and that the library does not have.
+    /// An element that fills a body but is not in the library.
     Missing,
-    /// A spring, mass or another one that is no part of a body and no facet of one.
+    /// A spring, mass or other element that is neither part nor facet of a body.
     Other,
 }
 
-/// The type with a name, in capitals.
+/// The type with a name in capitals.
 pub(super) fn of(name: &str) -> Type {
     let family = FAMILIES.iter().filter(|(family, _)| name.starts_with(family)).max_by_key(|(family, _)| family.len());
     let Some(&(family, dim)) = family else { return thin(name) };
@@ -60,7 +60,7 @@ pub(super) fn of(name: &str) -> Type {
         (2, 3) => &element::P1_TRIANGLE,
         (2, 4) => &element::Q1_QUADRILATERAL,
         (2, 6) => &element::P2_TRIANGLE,
-        // Without the nodes in the middle of faces and cell, which are added.
+        // Nodes in the middle of faces and cell are missing and added later.
         (2, 8) => &element::Q2_QUADRILATERAL,
         (3, 4) => &element::P1_TETRAHEDRON,
         (3, 5) => &element::P1_PYRAMID,
@@ -75,8 +75,8 @@ pub(super) fn of(name: &str) -> Type {
     Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family), fills: true })
 }
 
-/// Families of shells, membranes, surfaces and lines, with their dimension and the nodes of each number that may
-/// follow; Gmsh names edges T3D2 and triangles CPS3.
+/// Families of shells, membranes, surfaces and lines, with their dimension and node counts by the following digit; Gmsh
+/// names edges T3D2 and triangles CPS3.
 const THIN: [(&str, usize, &[(char, usize)]); 16] = [
     ("STRI", 2, &[('3', 3), ('6', 6)]),
     ("SFM3D", 2, FACES),
@@ -100,7 +100,7 @@ const LINES: &[(char, usize)] = &[('2', 2), ('3', 3)];
 const BEAMS: &[(char, usize)] = &[('1', 2), ('2', 3), ('3', 2)];
 const ORDERS: &[(char, usize)] = &[('1', 2), ('2', 3)];
 
-/// The type of a name that fills no body.
+/// The type of an element that fills no body.
 fn thin(name: &str) -> Type {
     let nodes = |(family, dim, counts): &(&str, usize, &[(char, usize)])| {
         let number = name.strip_prefix(family)?.chars().next()?;
@@ -112,7 +112,7 @@ fn thin(name: &str) -> Type {
     Type::Solid(Solid { kind, axisymmetric: false, plane: None, fills: false })
 }
 
-/// The number of vertices of an element of a dimension below 3 with so many nodes.
+/// The number of vertices of an element below dimension 3 from its number of nodes.
 pub(super) fn vertices(kind: &Kind) -> usize {
     match (kind.dim, kind.nodes) {
         (1, _) => 2,
@@ -121,26 +121,26 @@ pub(super) fn vertices(kind: &Kind) -> usize {
     }
 }
 
-/// A type of element that fills a body, as its name says.
+/// A type of element that fills a body, derived from its name.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidType {
-    /// The element of the library, which may have more nodes than the file gives.
+    /// The element of the library, which may have more nodes than the file.
     pub element: &'static Element,
-    /// Number of nodes that the file gives.
+    /// Number of nodes in the file.
     pub nodes: usize,
-    /// Whether it is part of the half section of a body of revolution.
+    /// True if it belongs to the half section of a body of revolution.
     pub axisymmetric: bool,
-    /// What it says of the direction that a plane body lacks.
+    /// Plane stress or strain, for a plane element.
     pub plane: Option<Plane>,
 }
 
-/// The type with a name such as `C3D8R`, if its elements fill a body and the library has them.
+/// The type with a name such as `C3D8R`; `None` if its elements fill no body or are not in the library.
 pub fn solid_type(name: &str) -> Option<SolidType> {
     let Type::Solid(Solid { kind, axisymmetric, plane, .. }) = of(&name.to_uppercase()) else { return None };
     kind.element.map(|element| SolidType { element, nodes: kind.nodes, axisymmetric, plane })
 }
 
-/// What a family of elements says of the direction that a plane body lacks.
+/// Plane stress or strain of a family of elements.
 fn plane(family: &str) -> Option<Plane> {
     match family {
         "CPS" => Some(Plane::Stress),
@@ -149,7 +149,7 @@ fn plane(family: &str) -> Option<Plane> {
     }
 }
 
-/// The vertices of the face S1, S2, … of an element, numbered from 0.
+/// The vertices of face S1, S2, … of an element, numbered from 0.
 pub fn face(element: &Element, number: usize) -> Option<&'static [usize]> {
     use crate::quadrature::Shape;
     let faces: &[&[usize]] = match element.shape {

@@ -1,4 +1,4 @@
-//! Shells, membranes, plane elements and lines that lie on the boundary of a body of more dimensions: facets of it.
+//! Shells, membranes, plane elements and lines on the boundary of a body of higher dimension, as facets of it.
 
 use std::collections::HashMap;
 
@@ -17,10 +17,10 @@ impl Skin {
         Skin { free: loose.free_facets() }
     }
 
-    /// The facet that an element of these nodes is.
+    /// The boundary facet with the nodes of an element.
     pub fn facet(&self, kind: &Kind, nodes: &[u32]) -> Option<&FacetOf> {
         if let (1, [a, b, c]) = (kind.dim, nodes) {
-            // Abaqus puts the node in the middle between the others, Gmsh behind them.
+            // Abaqus puts the middle node between the others, Gmsh after them.
             let ends = [[a, c], [a, b], [b, c]];
             return ends.into_iter().find_map(|ends| self.free.get(&key(ends.into_iter().copied())));
         }

@@ -1,24 +1,24 @@
-//! What sets and sections name that is no part of the mesh: things of one kind together, in words.
+//! Items named by sets and sections that are no part of the mesh, collected by kind for messages.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::read::{Skipped, listed};
 
-/// A kind of what is left out.
+/// A kind of item that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Left {
-    /// Numbers of nodes in sets that the file lacks.
+    /// Numbers in node sets that the file lacks.
     Nodes,
-    /// Numbers of elements in sets that the file lacks.
+    /// Numbers in element sets that the file lacks.
     Elements,
     Surfaces,
     ElementSets,
     NodeSets,
     Sections,
-    /// Cells that a later section takes.
+    /// Cells assigned to a later section.
     Taken,
-    /// Sets of cells that no section names.
+    /// Cell sets that no section names.
     Unnamed,
 }
 
@@ -44,12 +44,12 @@ struct Entry {
     names: BTreeSet<String>,
 }
 
-/// What is left out, by its kind.
+/// Items left out, by kind.
 #[derive(Default)]
 pub(super) struct Told(RefCell<BTreeMap<Left, Entry>>);
 
 impl Told {
-    /// Notes something by its name, and how many things it stands for.
+    /// Records an item by its name and the number of things it stands for.
     pub fn note(&self, left: Left, line: usize, name: &str, count: usize) {
         let mut entries = self.0.borrow_mut();
         let entry = entries.entry(left).or_insert_with(|| Entry { line, ..Entry::default() });
@@ -58,7 +58,7 @@ impl Told {
         entry.names.insert(name.to_owned());
     }
 
-    /// An entry per kind.
+    /// One entry per kind.
     pub fn skipped(&self) -> Vec<Skipped> {
         let entry = |(left, Entry { line, count, names }): (&Left, &Entry)| {
             let colon = if *left == Left::Taken { "" } else { ":" };

@@ -1,15 +1,15 @@
-//! Counts that a packed file announces: no more is read, and no more memory taken, than its bytes can hold.
+//! Checks of the counts that a packed file announces: neither reading nor memory exceeds what its bytes can hold.
 
 use super::MeshFileError;
 
-/// Bytes that deflate packs into one, at the most.
+/// Largest compression ratio of deflate.
 const DEFLATE: u64 = 1032;
-/// Least bytes of a number of a coordinate, a node or a family.
+/// Least number of bytes of a coordinate, node or family number.
 pub(in crate::mesh) const NUMBER: u64 = 4;
 /// Bytes of a character of a name.
 pub(in crate::mesh) const CHARACTER: u64 = 1;
 
-/// What a file of some length can hold.
+/// Limits derived from the length of a file.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mesh) struct Room {
     bytes: u64,
@@ -21,7 +21,7 @@ impl Room {
     }
 
     /// # Errors
-    /// When so many values of so many bytes each do not fit, however well they are packed.
+    /// Fails if the values of `each` bytes cannot fit into the file, however well they are packed.
     pub fn holds(self, what: &str, shape: &[u64], each: u64) -> Result<(), MeshFileError> {
         let values = shape.iter().fold(1, |product: u64, n| product.saturating_mul(*n));
         if values.saturating_mul(each) <= self.bytes.saturating_mul(DEFLATE) {
@@ -32,7 +32,7 @@ impl Room {
         Err(MeshFileError::Grid { message })
     }
 
-    /// How many things may be counted of which each takes more than a number of the file.
+    /// Upper bound of the number of items that take at least a number of the file each.
     pub fn things(self) -> usize {
         usize::try_from(self.bytes / NUMBER).unwrap_or(usize::MAX)
     }

@@ -1,8 +1,8 @@
-//! What is wrong with a mesh file.
+//! Errors in mesh files.
 
 use std::path::PathBuf;
 
-/// Where in a mesh file something was found.
+/// Position of a fault in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilePosition {
     /// Line of a text file, from 1.
@@ -14,7 +14,7 @@ pub enum FilePosition {
 }
 
 impl FilePosition {
-    /// The line of a byte of a text.
+    /// The line of a byte in a text.
     pub(in crate::mesh) fn line(text: &[u8], at: usize) -> FilePosition {
         FilePosition::Line(1 + text.iter().take(at).filter(|&&b| b == b'\n').count())
     }
@@ -30,7 +30,7 @@ impl std::fmt::Display for FilePosition {
     }
 }
 
-/// What is wrong with a mesh file: where, what was found, what was expected, what to try.
+/// A fault of a mesh file: position, value found, value expected, and a hint.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MeshFileError {
@@ -41,85 +41,85 @@ pub enum MeshFileError {
         /// Its fault.
         fault: Box<MeshFileError>,
     },
-    /// The file system gave no bytes.
+    /// The file could not be read.
     Unreadable {
-        /// What the system said.
+        /// The message of the system.
         message: String,
     },
-    /// Neither of the known extensions.
+    /// An unknown extension.
     Extension {
         /// The extension found, without the dot.
         found: String,
     },
-    /// Something else stands where a number, a section or a name belongs.
+    /// Unexpected contents instead of a number, a section or a name.
     Syntax {
-        /// Where.
+        /// The position.
         at: FilePosition,
-        /// What stands there.
+        /// The contents found.
         found: String,
-        /// What belongs there.
+        /// The contents expected.
         expected: String,
     },
-    /// A version of the format that is not read.
+    /// An unsupported version of the format.
     Version {
-        /// Where.
+        /// The position.
         at: FilePosition,
         /// The version.
         found: String,
     },
     /// A count larger than the rest of the file can hold.
     Count {
-        /// Where.
+        /// The position.
         at: FilePosition,
-        /// What is counted.
+        /// The items counted.
         what: &'static str,
         /// The count.
         found: u64,
-        /// How many fit.
+        /// The largest number that fits.
         room: u64,
     },
     /// A type of element outside Gmsh's first and second order.
     ElementType {
-        /// Where.
+        /// The position.
         at: FilePosition,
         /// The number of the type.
         found: i64,
     },
     /// A cell or facet of an element type that the library does not have.
     Element {
-        /// Where.
+        /// The position.
         at: FilePosition,
-        /// What the format calls it.
+        /// The type's name in the format.
         found: String,
         /// The elements of the library.
         known: String,
     },
     /// An element refers to a node that is not in the file.
     UnknownNode {
-        /// Where.
+        /// The position.
         at: FilePosition,
         /// The tag.
         tag: i64,
         /// Number of nodes.
         nodes: usize,
     },
-    /// Two nodes with one tag.
+    /// Two nodes with the same tag.
     RepeatedNode {
         /// The tag.
         tag: u64,
     },
-    /// A coordinate that is no finite number.
+    /// A coordinate that is not finite.
     Coordinate {
-        /// Where.
+        /// The position.
         at: FilePosition,
-        /// Tag of the node, its number in a grid.
+        /// Tag of the node, or its number in a grid.
         tag: u64,
         /// The coordinate.
         found: f64,
     },
     /// Elements on an entity that `$Entities` does not list.
     UnknownEntity {
-        /// Where.
+        /// The position.
         at: FilePosition,
         /// Dimension of the entity.
         dim: i64,
@@ -128,9 +128,9 @@ pub enum MeshFileError {
     },
     /// Cells without a physical group although others have one.
     NoRegion {
-        /// Where the first of them is.
+        /// Position of the first of them.
         at: FilePosition,
-        /// How many.
+        /// Number of these cells.
         found: usize,
         /// Number of cells.
         of: usize,
@@ -139,31 +139,31 @@ pub enum MeshFileError {
     },
     /// No element of dimension 1 or more.
     Empty {
-        /// What there is instead.
+        /// The contents found instead.
         found: String,
     },
     /// Elements, but none that fill a body.
     NoBody {
         /// Their number and types.
         found: String,
-        /// What fills a body in the format.
+        /// The elements that fill a body in the format.
         expected: &'static str,
     },
     /// A file of another program.
     Foreign {
-        /// What it is.
+        /// The kind of file.
         found: &'static str,
-        /// How a mesh is made of it.
+        /// A hint how to convert it to a mesh.
         hint: &'static str,
     },
-    /// A file that includes another one where there are no files.
+    /// A file that includes another one, but was not read from a folder.
     Include {
-        /// Where.
+        /// The position.
         at: FilePosition,
-        /// The name of the other one.
+        /// The name of the included file.
         name: String,
     },
-    /// A curve or surface that is not straight: not a body.
+    /// A curve or surface that is not flat: not a body.
     NotFlat {
         /// Dimension of the elements.
         dim: usize,
@@ -173,18 +173,18 @@ pub enum MeshFileError {
         low: f64,
         /// Its largest value.
         high: f64,
-        /// Where the body belongs.
+        /// The plane or line in which the body must lie.
         plane: &'static str,
     },
     /// A grid whose arrays are inconsistent.
     Grid {
-        /// What is wrong, with the name of the array.
+        /// The fault, with the name of the array.
         message: String,
     },
 }
 
 impl MeshFileError {
-    /// Where it is in the file.
+    /// Position in the file, if known.
     #[must_use]
     pub fn at(&self) -> Option<FilePosition> {
         match self {
@@ -203,8 +203,7 @@ impl MeshFileError {
         }
     }
 
-    /// The file with the fault, if it is one that the mesh file includes, and the place in it: what messages put in
-    /// front of what was found.
+    /// The text in front of a message: the included file with the fault, if any, and the position in it.
     #[must_use]
     pub fn place(&self) -> String {
         match self {
@@ -213,7 +212,7 @@ impl MeshFileError {
         }
     }
 
-    /// The same fault in another line.
+    /// Moves the fault to another line.
     pub(in crate::mesh) fn in_line(mut self, line: usize) -> MeshFileError {
         match &mut self {
             MeshFileError::Syntax { at, .. }
@@ -231,7 +230,7 @@ impl MeshFileError {
         self
     }
 
-    /// Whether the file system gave no bytes.
+    /// True if the file could not be read.
     #[must_use]
     pub fn is_unreadable(&self) -> bool {
         match self {
@@ -240,7 +239,7 @@ impl MeshFileError {
         }
     }
 
-    /// What was found.
+    /// The value found, for messages.
     #[must_use]
     pub fn found(&self) -> String {
         match self {
@@ -267,7 +266,7 @@ impl MeshFileError {
         }
     }
 
-    /// What was expected and what to try, where that does not go without saying.
+    /// The value expected and a hint, for messages; `None` if they are obvious.
     #[must_use]
     pub fn expected(&self) -> Option<String> {
         let expected = match self {

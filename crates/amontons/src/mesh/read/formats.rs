@@ -1,11 +1,11 @@
-//! The format of a file, by its ending and its first bytes, and the names of formats that are not read.
+//! The format of a file, from its extension and its first bytes, and the names of unsupported formats.
 
 use super::MeshFileError;
 
-/// Bytes at the beginning of a file that are looked at: comments may come first.
+/// Number of leading bytes that are inspected: comments may come first.
 const HEAD: usize = 1 << 16;
 
-/// A format that is read.
+/// A supported format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     Gmsh,
@@ -16,7 +16,7 @@ pub(super) enum Format {
     Exodus,
 }
 
-/// Endings of files with what they are and how a mesh is made of them.
+/// Extensions of unsupported files, with the kind of file and a hint how to convert it.
 const FOREIGN: [(&[&str], &str, &str); 22] = [
     (&["cdb"], ANSYS, OF_ANSYS),
     (&["unv"], UNIVERSAL, OF_UNIVERSAL),
@@ -69,21 +69,21 @@ const OF_COMSOL: &str =
     "a mesh in a format that is read; export it from COMSOL for Nastran, and convert that with Gmsh";
 const OF_RESULTS: &str = "the mesh; read the input file (.inp) of the computation";
 
-/// The formats that are read, for messages.
+/// The supported formats, for messages.
 pub(super) const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .mail (Code_Aster), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
 
 impl Format {
-    /// The format of a file with this ending, in small letters: its contents count where they are unmistakable.
+    /// The format of a file with this extension in lower case; unmistakable contents take precedence.
     ///
     /// # Errors
-    /// When it is none that is read: the error names the format, if it is known.
+    /// Fails if the format is not supported; the error names the format, if it is known.
     pub fn of(ending: &str, bytes: &[u8]) -> Result<Format, MeshFileError> {
         let head = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
         if let Some((found, hint)) = foreign_contents(ending, head) {
             return Err(MeshFileError::Foreign { found, hint });
         }
         let of_ending = Format::of_ending(ending);
-        // Binary formats tell their own faults.
+        // Binary formats report their own faults.
         match (of_ending, Format::of_contents(head)) {
             (Some(Format::Gmsh | Format::Input) | None, Some(format)) => Ok(format),
             (Some(format), _) => Ok(format),
@@ -91,7 +91,7 @@ impl Format {
         }
     }
 
-    /// The format of an ending, in small letters.
+    /// The format of an extension in lower case.
     pub fn of_ending(ending: &str) -> Option<Format> {
         Some(match ending {
             "msh" => Format::Gmsh,
@@ -104,7 +104,7 @@ impl Format {
         })
     }
 
-    /// The format of a text that can be no other one.
+    /// The format of a text with unmistakable contents.
     fn of_contents(head: &[u8]) -> Option<Format> {
         if head.starts_with(b"$MeshFormat") {
             return Some(Format::Gmsh);
@@ -113,7 +113,7 @@ impl Format {
     }
 }
 
-/// The error of an ending that is none of the formats that are read.
+/// The error for an unsupported extension.
 fn unknown(ending: &str) -> MeshFileError {
     let named = FOREIGN.iter().find(|(endings, ..)| endings.contains(&ending));
     match named {
@@ -122,7 +122,7 @@ fn unknown(ending: &str) -> MeshFileError {
     }
 }
 
-/// Whether a text is a deck of Abaqus or CalculiX: its first line is a comment or keyword, and it has nodes, elements
+/// True if a text is a deck of Abaqus or CalculiX: its first line is a comment or keyword, and it has nodes, elements
 /// with a type, or includes a file.
 fn is_deck(head: &[u8]) -> bool {
     let mut lines = lines(head);
@@ -137,7 +137,7 @@ fn is_deck(head: &[u8]) -> bool {
         })
 }
 
-/// Whether a text is a deck of LS-DYNA, whose keywords have stars, too.
+/// True if a text is a deck of LS-DYNA, whose keywords also begin with stars.
 fn is_dyna(head: &[u8]) -> bool {
     lines(head).any(|line| {
         let line = line.to_ascii_uppercase();
@@ -145,12 +145,12 @@ fn is_dyna(head: &[u8]) -> bool {
     })
 }
 
-/// The lines that are not empty, without blanks at their ends.
+/// The nonempty lines without surrounding blanks.
 fn lines(head: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     head.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty())
 }
 
-/// What the first bytes say of a file of another program, whatever its ending.
+/// The kind of a foreign file recognized by its first bytes, with a hint, regardless of its extension.
 fn foreign_contents(ending: &str, head: &[u8]) -> Option<(&'static str, &'static str)> {
     let first = lines(head).next().unwrap_or_default().to_ascii_uppercase();
     let begins = |words: &[&str]| words.iter().any(|word| first.starts_with(word.as_bytes()));

@@ -11,31 +11,31 @@ use crate::mesh::topology::{Key, key};
 use crate::mesh::{Block, FacetSet, Mesh};
 use crate::tensor::{Point, dot};
 
-/// Name of the one region of a body without groups.
+/// Name of the only region of a body without groups.
 const BODY: &str = "body";
-/// Name of the one side of a body without named sides.
+/// Name of the only side of a body without named sides.
 const BOUNDARY: &str = "boundary";
-/// Largest extent across a plane body, relative to its largest: the rounding of coordinates in a file.
+/// Largest extent across a plane body, relative to its largest extent: the rounding of coordinates in a file.
 const FLAT: f64 = 1e-9;
 
-/// A type of element of a file.
+/// A type of element in a file.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mesh) struct Kind {
     pub name: &'static str,
     pub dim: usize,
     /// Number of nodes in the file.
     pub nodes: usize,
-    /// The element of the library, if there is one; it may have further nodes, in the middle of faces and cell.
+    /// The element of the library, if it has one; it may have further nodes in the middle of faces and cell.
     pub element: Option<&'static Element>,
 }
 
-/// Elements of one type and the same groups.
+/// Elements of one type with the same groups.
 #[derive(Clone, Debug)]
 pub(in crate::mesh) struct LooseBlock {
     pub kind: Kind,
     /// Tags of the groups.
     pub groups: BTreeSet<i64>,
-    /// Their place in the file: a byte, or a cell of a grid.
+    /// Position in the file: a byte, or a cell of a grid.
     pub at: usize,
     /// Nodes, in the order of the library if it has the element.
     pub nodes: Vec<u32>,
@@ -56,9 +56,9 @@ pub(in crate::mesh) struct Loose {
     pub blocks: Vec<LooseBlock>,
     /// Names of groups by dimension and tag.
     pub names: BTreeMap<(usize, i64), String>,
-    /// Sets of nodes, of which sides, edges or points are made.
+    /// Node sets from which sides, edges or points are made.
     pub node_sets: Vec<NodeSet>,
-    /// What the file has besides.
+    /// Skipped contents of the file.
     pub skipped: Vec<Skipped>,
 }
 
@@ -95,7 +95,7 @@ impl Loose {
         Ok(Read { mesh, plane: None, skipped: self.skipped, whole: None })
     }
 
-    /// Sets coordinates beyond the dimension to zero, and refuses bodies on which they are not constant.
+    /// Sets coordinates beyond the dimension to zero; fails if they are not constant on the body.
     fn flatten(&mut self, dim: usize, cells: &[LooseBlock]) -> Result<(), MeshFileError> {
         if dim == 3 {
             return Ok(());
@@ -127,7 +127,7 @@ impl Loose {
     }
 
     /// Names of the regions in the order of their tags, and the cells by region and element. Cells of several groups
-    /// are in the region that [`Overlap`] gives them.
+    /// are assigned by [`Overlap`].
     fn regions(
         &mut self,
         dim: usize,
@@ -173,7 +173,7 @@ impl Loose {
         Ok((overlap.into_regions(), blocks))
     }
 
-    /// The named edges and points that the body has, and no side has the name of.
+    /// The named edges and points of the body whose name is not that of a side.
     fn edges(
         &self,
         dim: usize,
@@ -200,7 +200,7 @@ impl Loose {
         Ok(edges)
     }
 
-    /// The named sets of elements of dimension `above` − 1, each once, as the file orders and orients them.
+    /// The named sets of elements of dimension `above` − 1 without repetition, ordered and oriented as in the file.
     fn sides(
         &self,
         above: usize,
@@ -231,7 +231,7 @@ fn supported(block: &LooseBlock, place: &impl Fn(usize) -> FilePosition) -> Resu
     })
 }
 
-/// Whether every cell has a negative determinant at its centre.
+/// True if every cell has a negative determinant at its centre.
 fn mirrored(points: &[Point], dim: usize, element: &Element, nodes: &[u32]) -> bool {
     let mut gradients = [[0.0; 3]; element::MAX_NODES];
     (element.gradients)(&element.centre(), &mut gradients[..element.nodes.len()]);
@@ -247,8 +247,7 @@ fn mirrored(points: &[Point], dim: usize, element: &Element, nodes: &[u32]) -> b
     })
 }
 
-/// Mirrors cells by the symmetry of their reference cell: the exchange of its first two axes, on a segment that of its
-/// ends.
+/// Mirrors cells by the symmetry of their reference cell: exchanges its first two axes, or the ends of a segment.
 fn turn_over(element: &Element, nodes: &mut [u32]) {
     let mirror = |x: &Point| if element.dim() == 1 { [1.0 - x[0], 0.0, 0.0] } else { [x[1], x[0], x[2]] };
     let distance = |a: &Point, b: &Point| (0..3).map(|d| (a[d] - b[d]).abs()).sum::<f64>();
@@ -264,7 +263,7 @@ fn turn_over(element: &Element, nodes: &mut [u32]) {
     }
 }
 
-/// Gives every facet of the sides the nodes in the order of the first cell that has it, hence outward.
+/// Orders the nodes of every side facet as in the first cell that has it, hence oriented outward.
 fn orient(mesh: &mut Mesh) {
     let mut on_side = vec![false; mesh.points.len()];
     let mut wanted: HashMap<Key, Vec<(usize, usize)>> = HashMap::new();
@@ -298,7 +297,7 @@ fn orient(mesh: &mut Mesh) {
     }
 }
 
-/// Leaves out nodes that neither a cell nor a side has; the order of the others stays.
+/// Removes nodes without a cell or side; the others keep their order.
 fn drop_unused(mesh: &mut Mesh) {
     let mut index = vec![u32::MAX; mesh.points.len()];
     let sides =

@@ -1,4 +1,4 @@
-//! Meshes from files: [`read`] takes the format from the extension, or from contents that are unmistakable.
+//! Meshes from files: [`read`] derives the format from the extension, or from unmistakable contents.
 //!
 //! | extension | format | regions | sides |
 //! |---|---|---|---|
@@ -10,8 +10,8 @@
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
 //! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
-//! that neither a cell nor a named facet uses: the points of the geometry are often among them. Where no side is named,
-//! the whole boundary is the side `boundary`.
+//! that neither a cell nor a named facet uses, often points of the geometry. If no side is named, the whole boundary is
+//! the side `boundary`.
 
 mod announced;
 mod error;
@@ -36,10 +36,10 @@ pub(super) use serendipity::{complete_data, completed, of_vtk};
 /// Longest mesh file in bytes.
 const LONGEST: u64 = 4 << 30;
 
-/// Extensions of the formats that are read, in small letters.
+/// Extensions of the supported formats, in lower case.
 pub const EXTENSIONS: [&str; 8] = ["msh", "inp", "vtu", "med", "mail", "e", "exo", "g"];
 
-/// What the elements of a plane mesh say of the direction that they lack.
+/// Plane state given by the elements of a plane mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
     /// Plane stress, as CPS3.
@@ -48,36 +48,35 @@ pub enum Plane {
     Strain,
 }
 
-/// A mesh from a file, with what else the file has.
+/// A mesh from a file, with the skipped contents of the file.
 #[derive(Clone, Debug)]
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
-    /// What its elements say of the direction that they lack, if they all say the same; none in formats that do not say
-    /// it.
+    /// Plane state, if all elements agree on it; `None` in formats without one.
     pub plane: Option<Plane>,
-    /// What the file has besides, in its order.
+    /// Skipped contents of the file, in order.
     pub skipped: Vec<Skipped>,
-    /// The text of an input file with those that it includes in their places, if it includes any.
+    /// The text of an input file with its includes inserted; `None` if it includes no file.
     pub whole: Option<Arc<[u8]>>,
 }
 
-/// Something in a file that is no part of the mesh.
+/// Contents of a file that are no part of the mesh.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Skipped {
-    /// A keyword with its star, elements of a type, or sets by their names.
+    /// A keyword with its star, elements of a type, or sets with their names.
     pub what: String,
-    /// The file that the mesh file includes and that has it; none for the mesh file itself.
+    /// The included file with the contents; `None` for the mesh file itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// Line of the first of them, in a format with lines.
+    /// Line of the first occurrence, in formats with lines.
     pub line: Option<usize>,
-    /// How many there are: keywords, or elements.
+    /// Number of keywords or elements.
     pub count: usize,
 }
 
 impl Skipped {
-    /// What was skipped in one line, the first few of many; none where nothing was.
+    /// The first few skipped items in one line; `None` if nothing was skipped.
     #[must_use]
     pub fn in_one_line(all: &[Skipped]) -> Option<String> {
         const SHOWN: usize = 4;
@@ -93,7 +92,7 @@ impl Skipped {
     }
 }
 
-/// Names in quotes, the first few of many.
+/// The first few names in quotes.
 pub(super) fn listed<'n>(names: impl Iterator<Item = &'n String>) -> String {
     const SHOWN: usize = 6;
     let mut names = names.map(|name| format!("{name:?}"));
@@ -105,30 +104,30 @@ pub(super) fn listed<'n>(names: impl Iterator<Item = &'n String>) -> String {
     text
 }
 
-/// Reads a mesh from a file, its format by the extension, or by its contents where they are unmistakable.
+/// Reads a mesh from a file in the format of its extension, or of unmistakable contents.
 ///
-/// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of
-/// the whole mesh (inverted cells, facets inside the body), listed by [`defects`](crate::mesh::defects::defects).
+/// The coordinates are not converted; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of the
+/// whole mesh (inverted cells, facets inside the body), listed by [`defects`](crate::mesh::defects::defects).
 ///
 /// # Errors
-/// When the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was
+/// Fails if the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was
 /// found and expected.
 pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
     read_all(path).map(|read| read.mesh)
 }
 
-/// The same with what else the file has.
+/// Like [`read`], but also returns the skipped contents of the file.
 ///
 /// # Errors
-/// Those of [`read`].
+/// Fails like [`read`].
 pub fn read_all(path: &Path) -> Result<Read, MeshFileError> {
     read_from(path, false)
 }
 
-/// The same where the file may include none but those in its folder and below it.
+/// Like [`read_all`], but allows only included files in the same folder or below.
 ///
 /// # Errors
-/// Those of [`read`], and one that names a file elsewhere.
+/// Fails like [`read`], and if a file elsewhere is included.
 pub fn read_confined(path: &Path) -> Result<Read, MeshFileError> {
     read_from(path, true)
 }
@@ -139,7 +138,7 @@ fn read_from(path: &Path, confined: bool) -> Result<Read, MeshFileError> {
     let bytes = machine::read(path, LONGEST).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }));
     let bytes = match bytes {
         Ok(bytes) => bytes,
-        // Of a file that is not there, too, the ending is told first.
+        // For a missing file, too, a wrong extension is reported first.
         Err(unreadable) => return Err(Format::of(&ending(&name), b"").err().map_or(unreadable, inside)),
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -153,22 +152,22 @@ fn read_from(path: &Path, confined: bool) -> Result<Read, MeshFileError> {
     parse_file(&name, &bytes, Some(&mut include)).map_err(inside)
 }
 
-/// Gives the bytes of a file that a mesh file includes, by its name as it is seen from where that of the mesh file is
-/// seen; or the reason why there are none, to follow the name in a message.
+/// Returns the bytes of an included file, whose name has the same base folder as that of the mesh file; or the reason
+/// why it is not available, as the end of a message.
 pub type Include<'a> = dyn FnMut(&str) -> Result<Arc<[u8]>, String> + 'a;
 
-/// Reads a mesh from the bytes of a file with this extension, in small letters. It may include no other file.
+/// Reads a mesh from the bytes of a file with this extension in lower case, without included files.
 ///
 /// # Errors
-/// Those of [`read`].
+/// Fails like [`read`].
 pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
     parse_file(&format!("file.{extension}"), bytes, None)
 }
 
-/// Reads a mesh from the bytes of a file of this name, and of those that it includes.
+/// Reads a mesh from the bytes of a named file and of the files that it includes.
 ///
 /// # Errors
-/// Those of [`read`].
+/// Fails like [`read`].
 pub fn parse_file(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<Read, MeshFileError> {
     match Format::of(&ending(name), bytes)? {
         Format::Gmsh => super::gmsh::read(bytes),
@@ -180,7 +179,7 @@ pub fn parse_file(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Re
     }
 }
 
-/// The ending of the name of a file, in small letters, without the dot.
+/// The extension of a file name, in lower case, without the dot.
 fn ending(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
     file.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase())

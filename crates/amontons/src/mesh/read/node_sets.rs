@@ -1,4 +1,4 @@
-//! Sets of nodes of a file: the sides, edges or points that they are.
+//! Node sets of a file, and the sides, edges or points that they define.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -6,14 +6,14 @@ use super::loose::{Kind, Loose, LooseBlock};
 use crate::element::{Element, Facet, POINT_LEFT};
 use crate::mesh::topology::{Key, key};
 
-/// A set of nodes with its name.
+/// A named node set.
 #[derive(Clone, Debug)]
 pub(in crate::mesh) struct NodeSet {
     pub name: String,
     pub nodes: BTreeSet<u32>,
 }
 
-/// A facet of a cell of the file, with the nodes that the file has of it.
+/// A facet of a cell of the file, with those of its nodes that the file has.
 #[derive(Clone, Debug)]
 pub(in crate::mesh) struct FacetOf {
     facet: &'static Facet,
@@ -21,18 +21,18 @@ pub(in crate::mesh) struct FacetOf {
 }
 
 impl FacetOf {
-    /// The facet of a cell, which may lack nodes in the middle of its faces.
+    /// The facet of a cell that may lack nodes in the middle of its faces.
     pub(in crate::mesh) fn new(facet: &'static Facet, cell: &[u32]) -> FacetOf {
         FacetOf { facet, nodes: facet.nodes.iter().filter_map(|&node| cell.get(node).copied()).collect() }
     }
 
-    /// What it is known by: its vertices.
+    /// Its key: the vertices.
     pub(in crate::mesh) fn key(&self) -> Key {
         key(self.nodes.iter().copied().take(self.facet.element.shape.vertices()))
     }
 }
 
-/// The facet of an element that has these vertices.
+/// The facet of an element with these vertices.
 pub(in crate::mesh) fn facet_with(element: &Element, vertices: &[usize]) -> Option<&'static Facet> {
     let count = element.shape.vertices();
     element.facets.iter().find(|facet| {
@@ -42,7 +42,7 @@ pub(in crate::mesh) fn facet_with(element: &Element, vertices: &[usize]) -> Opti
 }
 
 impl Kind {
-    /// An element of the library of which a file has `given` nodes.
+    /// An element of the library with `given` of its nodes in the file.
     fn of(element: &'static Element, given: usize) -> Kind {
         Kind { name: element.name, dim: element.dim(), nodes: given, element: Some(element) }
     }
@@ -54,7 +54,7 @@ impl Loose {
         self.blocks.iter().filter(|block| !block.nodes.is_empty()).map(|block| block.kind.dim).max().unwrap_or(0)
     }
 
-    /// Adds an element, to the last block if it is alike.
+    /// Adds an element, to the last block if that is of the same kind.
     pub(in crate::mesh) fn push(&mut self, kind: Kind, groups: &BTreeSet<i64>, at: usize, nodes: &[u32]) {
         let same = |block: &&mut LooseBlock| {
             block.groups == *groups
@@ -70,7 +70,7 @@ impl Loose {
         }
     }
 
-    /// The tag of a new group.
+    /// Adds a named group and returns its tag.
     pub(in crate::mesh) fn group(&mut self, dim: usize, name: String) -> BTreeSet<i64> {
         let last = self.names.range((dim, i64::MIN)..=(dim, i64::MAX)).next_back().map_or(-1, |((_, tag), _)| *tag);
         self.names.insert((dim, last + 1), name);
@@ -84,14 +84,14 @@ impl Loose {
         self.facets(&groups, facets);
     }
 
-    /// Adds facets of these groups.
+    /// Adds facets with these groups.
     pub(in crate::mesh) fn facets(&mut self, groups: &BTreeSet<i64>, facets: &[FacetOf]) {
         for FacetOf { facet, nodes } in facets {
             self.push(Kind::of(facet.element, nodes.len()), groups, 0, nodes);
         }
     }
 
-    /// The facets that one cell alone has.
+    /// The facets with a single cell.
     pub(in crate::mesh) fn free(&self) -> HashSet<Key> {
         let mut count: HashMap<Key, bool> = HashMap::new();
         self.each_facet(|facet| {
@@ -100,7 +100,7 @@ impl Loose {
         count.into_iter().filter_map(|(key, once)| once.then_some(key)).collect()
     }
 
-    /// The same facets by their vertices.
+    /// The facets with a single cell, by their vertices.
     pub(in crate::mesh) fn free_facets(&self) -> HashMap<Key, FacetOf> {
         let (free, mut facets) = (self.free(), HashMap::new());
         self.each_facet(|facet| {
@@ -112,7 +112,7 @@ impl Loose {
         facets
     }
 
-    /// Looks at all facets of the cells of the highest dimension.
+    /// Calls `look` for all facets of the cells of the highest dimension.
     fn each_facet(&self, mut look: impl FnMut(FacetOf)) {
         let dim = self.dim();
         for block in self.blocks.iter().filter(|block| block.kind.dim == dim) {
@@ -125,9 +125,9 @@ impl Loose {
         }
     }
 
-    /// Makes sides of the sets of nodes that hold all nodes of facets of the boundary, and of the others edges of cells
-    /// in space where these have all of the nodes, else points. Where a side has the name already, it stays alone:
-    /// nodes at a rim may hold a facet beside it.
+    /// Makes sides of the node sets that contain all nodes of facets of the boundary. Of the others it makes edges if
+    /// the edges of cells in space cover all their nodes, else points. A set with the name of an existing side is
+    /// dropped: nodes at a rim may contain an additional facet.
     pub(super) fn resolve_node_sets(&mut self) {
         let mut sets = std::mem::take(&mut self.node_sets);
         let below = self.dim().saturating_sub(1);

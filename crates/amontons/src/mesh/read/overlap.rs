@@ -1,26 +1,26 @@
-//! Regions of cells that are in several groups: a material belongs to one region.
+//! Regions of cells in several groups: a material belongs to one region.
 //!
-//! A cell is in the region of its smallest group if that one lies within the other groups of the cell: of "all" and
-//! "soft" within it, "soft" keeps its name and "all" is the rest. Where two groups only overlap, their common cells are
-//! a region of both names, "left+upper". Of groups with the same cells the first counts.
+//! A cell is in the region of its smallest group if that lies within its other groups: of "all" and "soft" within it,
+//! "soft" keeps its name and "all" is the rest. If two groups only overlap, their common cells form a region with both
+//! names, "left+upper". Of groups with the same cells the first counts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Skipped, listed};
 
-/// What cells of several groups are in.
+/// Assignment of cells in several groups to regions.
 pub(super) struct Overlap {
-    /// Names of the groups, and of the regions that are made besides.
+    /// Names of the groups, and of the additional regions.
     names: Vec<String>,
-    /// The region of each combination of groups: its place among the names, and its number of cells.
+    /// The region of each combination of groups: its index among the names, and its number of cells.
     of: BTreeMap<BTreeSet<usize>, (usize, usize)>,
-    /// Places of the names that are regions, in their order.
+    /// Indices of the names that are regions, in order.
     used: Vec<usize>,
 }
 
 impl Overlap {
-    /// Of groups with these names, and the cells with so many in each combination of groups. Cells of no group are in
-    /// the first region.
+    /// Assigns regions from the names of groups and the number of cells per combination of groups. Cells without a
+    /// group are in the first region.
     pub fn new(names: Vec<String>, cells: impl Iterator<Item = (BTreeSet<usize>, usize)>) -> Overlap {
         let mut of: BTreeMap<BTreeSet<usize>, (usize, usize)> = BTreeMap::new();
         for (groups, count) in cells {
@@ -46,7 +46,7 @@ impl Overlap {
         overlap
     }
 
-    /// The place of a region with the names of these groups.
+    /// The index of the region with the joined names of these groups.
     fn joined(&mut self, groups: &BTreeSet<usize>) -> usize {
         let names: Vec<&str> = groups.iter().filter_map(|&group| self.names.get(group)).map(String::as_str).collect();
         let name = names.join("+");
@@ -62,7 +62,7 @@ impl Overlap {
         self.used.binary_search(&place).unwrap_or(0)
     }
 
-    /// What has been made of cells in several groups, in words.
+    /// The assignments of cells in several groups, in words.
     pub fn told(&self) -> Vec<Skipped> {
         let several = self.of.iter().filter(|(groups, _)| groups.len() > 1);
         let told = |(groups, (region, count)): (&BTreeSet<usize>, &(usize, usize))| {
@@ -81,7 +81,7 @@ impl Overlap {
     }
 }
 
-/// For each group that is the smallest of a combination: the groups that all its cells are in.
+/// For each group that is the smallest of a combination: the groups that contain all its cells.
 fn within(
     of: &BTreeMap<BTreeSet<usize>, (usize, usize)>,
     smallest: &impl Fn(&BTreeSet<usize>) -> Option<usize>,
@@ -89,7 +89,7 @@ fn within(
     let several: Vec<&BTreeSet<usize>> = of.keys().filter(|groups| groups.len() > 1).collect();
     let wanted: BTreeSet<usize> = several.iter().filter_map(|groups| smallest(groups)).collect();
     let mut within: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-    // Combinations of few groups first: what is common to all stays short.
+    // Combinations of few groups come first, so that intersections stay short.
     let mut all: Vec<&BTreeSet<usize>> = of.keys().collect();
     all.sort_by_key(|groups| groups.len());
     for groups in all {

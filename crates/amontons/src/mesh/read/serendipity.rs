@@ -1,10 +1,10 @@
-//! Cells without nodes in the middle of their faces and of the cell: quadrilaterals of 8, hexahedra of 20, prisms
-//! of 15 and pyramids of 13 nodes.
+//! Cells without nodes in the middle of faces and cell: quadrilaterals of 8, hexahedra of 20, prisms of 15 and pyramids
+//! of 13 nodes.
 //!
 //! Their shape functions (Zienkiewicz and Taylor, The Finite Element Method, "serendipity" elements; of pyramids
-//! Bedrosian, 1992) are among those of the element with all nodes. So the body stays the same when the missing nodes
-//! are put where the functions have them: in the middle of a quadrilateral face at −¼ Σ vertices + ½ Σ middles, in that
-//! of a hexahedron at −¼ Σ + ¼ Σ. A face in common with a cell that has all nodes takes the node of that cell.
+//! Bedrosian, 1992) are contained in those of the element with all nodes. So the body is unchanged if the missing nodes
+//! are placed by these functions: in the middle of a quadrilateral face at −¼ Σ vertices + ½ Σ middles, in the middle
+//! of a hexahedron at −¼ Σ + ¼ Σ. A face shared with a complete cell takes the node of that cell.
 
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ use crate::mesh::topology::{Key, key};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
-/// The element with all nodes of a shape that a file gives with so many.
+/// The complete element of a shape for an incomplete number of nodes in a file.
 pub(in crate::mesh) fn completed(shape: Shape, nodes: usize) -> Option<&'static Element> {
     match (shape, nodes) {
         (Shape::Quadrilateral, 8) => Some(&element::Q2_QUADRILATERAL),
@@ -26,7 +26,7 @@ pub(in crate::mesh) fn completed(shape: Shape, nodes: usize) -> Option<&'static 
     }
 }
 
-/// The element of a type of cells of VTK, and how many of its nodes, the first ones, these cells have.
+/// The element of a VTK cell type, and the number of its leading nodes that these cells have.
 pub(in crate::mesh) fn of_vtk(code: u8) -> Option<(&'static Element, usize)> {
     let (shape, nodes) = match code {
         23 => (Shape::Quadrilateral, 8),
@@ -37,13 +37,13 @@ pub(in crate::mesh) fn of_vtk(code: u8) -> Option<(&'static Element, usize)> {
     completed(shape, nodes).map(|element| (element, nodes))
 }
 
-/// Adds the nodes that the elements of the library have and the cells of the file have not.
+/// Adds the nodes of library elements that the cells of the file lack.
 pub(super) fn complete(points: &mut Vec<Point>, blocks: &mut [LooseBlock]) {
     complete_with(points, &mut Vec::new(), blocks);
 }
 
-/// The cells with the nodes that they lack, which are added to the points, and to values of the nodes if there are
-/// such: both are as the cells of the file have them there.
+/// Completes cells by their missing nodes, which are added to the points and, if given, to the nodal values; both are
+/// interpolated by the functions of the incomplete cells.
 pub(in crate::mesh) fn complete_data(
     points: &mut Vec<Point>,
     values: &mut Vec<f64>,
@@ -77,18 +77,17 @@ fn complete_with(points: &mut Vec<Point>, values: &mut Vec<f64>, blocks: &mut [L
     }
 }
 
-/// The nodes with those that are added.
+/// The nodes including the added ones.
 struct Added<'a> {
     points: &'a mut Vec<Point>,
-    /// A value of each node; empty without values.
+    /// A value per node; empty without values.
     values: &'a mut Vec<f64>,
-    /// The nodes in the middle of faces, by the vertices.
+    /// The nodes in the middle of faces, by vertices.
     known: HashMap<Key, u32>,
 }
 
 impl Added<'_> {
-    /// Notes the nodes in the middle of faces that cells of the file have: one that lacks it takes that of its
-    /// neighbour.
+    /// Records the face nodes of complete cells: an incomplete neighbour uses them.
     fn know(&mut self, block: &LooseBlock) {
         let Some(element) = block.kind.element else { return };
         let whole = (0..element.nodes.len()).collect::<Vec<_>>();
@@ -105,7 +104,7 @@ impl Added<'_> {
         }
     }
 
-    /// The node in the middle of a face, one for both cells that have it, or in the middle of the cell.
+    /// The node in the middle of a face, shared by both of its cells, or in the middle of the cell.
     fn middle(&mut self, element: &Element, cell: &[u32], local: usize) -> u32 {
         if element.shape == Shape::Quadrilateral {
             return self.of_face(cell);

@@ -1,4 +1,4 @@
-//! The snapshots of a run: read, and computed again from displacement, velocity and temperature.
+//! The snapshots of a run, and their fields recomputed from displacement, velocity and temperature.
 
 use std::collections::BTreeMap;
 
@@ -13,17 +13,17 @@ use crate::scheme::{Accumulated, Carried, Counts, Discretization, Ledger, State}
 use crate::tensor::Sym;
 use crate::vtu::{Array, Grid};
 
-/// Largest differences by what was compared, each with the largest number beside it.
+/// Largest differences per compared quantity, each with the largest number involved.
 #[derive(Debug, Default)]
 pub(super) struct Differences {
     pub all: BTreeMap<String, (f64, f64)>,
 }
 
 impl Differences {
-    /// Notes a difference beside the size of its numbers.
+    /// Records a difference with the size of its numbers.
     pub fn note(&mut self, what: String, difference: f64, size: f64) {
         let (worst, scale) = self.all.entry(what).or_insert((0.0, 0.0));
-        // What is not a number stays.
+        // A NaN is kept.
         if difference.abs() > *worst || difference.is_nan() {
             *worst = difference.abs();
         }
@@ -41,7 +41,7 @@ impl Fields {
     /// Reads the snapshot at a step on the mesh of a problem.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The fault of the file.
     pub fn read(stored: &StoredFields, step: usize, problem: &Problem) -> Result<Fields, String> {
         let grid = stored.grid(step)?;
         let mesh = &problem.mesh;
@@ -57,7 +57,7 @@ impl Fields {
         Ok(Fields { grid, dim: mesh.dim })
     }
 
-    /// A vector of the nodes, node-major.
+    /// A nodal vector field, node-major.
     fn vector(&self, name: &str) -> Option<Vec<f64>> {
         let array = self.grid.point_data.get(name).filter(|array| array.components == 3)?;
         Some(array.values.chunks_exact(3).flat_map(|v| v[..self.dim].to_vec()).collect())
@@ -67,7 +67,7 @@ impl Fields {
         self.grid.point_data.get(name).filter(|array| array.components == 1).map(|array| array.values.as_slice())
     }
 
-    /// Puts the fields into a state, and tells by how much they differ from those there.
+    /// Writes the fields into a state, and reports their differences from the former values.
     pub fn put(&self, problem: &Problem, state: &mut State, tell: &mut dyn FnMut(&str, f64, f64)) {
         let mut take = |name: &str, into: &mut Vec<f64>, from: Option<Vec<f64>>| {
             let from = from.filter(|from| from.len() == into.len());
@@ -86,7 +86,7 @@ impl Fields {
         }
     }
 
-    /// A state with these fields, and nothing else of that of a run.
+    /// A state with these fields; all else is zero.
     fn state(&self, discretization: &Discretization, problem: &Problem) -> State {
         let nodes = problem.mesh.points.len();
         let zero = || vec![0.0; nodes * self.dim];
@@ -106,10 +106,10 @@ impl Fields {
         }
     }
 
-    /// The values of the cells against those of displacement, velocity and temperature.
+    /// Compares the cell values with those computed from displacement, velocity and temperature.
     pub fn differences(&self, discretization: &Discretization, problem: &Problem, found: &mut Differences) {
         let state = self.state(discretization, problem);
-        // Branches that relax have a stress of their own, which no field shows.
+        // Relaxing branches have an additional stress, which no field contains.
         let relaxes = !discretization.branches.is_empty();
         let values = cell_values(problem, &state);
         let tensor = |of: fn(&PointValues) -> Sym| -> Vec<f64> {
@@ -130,7 +130,7 @@ impl Fields {
         }
     }
 
-    /// Energies of the fields against the row of their step.
+    /// Compares energies of the fields with the row of their step.
     pub fn energies(
         &self,
         discretization: &Discretization,
@@ -151,7 +151,7 @@ impl Fields {
             let elastic =
                 discretization.stored_energy(&state.u, &state.theta).filter(|_| discretization.branches.is_empty());
             if let Some(elastic) = elastic {
-                // A body that is moved as a whole has terms that cancel.
+                // A body that moves as a whole has terms that cancel.
                 let sizes = discretization.elastic_sizes(&state.u, &state.theta);
                 let size = 0.5 * state.u.iter().zip(sizes).map(|(u, size)| u.abs() * size).sum::<f64>();
                 note(columns::ELASTIC.name, elastic, size);

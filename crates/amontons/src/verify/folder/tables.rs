@@ -1,4 +1,4 @@
-//! The tables of a run: read, and held against each other.
+//! The tables of a run, and their mutual consistency.
 
 use std::path::Path;
 
@@ -8,11 +8,11 @@ use crate::machine;
 use crate::output::{LONGEST, columns};
 use crate::problem::Problem;
 
-/// A table of numbers under a line of names; words are read as not a number.
+/// A table of numbers with a header line; words are read as NaN.
 pub(super) struct Table {
     pub names: Vec<String>,
     pub rows: Vec<Vec<f64>>,
-    /// The word of each row in the column `status`, if there is one.
+    /// The word of each row in the column `status`; empty without that column.
     status: Vec<String>,
 }
 
@@ -20,7 +20,7 @@ impl Table {
     /// Reads a table.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The fault of the file.
     pub fn read(path: &Path) -> Result<Table, String> {
         let text = machine::read_text(path, LONGEST).map_err(|error| format!("cannot be read: {error}"))?;
         let mut lines = text.lines();
@@ -29,7 +29,7 @@ impl Table {
         let (mut rows, mut status) = (Vec::new(), Vec::new());
         for (i, line) in lines.enumerate() {
             let cells: Vec<&str> = line.split(',').collect();
-            // A name of a side may have commas: it is among the last columns.
+            // The name of a side may contain commas: it is among the last columns.
             if cells.len() < names.len() {
                 return Err(format!("row {} has {} values under {} names", i + 1, cells.len(), names.len()));
             }
@@ -39,30 +39,30 @@ impl Table {
         Ok(Table { names, rows, status })
     }
 
-    /// The values of a column; not a number where it is not there.
+    /// The values of a column; NaN if there is no such column.
     pub fn column(&self, name: &str) -> Vec<f64> {
         let c = self.names.iter().position(|n| n == name);
         self.rows.iter().map(|row| c.and_then(|c| row.get(c)).copied().unwrap_or(f64::NAN)).collect()
     }
 
-    /// The value of a column in a row; none where it is not there.
+    /// The value of a column in a row; `None` if it is missing.
     pub fn value(&self, row: usize, name: &str) -> Option<f64> {
         let c = self.names.iter().position(|n| n == name)?;
         self.rows.get(row)?.get(c).copied()
     }
 }
 
-/// How far the energy identity fails over the rows, and what the round-off of its terms allows.
+/// Largest error of the energy identity over the rows, and the error that round-off of its terms allows.
 pub(super) struct Audit {
     pub worst: f64,
     pub allowed: f64,
 }
 
-/// The energy identity of every row: what is stored, plus what is dissipated, minus the work done is the energy at the
-/// start plus the closing error of the row.
+/// Checks the energy identity of every row: energy stored plus energy dissipated minus work done equals the initial
+/// energy plus the closing error of the row.
 ///
-/// The energy at the start is in no row: that of the first is taken. Terms of n rows are sums of n numbers, each with a
-/// last bit of its own.
+/// The initial energy is in no row: it is derived from the first. Terms of n rows are sums of n numbers, each with its
+/// own round-off.
 pub(super) fn audit(history: &Table) -> Audit {
     let plus = [
         columns::KINETIC.name,
@@ -87,22 +87,22 @@ pub(super) fn audit(history: &Table) -> Audit {
     let worst = (0..rows)
         .map(|row| (sum(row) - sum(0)).abs())
         .fold(0.0f64, |worst, e| if e > worst || e.is_nan() { e } else { worst });
-    // The worst case: every sum of n numbers loses n last bits of its largest partial sum.
+    // Worst case: every sum of n numbers loses n last bits of its largest partial sum.
     Audit { worst, allowed: f64::EPSILON * largest * (terms.len() * (rows + 1)) as f64 }
 }
 
-/// The contact points at a step against its row in the history.
+/// Compares the contact points at a step with its row in the history.
 pub(super) fn contact(
     points: &Table,
     problem: &Problem,
     (history, row): (&Table, usize),
     differences: &mut Differences,
 ) {
-    // What has worn off bodies that slide over each other is not where their points are.
+    // Worn material of bodies that slide over each other does not stay with their contact points.
     let stays = !problem.contacts.iter().any(|contact| contact.pair.is_some() && contact.wear.is_some());
     let weights = points.column(columns::WEIGHT.name);
     for status in [Status::Open, Status::Stick, Status::Slip] {
-        // Points of a pair that nothing faces now are not counted.
+        // Points of a pair that currently face nothing are not counted.
         let of_status = points.status.iter().zip(&weights).filter(|(word, _)| *word == status.name());
         let count = of_status.filter(|(_, weight)| **weight > 0.0).count() as f64;
         if let Some(told) = history.value(row, status.name()) {
