@@ -7,7 +7,7 @@ use super::mesh::{Mesh, Node};
 use super::sides::Sides;
 use super::time::Track;
 
-/// The same force at each of some points.
+/// A force that acts equally at each of some points.
 #[derive(Clone, Debug)]
 pub struct Force {
     pub on: String,

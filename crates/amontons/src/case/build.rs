@@ -252,7 +252,7 @@ pub(super) struct Build<'d> {
 /// Effect of the inertia ρü.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Inertia {
-    /// As given by the densities.
+    /// Inertia by the densities.
     Acts,
     /// Zero: every density counts as zero.
     Ignored,

@@ -30,7 +30,7 @@ impl Refusal {
         Refusal { key: "", found: found.into(), expected: expected.into(), hint: None }
     }
 
-    /// The same refusal about a key of the law.
+    /// Makes the refusal one about a key of the law.
     pub fn of(self, key: &'static str) -> Refusal {
         Refusal { key, ..self }
     }

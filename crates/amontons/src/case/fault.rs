@@ -24,7 +24,7 @@ impl Source {
         Source { name: name.into(), text: text.into(), files: Files::None }
     }
 
-    /// The same source, restricted to files in the folder of the case.
+    /// Restricts the source to files in the folder of the case.
     #[must_use]
     pub fn confined(self) -> Source {
         let files = match self.files {

@@ -38,7 +38,7 @@ impl Finding {
         Finding { path, at, found: found.into(), expected: expected.into(), hint: None }
     }
 
-    /// The same finding with a hint, if there is one.
+    /// Adds a hint to the finding, if there is one.
     pub fn hint(mut self, hint: Option<String>) -> Finding {
         self.hint = hint;
         self

@@ -158,7 +158,7 @@ const BOUNDS: [(&str, &str); 4] =
 #[derive(Clone, Debug)]
 pub(super) struct Limits {
     bounds: [Option<f64>; 4],
-    /// What the key expects of a number.
+    /// Expected text of the key for a number.
     pub expected: String,
 }
 
@@ -242,7 +242,7 @@ impl<'s> View<'s> {
         forms.flat_map(|form| if form.node.get("anyOf").is_some() { form.alternatives() } else { vec![form] }).collect()
     }
 
-    /// The same view with the bounds of the key above, if that has any.
+    /// Takes over the bounds of the key above, if that has any.
     fn bounded(self, bounds: &'s Value) -> View<'s> {
         let has_its_own = BOUNDS.iter().any(|(keyword, _)| self.bounds.get(*keyword).is_some());
         if has_its_own { self } else { View { bounds, ..self } }

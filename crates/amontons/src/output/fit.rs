@@ -83,7 +83,7 @@ impl<'e> Fit<'e> {
         self.bounded_weights(x, &[])
     }
 
-    /// The same weights for the highest degree whose sum of magnitudes is at most `most[degree]`, if `most` has that
+    /// Such weights for the highest degree whose sum of magnitudes is at most `most[degree]`, if `most` has that
     /// entry. Larger sums would make the value a difference of much larger ones. Degree 0 is always allowed; its
     /// weights are all equal.
     pub fn bounded_weights(&self, x: &Point, most: &[f64]) -> Vec<f64> {

@@ -56,7 +56,7 @@ fn bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Option<Vec<Vec<Point>>> 
     space.rigid.iter().map(of).collect()
 }
 
-/// The same contributions for bodies with all nodes among `nodes`; empty for other bodies.
+/// These contributions for bodies with all nodes among `nodes`; empty for other bodies.
 fn whole_bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Vec<Vec<Point>> {
     let is_in = |body: &RigidNodes| body.nodes.iter().all(|node| nodes.binary_search(node).is_ok());
     space.rigid.iter().map(|body| if is_in(body) { arms.of_body(body) } else { Vec::new() }).collect()

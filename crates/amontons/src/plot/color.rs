@@ -16,7 +16,7 @@ impl Color {
         Color { red: (rgb >> 16) as u8, green: (rgb >> 8) as u8, blue: rgb as u8, opacity: 1.0 }
     }
 
-    /// The same colour with an opacity.
+    /// The colour with this opacity.
     pub(super) const fn with_opacity(self, opacity: f64) -> Color {
         Color { opacity, ..self }
     }

@@ -141,7 +141,7 @@ impl<'a> Side<'a> {
         let facets: Vec<usize> = (0..surface.facets.len()).filter(|&f| bearing(&surface.facets[f].0)).collect();
         let on_facets: HashSet<u32> = facets.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
         if on_facets.iter().filter(|&&n| row(n).is_some()).count() != rows.len() {
-            // Only the points are drawn, along the axis of their least extent.
+            // Only the points are drawn, seen along the axis of their least extent.
             let extent = |d: usize| axes::range(rows.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);
             let axis = (0..3).min_by(|&i, &j| extent(i).total_cmp(&extent(j))).unwrap_or(2);
             let eye = [0, 1, 2].map(|d| if d == axis { 1.0 } else { 0.0 });

@@ -191,7 +191,7 @@ fn lay_out(
     texts: &Texts,
 ) -> Picture {
     let Texts { title, quantity, units, factor } = texts;
-    // The same scale for all bodies.
+    // One scale for all bodies.
     let length = |s: &Sight, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
     let span = |d: usize| sights.iter().map(|(_, s)| length(s, d)).fold(f64::MIN_POSITIVE, f64::max);
     let scale = LONGEST / span(0).max(span(1));

@@ -61,7 +61,7 @@ impl Fault {
         Fault { path: path.into(), found: found.into(), expected: expected.into(), hint: None }
     }
 
-    /// The same fault with a hint.
+    /// Adds a hint to the fault.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Fault {
         self.hint = Some(hint.into());
@@ -202,7 +202,7 @@ impl Problem {
         self.0
     }
 
-    /// The same problem with data changed by `change`, checked again.
+    /// Returns the problem with data changed by `change` and checked again.
     ///
     /// # Errors
     /// All faults that the changed data have.
