@@ -44,14 +44,14 @@ pub struct Arguments {
 
 /// A line of the table.
 pub struct Row {
-    /// `square`, `cube`, or `cube system`, of which a step is one linear system.
+    /// One of `square`, `cube`, and `cube system`, in which a step is one linear system.
     pub case: &'static str,
     pub program: String,
     pub unknowns: usize,
     pub steps: usize,
     pub setup: f64,
     pub per_step: f64,
-    /// Of a step, in times that reading the numbers it needs takes.
+    /// Time of a step divided by the time to read the numbers it needs from memory.
     pub over_bound: Option<f64>,
     pub krylov: usize,
     pub memory: f64,
@@ -143,7 +143,7 @@ fn machine(bandwidth: f64) -> String {
     )
 }
 
-/// Bytes that one thread reads per second from an array beyond any cache, the best of five.
+/// Bytes per second that one thread reads from an array larger than any cache, the best of five.
 fn bandwidth() -> f64 {
     let data = vec![1.5f64; 1 << 25];
     let once = || {
@@ -209,7 +209,7 @@ fn amontons(
     })
 }
 
-/// A program in `xtask/peers` that makes some of the steps.
+/// A run of a program in `xtask/peers` that makes some of the steps.
 fn getfem(script: &str, n: usize, measured: usize, unknowns: usize) -> Result<Row, Box<dyn std::error::Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers").join(script).with_extension("py");
     let numbers = [n, n, measured].map(|number| number.to_string());
@@ -233,7 +233,7 @@ fn getfem(script: &str, n: usize, measured: usize, unknowns: usize) -> Result<Ro
     })
 }
 
-/// How the time per step grows with the unknowns, between the smallest and the largest of a series.
+/// Growth exponents of the time per step over the unknowns, between the smallest and the largest of a series.
 fn exponents(rows: &[Row]) -> Vec<(&'static str, String, f64)> {
     let mut found: Vec<(&'static str, String, f64)> = Vec::new();
     for row in rows {

@@ -1,4 +1,4 @@
-//! Runs that are killed, and runs whose writes fail: each is resumed to the bits of one that was not.
+//! Runs that are killed, and runs whose writes fail: each is resumed and must give the same bits as an undisturbed run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,18 +22,18 @@ pub struct Arguments {
     seed: u64,
 }
 
-/// Files that tell of times and sessions.
+/// Files that contain times and sessions.
 const OF_SESSIONS: [&str; 4] = ["summary.json", "manifest.json", "checkpoint/state.bin", "checkpoint/previous.bin"];
-/// The case, small, with snapshots and checkpoints that take most of its time.
+/// Overrides of the case: small, and mostly busy with snapshots and checkpoints.
 const SET: [&str; 4] = ["mesh.n=8", "time.steps=300", "output.every=20", "output.checkpoint={ steps = 7 }"];
-/// The files of the fields, which the runs have in turn.
+/// The formats of the fields, used in turn.
 const FORMATS: [&str; 2] = ["vtu", "vtkhdf"];
 
-/// Kills and fails runs, and tells what came of it.
+/// Kills and fails runs, and reports the result.
 pub fn run(arguments: &Arguments) -> ExitCode {
     let folder = std::env::temp_dir().join(format!("amontons-endure-{}", std::process::id()));
     let done = endure(arguments, &folder);
-    // What stays lies in the folder for temporary files.
+    // Remaining files are in the folder for temporary files.
     let _ = fs::remove_dir_all(&folder);
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -92,7 +92,7 @@ fn endure(arguments: &Arguments, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Starts the run, with files of at most so many blocks of 512 bytes.
+/// Starts the run, with files of at most `blocks` blocks of 512 bytes.
 fn start(program: &Path, out: &Path, format: &str, blocks: Option<usize>) -> std::process::Child {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/paper.toml");
     let mut command = Command::new("sh");
@@ -112,8 +112,8 @@ fn rows(out: &Path) -> usize {
     fs::read_to_string(out.join("history.csv")).unwrap_or_default().lines().count().saturating_sub(1)
 }
 
-/// Resumes a run and holds its results against those of the whole one. One that was killed before it had made its
-/// folder is started.
+/// Resumes a run and compares its results with those of the undisturbed one. A run killed before it had made its folder
+/// is started.
 fn go_on(program: &Path, out: &Path, (whole, format): (&Path, &str)) -> Result<(), String> {
     let resumed = Command::new(program).arg("resume").arg(out).args(["--quiet"]).output();
     let resumed = resumed.map_err(|error| error.to_string())?;

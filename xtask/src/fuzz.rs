@@ -1,8 +1,8 @@
 //! Hostile inputs to every reader of the library, on stable Rust.
 //!
-//! Each target runs in a process of its own under a limit of the address space. Inputs are mutations of sound ones with
-//! the words of the case file's schema; one whose outcome is worded as none before joins the sound ones. An input that
-//! ends the process, or takes longer than it may, is kept in `target/fuzz`.
+//! Each target runs in its own process with a limited address space. Inputs are mutations of valid ones and contain
+//! words of the schema of the case file. An input with a new kind of outcome joins the corpus. An input that ends the
+//! process or takes too long is kept in `target/fuzz`.
 
 mod mutate;
 mod targets;
@@ -20,17 +20,17 @@ use crate::random::Random;
 use mutate::Mutator;
 use targets::{Target, names};
 
-/// Longest processor time that one input may take: what others do on the machine does not count.
+/// Longest processor time of one input; the load of the machine does not count.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Longest time by the clock, for an input that waits.
+/// Longest wall-clock time, for an input that waits.
 const WAITING: Duration = Duration::from_secs(20);
-/// Kinds of outcomes that are remembered: some hundred, but for messages that have words of the input in them.
+/// Number of remembered kinds of outcomes: some hundred, apart from messages that contain words of the input.
 const KNOWN: usize = 1 << 20;
-/// How often the watchdog looks.
+/// Time between two checks by the watchdog.
 const GLANCE: Duration = Duration::from_millis(100);
-/// Longest input: longer ones say nothing that shorter ones do not.
+/// Longest input; longer ones find nothing new.
 const LONGEST: usize = 1 << 16;
-/// Inputs that are kept beside the sound ones.
+/// Number of inputs kept in addition to the valid ones.
 const KEPT: usize = 4000;
 /// Exit code of a process that the watchdog has ended.
 const TOO_LONG: i32 = 3;
@@ -57,7 +57,7 @@ pub struct Arguments {
     input: Option<PathBuf>,
 }
 
-/// Feeds one target or all, and tells what came of it.
+/// Feeds one target or all, and reports the result.
 pub fn run(arguments: &Arguments) -> ExitCode {
     let chosen: Vec<&str> = match &arguments.target {
         None => names(),
@@ -97,14 +97,14 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Where the input is that is read at present: in memory where the system has a folder for that.
+/// Path of the current input: in memory if the system has a folder for that.
 fn current(name: &str) -> PathBuf {
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
     folder.join(format!("amontons-fuzz-{name}"))
 }
 
-/// Keeps the input that ended a process.
+/// Keeps the input that ended a process; returns its path.
 fn keep(name: &str) -> PathBuf {
     let kept = Path::new("target/fuzz").join(name);
     let copied = fs::create_dir_all("target/fuzz").and_then(|()| fs::copy(current(name), &kept));
@@ -135,14 +135,14 @@ fn processor_time() -> Duration {
     Duration::new(spent.tv_sec.unsigned_abs(), spent.tv_nsec as u32)
 }
 
-/// Where processor time cannot be asked for: time by the clock.
+/// Wall-clock time, on systems that do not report processor time.
 #[cfg(not(unix))]
 fn processor_time() -> Duration {
     static BEGIN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
     BEGIN.get_or_init(Instant::now).elapsed()
 }
 
-/// Ends the process when one input takes too long.
+/// Ends the process if one input takes too long.
 fn watch() {
     let watching = std::thread::Builder::new().spawn(move || {
         let (mut last, mut since) = (0, (Instant::now(), processor_time()));
@@ -155,7 +155,7 @@ fn watch() {
                 eprintln!("an input takes longer than {PATIENCE:?} of processor time");
                 std::process::exit(TOO_LONG);
             } else if since.0.elapsed() > WAITING {
-                // Or the process was stopped, or the machine was out of memory.
+                // The process may also have been stopped, or the machine out of memory.
                 eprintln!("an input takes longer than {WAITING:?} by the clock");
                 std::process::exit(TOO_LONG);
             }
@@ -173,7 +173,7 @@ fn feed(name: &str, arguments: &Arguments) -> ExitCode {
     if let Some(input) = &arguments.input {
         return read_one(&mut target, input);
     }
-    // Panics are told once, with the input that caused them.
+    // Panics are reported once, with the input that caused them.
     let mut mutator = Mutator::new(Random::new(arguments.seed), target.words());
     let mut corpus = target.corpus();
     let (mut outcomes, mut longest, mut count) = (BTreeSet::new(), Duration::ZERO, 0u64);
@@ -181,7 +181,7 @@ fn feed(name: &str, arguments: &Arguments) -> ExitCode {
     let begin = processor_time();
     while processor_time().saturating_sub(begin) < Duration::from_secs(arguments.seconds) || count < corpus.len() as u64
     {
-        // The sound ones come first, as they are.
+        // The valid inputs come first, unchanged.
         let input = match corpus.get(count as usize) {
             Some(sound) if count < target.sound() as u64 => sound.clone(),
             _ => mutator.mutate(&corpus, LONGEST),
@@ -224,7 +224,7 @@ fn read_one(target: &mut Target, input: &Path) -> ExitCode {
     }
 }
 
-/// What is alike in messages about other numbers and names, their letters outside quotes, as a number.
+/// Signature of a message without numbers and quoted names: a hash of its other letters.
 fn signature(outcome: &str) -> u64 {
     let mut quoted = false;
     let letters = outcome.chars().filter(|c| {

@@ -74,8 +74,7 @@ fn row(name: &str, graph: &Graph, order: &[u32], seconds: Option<f64>) -> Result
     Ok(())
 }
 
-/// Entries of L and operations of its computation, Σ c² over the lengths c of its columns, with three unknowns per
-/// node.
+/// Entries of L and operations to compute it, Σ c² over the lengths c of its columns, with three unknowns per node.
 fn cost(graph: &Graph, order: &[u32]) -> Result<[f64; 2], String> {
     const NONE: usize = usize::MAX;
     let n = graph.len();
@@ -86,7 +85,7 @@ fn cost(graph: &Graph, order: &[u32]) -> Result<[f64; 2], String> {
     if order.len() != n || position.contains(&NONE) {
         return Err(format!("{} nodes in the order, expected each of {n} once", order.len()));
     }
-    // Row k of L has the nodes on the paths of the elimination tree from its neighbours before it up to k.
+    // Row k of L contains the nodes on the paths of the elimination tree from its earlier neighbours up to k.
     let (mut parent, mut seen, mut below) = (vec![NONE; n], vec![NONE; n], vec![0u32; n]);
     for k in 0..n {
         seen[k] = k;
@@ -123,7 +122,7 @@ fn minimum_degree(graph: &Graph) -> Result<Vec<u32>, String> {
     Ok(order.into_iter().map(|node| node as u32).collect())
 }
 
-/// The graph as METIS reads it: nodes and edges, then the neighbours of each node, counted from 1.
+/// Writes the graph in the format of METIS: nodes and edges, then the neighbours of each node, counted from 1.
 fn write_graph(path: &Path, graph: &Graph) -> io::Result<()> {
     let others = |i: usize| graph.row(i).iter().filter(move |&&j| j as usize != i);
     let edges: usize = (0..graph.len()).map(|i| others(i).count()).sum::<usize>() / 2;

@@ -1,6 +1,6 @@
-//! A random search for steps that Newton's method on Γ_C does not like: bodies of every cell in the plane and in space,
-//! turned by random angles, with every law of pressure and friction, on random obstacles, over decades of stiffness and
-//! of the step length.
+//! A random search for steps that are hard for Newton's method on Γ_C: bodies of every cell type in the plane and in
+//! space, rotated by random angles, with every law of pressure and friction, on random obstacles, over decades of
+//! stiffness and of the step length.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -15,7 +15,7 @@ use amontons::scheme::{BackwardEuler, Scheme};
 
 use crate::random::Random;
 
-/// Most iterations of a step where the certificate says that it has one solution.
+/// Largest number of iterations of a step that has one solution by the certificate.
 const MOST: usize = 60;
 
 /// What to search.
@@ -45,7 +45,7 @@ struct Sample {
     class: String,
 }
 
-/// What came of the steps of one class.
+/// Results of the steps of one class.
 #[derive(Default)]
 struct Class {
     cases: usize,
@@ -84,15 +84,15 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     ExitCode::from(u8::from(!holds(&classes)))
 }
 
-/// First word of the classes in which the certificate says that a step has one solution.
+/// First word of the classes whose steps have one solution by the certificate.
 const UNIQUE: &str = "unique";
 
-/// Whether every step that has one solution was made within [`MOST`] iterations.
+/// True if every step that has one solution was made within [`MOST`] iterations.
 fn holds(classes: &BTreeMap<String, Class>) -> bool {
     classes.iter().all(|(name, class)| !name.starts_with(UNIQUE) || (class.failed == 0 && class.most <= MOST))
 }
 
-/// The classes of the cases from a seed on until the steps are made, and the last seed.
+/// The classes of the cases, starting at a seed, until the number of steps is reached, and the last seed.
 fn search(arguments: &Arguments) -> (BTreeMap<String, Class>, u64) {
     let mut classes: BTreeMap<String, Class> = BTreeMap::new();
     let (mut made, mut seed) = (0, arguments.seed);
@@ -119,7 +119,7 @@ fn search(arguments: &Arguments) -> (BTreeMap<String, Class>, u64) {
     }
 }
 
-/// Makes the steps of a case; returns how many were tried.
+/// Makes the steps of a case. Returns the number of attempted steps.
 fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
     let mut scheme = match BackwardEuler::new(problem) {
         Ok(scheme) => scheme,
@@ -165,7 +165,7 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
     problem.timeline.steps()
 }
 
-/// Whether the certificate says that a step has one solution.
+/// True if a step has one solution by the certificate.
 fn is_unique(problem: &Problem) -> bool {
     hypotheses::certificate_or_findings(problem)
         .findings
@@ -173,7 +173,7 @@ fn is_unique(problem: &Problem) -> bool {
         .any(|finding| finding.id == FindingId::StepUnique && finding.holds())
 }
 
-/// The case of a seed.
+/// The case with this seed.
 fn sample(seed: u64) -> Sample {
     let mut random = Random::new(seed);
     let space = random.chance(0.3);
@@ -219,7 +219,7 @@ fn turn(random: &mut Random, space: bool) -> Turn {
     if space { after(&about(0, b), &after(&about(1, c), &about(2, a))) } else { about(2, a) }
 }
 
-/// The body with curved sides and cells, turned.
+/// The body with curved sides and cells, rotated.
 fn distorted(mesh: &Mesh, random: &mut Random, turn: &Turn) -> Mesh {
     let amplitude = random.between(0.0, 0.01);
     let phase = random.between(0.0, 6.3);
@@ -237,7 +237,7 @@ fn turned(turn: &Turn, v: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| (0..3).map(|e| turn[c][e] * v[e]).sum())
 }
 
-/// A vector of expressions, turned, as the case file has it.
+/// A rotated vector of expressions, in the notation of the case file.
 fn expressions(turn: &Turn, components: &[String]) -> String {
     let of = |c: usize| {
         components
@@ -250,7 +250,7 @@ fn expressions(turn: &Turn, components: &[String]) -> String {
     (0..components.len()).map(|c| format!("\"{}\"", of(c))).collect::<Vec<_>>().join(", ")
 }
 
-/// A vector of numbers, turned.
+/// A rotated vector of numbers.
 fn numbers(turn: &Turn, v: [f64; 3], space: bool) -> String {
     turned(turn, &v).iter().take(if space { 3 } else { 2 }).map(|c| format!("{c:.17e}")).collect::<Vec<_>>().join(", ")
 }
@@ -312,7 +312,7 @@ fn friction_law(random: &mut Random, space: bool) -> (String, &'static str) {
     }
 }
 
-/// The text of a case: a block pressed on a foundation at its bottom, and moved about, by its top.
+/// The text of a case: a block on a foundation, pressed and moved by its top.
 fn text(random: &mut Random, space: bool, elements: &str, [normal, friction]: [&str; 2], turn: &Turn) -> String {
     let (kind, size, n) = match (space, elements) {
         (false, "P2" | "Q2") => ("rectangle", "[1.0, 0.5]", "[6, 3]"),
@@ -385,8 +385,8 @@ mod tests {
     }
 
     /// Gauss points hold a body more often than it has unknowns, so that multipliers are not unique: soft and stiff
-    /// layers in the plane and in space, with dashpots, with Coulomb's friction and with a cap, with and without a
-    /// solution that the certificate knows to be the only one.
+    /// layers in the plane and in space, with dashpots, with Coulomb's friction and with a cap, with and without
+    /// uniqueness by the certificate.
     #[test]
     fn gauss_points_that_hold_a_body_too_often_are_easy() {
         for seed in [51, 239, 326, 2641, 3727, 3875, 4467, 5642, 5968, 20228, 20269] {
@@ -403,7 +403,8 @@ mod tests {
         }
     }
 
-    /// Friction that falls with the slip speed, on bodies in which parts of a step decide nothing: few parts are made.
+    /// Friction that softens with the slip speed, on bodies for which smaller parts of a step do not help: few parts
+    /// are made.
     #[test]
     fn weakening_friction_takes_few_parts() {
         for seed in [20011, 20169, 20200] {

@@ -1,4 +1,4 @@
-//! What is made of results: pictures and the report.
+//! Output made from results: pictures and the report.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::arguments::FieldArgument;
 use crate::print;
 use crate::status::Failure;
 
-/// What is made when a run has ended.
+/// The output to make when a run has ended.
 #[derive(Clone, Copy, Debug)]
 pub struct After {
     pub pictures: bool,
@@ -16,7 +16,7 @@ pub struct After {
 }
 
 impl After {
-    /// Makes it of the results in a folder, and prints the paths.
+    /// Makes the requested output from the results in a folder, and prints the paths.
     pub fn make(self, dir: &Path, quiet: bool) -> Result<(), Failure> {
         if self.pictures {
             draw(dir, &plot::Options::default(), quiet)?;

@@ -315,12 +315,12 @@ pub struct CertificateChoice {
 }
 
 impl CertificateChoice {
-    /// What was asked for, if anything was.
+    /// The choice of the user, if any.
     pub fn asked(self) -> Option<bool> {
         (self.certificate || self.no_certificate).then_some(self.certificate)
     }
 
-    /// Whether the run of a case evaluates all hypotheses.
+    /// True if the run of a case evaluates all hypotheses.
     pub fn of(self, case: &Case) -> bool {
         self.asked().unwrap_or_else(|| hypotheses::are_affordable(&case.problem))
     }

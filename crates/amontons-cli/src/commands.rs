@@ -1,4 +1,4 @@
-//! What each command does.
+//! The work of each command.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
 use crate::{constants, converge, explain, import, materials, new, reproduce, sweep, verify};
 
-/// Does what a command says.
+/// Executes a command.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run { case, plot, report, certificate, each, jobs, common, .. } if !each.is_empty() => {
@@ -94,7 +94,7 @@ fn show_materials(name: Option<&str>) -> Result<(), Failure> {
     Ok(print::text(&materials::one(name, material))?)
 }
 
-/// The file, links followed, is in the folder that it is named in.
+/// Checks that the file, after links, is in the folder of its name.
 fn check_confined(file: &Path) -> Result<(), Failure> {
     let named = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let inside = file.canonicalize().ok().zip(named.canonicalize().ok());
@@ -107,7 +107,7 @@ fn check_confined(file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Prints what a mesh has; a defect of its cells or sides is a check that does not hold.
+/// Prints the content of a mesh. A defect of its cells or sides is a failed check.
 fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), format: Format) -> Result<(), Failure> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Failure::Usage(format!("--scale: found {scale}, expected a positive number")));
@@ -116,7 +116,7 @@ fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), fo
         let case = case::read(file, &[])?;
         ((*case.problem.mesh).clone(), case.problem.units(), Vec::new())
     } else {
-        // Nothing says in which unit the coordinates of a file are.
+        // The unit of the coordinates of a mesh file is unknown.
         let read = if confine { mesh::read_confined(file)? } else { mesh::read_all(file)? };
         (read.mesh, Units { system: System::Dimensionless, ..Units::SPACE }, read.skipped)
     };
@@ -136,7 +136,7 @@ fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), fo
     if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
 }
 
-/// Draws the sides of a mesh into two files and says which.
+/// Draws the sides of a mesh into two files and prints their names.
 fn draw_sides((mesh, name, units): (&Mesh, &str, Units), stem: &Path, quiet: bool) -> Result<(), Failure> {
     let written = plot::sides(mesh, name, units)?.save(stem, 2.0)?;
     if quiet {
@@ -161,14 +161,14 @@ fn start(
     drive(&case, None, (folder, &out, after), &settings, progress, common)
 }
 
-/// The first of a folder, the same with -2, -3 and so on that is not there.
+/// The first name that does not exist: the folder, then the folder with -2, -3 and so on.
 fn free(named: PathBuf) -> PathBuf {
     let numbered = |number: usize| {
         let mut name = named.clone().into_os_string();
         name.push(format!("-{number}"));
         PathBuf::from(name)
     };
-    // A folder whose name cannot be looked up is told of where it is made.
+    // A folder whose name cannot be looked up is reported when it is made.
     let is_taken = |path: &Path| path.symlink_metadata().is_ok();
     if is_taken(&named) { (2..=9999).map(numbered).find(|path| !is_taken(path)).unwrap_or(named) } else { named }
 }
@@ -178,7 +178,7 @@ fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Common) 
     let case = common.case(&dir.join("case.toml"))?;
     let out = common.out.as_deref().unwrap_or(dir);
     let same = out == dir || out.canonicalize().is_ok_and(|out| dir.canonicalize().is_ok_and(|dir| dir == out));
-    // A run without a certificate goes on without one.
+    // A run without a certificate is resumed without one.
     let certificate = choice.asked().unwrap_or_else(|| output::has_certificate(dir).unwrap_or(true));
     let options = options(&case, certificate, common);
     let (folder, checkpoint) = if same {
@@ -195,17 +195,17 @@ fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Common) 
     drive(&case, checkpoint, (folder, out, after), &settings, progress, common)
 }
 
-/// Tells something that a user has to know although the command goes on.
+/// Prints a note for the user; the command continues.
 fn note(text: &str, common: &Common) {
     if !common.quiet {
         print::note(text);
     }
 }
 
-/// Settings of a run, with the certificate that `dir` holds of the same inputs.
+/// Settings of a run, with the certificate found in `dir` for the same inputs.
 fn settings(case: &Case, dir: &Path, certificate: bool, progress: &Progress) -> Settings {
     Settings {
-        // Commands are done in a pool of the threads that are asked for.
+        // Commands run in a pool with the requested number of threads.
         threads: None,
         interrupt: Some(progress.interrupt_flag()),
         certificate,
@@ -220,7 +220,7 @@ fn options(case: &Case, certificate: bool, common: &Common) -> FolderOptions {
     FolderOptions { force: common.force, certificate, ..case.folder_options() }
 }
 
-/// Runs a case into a folder, prints what it came to, and makes pictures and report, also where it ended early.
+/// Runs a case into a folder, prints its summary, and makes pictures and report, even if it ended early.
 fn drive(
     case: &Case,
     from: Option<Checkpoint>,
@@ -235,7 +235,7 @@ fn drive(
         Some(checkpoint) => run::resume(&case.problem, checkpoint, settings, &mut sinks),
         None => run::run(&case.problem, settings, &mut sinks),
     };
-    // The bar goes before the summary comes.
+    // The progress bar is removed before the summary is printed.
     drop(progress);
     folder.notes().iter().for_each(|text| note(text, common));
     let quiet = common.quiet || common.format == Format::Json;
@@ -264,7 +264,7 @@ fn done(summary: &Summary, skipped: &[Skipped], out: &Path, common: &Common) -> 
     Ok(())
 }
 
-/// What to do about a run that has ended early.
+/// Instruction what to do after a run that ended early.
 fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
     if let RunError::Unstarted { resumes } = error {

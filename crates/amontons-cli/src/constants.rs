@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use crate::arguments::Common;
 use crate::status::Failure;
 
-/// Computes the constants on each of the meshes; none without levels.
+/// Computes the constants on each of the meshes, or returns `None` without levels.
 pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<ConstantsTable>, Failure> {
     if levels.is_empty() {
         return Ok(None);
@@ -23,7 +23,7 @@ pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<Co
     Ok(Some(ConstantsTable::new(&meshes)))
 }
 
-/// The table for reading.
+/// The table as text.
 pub fn text(table: &ConstantsTable) -> String {
     let names = DomainConstants::default().named().map(|(name, _)| name);
     let line = |first: &str, second: &str, cells: [String; 6]| {
@@ -45,7 +45,7 @@ pub fn text(table: &ConstantsTable) -> String {
     text + &line("error", "", of_limits(&|limit| format!("{:.1e}", limit.error)))
 }
 
-/// Adds the table for programs: `levels` with a row per mesh, and `limits`.
+/// Adds the table to JSON: `levels` with one row per mesh, and `limits`.
 pub fn add_json(table: &ConstantsTable, value: &mut Value) {
     let names = DomainConstants::default().named().map(|(name, _)| name);
     let by_name = |values: [Value; 6]| names.iter().map(|&name| name.to_owned()).zip(values).collect::<Map<_, _>>();

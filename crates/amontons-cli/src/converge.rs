@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::status::Failure;
 use crate::variants::variants;
 
-/// Makes the studies that the arguments ask for and prints their tables.
+/// Makes the requested studies and prints their tables.
 pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), Failure> {
     let source = common.source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name.clone();
@@ -65,19 +65,19 @@ impl From<crate::arguments::VaryArgument> for Vary {
     }
 }
 
-/// How a study is reported and interrupted.
+/// Reporting and interruption of a study.
 pub struct Running<'a> {
-    /// `study 3 of 6`.
+    /// Name in the progress: `study 3 of 6`.
     pub part: &'a str,
     pub progress: &'a Progress,
     pub interrupt: &'a AtomicBool,
 }
 
-/// Makes one study in a folder of its own. Finished levels of an interrupted one are taken as they are, and the
-/// reference goes on where it stopped.
+/// Makes one study in its own folder. Finished levels of an interrupted one are reused, and the reference continues
+/// where it stopped.
 pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<StudyTable, Failure> {
     let failed = std::sync::Mutex::new(None);
-    // The study itself does not depend on what is kept: a failure is reported at the end.
+    // The study does not depend on the stored levels: a failure is reported at the end.
     let note = |result: Result<(), OutputError>| {
         if let (Err(error), Ok(mut failed)) = (result, failed.lock()) {
             *failed = Some(error);
@@ -118,7 +118,7 @@ pub fn write(source: &Source, overrides: &[String], table: &StudyTable, folder: 
     Ok(())
 }
 
-/// The table for reading.
+/// The table as text.
 pub fn text(title: &str, table: &StudyTable, out: &Path) -> String {
     let mut lines = vec![format!("{title}")];
     lines.push(format!(

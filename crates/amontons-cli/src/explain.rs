@@ -1,4 +1,4 @@
-//! `amontons explain`: what a word of the case file, the tables or the messages means.
+//! `amontons explain`: the meaning of a word of the case file, the tables or the messages.
 
 use amontons::case::{self, Entry, Word};
 

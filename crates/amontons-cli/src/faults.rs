@@ -11,16 +11,16 @@ use crate::plain;
 /// Longest line in bytes of which an excerpt is shown.
 const LONGEST: usize = 1000;
 
-/// Prints all faults, each with its place, and how many there are.
+/// Prints all faults with their places and their number.
 pub fn print(file: &Source, faults: &[CaseFault], more: usize) {
     let mut text = Vec::new();
     // Writing into memory does not fail.
     let _ = write(file, (faults, more), colours(), &mut text);
-    // Where standard error fails there is no one to tell.
+    // If standard error fails, nothing can be reported.
     let _ = io::stderr().lock().write_all(&text);
 }
 
-/// Whether standard error takes colours.
+/// True if standard error shows colours.
 fn colours() -> bool {
     io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
@@ -77,7 +77,7 @@ fn without_excerpt(place: &str, words: [&str; 2], hint: Option<&str>, out: &mut 
     }
 }
 
-/// The faults for programs.
+/// The faults as JSON.
 pub fn json(file: &Source, faults: &[CaseFault]) -> Value {
     let one = |fault: &CaseFault| {
         let place = match &fault.place {

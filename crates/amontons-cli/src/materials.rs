@@ -1,8 +1,8 @@
-//! The materials that a case may name, for reading.
+//! The known materials, in words.
 
 use amontons::case::{self, KnownMaterial};
 
-/// A line for each.
+/// One line per material.
 pub fn all() -> String {
     let width = case::materials().keys().map(String::len).max().unwrap_or(0);
     let line = |(name, material): (&String, &KnownMaterial)| format!("{name:width$}  {}\n", material.title);
@@ -10,7 +10,7 @@ pub fn all() -> String {
     lines + "\nmaterial = \"NAME\" in a case takes one; `amontons materials NAME` prints its values and their source.\n"
 }
 
-/// One as the table of a case that it stands for.
+/// One material as the table of a case that it replaces.
 pub fn one(name: &str, material: &KnownMaterial) -> String {
     let KnownMaterial { title, source, density, young, poisson, .. } = material;
     let KnownMaterial { expansion_coefficient, specific_heat, conductivity, .. } = material;

@@ -1,4 +1,4 @@
-//! The size of a model for reading.
+//! The size of a model, in words.
 
 use amontons::mesh::Skipped;
 use amontons::model::{Cost, MeshModel, Model, Size};
@@ -45,7 +45,7 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
     rows
 }
 
-/// Unknowns, how systems are solved, and the work and memory of that.
+/// Unknowns, solver of the linear systems, and its work and memory.
 fn cost(cost: &Cost, mechanics: bool, heat: bool) -> Vec<String> {
     let mut rows = vec![row("unknowns", &unknowns_in_words(cost.unknowns, mechanics, heat))];
     let way = if cost.solver.is_direct() { "by a factor" } else { "by an iteration without a factor" };
@@ -63,7 +63,7 @@ fn cost(cost: &Cost, mechanics: bool, heat: bool) -> Vec<String> {
     rows
 }
 
-/// What a mesh file has, for reading.
+/// The content of a mesh file, in words.
 pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
     let kind = match (model.dimension, model.axisymmetric) {
         (1, _) => "a body on a line",
@@ -110,7 +110,7 @@ pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
     rows.join("\n") + "\n"
 }
 
-/// Where something was skipped and how many times, in brackets.
+/// The place where something was skipped, and its count, in brackets.
 fn place(skipped: &Skipped) -> String {
     let mut words: Vec<String> = skipped.file.iter().cloned().collect();
     words.extend(skipped.line.map(|line| format!("line {line}")));
@@ -118,7 +118,7 @@ fn place(skipped: &Skipped) -> String {
     if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) }
 }
 
-/// Time scales beside the step.
+/// Time scales relative to the step.
 fn times(problem: &Problem, model: &Model) -> Vec<String> {
     let times = &model.times;
     let write = |time: f64| format!("{time:.5e} {}", problem.units().of(Measure::Time)).trim_end().to_owned();
@@ -153,19 +153,19 @@ fn times(problem: &Problem, model: &Model) -> Vec<String> {
     rows
 }
 
-/// A large number for reading.
+/// A large number, rounded.
 fn short(count: f64) -> String {
     if count < 1e4 { format!("{count:.0}") } else { format!("{count:.2e}") }
 }
 
-/// A number of bytes for reading.
+/// A number of bytes with a prefix.
 fn bytes(count: f64) -> String {
     let (unit, name) =
         [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| count >= *unit).unwrap_or((1e3, "kB"));
     format!("{:.3} {name}", count / unit)
 }
 
-/// A number in six digits, without those that say nothing: `0.06`, `1.2e-7`.
+/// A number with six digits, without trailing zeros: `0.06`, `1.2e-7`.
 pub fn figure(number: f64) -> String {
     let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
     let is_plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());

@@ -1,4 +1,4 @@
-//! `amontons new`: cases to start from.
+//! `amontons new`: templates of cases.
 
 use std::fs::OpenOptions;
 use std::io::{self, Write};
@@ -16,7 +16,7 @@ use crate::model::figure;
 use crate::print;
 use crate::status::Failure;
 
-/// Writes a case; a file that is there is kept.
+/// Writes a case; an existing file is kept.
 pub fn execute(file: &Path, template: Template, mesh: Option<&Path>) -> Result<(), Failure> {
     let (what, text) = match template {
         Template::Starter => ("a starter case", case::STARTER.to_owned()),
@@ -96,8 +96,8 @@ fn one(held: &str, others: &[String], vector: &dyn Fn(&str) -> String) -> String
     )
 }
 
-/// Conditions of several bodies: those that face each other are pairs, the first body is held, and the others are
-/// pressed by a thousandth of the size of all against what they face.
+/// Conditions of several bodies: bodies that face each other are pairs, the first body is held, and the others are
+/// pressed against their neighbours by a thousandth of the total size.
 fn several(mesh: &Mesh) -> String {
     let bodies = components(mesh);
     let extent = (0..mesh.dim).map(|d| {
@@ -112,7 +112,7 @@ fn several(mesh: &Mesh) -> String {
     for (number, body) in bodies.iter().enumerate() {
         let is_of = |set: &FacetSet| set.node_list().iter().all(|node| body.nodes.binary_search(node).is_ok());
         let own = || mesh.facets.iter().filter(|(_, set)| is_of(set)).map(|(name, _)| name);
-        // A side of a pair is free to move where another one can be held.
+        // A side of a pair stays free if another side can be held.
         let Some(side) =
             own().find(|name| !pairs.iter().flatten().any(|paired| paired == name)).or_else(|| own().next())
         else {
@@ -139,8 +139,8 @@ fn several(mesh: &Mesh) -> String {
     text
 }
 
-/// The direction along an axis from the middle of a body to what of it faces another one; none where this is all
-/// around.
+/// The direction along an axis from the middle of a body to the part that faces another one; zero if that part
+/// surrounds the body.
 fn towards(mesh: &Mesh, body: &Component, number: usize, found: &[Facing]) -> [f64; 3] {
     let own = |facing: &Facing| {
         let sides = facing.bodies.iter().zip(&facing.sides);
@@ -150,15 +150,15 @@ fn towards(mesh: &Mesh, body: &Component, number: usize, found: &[Facing]) -> [f
     let [whole, part] = [body.bounds(mesh), Component { nodes, cells: 0 }.bounds(mesh)];
     let way: [f64; 3] = std::array::from_fn(|d| 0.5 * (part[0][d] + part[1][d] - whole[0][d] - whole[1][d]));
     let largest = (0..mesh.dim).max_by(|&a, &b| way[a].abs().total_cmp(&way[b].abs())).unwrap_or(0);
-    // A shaft in its bore is as far from every side.
+    // A shaft in its bore has the same distance on every side.
     let is_one_sided = way[largest].abs() > 0.1 * (whole[1][largest] - whole[0][largest]);
     std::array::from_fn(|d| if is_one_sided && d == largest { way[d].signum() } else { 0.0 })
 }
 
-/// Share of the size of a mesh up to which bodies that face each other are taken to meet.
+/// Largest distance of facing bodies, relative to the size of a mesh.
 const NEAR: f64 = 0.02;
 
-/// The side of a mesh that has most of these facets, and hardly any others: of two the smaller one.
+/// The side of a mesh with most of these facets and hardly any others; of two the smaller one.
 fn named<'m>(mesh: &'m Mesh, facets: &FacetSet) -> Option<&'m String> {
     let nodes = facets.node_list();
     let inside = |set: &FacetSet| {
@@ -169,7 +169,7 @@ fn named<'m>(mesh: &'m Mesh, facets: &FacetSet) -> Option<&'m String> {
     shared.max_by_key(|(_, inside, all)| (*inside, std::cmp::Reverse(*all))).map(|(name, ..)| name)
 }
 
-/// The mesh file as the case file has to name it: a file beside it by its name.
+/// The path of the mesh file for the case file: its name alone if it is in the same folder.
 pub fn beside(case: &Path, mesh: &Path) -> PathBuf {
     let folder = |file: &Path| {
         let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -182,7 +182,7 @@ pub fn beside(case: &Path, mesh: &Path) -> PathBuf {
     }
 }
 
-/// A text as TOML writes it.
+/// A text in TOML notation.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

@@ -1,29 +1,29 @@
-//! Text of others, such as the names of a mesh file, on a terminal: it cannot move the cursor, change the title or hide
-//! what stands beside it.
+//! Foreign text, such as names of a mesh file, made safe for a terminal: it cannot move the cursor, change the title or
+//! hide other text.
 
 use std::borrow::Cow;
 
 /// Longest message in characters.
 const LONGEST: usize = 4000;
 
-/// Whether a terminal would do something else with a character than show it: controls but for the line end and the tab,
-/// and those that turn the direction of writing.
+/// True if a terminal would not just show a character: control characters except line end and tab, and those that
+/// change the direction of writing.
 fn is_hidden(c: char) -> bool {
     c.is_control() && !matches!(c, '\n' | '\t')
         || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A text as it is shown: `\u{1b}` in the place of an escape.
+/// The text with hidden characters escaped: `\u{1b}` for an escape.
 pub fn plain(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return Cow::Borrowed(text);
     }
     let shown = |c: char| if is_hidden(c) { c.escape_unicode().to_string() } else { c.to_string() };
-    // Files of Windows end their lines with both.
+    // Files of Windows end their lines with both characters.
     Cow::Owned(text.replace("\r\n", "\n").chars().map(shown).collect())
 }
 
-/// JSON that means the same and has no such characters, which stand in its texts alone.
+/// Equivalent JSON without such characters, which occur only in its strings.
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return Cow::Borrowed(text);
@@ -32,7 +32,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(shown).collect())
 }
 
-/// A message as it is shown, cut off where it would fill the terminal.
+/// A message without hidden characters, cut off if it is too long.
 pub fn message(text: &str) -> String {
     let text = plain(text);
     match text.char_indices().nth(LONGEST) {
@@ -41,7 +41,7 @@ pub fn message(text: &str) -> String {
     }
 }
 
-/// A text of the same length in bytes, whose characters a terminal shows: places in it stay.
+/// A text of the same length in bytes without hidden characters, so that offsets in it stay valid.
 pub fn same_length(text: &str) -> Cow<'_, str> {
     let is_hidden = |c: char| is_hidden(c) && c != '\r';
     if !text.contains(is_hidden) {

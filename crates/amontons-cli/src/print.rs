@@ -1,4 +1,4 @@
-//! What the program prints.
+//! Output of the program.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -36,22 +36,22 @@ fn write(text: &str) -> io::Result<()> {
 pub fn error(message: &str, hint: Option<&str>) {
     let message = plain::message(message);
     let hint = hint.map_or_else(String::new, |hint| format!("{}\n", plain::message(hint)));
-    // Where standard error fails there is no one to tell.
+    // If standard error fails, nothing can be reported.
     let _ = write!(io::stderr().lock(), "Error: {message}\n{hint}");
 }
 
-/// Prints on standard error what a user has to know although the command goes on.
+/// Prints a note for the user on standard error; the command continues.
 pub fn note(text: &str) {
-    // Where standard error fails there is no one to tell.
+    // If standard error fails, nothing can be reported.
     let _ = writeln!(io::stderr().lock(), "Note: {}", plain::message(text));
 }
 
-/// What a mesh file has besides the mesh, in one line.
+/// The skipped content of a mesh file in one line, if any.
 fn not_of_the_mesh(skipped: &[Skipped]) -> Option<String> {
     Skipped::in_one_line(skipped).map(|skipped| row("not of the mesh", &skipped))
 }
 
-/// The summary of a run for reading.
+/// The summary of a run as text.
 pub fn summary(summary: &Summary, skipped: &[Skipped], folder: &Path) -> String {
     let rows = summary.rows();
     let results = ("results".to_owned(), folder.display().to_string());
@@ -62,7 +62,7 @@ pub fn summary(summary: &Summary, skipped: &[Skipped], folder: &Path) -> String 
     lines.join("\n") + "\n"
 }
 
-/// Sizes of a valid case and the verdicts on it, for reading.
+/// Sizes of a valid case and the verdicts on it, as text.
 pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) -> String {
     let problem = &case.problem;
     let mesh = &problem.mesh;
@@ -107,7 +107,7 @@ pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) 
     lines.join("\n") + "\n"
 }
 
-/// A verdict in full: id, status, the number found and the one needed, what it means, its place, what would repair it.
+/// A verdict in full: id, status, value found and value needed, meaning, place, repair.
 fn verdict(finding: &Finding, width: usize) -> Vec<String> {
     let Finding { status, value, needed, message, place, repair, .. } = finding;
     let number = |v: &Option<f64>| v.map(|v| format!("{v:.6e}"));
@@ -122,7 +122,7 @@ fn verdict(finding: &Finding, width: usize) -> Vec<String> {
     lines
 }
 
-/// Sizes of a valid case and the verdicts on it, for programs.
+/// Sizes of a valid case and the verdicts on it, as JSON.
 pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Value {
     let problem = &case.problem;
     let mesh = &problem.mesh;

@@ -1,6 +1,6 @@
-//! Where a command is: a bar on a terminal, a line per minute elsewhere, or a JSON object per line.
+//! Progress of a command: a bar on a terminal, a line per minute elsewhere, or a JSON object per line.
 //!
-//! The work notes where it is; a thread of its own reports it, so that a long certificate or factorization is reported
+//! The work notes its progress. A separate thread reports it, so that a long certificate or factorization is reported,
 //! too.
 
 use std::io::{IsTerminal, Write};
@@ -21,17 +21,17 @@ use crate::arguments::{Common, ProgressArgument};
 use crate::signals;
 use crate::status::INTERRUPTED;
 
-/// How long a command takes before it gets a bar, and how often the bar is drawn.
+/// Delay before a command gets a bar, and time between two updates of the bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 const REDRAW: Duration = Duration::from_millis(200);
-/// Iterations of a step from which on they are shown.
+/// Number of iterations of a step from which on they are shown.
 const MANY: usize = 20;
-/// Time between lines where standard error is no terminal.
+/// Time between lines if standard error is no terminal.
 const MINUTE: Duration = Duration::from_mins(1);
 /// Least time between JSON lines of steps.
 const JSON: Duration = Duration::from_secs(1);
 
-/// What is reported, and how.
+/// Form of the progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mode {
     Bar,
@@ -40,38 +40,38 @@ enum Mode {
     Silent,
 }
 
-/// Where the work is.
+/// Progress of the work.
 #[derive(Clone, Debug)]
 struct Place {
     /// The part of the command, such as `study 3 of 6`; empty if there is one part.
     part: String,
-    /// `mesh`, `assembly`, `certificate`, `factor`, `steps`, `results`.
+    /// One of `mesh`, `assembly`, `certificate`, `factor`, `steps`, `results`.
     phase: &'static str,
     begin: Instant,
     phase_begin: Instant,
-    /// Steps done, those done before the phase began, and all.
+    /// Steps done, steps done before the phase began, and all steps.
     step: usize,
     first: usize,
     steps: usize,
     t: Option<f64>,
     /// Unit of the time.
     units: Units,
-    /// Told by the step that is being made.
+    /// Iterations and parts reported by the current step.
     pulse: Pulse,
-    /// Contact points that are open, stick and slip.
+    /// Numbers of open, sticking and slipping contact points.
     contact: Option<[usize; 3]>,
     told: Option<Instant>,
     ended: bool,
 }
 
 impl Place {
-    /// Estimated seconds for the remaining steps; none before the first step.
+    /// Estimated seconds for the remaining steps, or `None` before the first step.
     fn left(&self) -> Option<f64> {
         let done = self.step.checked_sub(self.first).filter(|&done| done > 0 && self.phase == "steps")?;
         Some(self.phase_begin.elapsed().as_secs_f64() / done as f64 * self.steps.saturating_sub(self.step) as f64)
     }
 
-    /// Where the present step is, if it takes more than a few iterations: `, in step 13 iteration 40 of part 3`.
+    /// Progress within the current step, if it takes many iterations: `, in step 13 iteration 40 of part 3`.
     fn within(&self) -> String {
         let (iterations, parts) = (self.pulse.iterations(), self.pulse.parts());
         if iterations < MANY || self.step >= self.steps {
@@ -81,7 +81,8 @@ impl Place {
         format!(", in step {} iteration {iterations}{part}", self.step + 1)
     }
 
-    /// `study 3 of 6: step 12 of 64, t = 0.1875 s; contact: 3 open, 0 stick, 5 slip; 2 min gone, about 9 min left`.
+    /// A line of progress: `study 3 of 6: step 12 of 64, t = 0.1875 s; contact: 3 open, 0 stick, 5 slip; 2 min gone,
+    /// about 9 min left`.
     fn line(&self) -> String {
         let part = if self.part.is_empty() { String::new() } else { format!("{}: ", self.part) };
         let gone = duration(self.begin.elapsed().as_secs_f64());
@@ -102,8 +103,8 @@ impl Place {
         format!("{part}step {} of {}{}{time}{contact}; {gone} gone{left}", self.step, self.steps, self.within())
     }
 
-    /// What fits beside a bar of 80 columns, the most important first: `step 12 of 64, about 9 min left; 3 open,
-    /// 0 stick, 5 slip`.
+    /// A text that fits next to a bar in 80 columns, the most important first: `step 12 of 64, about 9 min left; 3
+    /// open, 0 stick, 5 slip`.
     fn short(&self) -> String {
         let part = if self.part.is_empty() { String::new() } else { format!("{}: ", self.part) };
         if self.phase != "steps" {
@@ -138,12 +139,12 @@ impl Place {
         value
     }
 
-    /// Whether the command is one run that has not made a step: there is nothing to finish or to keep.
+    /// True if the command is a single run that has made no step: there is nothing to finish or to keep.
     fn has_nothing(&self) -> bool {
         self.part.is_empty() && matches!(self.phase, "certificate" | "assembly" | "factor")
     }
 
-    /// What happens after a first signal.
+    /// Message after a first signal.
     fn after_interrupt(&self, signal: &str) -> String {
         let first = match self.phase {
             "steps" if self.step < self.steps => format!("step {} of {}", self.step + 1, self.steps),
@@ -151,12 +152,12 @@ impl Place {
             phase => format!("the present phase ({phase})"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
-        // A long step is not finished: linear algebra and contact iterations end where they are.
+        // A long step is not finished: linear algebra and contact iterations stop at once.
         format!("{signal}: the run ends in or after {first}, and {kept}; a second Ctrl-C stops at once")
     }
 }
 
-/// `3 s`, `2 min 10 s`, `1 h 5 min`.
+/// Text of a duration: `3 s`, `2 min 10 s`, `1 h 5 min`.
 fn duration(seconds: f64) -> String {
     let s = seconds.round() as u64;
     match s {
@@ -166,7 +167,7 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// What the work and the reporting thread share.
+/// Data shared by the work and the reporting thread.
 #[derive(Debug)]
 struct Shared {
     mode: Mode,
@@ -199,19 +200,19 @@ impl Shared {
     }
 }
 
-/// A line on standard error; if that fails there is no one to tell.
+/// Prints a line on standard error; an error there cannot be reported.
 fn tell(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Reports where a command is until it is dropped.
+/// Reports the progress of a command until it is dropped.
 pub struct Progress {
     shared: Arc<Shared>,
     reporter: Option<JoinHandle<()>>,
 }
 
 impl Progress {
-    /// As the arguments ask; begins with the phase `mesh`.
+    /// Progress reports as requested by the arguments, starting with the phase `mesh`.
     pub fn new(common: &Common) -> Progress {
         let mode = match common.progress {
             ProgressArgument::Json => Mode::Json,
@@ -247,7 +248,7 @@ impl Progress {
         let reporter = matches!(mode, Mode::Bar | Mode::Lines).then(|| {
             let shared = Arc::clone(&shared);
             let report = move || report(&shared, if shared.mode == Mode::Bar { REDRAW } else { interval });
-            // Without a thread to report nothing is reported.
+            // Without a reporting thread there are no reports.
             std::thread::Builder::new().spawn(report).ok()
         });
         Progress { shared, reporter: reporter.flatten() }
@@ -283,13 +284,13 @@ impl Progress {
         }))
     }
 
-    /// What a run tells of its present step.
+    /// The counts of iterations and parts of the current step of a run.
     pub fn pulse(&self) -> Pulse {
         self.shared.place().pulse.clone()
     }
 
-    /// A flag that Ctrl-C and the signals of batch systems set, which says what happens next. The program ends at once
-    /// before the first step of a run, whose set-up may take minutes, and after a second Ctrl-C.
+    /// A flag that is set by Ctrl-C and the signals of batch systems, with a message about what happens next. The
+    /// program ends at once before the first step of a run, whose set-up may take minutes, and after a second Ctrl-C.
     pub fn interrupt_flag(&self) -> Arc<AtomicBool> {
         let flag = Arc::new(AtomicBool::new(false));
         let shared = Arc::clone(&self.shared);
@@ -298,7 +299,7 @@ impl Progress {
             let message = place.after_interrupt(signal);
             match shared.mode {
                 Mode::Json => tell(&json!({ "interrupted": message }).to_string()),
-                // Why a program ends is told in any case.
+                // The reason why a program ends is always reported.
                 Mode::Silent if !place.has_nothing() => {}
                 Mode::Silent | Mode::Bar | Mode::Lines => tell(&message),
             }
@@ -315,7 +316,7 @@ impl Drop for Progress {
         self.shared.place().ended = true;
         self.shared.wake.notify_all();
         if let Some(reporter) = self.reporter.take() {
-            // A reporter that has panicked has nothing left to say.
+            // A reporter that has panicked has nothing left to report.
             let _ = reporter.join();
         }
     }
@@ -396,7 +397,7 @@ mod tests {
         let told = progress.shared.place().after_interrupt("SIGTERM");
         assert_eq!(told, "SIGTERM: the run ends before its first step");
         progress.part("study 3 of 6", 8);
-        // The studies before it are finished, and told of in order.
+        // The previous studies are finished and reported in order.
         progress.shared.phase("factor");
         let told = progress.shared.place().after_interrupt("SIGTERM");
         assert!(

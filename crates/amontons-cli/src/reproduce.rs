@@ -20,7 +20,7 @@ use crate::status::Failure;
 /// The paper's example.
 const PAPER: &str = include_str!("paper.toml");
 
-/// A reading of the paper's tensors: name, what it is, overrides.
+/// A reading of the paper's tensors: name, description, overrides.
 type Reading = (&'static str, &'static str, &'static [&'static str]);
 
 /// The readings: the default, all three tensors the identity, and all three all ones as printed.
@@ -32,14 +32,14 @@ const READINGS: [Reading; 3] = [
 
 const FOUNDATION: [&str; 2] = ["0", "10"];
 
-/// A reading at both temperatures of the foundation.
+/// Results of a reading at both temperatures of the foundation.
 struct Reproduced {
     reading: Reading,
     runs: Vec<Summary>,
     studies: Vec<StudyTable>,
 }
 
-/// Runs, studies, figures and report, in one folder. What an interrupted attempt has finished is taken as it is.
+/// Makes runs, studies, figures and report in one folder. Results of an interrupted attempt are reused.
 pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<(), Failure> {
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join("reproduce"));
     let report = out.join("report.md");
@@ -87,7 +87,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
     Ok(())
 }
 
-/// What the runs and studies have in common.
+/// Data common to the runs and studies.
 struct Work<'a> {
     source: Source,
     request: StudyRequest,
@@ -96,7 +96,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// A run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise started.
+    /// Makes a run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise
+    /// started.
     fn run(&self, overrides: &[String], folder: &Path, of: &str) -> Result<Summary, Failure> {
         let case = case::parse(&self.source, overrides)?;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()) {
@@ -118,7 +119,7 @@ impl Work<'_> {
                 &settings,
                 &mut [&mut Folder::reopen(folder, options)?, &mut steps],
             ),
-            // Without a checkpoint of this case there is nothing to go on with.
+            // Without a checkpoint of this case there is nothing to continue.
             _ => run::run(&case.problem, &settings, &mut [&mut Folder::create(folder, options)?, &mut steps]),
         };
         result.map_err(|error| {
@@ -128,8 +129,8 @@ impl Work<'_> {
         })
     }
 
-    /// A study in a folder of its own: as it is if it is finished, else from what it has kept, which a finished one
-    /// does not need.
+    /// Makes a study in its own folder: reused if it is finished, else continued from its stored levels, which are then
+    /// removed.
     fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<StudyTable, Failure> {
         let study = case::study(&self.source, overrides, &self.request)?;
         if let Some(table) = StudyFolder::finished(path, &study) {
@@ -181,7 +182,7 @@ const PICTURES: [(&str, &str); 4] = [
     ("Figure 5: errors", "figure-5-errors"),
 ];
 
-/// The orders of the studies of a reading, and what they say of statement 2.
+/// The orders of the studies of a reading, and their verdict on statement 2.
 fn write_studies(out: &mut String, done: &Reproduced) {
     let _ = writeln!(out, "| θ_F | E^hk by level | orders | least-squares slope |\n|---|---|---|---|");
     let mut linear = true;

@@ -1,9 +1,9 @@
-//! Signals: a run ends in order where the system asks for it, and limits of the system are errors with a message.
+//! Signals: a run ends in order if the system asks for it, and limits of the system become errors with a message.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Exit code after a second signal, and after one for which there is no handler.
+/// Exit code after a second signal, and after a signal without a handler.
 #[cfg(not(unix))]
 const KILLED: i32 = 130;
 
@@ -17,11 +17,11 @@ mod system {
     use signal_hook::flag;
     use signal_hook::iterator::Signals;
 
-    /// Exit code after a second Ctrl-C or SIGTERM, and where memory has run out.
+    /// Exit code after a second Ctrl-C or SIGTERM, and after running out of memory.
     const KILLED: i32 = 130;
     const NO_MEMORY: i32 = 4;
 
-    /// Signals that end a run in order, and how messages call them.
+    /// Signals that end a run in order, and their names in messages.
     const ENDING: [(i32, &str); 6] = [
         (SIGINT, "Ctrl-C"),
         (SIGTERM, "SIGTERM"),
@@ -32,15 +32,15 @@ mod system {
     ];
 
     pub fn prepare() -> io::Result<()> {
-        // With a handler a file that grows beyond its limit is an error of the write.
+        // With a handler, a file that exceeds its size limit is an error of the write.
         flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
-        // Where memory runs out, the runtime says so and aborts: a program that has said why it ends has an exit code.
+        // If memory runs out, the runtime prints a message and aborts: the program then has this exit code.
         flag::register_conditional_shutdown(SIGABRT, NO_MEMORY, Arc::new(AtomicBool::new(true)))?;
         Ok(())
     }
 
     pub fn interrupts(flag: &Arc<AtomicBool>, tell: impl Fn(&str) + Send + 'static) -> io::Result<()> {
-        // Set by the handler itself, so that a second signal is answered while the first one is still being told of.
+        // The handler itself sets it, so that a second signal is answered while the first is still being reported.
         let asked = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, KILLED, Arc::clone(&asked))?;
@@ -50,14 +50,14 @@ mod system {
         let set = Arc::clone(flag);
         let telling = std::thread::Builder::new().spawn(move || {
             let first = signals.forever().next();
-            // What happens next is told before it happens.
+            // The message comes before the effect.
             if let Some((_, name)) = ENDING.iter().find(|(signal, _)| Some(*signal) == first) {
                 tell(name);
             }
             set.store(true, Ordering::Relaxed);
         });
         if telling.is_err() {
-            // Without a thread nothing is told; the run ends all the same.
+            // Without a thread nothing is reported; the run ends all the same.
             for (signal, _) in ENDING {
                 flag::register(signal, Arc::clone(flag))?;
             }
@@ -73,10 +73,10 @@ pub fn prepare() {
     let _ = system::prepare();
 }
 
-/// Sets a flag when the system or the user asks the program to end, and says so by `tell`; a second Ctrl-C ends it at
-/// once.
+/// Sets a flag when the system or the user asks the program to end, and reports it by `tell`. A second Ctrl-C ends it
+/// at once.
 pub fn interrupts(flag: &Arc<AtomicBool>, tell: impl Fn(&str) + Send + 'static) {
-    // Without a handler the program ends at once: checkpoints are written all the same.
+    // Without a handler the program ends at once; checkpoints are written nevertheless.
     #[cfg(unix)]
     let _ = system::interrupts(flag, tell);
     #[cfg(not(unix))]

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use crate::arguments::Format;
 use crate::{faults, print};
 
-/// Why a command failed.
+/// The reason why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     Case(CaseError),
@@ -33,11 +33,11 @@ pub enum Failure {
         error: StudyError,
         folder: PathBuf,
     },
-    /// A study that is not possible with the case.
+    /// A study that does not fit the case.
     Request(String),
     /// Arguments that cannot be carried out.
     Usage(String),
-    /// Values that do not hold: the message, and the table as JSON.
+    /// Checks that failed: the message, and the table as JSON.
     Verification {
         message: String,
         table: Value,
@@ -118,7 +118,7 @@ impl From<io::Error> for Failure {
     }
 }
 
-/// Kind in JSON and exit code.
+/// Kind of failure in JSON, and exit code.
 type Class = (&'static str, u8);
 const CHECK: Class = ("check", 1);
 const USAGE: Class = ("usage", 2);
@@ -192,7 +192,7 @@ impl Failure {
         }
     }
 
-    /// The summary of the run before it failed.
+    /// The summary of the run until it failed.
     fn summary(&self) -> Option<&Summary> {
         match self {
             Failure::Run {
@@ -227,14 +227,14 @@ impl Failure {
     /// Prints the failure and returns its exit code.
     pub fn report(&self, format: Format) -> ExitCode {
         let (_, code) = self.class();
-        // A reader that has gone away has seen what it wanted.
+        // A reader that closes the pipe has seen what it wanted.
         if let Failure::Print(error) = self
             && error.kind() == io::ErrorKind::BrokenPipe
         {
             return ExitCode::SUCCESS;
         }
         if format == Format::Json && !matches!(self, Failure::Print(_)) {
-            // Where standard output fails, the exit code still tells.
+            // If standard output fails, the exit code still shows the failure.
             let _ = print::json(&self.json());
         } else {
             match self {

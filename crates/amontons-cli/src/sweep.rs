@@ -23,11 +23,11 @@ use crate::progress::Progress;
 use crate::status::Failure;
 use crate::variants::{Variant, variants};
 
-/// What a sweep is asked for besides what every run is.
+/// Request for a sweep.
 pub struct Request<'a> {
-    /// `KEY=VALUE,VALUE,…`.
+    /// Arguments `KEY=VALUE,VALUE,…`.
     pub each: &'a [String],
-    /// Runs at a time.
+    /// Number of simultaneous runs.
     pub jobs: usize,
     pub after: After,
     pub certificate: CertificateChoice,
@@ -40,23 +40,23 @@ struct Part {
     folder: PathBuf,
 }
 
-/// What the runs have in common.
+/// Data common to the runs.
 struct Sweep<'a> {
     request: &'a Request<'a>,
     common: &'a Common,
     progress: &'a Progress,
     flag: Arc<AtomicBool>,
-    /// Steps made by all runs.
+    /// Number of steps made by all runs.
     made: AtomicUsize,
     threads: usize,
 }
 
-/// Makes the runs of all combinations. What an earlier sweep has done is taken as it is, and what it has begun goes on.
+/// Makes the runs of all combinations. Results of an earlier sweep are reused, and its unfinished runs are continued.
 pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Failure> {
     let source = common.source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-sweep")));
-    // Faults of all cases are told before the first run begins.
+    // Faults of all cases are reported before the first run begins.
     let parts = variants(request.each)?.into_iter().map(|variant| {
         let overrides: Vec<String> = common.set.iter().cloned().chain(variant.overrides()).collect();
         let case = case::parse(&source, &overrides)?;
@@ -64,7 +64,7 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     });
     let parts = parts.collect::<Result<Vec<Part>, Failure>>()?;
     fs::create_dir_all(&out).map_err(|source| OutputError::Io { doing: "create", path: out.clone(), source })?;
-    // Two sweeps would take the runs of each other for failed ones.
+    // Two sweeps would mistake the runs of each other for failed ones.
     let _lock = FolderLock::take(&out)?;
     let progress = Progress::new(common);
     progress.part(&format!("{} runs", parts.len()), parts.iter().map(|part| part.case.problem.timeline.steps()).sum());
@@ -93,7 +93,7 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
 }
 
 impl Sweep<'_> {
-    /// The results of all parts, some at a time; each run has a share of the threads.
+    /// The results of all parts, `jobs` at a time; each run has a share of the threads.
     fn all(&self, parts: &[Part], jobs: usize) -> Vec<Result<Summary, Failure>> {
         let next = AtomicUsize::new(0);
         let results: Mutex<BTreeMap<usize, Result<Summary, Failure>>> = Mutex::default();
@@ -115,7 +115,8 @@ impl Sweep<'_> {
         results.into_inner().unwrap_or_else(PoisonError::into_inner).into_values().collect()
     }
 
-    /// A run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise started.
+    /// Makes a run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise
+    /// started.
     fn one(&self, part: &Part) -> Result<Summary, Failure> {
         let Part { case, folder, .. } = part;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()).filter(|_| !self.common.force) {
@@ -134,7 +135,7 @@ impl Sweep<'_> {
         let mut count = Count(self);
         let checkpoint = match Checkpoint::read(folder, &case.identity()) {
             Ok(checkpoint) if !self.common.force => checkpoint,
-            // Results of another case are refused where the folder is made.
+            // Results of another case are refused when the folder is made.
             _ => None,
         };
         let result = if let Some(checkpoint) = checkpoint {
@@ -185,7 +186,7 @@ struct Row {
     folder: String,
     values: Vec<(String, String)>,
     outcome: String,
-    /// Figures of the last good step by their path in `summary.json`; empty if there is none.
+    /// Figures of the last good step by their path in `summary.json`; empty without one.
     figures: BTreeMap<String, f64>,
     summary: Option<Summary>,
 }
@@ -251,7 +252,7 @@ fn flatten(path: &str, value: &Value, into: &mut BTreeMap<String, f64>) {
     }
 }
 
-/// The last row of `probes.csv`, if there is one.
+/// The last row of `probes.csv`, if any.
 fn probes(folder: &Path) -> Vec<(String, f64)> {
     let path = folder.join("probes.csv");
     let text = if path.is_file() { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
@@ -263,9 +264,9 @@ fn probes(folder: &Path) -> Vec<(String, f64)> {
 /// The table of a sweep.
 struct Table<'a> {
     rows: &'a [Row],
-    /// Names of the figures that some run has.
+    /// Names of the figures that at least one run has.
     figures: Vec<String>,
-    /// What they measure, as far as they have a unit, and the units of the case.
+    /// The measured quantities of figures with a unit, and the units of the case.
     measures: BTreeMap<String, Measure>,
     units: Units,
 }
@@ -279,13 +280,13 @@ impl<'a> Table<'a> {
         Table { rows, figures, measures: case.map(measures).unwrap_or_default(), units }
     }
 
-    /// A figure for reading: with its unit.
+    /// A figure with its unit.
     fn cell(&self, figure: &str, value: f64) -> String {
         self.units.write(value, self.measures.get(figure).copied().unwrap_or(Measure::Number))
     }
 
-    /// The figures that are shown and drawn, with their titles: those that most users ask for, and the probes, if they
-    /// differ between runs.
+    /// The figures that are shown and drawn, with their titles: the most common ones and the probes, if they differ
+    /// between runs.
     fn shown(&self) -> Vec<(String, String)> {
         let most = SHOWN.iter().map(|(figure, title)| ((*figure).to_owned(), (*title).to_owned()));
         let probes = self.figures.iter().filter_map(|figure| {
@@ -322,7 +323,7 @@ impl<'a> Table<'a> {
         let path = out.join("sweep.csv");
         let failed = |source| OutputError::Io { doing: "write", path: path.clone(), source };
         fs::create_dir_all(out).map_err(failed)?;
-        // Whole or not at all.
+        // The file is complete or absent.
         let newer = out.join("sweep.csv.new");
         fs::write(&newer, text).and_then(|()| fs::rename(&newer, &path)).map_err(failed)?;
         Ok(())
@@ -336,7 +337,7 @@ impl<'a> Table<'a> {
         serde_json::json!({ "runs": runs.collect::<Vec<Value>>() })
     }
 
-    /// The table for reading.
+    /// The table as text.
     fn text(&self, name: &str, out: &Path) -> String {
         let shown = self.shown();
         let mut cells: Vec<Vec<String>> = vec![
@@ -366,14 +367,14 @@ impl<'a> Table<'a> {
         )
     }
 
-    /// Whether a figure is there and differs between runs.
+    /// True if a figure exists and differs between runs.
     fn varies(&self, figure: &str) -> bool {
         let mut values = self.rows.iter().filter_map(|row| row.figures.get(figure));
         values.next().is_some_and(|first| values.any(|value| value.to_bits() != first.to_bits()))
     }
 }
 
-/// What the figures of a case measure by their names in `sweep.csv`.
+/// The quantities measured by the figures of a case, by their names in `sweep.csv`.
 fn measures(case: &Case) -> BTreeMap<String, Measure> {
     let key = |value: &Shown| match value.table {
         Kept::Summary => Some(value.name.clone()),
@@ -401,7 +402,7 @@ const SHOWN: [(&str, &str); 8] = [
     ("energy.friction_dissipation", "friction work"),
 ];
 
-/// Draws the figures over the first key whose values are numbers; without one there is no picture.
+/// Draws the figures over the first key with numeric values; without such a key there is no picture.
 fn picture(name: &str, rows: &[Row], table: &Table, out: &Path) -> Result<(), Failure> {
     let number = |row: &Row, key: usize| row.values.get(key).and_then(|(_, value)| value.parse::<f64>().ok());
     let keys = table.keys().count();

@@ -7,7 +7,7 @@ use crate::status::Failure;
 /// Stack of a thread.
 const STACK: usize = 8 << 20;
 
-/// Does the work of a command in a pool with so many threads, by default one per core.
+/// Executes the work of a command in a pool with this many threads, by default one per core.
 pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let most = most_threads();
@@ -18,7 +18,7 @@ pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<T, 
     }
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK);
     if threads == Some(1) {
-        // No thread is started.
+        // No additional thread is started.
         pool = pool.use_current_thread();
     }
     let pool = pool.build().map_err(|error| Failure::Run {

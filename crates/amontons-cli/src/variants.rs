@@ -5,7 +5,7 @@ use crate::status::Failure;
 /// One combination.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Variant {
-    /// Name of its folder; empty where there is nothing to combine.
+    /// Name of its folder; empty if there is nothing to combine.
     pub folder: String,
     /// Keys with their values, as TOML.
     pub values: Vec<(String, String)>,
@@ -18,7 +18,7 @@ impl Variant {
     }
 }
 
-/// All combinations of the values of arguments `KEY=VALUE,VALUE,…`, the last key running first.
+/// All combinations of the values of arguments `KEY=VALUE,VALUE,…`; the last key varies fastest.
 pub fn variants(each: &[String]) -> Result<Vec<Variant>, Failure> {
     let mut variants = vec![Variant::default()];
     for argument in each {
@@ -43,7 +43,7 @@ pub fn variants(each: &[String]) -> Result<Vec<Variant>, Failure> {
             })
             .collect();
     }
-    // Two values that make one name, such as "a/b" and "a-b", get numbers.
+    // Two values that give the same name, such as "a/b" and "a-b", get numbers.
     for i in 1..variants.len() {
         let same = variants[..i].iter().filter(|other| other.folder == variants[i].folder).count();
         if same > 0 {
@@ -53,7 +53,7 @@ pub fn variants(each: &[String]) -> Result<Vec<Variant>, Failure> {
     Ok(variants)
 }
 
-/// The values between the commas that are neither in quotes nor in brackets.
+/// The values between commas outside of quotes and brackets.
 fn split(values: &str) -> Vec<String> {
     let (mut parts, mut depth, mut quote) = (vec![String::new()], 0usize, None);
     for c in values.chars() {
@@ -75,7 +75,7 @@ fn split(values: &str) -> Vec<String> {
     parts.iter().map(|part| part.trim().to_owned()).collect()
 }
 
-/// A value as part of the name of a folder on every system.
+/// A value as part of a folder name that is valid on every system.
 fn plain(value: &str) -> String {
     let allowed = |c: char| c.is_alphanumeric() || matches!(c, '.' | '-' | '+' | '_');
     let text: String = value.trim_matches(['"', '\'']).chars().map(|c| if allowed(c) { c } else { '-' }).collect();

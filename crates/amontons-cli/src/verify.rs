@@ -10,7 +10,7 @@ use crate::arguments::{Common, Format};
 use crate::print;
 use crate::status::Failure;
 
-/// Evaluates the benchmarks, case files and results folders that are named, all benchmarks without names.
+/// Evaluates the named benchmarks, case files and results folders, or all benchmarks without names.
 pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
     let settings = Settings { certificate: false, ..Settings::default() };
     let mut verdicts: Vec<Verdict> = Vec::new();
@@ -32,7 +32,7 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
                 failures.extend(found.faults.into_iter().map(|fault| format!("{}: {fault}", target.name())));
                 unchecked.extend(found.unchecked);
             }
-            // Of one case the failure is that of its run; of several the others go on.
+            // A single case fails with its run; of several the others continue.
             Err(error) if wanted.len() == 1 => return Err(error.into()),
             Err(error) => failures.push(format!("{}: {error}", target.name())),
         }
@@ -52,7 +52,7 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
     Err(Failure::Verification { message: failures.join("\n"), table })
 }
 
-/// What is evaluated.
+/// The item that is evaluated.
 enum Target<'a> {
     /// A shipped benchmark or a case file.
     Case(Source),

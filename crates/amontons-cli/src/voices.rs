@@ -1,4 +1,4 @@
-//! Findings in two voices: warnings to act on, with place and repair, and one line on what the theory does not cover.
+//! Findings of two kinds: warnings to act on, with place and repair, and one line on the limits of the theory.
 
 use amontons::hypotheses::{Finding, Kind};
 
@@ -9,14 +9,14 @@ pub fn of_run(findings: &[Finding]) -> Vec<String> {
     lines
 }
 
-/// `Warning (strain): …` with its place, and what repairs it.
+/// A warning with its place and repair: `Warning (strain): …`.
 fn warning(finding: &Finding) -> Vec<String> {
     let mut lines = vec![format!("Warning ({}): {} ({})", finding.id, finding.message, finding.place)];
     lines.extend(finding.repair.iter().map(|repair| format!("  to repair it: {repair}")));
     lines
 }
 
-/// The hypotheses of the theory that do not hold, by their ids.
+/// The ids of the hypotheses of the theory that do not hold.
 fn not_covered(findings: &[Finding]) -> Option<String> {
     let ids: Vec<&str> =
         findings.iter().filter(|f| f.kind == Kind::Theory && !f.holds()).map(|f| f.id.as_str()).collect();

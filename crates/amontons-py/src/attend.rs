@@ -1,4 +1,4 @@
-//! Work in Rust while Python attends: without the lock of the interpreter, and with its signals answered.
+//! Work in Rust while Python waits: without the lock of the interpreter, and with its signals answered.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -8,29 +8,29 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Time after which signals are looked for.
+/// Time between two checks for signals.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Something that the thread of Python does for the work. The work waits until it is dropped.
+/// A task for the Python thread. The work waits until it is dropped.
 pub type Errand = Box<dyn FnOnce(Python<'_>) -> PyResult<()> + Send>;
 
-/// What the work sends errands with.
+/// Sender of tasks from the work to the Python thread.
 #[derive(Clone)]
 pub struct Desk(Sender<(Errand, Sender<()>)>);
 
 impl Desk {
-    /// Has something done by the thread of Python, and waits for it.
+    /// Sends a task to the Python thread and waits until it is done.
     pub fn send(&self, errand: Errand) {
         let (done, wait) = channel();
         if self.0.send((errand, done)).is_ok() {
-            // The other end is dropped where the errand is not done.
+            // The other end is dropped if the task is not done.
             let _ = wait.recv();
         }
     }
 }
 
-/// Does work on a thread of its own. Meanwhile this thread runs errands and answers signals: an exception of either
-/// sets the flag, which is to end the work, and is returned beside what the work came to.
+/// Does the work on a separate thread. Meanwhile this thread runs tasks and answers signals. An exception of either
+/// sets the flag, which ends the work, and is returned with the result of the work.
 pub fn attend<T: Send>(
     py: Python<'_>,
     flag: &AtomicBool,
@@ -50,7 +50,7 @@ pub fn attend<T: Send>(
     })
 }
 
-/// Runs errands until the work is over.
+/// Runs tasks until the work is over.
 fn serve(receiver: &Receiver<(Errand, Sender<()>)>, flag: &AtomicBool) -> Option<PyErr> {
     let mut raised = None;
     loop {

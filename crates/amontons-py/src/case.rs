@@ -43,7 +43,7 @@ impl Case {
         }
     }
 
-    /// Its name.
+    /// Name of the case.
     #[getter]
     fn name(&self) -> &str {
         &self.read.problem.name
@@ -75,7 +75,7 @@ fn text(value: &serde_json::Value) -> PyResult<String> {
     serde_json::to_string(value).map_err(|error| errors::wrong(&error))
 }
 
-/// What `amontons check --format json` prints.
+/// Checks a case; returns the output of `amontons check --format json`.
 #[pyfunction]
 pub fn check(py: Python<'_>, case: &Bound<'_, Case>, laws: Vec<Law>) -> PyResult<String> {
     let alarm = Alarm::default();
@@ -101,11 +101,11 @@ pub fn check(py: Python<'_>, case: &Bound<'_, Case>, laws: Vec<Law>) -> PyResult
     raised.or_else(|| alarm.take()).map_or_else(|| text(&made), Err)
 }
 
-/// A study as the Python layer asks for it.
+/// Request for a study from the Python layer.
 #[derive(FromPyObject)]
 pub struct Study {
     levels: Vec<usize>,
-    /// A level, `exact`, or none for the finest of the levels.
+    /// A level, `exact`, or `None` for the finest of the levels.
     reference: Option<usize>,
     exact: bool,
     vary: String,
@@ -115,7 +115,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// The study that is asked for.
+    /// The request in the form of the library.
     fn request(&self, py: Python<'_>) -> PyResult<StudyRequest> {
         let vary = match self.vary.as_str() {
             "both" => Vary::Both,
@@ -158,7 +158,7 @@ pub fn converge(py: Python<'_>, case: &Bound<'_, Case>, request: Study) -> PyRes
     text(&json!(table))
 }
 
-/// Solves the levels of a study. Those that the folder has are taken from there, and the others are kept in it.
+/// Solves the levels of a study. Levels stored in the folder are reused, and the others are stored there.
 fn solved(
     study: &convergence::Study,
     folder: Option<&StudyFolder>,

@@ -68,7 +68,7 @@ fn of_fault(py: Python<'_>, fault: &CaseFault) -> PyResult<Py<PyAny>> {
     Ok(class.call(PyTuple::empty(py), Some(&arguments))?.unbind())
 }
 
-/// Faults of data that a case does not have: laws in the place of those of the case.
+/// Faults of data that come from laws given in place of those of the case.
 pub fn of_faults(py: Python<'_>, faults: &Faults) -> PyErr {
     exception(py, "RequestError", (faults.to_string(),))
 }
@@ -95,7 +95,7 @@ pub fn of_plot(py: Python<'_>, error: &PlotError) -> PyErr {
     }
 }
 
-/// The exception of a run that did not reach its end. What the run came to is added in Python.
+/// The exception of a run that did not reach its end. The results so far are added in Python.
 pub fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
     let class = match error {
         RunError::Threads { .. } => "ThreadsError",

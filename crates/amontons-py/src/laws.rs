@@ -1,4 +1,4 @@
-//! Laws that are written in Python.
+//! Laws written in Python.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// What ends a run whose law has raised an exception.
+/// Ends a run whose law has raised an exception.
 #[derive(Clone, Debug, Default)]
 pub struct Alarm {
     pub flag: Arc<AtomicBool>,
@@ -52,7 +52,7 @@ impl fmt::Debug for Function {
 }
 
 impl Function {
-    /// What a value that is infinite or no number is told by: the law, the value and the arguments that gave it.
+    /// The message for a value that is infinite or NaN: the law, the value and the arguments that gave it.
     fn not_a_number(&self, rows: &[Inputs], values: &[f64], at: usize) -> String {
         let row = at / (values.len() / rows.len().max(1)).max(1);
         let arguments = rows.get(row).map_or_else(String::new, |row| format!(" for the arguments {row:?}"));
@@ -88,12 +88,12 @@ impl ArrayFunction for Function {
     }
 }
 
-/// A law as the Python layer describes it: its kind, its functions and its constants.
+/// A law as described by the Python layer: its kind, its functions and its constants.
 #[derive(FromPyObject)]
 pub struct Law {
     name: String,
     kind: String,
-    /// The contact side, or the region; none for all of them.
+    /// The contact side or the region, or `None` for all of them.
     place: Option<String>,
     functions: Vec<Py<PyAny>>,
     constants: Vec<Option<f64>>,
@@ -155,7 +155,7 @@ impl Law {
         })
     }
 
-    /// Puts the law into a problem; whether there was a place for it.
+    /// Puts the law into a problem. Returns true if there was a place for it.
     fn put(&self, data: &mut ProblemData, alarm: &Alarm) -> bool {
         let regions = data.mesh.regions.clone();
         let called = names(&data.contacts);
@@ -196,7 +196,7 @@ impl Law {
     }
 }
 
-/// The problem with laws in the place of its own.
+/// The problem with some of its laws replaced.
 pub fn with_laws(py: Python<'_>, problem: &Problem, laws: &[Law], alarm: &Alarm) -> PyResult<Problem> {
     if laws.is_empty() {
         return Ok(problem.clone());
@@ -225,8 +225,8 @@ pub fn with_laws(py: Python<'_>, problem: &Problem, laws: &[Law], alarm: &Alarm)
     }
 }
 
-/// Tests what a law promises at random points, for an argument of this size: slopes against differences, constants, and
-/// what the solver relies on.
+/// Tests the contract of a law at random points, for arguments of this size: slopes against differences, constants, and
+/// the assumptions of the solver.
 #[pyfunction]
 #[pyo3(signature = (law, size, dim))]
 pub fn test_law(py: Python<'_>, law: Law, size: f64, dim: usize) -> PyResult<Option<String>> {
@@ -245,7 +245,7 @@ pub fn test_law(py: Python<'_>, law: Law, size: f64, dim: usize) -> PyResult<Opt
     }
 }
 
-/// The message of an assertion that fails, which is not printed.
+/// The message of a failed assertion, without printing it.
 fn quietly(test: impl FnOnce() + std::panic::UnwindSafe) -> Result<(), String> {
     static HOOK: Mutex<()> = Mutex::new(());
     let _one_at_a_time = HOOK.lock().unwrap_or_else(PoisonError::into_inner);

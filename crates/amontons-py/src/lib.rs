@@ -1,10 +1,10 @@
-//! The compiled part of the Python package amontons: what its Python part builds on.
+//! The compiled part of the Python package amontons, used by its Python part.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `attend` | work on a thread of its own, while Python answers signals |
 //! | `case` | cases: read, checked, studied, verified |
-//! | `run`, `snapshot` | runs and what they keep |
+//! | `run`, `snapshot` | runs and the data they keep |
 //! | `laws` | laws written in Python |
 //! | `picture` | pictures of runs in memory |
 //! | `view` | arrays without copies |

@@ -1,4 +1,4 @@
-//! Pictures of runs that are in memory.
+//! Pictures of runs in memory.
 
 use std::path::PathBuf;
 

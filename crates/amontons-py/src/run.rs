@@ -1,4 +1,4 @@
-//! Runs: a sink that keeps what Python asks for, and the thread that makes the steps.
+//! Runs: a sink that keeps the requested data, and the thread that makes the steps.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,7 +29,7 @@ struct Table {
     values: Vec<f64>,
 }
 
-/// What a run came to.
+/// The results of a run.
 #[pyclass(frozen, module = "amontons._amontons")]
 pub struct Run {
     problem: Arc<Problem>,
@@ -73,31 +73,31 @@ impl Run {
         Run::table(slf, |run| &run.history)
     }
 
-    /// The same of `probes.csv`.
+    /// Names of the columns of `probes.csv`, and the rows as an array without a copy.
     #[getter]
     fn probes_table<'py>(slf: &Bound<'py, Self>) -> PyResult<(Vec<String>, Bound<'py, PyAny>)> {
         Run::table(slf, |run| &run.probes)
     }
 
-    /// The states that were kept, by ascending time.
+    /// The kept states, by ascending time.
     #[getter]
     fn snapshots(&self, py: Python<'_>) -> Vec<Py<Snapshot>> {
         self.snapshots.iter().map(|snapshot| snapshot.clone_ref(py)).collect()
     }
 
-    /// `summary.json`; none if the run ended before its first step.
+    /// The text of `summary.json`, or `None` if the run ended before its first step.
     #[getter]
     fn summary_json(&self) -> Option<&str> {
         self.summary.as_deref()
     }
 
-    /// What the writers of the results folder have to say.
+    /// Notes of the writer of the results folder.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// The exception that ended the run; none if it reached its end or was stopped by the callback.
+    /// The exception that ended the run, or `None` if it reached its end or was stopped by the callback.
     fn take_error(&self, py: Python<'_>) -> Option<Py<PyAny>> {
         let error = self.error.lock().unwrap_or_else(PoisonError::into_inner).take()?;
         Some(error.into_value(py).into_any())
@@ -138,14 +138,14 @@ impl Run {
 struct Call<'a> {
     callback: Option<&'a Py<PyAny>>,
     desk: &'a Desk,
-    /// Set where the callback asks the run to stop.
+    /// Set if the callback asks the run to stop.
     stopped: &'a Arc<AtomicBool>,
-    /// What ends the run.
+    /// Flag that ends the run.
     flag: &'a Arc<AtomicBool>,
 }
 
 impl Call<'_> {
-    /// Calls it, if there is one, and waits for its answer.
+    /// Calls the callback, if any, and waits for its answer.
     fn after(&self, snapshot: impl FnOnce() -> Snapshot) {
         let Some(callback) = self.callback else { return };
         let (callback, snapshot) = (Python::attach(|py| callback.clone_ref(py)), snapshot());
@@ -161,7 +161,7 @@ impl Call<'_> {
     }
 }
 
-/// What is kept of a run.
+/// Data kept of a run.
 #[derive(Default)]
 struct Kept {
     history: Vec<f64>,
@@ -215,7 +215,7 @@ impl Sink for Recorder<'_> {
     }
 }
 
-/// What a run is asked for, as the Python layer hands it over.
+/// Request for a run from the Python layer.
 #[derive(FromPyObject)]
 pub struct Request {
     out: Option<PathBuf>,
@@ -227,21 +227,21 @@ pub struct Request {
 }
 
 impl Request {
-    /// The writer of the results folder, if there is to be one.
+    /// The writer of the results folder, if requested.
     fn folder(&self, py: Python<'_>, case: &case::Case) -> PyResult<Option<Folder>> {
         let Some(out) = &self.out else { return Ok(None) };
         let options = FolderOptions { force: self.force, certificate: self.judges_all(case), ..case.folder_options() };
         Folder::create(out, options).map(Some).map_err(|error| errors::of_output(py, &error))
     }
 
-    /// Whether all hypotheses are evaluated: as asked, else where that is at most about a tenth of the run.
+    /// True if all hypotheses are evaluated: as requested, else if that takes at most about a tenth of the run.
     fn judges_all(&self, case: &case::Case) -> bool {
         self.certificate.unwrap_or_else(|| hypotheses::are_affordable(&case.problem))
     }
 
     fn settings(&self, case: &case::Case, alarm: &Alarm) -> Settings {
         Settings {
-            // The run is made in a pool of the threads that are asked for: its steps are not handed from thread to
+            // The run is made in a pool with the requested number of threads, so that its steps do not change the
             // thread.
             threads: None,
             interrupt: Some(Arc::clone(&alarm.flag)),
@@ -291,7 +291,7 @@ pub fn run(py: Python<'_>, case: &Bound<'_, Case>, request: Request) -> PyResult
     })
 }
 
-/// The exception of a run: what Python raised comes first, and a run that the callback stopped has none.
+/// The exception of a run: an exception of Python comes first, and a run stopped by the callback has none.
 fn ending(py: Python<'_>, error: Option<RunError>, raised: Option<PyErr>, stopped: bool) -> Option<PyErr> {
     match (raised, error) {
         (Some(raised), _) => Some(raised),

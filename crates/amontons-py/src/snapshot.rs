@@ -60,7 +60,7 @@ impl Snapshot {
         }
     }
 
-    /// The values of the cells, computed when they are first asked for.
+    /// The values of the cells, computed on first use.
     pub fn cells(&self, py: Python<'_>) -> &Cells {
         py.detach(|| self.cells.get_or_init(|| Cells::new(&self.problem, &self.state)))
     }
@@ -80,7 +80,7 @@ impl Snapshot {
         self.state.t
     }
 
-    /// Names of the fields that the case has.
+    /// Names of the fields of the case.
     #[getter]
     fn field_names(&self) -> Vec<&'static str> {
         let physics = self.problem.physics;
@@ -109,7 +109,7 @@ impl Snapshot {
         }
     }
 
-    /// The columns of `contact.csv`: arrays of numbers and lists of words.
+    /// The columns of `contact.csv`: arrays of numbers and lists of strings.
     fn contact_columns<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
         let columns = PyDict::new(slf.py());
         for (number, (name, values)) in slf.get().contact.iter().enumerate() {

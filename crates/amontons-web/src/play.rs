@@ -1,4 +1,4 @@
-//! A run in memory, and what a page shows of it.
+//! A run in memory, and its data for a page.
 
 use std::sync::Arc;
 
@@ -8,22 +8,22 @@ use amontons::plot::{self, Film, Kind, Options, Panel};
 use amontons::run::{Settings, run};
 use serde_json::{Value, json};
 
-/// A case that was run.
+/// A finished run of a case.
 #[derive(Debug)]
 pub struct Play {
     film: Film,
     /// The case as run, with the overrides.
     text: String,
-    /// Why the run ended before its end.
+    /// The reason why the run ended early, if it did.
     error: Option<String>,
 }
 
 impl Play {
-    /// Reads the text of a case with overrides, each `key=value`, and runs it; at most `frames` times are kept beside
-    /// the start.
+    /// Reads the text of a case with overrides, each `key=value`, and runs it. At most `frames` times are kept in
+    /// addition to the start.
     ///
     /// # Errors
-    /// When the case has faults, or no step of the run could be made.
+    /// The case has faults, or no step of the run could be made.
     pub fn new(text: &str, overrides: &[String], frames: usize) -> Result<Play, String> {
         let read = case::parse(&Source::new("case.toml", text), overrides).map_err(|error| error.to_string())?;
         let problem = Arc::new(read.problem);
@@ -33,16 +33,16 @@ impl Play {
             Some(advice) => format!("{error}\n{advice}"),
             None => error.to_string(),
         });
-        // Without a summary there is nothing to show but the error.
+        // Without a summary only the error can be shown.
         match (film.summary(), error) {
             (None, error) => Err(error.unwrap_or_else(|| "the run has no summary".to_owned())),
             (Some(_), error) => Ok(Play { film, text: read.text, error }),
         }
     }
 
-    /// What there is to show: `times`, the names of the `pictures`, the `headline` and the `rows` of the summary, the
-    /// `findings` with what does not hold first, the `case` as run, the `error` of a run that ended early, and the
-    /// `summary` itself.
+    /// The data of the page: `times`, the names of the `pictures`, the `headline` and the `rows` of the summary, the
+    /// `findings` with failed ones first, the `case` as run, the `error` of a run that ended early, and the `summary`
+    /// itself.
     #[must_use]
     pub fn told(&self) -> Value {
         let summary = self.film.summary();
@@ -65,11 +65,11 @@ impl Play {
         })
     }
 
-    /// A picture at one of the times, as SVG. The body of the last time has what is drawn; at another time less may be
-    /// there.
+    /// A picture at one of the kept times, as SVG. Names of pictures are those at the last time; at another time some
+    /// may be missing.
     ///
     /// # Errors
-    /// When the run has no such picture or no such time.
+    /// The run has no such picture or no such time.
     pub fn picture(&self, name: &str, frame: usize) -> Result<String, String> {
         let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.file_name() == name) else {
             let known: Vec<&str> = Kind::ALL.iter().map(|kind| kind.file_name()).collect();
@@ -81,7 +81,7 @@ impl Play {
     }
 }
 
-/// Whether a picture of a run can be drawn and shows something.
+/// True if a picture of a run can be drawn and is not trivial.
 fn shows(kind: Kind, run: &plot::Run) -> bool {
     kind.is_told_by(run) && (run.dimension > 1 || kind == Kind::History)
 }
@@ -109,7 +109,7 @@ mod tests {
         for name in told["pictures"].as_array().unwrap() {
             assert!(play.picture(name.as_str().unwrap(), 4).unwrap().starts_with("<svg"), "{name}");
         }
-        // Friction and the foundation change what is drawn.
+        // Friction and foundation change the pictures.
         let other = played(&["contact.friction.coefficient=0.6"]).unwrap();
         let hot = played(&["contact.heat.foundation_temperature=10"]).unwrap();
         for (picture, than) in [("contact", &other), ("temperature", &hot)] {

@@ -1,4 +1,4 @@
-//! Time per step over unknowns, both in decades.
+//! Time per step over unknowns, both on logarithmic axes.
 
 use super::Row;
 
@@ -50,7 +50,7 @@ pub fn chart(rows: &[Row]) -> String {
     svg + "</svg>\n"
 }
 
-/// A line with its name for every program on every case.
+/// One line with its name per program and case.
 fn series(rows: &[Row], place: impl Fn(&Row) -> (f64, f64)) -> String {
     let mut svg = String::new();
     let mut names: Vec<String> = rows.iter().map(|row| format!("{}, {}", row.case, row.program)).collect();

@@ -1,4 +1,4 @@
-//! One linear system of the cube, by this program and by pyamg: the same matrix and the same right-hand side.
+//! One linear system of the cube, solved by this program and by pyamg: the same matrix and right-hand side.
 
 use std::error::Error;
 use std::fs;
@@ -19,8 +19,8 @@ use super::{CUBE, Row};
 /// Residual, relative to the right-hand side, down to which the system is solved.
 const LEFT: f64 = 1e-10;
 
-/// Solves K x = r on the cube with `n` cells per edge, with one thread and with all, and where it is asked for by the
-/// script of pyamg.
+/// Solves K x = r on the cube with `n` cells per edge, with one thread and with all, and with the script of pyamg if
+/// `python` is given.
 pub fn measure(n: usize, python: Option<&str>) -> Result<Vec<Row>, Box<dyn Error>> {
     let case = case::parse(&Source::new("cube.toml", CUBE), &[format!("mesh.n={n}")]).map_err(|f| f.to_string())?;
     let problem = case.problem;
@@ -72,7 +72,7 @@ pub fn measure(n: usize, python: Option<&str>) -> Result<Vec<Row>, Box<dyn Error
     Ok(rows)
 }
 
-/// Seconds to make the levels and to solve, and iterations.
+/// Seconds to make the multigrid levels and to solve, and iterations.
 fn solve(
     matrix: &Arc<BlockMatrix>,
     layout: &Layout,
@@ -81,7 +81,7 @@ fn solve(
     let backend: Arc<dyn Backend> = Arc::new(Multigrid::default());
     let begin = Instant::now();
     let mut system = System::new(&backend, matrix, layout)?;
-    // The levels are made with the first product that needs them.
+    // The levels are made by the first product that needs them.
     let r = system.unknowns().gather(right);
     system.solve_to(&mut r.clone(), 0.5)?;
     let (setup, before) = (begin.elapsed().as_secs_f64(), system.iterations());
@@ -101,7 +101,7 @@ fn solve(
     Ok((setup, seconds, iterations))
 }
 
-/// The blocks of the nodes that are free, as compressed rows, with the right-hand side and the coordinates.
+/// Writes the blocks of the free nodes as compressed rows, with the right-hand side and the coordinates.
 fn write(folder: &Path, matrix: &BlockMatrix, mesh: &Mesh, free: &[bool], right: &[f64]) -> Result<(), Box<dyn Error>> {
     let nodes: Vec<usize> = (0..mesh.points.len()).filter(|node| free[3 * node]).collect();
     let mut place = vec![None; mesh.points.len()];

@@ -1,8 +1,8 @@
-//! Mutations of sound inputs.
+//! Mutations of valid inputs.
 
 use crate::random::Random;
 
-/// Numbers at the ends of what types and formats hold.
+/// Numbers at the limits of types and formats.
 const NUMBERS: [&str; 18] = [
     "0",
     "-1",
@@ -28,24 +28,24 @@ const NUMBERS: [&str; 18] = [
 const COUNTS: [u64; 5] = [1 << 24, 500_000_000, (1 << 31) - 1, (1 << 32) - 1, 1 << 40];
 /// Factors of coordinates and other numbers of a text.
 const FACTORS: [f64; 6] = [1e-12, 1e-6, 1e6, 1e12, 1e300, -1.0];
-/// What names of a mesh or a case must not do to a terminal or a spreadsheet.
+/// Strings in names of a mesh or a case that must not act on a terminal or a spreadsheet.
 const SIGNS: [&str; 6] = ["\u{1b}[31m", "\u{7}", "=1+1", "\u{202e}", "\r", "\u{0}"];
-/// Most sets in a chain.
+/// Largest number of sets in a chain.
 const CHAIN: usize = 40;
 
-/// Makes inputs of others.
+/// Makes inputs from others.
 pub struct Mutator {
     random: Random,
     words: Vec<String>,
 }
 
 impl Mutator {
-    /// Mutations that put in some words.
+    /// A mutator that inserts these words.
     pub fn new(random: Random, words: Vec<String>) -> Mutator {
         Mutator { random, words }
     }
 
-    /// A mutation of one of the inputs, of at most so many bytes.
+    /// A mutation of one of the inputs, of at most `longest` bytes.
     pub fn mutate(&mut self, corpus: &[Vec<u8>], longest: usize) -> Vec<u8> {
         let mut bytes = self.one(corpus);
         let times = 1 + self.below(4);
@@ -65,7 +65,7 @@ impl Mutator {
         corpus.get(at).cloned().unwrap_or_default()
     }
 
-    /// A range of an input.
+    /// A random range of an input.
     fn range(&mut self, length: usize, most: usize) -> std::ops::Range<usize> {
         let from = self.below(length + 1);
         from..(from + 1 + self.below(most)).min(length).max(from)
@@ -121,7 +121,7 @@ impl Mutator {
         }
     }
 
-    /// Puts another number in the place of one in a text.
+    /// Replaces a number in a text by another one.
     fn renumber(&mut self, bytes: &mut Vec<u8>) {
         let from = self.below(bytes.len() + 1);
         let Some(start) = bytes.iter().skip(from).position(u8::is_ascii_digit).map(|at| from + at) else { return };
@@ -130,7 +130,7 @@ impl Mutator {
         drop(bytes.splice(start..start + digits, number.bytes()));
     }
 
-    /// Announces more than there is: a small number of a binary file, on a boundary of four bytes, becomes a large one.
+    /// Announces more data than exist: a small number of a binary file, aligned to four bytes, becomes a large one.
     fn announce(&mut self, bytes: &mut [u8]) {
         let words = bytes.len() / 4;
         let from = self.below(words + 1);
@@ -146,7 +146,7 @@ impl Mutator {
         }
     }
 
-    /// Scales a number of a text: cells become slivers, bodies lie far apart.
+    /// Scales a number of a text: cells become slivers, bodies move far apart.
     fn scale(&mut self, bytes: &mut Vec<u8>) {
         let from = self.below(bytes.len() + 1);
         let Some(start) = bytes.iter().skip(from).position(u8::is_ascii_digit).map(|at| from + at) else { return };
@@ -157,7 +157,7 @@ impl Mutator {
         drop(bytes.splice(start..start + digits, scaled.into_bytes()));
     }
 
-    /// Appends sets of sets to a model of Abaqus, each of several times the one before.
+    /// Appends sets of sets to an Abaqus model, each with several references to the one before.
     fn chain(&mut self, bytes: &mut Vec<u8>) {
         let kind = self.random.of(&["NSET", "ELSET"]);
         let text = String::from_utf8_lossy(bytes).into_owned();

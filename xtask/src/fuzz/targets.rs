@@ -1,4 +1,4 @@
-//! The readers: what each reads, and sound inputs for it.
+//! The readers, each with its valid inputs.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +14,7 @@ use amontons::run::{self, Settings};
 use amontons::verify::{BENCHMARKS, recompute};
 use sha2::{Digest, Sha256};
 
-/// A case that runs in a moment.
+/// A case that runs within moments.
 const SMALL: &str = r#"
 name = "small"
 [mesh]
@@ -89,7 +89,7 @@ A.LOW,
 *END STEP
 ";
 
-/// Bytes before and behind the body of a checkpoint.
+/// Number of bytes before and after the body of a checkpoint.
 const HEADER: usize = 16 + 4 + 32 + 8;
 const HASH: usize = 32;
 
@@ -113,7 +113,7 @@ pub fn names() -> Vec<&'static str> {
     ]
 }
 
-/// A reader with what it needs.
+/// A reader with its data.
 pub struct Target {
     kind: Kind,
     corpus: Vec<Vec<u8>>,
@@ -136,8 +136,8 @@ enum Kind {
         case: Box<Case>,
         folder: PathBuf,
     },
-    /// A results folder with the names of its files, or of the one with the fields: the first byte of an input chooses
-    /// one of them.
+    /// A results folder with the names of its files, or only of the one with the fields: the first byte of an input
+    /// chooses one of them.
     Results {
         folder: PathBuf,
         files: Vec<PathBuf>,
@@ -146,7 +146,7 @@ enum Kind {
 }
 
 impl Target {
-    /// The reader of a name.
+    /// The reader with this name.
     pub fn new(name: &str) -> Option<Target> {
         let cases = || -> Vec<Vec<u8>> {
             let texts = BENCHMARKS.iter().map(|(_, text)| *text).chain([SMALL, case::STARTER]);
@@ -192,17 +192,17 @@ impl Target {
         Some(Target { kind, corpus })
     }
 
-    /// The inputs to begin with.
+    /// The initial inputs.
     pub fn corpus(&self) -> Vec<Vec<u8>> {
         self.corpus.clone()
     }
 
-    /// Number of the sound inputs.
+    /// Number of valid inputs.
     pub fn sound(&self) -> usize {
         self.corpus.len()
     }
 
-    /// Words to put in: those of the schema, of the mesh formats, and of expressions.
+    /// Words to insert: those of the schema, of the mesh formats, and of expressions.
     pub fn words(&self) -> Vec<String> {
         let mut words: Vec<String> = match self.kind {
             Kind::Gmsh => [
@@ -264,7 +264,7 @@ impl Target {
         words
     }
 
-    /// Reads an input; what came of it in words.
+    /// Reads an input; returns the outcome in words.
     pub fn read(&mut self, bytes: &[u8]) -> String {
         let text = || String::from_utf8_lossy(bytes).into_owned();
         match &self.kind {
@@ -291,12 +291,12 @@ impl Target {
     }
 }
 
-/// An error in its words; all that is read well is alike.
+/// The text of an error; all successful results give the same text.
 fn told<T, E: ToString>(result: Result<T, E>) -> String {
     result.map_or_else(|error| error.to_string(), |_| String::new())
 }
 
-/// Goes on from a checkpoint whose checksum is right whatever its body.
+/// Resumes from a checkpoint with a valid checksum and any body.
 fn checkpoint(case: &Case, folder: &Path, bytes: &[u8]) -> String {
     let mut sealed = bytes.to_vec();
     if let Some(body) = sealed.len().checked_sub(HEADER + HASH) {
@@ -318,7 +318,7 @@ fn checkpoint(case: &Case, folder: &Path, bytes: &[u8]) -> String {
     }
 }
 
-/// Verifies a results folder of which one file is another, and reads it for pictures.
+/// Verifies a results folder with one file replaced, and reads it for pictures.
 fn results(folder: &Path, files: &[PathBuf], sound: &[Vec<u8>], bytes: &[u8]) -> String {
     let Some((first, rest)) = bytes.split_first() else { return String::new() };
     let which = usize::from(*first) % files.len().max(1);
@@ -335,7 +335,7 @@ fn results(folder: &Path, files: &[PathBuf], sound: &[Vec<u8>], bytes: &[u8]) ->
     found + &drawn + &restored
 }
 
-/// A results folder of its own with the run of a case.
+/// A separate results folder with the run of a case.
 fn small_run(name: &str, text: &str) -> Option<(PathBuf, Case)> {
     let folder = std::env::temp_dir().join(format!("amontons-fuzz-{name}-{}", std::process::id()));
     let case = case::parse(&Source::new("small.toml", text), &[]).ok()?;
@@ -350,13 +350,13 @@ fn small_run(name: &str, text: &str) -> Option<(PathBuf, Case)> {
 impl Drop for Target {
     fn drop(&mut self) {
         if let Kind::Checkpoint { folder, .. } | Kind::Results { folder, .. } = &self.kind {
-            // What stays lies in the folder for temporary files.
+            // Remaining files are in the folder for temporary files.
             let _ = fs::remove_dir_all(folder);
         }
     }
 }
 
-/// The files of a folder and of those below it.
+/// The files in a folder and its subfolders.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -368,13 +368,13 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// A mesh file whose every name of another file is its own without its first line.
+/// Parses a mesh file in which every included file is the file itself without its first line.
 fn including(name: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
     let rest: Arc<[u8]> = bytes.iter().position(|byte| *byte == b'\n').map_or(&[][..], |at| &bytes[at + 1..]).into();
     mesh::parse_file(name, bytes, Some(&mut |_: &str| Ok(Arc::clone(&rest))))
 }
 
-/// The mesh files of the tests with an ending.
+/// The mesh files of the tests with this ending.
 fn meshes(ending: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/amontons/tests/meshes");
     let all = files(&folder).into_iter().filter(|path| path.extension().is_some_and(|e| e == ending));

@@ -13,7 +13,7 @@ struct Term {
     factors: [Option<(f64, Option<String>)>; 3],
 }
 
-/// The table `[load]` of the case, with the temperature that is given; empty where nothing acts.
+/// The table `[load]` of the case, with the given temperature; empty without loads.
 pub fn load(
     model: &Model,
     units: Units,

@@ -1,4 +1,4 @@
-//! Supports, loads and heat of a deck, by the sides and points that they act on.
+//! Supports, loads and heat of a deck, by the sides and points they act on.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -11,7 +11,7 @@ use super::time::{Event, Track};
 use super::transform::{Local, Transforms};
 use super::units::number;
 
-/// What is prescribed on a side or at points.
+/// The quantity prescribed on a side or at points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     Displacement(usize),
@@ -23,13 +23,13 @@ pub enum Quantity {
     Ambient,
 }
 
-/// What is prescribed on one side or at points.
+/// The conditions on one side or at points.
 #[derive(Clone, Debug, Default)]
 pub struct Entry {
     pub on: String,
     /// The keywords with their lines.
     pub from: Vec<String>,
-    /// Tracks with the keyword that they are from.
+    /// Tracks, each with its keyword.
     pub tracks: BTreeMap<Quantity, (Track, String)>,
     /// Film coefficient.
     pub film: Option<f64>,
@@ -48,14 +48,14 @@ pub enum Volume {
     Heat,
 }
 
-/// All that acts on the bodies of a deck.
+/// All conditions and loads of a deck.
 #[derive(Debug, Default)]
 pub struct Conditions {
     pub entries: Vec<Entry>,
     by_name: HashMap<String, usize>,
     /// Forces at nodes by component.
     pub forces: BTreeMap<Node, [Track; 3]>,
-    /// Name and line of what each force at a node is from.
+    /// Name and line of the keyword of each force at a node.
     pub force_from: BTreeMap<Node, (String, String)>,
     pub volume: Vec<(Volume, Track, String)>,
     /// `*TEMPERATURE` of all nodes.
@@ -63,7 +63,7 @@ pub struct Conditions {
     pub initial: Option<f64>,
 }
 
-/// What is needed to read a condition.
+/// The data needed to read a condition.
 pub struct Scene<'a> {
     pub mesh: &'a Mesh,
     pub sides: &'a mut Sides,
@@ -71,7 +71,7 @@ pub struct Scene<'a> {
     pub transforms: &'a Transforms,
     pub rigid: &'a mut Rigids,
     pub dim: usize,
-    /// Thickness of a plane body, else 1.
+    /// Thickness of a plane body; 1 for other bodies.
     pub thickness: f64,
     /// Number of the present step, from 0.
     pub step: usize,
@@ -87,13 +87,13 @@ fn source(card: &Card) -> String {
     format!("*{} {}", card.name, card.place)
 }
 
-/// Whether an entry is the number of a node or an element.
+/// True if an entry is the number of a node or an element.
 fn is_number(text: &str) -> bool {
     text.parse::<i64>().is_ok()
 }
 
 impl Conditions {
-    /// The entry of a side or of points.
+    /// The entry of a side or of points, made if missing.
     fn entry(&mut self, on: &str, card: &Card) -> &mut Entry {
         let place = *self.by_name.entry(on.to_owned()).or_insert_with(|| {
             self.entries.push(Entry { on: on.to_owned(), ..Entry::default() });
@@ -113,7 +113,7 @@ impl Conditions {
         track.set(event, false);
     }
 
-    /// Takes away in a step what a keyword with OP=NEW does not repeat.
+    /// Removes in a step the conditions that a keyword with OP=NEW does not repeat.
     fn renew(&mut self, card: &Card, step: usize) {
         if card.word("OP").as_deref() != Some("NEW") {
             return;
@@ -130,7 +130,7 @@ impl Conditions {
         volume.for_each(|(_, track, _)| track.remove(step));
     }
 
-    /// Takes a keyword that prescribes something; false where it is none.
+    /// Reads a keyword that prescribes something. Returns false for other keywords.
     pub fn take(&mut self, card: &Card, scene: &mut Scene) -> Result<bool, Fault> {
         match card.name.as_str() {
             "BOUNDARY" | "CLOAD" | "DLOAD" | "DSLOAD" | "FILM" | "SFILM" | "DFLUX" | "DSFLUX" | "CFLUX" => {
@@ -274,7 +274,7 @@ impl Conditions {
         Ok(())
     }
 
-    /// Heat flows into nodes, spread evenly over the side that these hold.
+    /// Heat flows into nodes, spread evenly over the side formed by them.
     fn heat_at_nodes(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
         for lines in alike(&card.data, |line| line.entries.get(1..).map(<[String]>::to_vec)) {
             let Some(line) = lines.first() else { continue };
@@ -324,7 +324,7 @@ impl Conditions {
         Ok(())
     }
 
-    /// Sets pressure, heat flux or exchange of a side from the entries of a line, from an index on.
+    /// Sets pressure, heat flux or exchange of a side from the entries of a line, starting at an index.
     fn on_side(&mut self, on: &str, (card, line): (&Card, &Line), at: usize, scene: &mut Scene) -> Result<(), Fault> {
         let value = line.value(at, "a value")?;
         let quantity = match card.name.as_str() {
@@ -350,7 +350,7 @@ impl Conditions {
         Ok(())
     }
 
-    /// Gravity, centrifugal force, forces and heat per volume; false where the label is none of them.
+    /// Reads gravity, centrifugal force, force or heat per volume. Returns false for other labels.
     fn of_volume(&mut self, card: &Card, (line, label): (&Line, &str), scene: &mut Scene) -> Result<bool, Fault> {
         let (volume, value) = match (card.name.as_str(), label) {
             ("DLOAD", "GRAV") => (Volume::Gravity(direction(line, 3)?), line.value(2, "an acceleration")?),
@@ -381,7 +381,8 @@ impl Conditions {
         Ok(true)
     }
 
-    /// `*TEMPERATURE`: one temperature of all nodes. Temperatures node by node are no function of the place.
+    /// `*TEMPERATURE`: one temperature of all nodes. Temperatures per node cannot be expressed as a function of
+    /// position.
     fn temperature(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
         if let Some(value) = whole_field(card, scene.mesh, 1)? {
             self.field.set(scene.event(card, value), false);
@@ -408,7 +409,7 @@ impl Conditions {
     }
 }
 
-/// The value of all nodes that lines with a node or a set and a value say, if it is one.
+/// The common value of all nodes, given by lines with a node or a set and a value, or `None` if there is no common one.
 fn whole_field(card: &Card, mesh: &Mesh, at: usize) -> Result<Option<f64>, Fault> {
     let mut covered: BTreeSet<Node> = BTreeSet::new();
     let mut value = None;
@@ -423,7 +424,7 @@ fn whole_field(card: &Card, mesh: &Mesh, at: usize) -> Result<Option<f64>, Fault
     Ok(value.filter(|_| mesh.all_nodes().is_subset(&covered)))
 }
 
-/// Lines in turn, those that name nodes or elements by number and are otherwise alike together.
+/// Groups consecutive lines that name nodes or elements by number and are otherwise equal; other lines stay single.
 fn alike<T: PartialEq>(lines: &[Line], rest: impl Fn(&Line) -> T) -> Vec<Vec<&Line>> {
     let mut groups: Vec<Vec<&Line>> = Vec::new();
     for line in lines {
@@ -447,7 +448,7 @@ fn nodes_of(lines: &[&Line], mesh: &Mesh) -> Result<BTreeSet<Node>, Fault> {
     Ok(nodes)
 }
 
-/// Gives what a line says of reference nodes to their rigid parts, and returns those of bodies, which are left.
+/// Applies a line to the rigid parts of its reference nodes. Returns the remaining nodes, which belong to bodies.
 fn of_bodies(
     (card, line): (&Card, &Line),
     nodes: &BTreeSet<Node>,
@@ -513,7 +514,7 @@ fn quantity(dof: usize, dim: usize) -> Option<Quantity> {
     }
 }
 
-/// What degrees of freedom in local axes are in those of the case.
+/// Degrees of freedom in local axes, converted to the axes of the case.
 fn turned(
     local: &Local,
     dofs: &[usize],
@@ -540,7 +541,7 @@ fn turned(
     Ok(all)
 }
 
-/// A direction of length 1.
+/// A unit vector.
 fn direction(line: &Line, at: usize) -> Result<[f64; 3], Fault> {
     let mut along = [0.0; 3];
     for (d, along) in along.iter_mut().enumerate() {

@@ -10,7 +10,7 @@ use super::units::{Units, number, numbers, quoted};
 /// Clearance at which the exponential pressure of CalculiX is one per cent of that at contact.
 const HUNDRED: f64 = 100.0;
 
-/// What a `*SURFACE INTERACTION` says.
+/// The laws of a `*SURFACE INTERACTION`.
 #[derive(Clone, Debug, Default)]
 struct Interaction {
     normal: Option<Normal>,
@@ -34,7 +34,7 @@ enum Friction {
 enum Normal {
     Hard,
     Linear(f64),
-    /// Clearance at which pressure begins, and pressure at contact.
+    /// Clearance at which the pressure begins, and pressure at contact.
     Exponential(f64, f64),
     /// Overclosures and pressures.
     Table(Vec<(f64, f64)>),
@@ -55,7 +55,7 @@ struct Pair {
     from: String,
     slave: String,
     master: String,
-    /// None: a tie.
+    /// Name of the interaction, or `None` for a tie.
     interaction: Option<String>,
     close: bool,
     gap: Option<f64>,
@@ -70,28 +70,28 @@ pub struct Contacts {
     pairs: Vec<Pair>,
 }
 
-/// What the case needs to know to write contacts.
+/// Data needed to write contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
     pub units: Units,
     pub heat: bool,
-    /// Whether the bodies do not move: contacts then pass heat alone.
+    /// True if the bodies do not move: contacts then transfer heat only.
     pub rests: bool,
-    /// Whether a step has large displacements.
+    /// True if a step has large displacements.
     pub large: bool,
     /// Conductance of a tie.
     pub tie: f64,
 }
 
 impl Friction {
-    /// Whether there is any.
+    /// True if there is any friction.
     fn acts(&self) -> bool {
         matches!(self, Friction::Coulomb(coefficient, _) if *coefficient > 0.0)
     }
 }
 
 impl Contacts {
-    /// Takes a keyword; false where it says nothing of contact.
+    /// Reads a keyword of contact. Returns false for other keywords.
     pub fn take(&mut self, card: &Card, mesh: &Mesh, notes: &mut Notes) -> Result<bool, Fault> {
         match card.name.as_str() {
             "SURFACE INTERACTION" => {
@@ -300,7 +300,7 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
                 let found = format!("a table that begins with the pressure {}", number(first.1));
                 return Err(Fault::new(&card.place, found, "one that begins with the pressure 0"));
             }
-            // Up to the last row without pressure the sides are apart.
+            // The sides are apart up to the last row without pressure.
             let first = rows.iter().take_while(|row| row.1 <= 0.0).count().saturating_sub(1);
             Ok(Normal::Table(rows.split_off(first)))
         }
@@ -311,7 +311,7 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
     }
 }
 
-/// The friction of the case, a line of it or none.
+/// The line of friction in the case; empty without friction.
 fn rubbing(friction: Option<&Friction>, units: Units) -> String {
     match friction {
         Some(Friction::Rough) => "friction = { law = \"stick\" }\n".to_owned(),
@@ -323,7 +323,7 @@ fn rubbing(friction: Option<&Friction>, units: Units) -> String {
     }
 }
 
-/// A law of the case.
+/// The law of the contact pressure in the case.
 fn pressure(normal: Option<&Normal>, units: Units) -> String {
     match normal {
         None | Some(Normal::Hard | Normal::Tied) => "{ law = \"signorini\" }".to_owned(),
@@ -332,12 +332,12 @@ fn pressure(normal: Option<&Normal>, units: Units) -> String {
         }
         Some(Normal::Exponential(clearance, pressure)) => {
             let (c, p) = (clearance * units.length, pressure * units.stress());
-            // One per cent of the pressure at contact, where CalculiX has the contact begin, is taken away.
+            // One per cent of the pressure at contact, at which CalculiX starts the contact, is subtracted.
             let formula = format!("{}*(exp({}*r) - {})", number(p), number(HUNDRED.ln() / c), number(HUNDRED.recip()));
             format!("{{ law = \"expression\", pressure = \"{formula}\", begin = {} }}", number(-c))
         }
         Some(Normal::Table(rows)) => {
-            // A law of the case has no pressure where it begins, in the gap or where it closes.
+            // A law of the case starts with zero pressure, in the gap or at closure.
             let closed = rows.first().filter(|row| row.0 > 0.0).map(|_| (0.0, 0.0));
             let rows: Vec<(f64, f64)> = closed.into_iter().chain(rows.iter().copied()).collect();
             let penetration = numbers(rows.iter().map(|row| row.0 * units.length));
@@ -347,7 +347,7 @@ fn pressure(normal: Option<&Normal>, units: Units) -> String {
     }
 }
 
-/// `*GAP CONDUCTANCE`: over the pressure, or over the clearance as Abaqus has it without PRESSURE.
+/// `*GAP CONDUCTANCE`: over the pressure, or over the clearance as in Abaqus without PRESSURE.
 fn conductance(card: &Card) -> Result<Conductance, Fault> {
     card.first("a conductance")?;
     let mut rows: Vec<(f64, f64)> = Vec::new();
@@ -363,12 +363,12 @@ fn conductance(card: &Card) -> Result<Conductance, Fault> {
     Ok(Conductance { rows, over_pressure: card.has("PRESSURE") || !falls })
 }
 
-/// A law of the case for a conductance.
+/// The law of heat exchange in the case for a conductance.
 fn conducting(heat: &Conductance, scene: &Scene) -> String {
     let units = scene.units;
     let factor = units.flux();
     let first = heat.rows.first().map_or(0.0, |row| row.1 * factor);
-    // Between bodies at rest nothing presses.
+    // Between bodies at rest there is no pressure.
     if heat.rows.len() < 2 || (scene.rests && heat.over_pressure) {
         return format!("{{ law = \"constant\", conductance = {} }}", number(first));
     }

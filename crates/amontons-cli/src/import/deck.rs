@@ -1,4 +1,4 @@
-//! The keywords of an input deck, those of included files in their place.
+//! The keywords of an input deck, with included files in place.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,15 +11,15 @@ use amontons::mesh::inp;
 
 use crate::status::Failure;
 
-/// How deep files may include files.
+/// Largest depth of nested included files.
 const DEEPEST: usize = 16;
-/// Longest deck in bytes, included files and all.
+/// Longest deck in bytes, including included files.
 const LONGEST: u64 = 1 << 30;
 
 /// A line of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Name of an included file; none in the deck itself.
+    /// Name of an included file, or `None` for the deck itself.
     file: Option<Rc<str>>,
     pub line: usize,
 }
@@ -30,7 +30,7 @@ impl Place {
         Place { file: None, line: 1 }
     }
 
-    /// Whether it is in a file that the deck includes.
+    /// True if it is in an included file.
     pub fn is_included(&self) -> bool {
         self.file.is_some()
     }
@@ -45,7 +45,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a deck is no case: where, what was found, what was expected.
+/// The reason why a deck cannot become a case: place, found, expected.
 #[derive(Clone, Debug)]
 pub struct Fault {
     pub place: Place,
@@ -69,7 +69,7 @@ impl Fault {
 #[derive(Clone, Debug)]
 pub struct Card {
     pub place: Place,
-    /// In capitals without the star.
+    /// Name in capitals without the star.
     pub name: String,
     parameters: BTreeMap<String, String>,
     pub data: Vec<Line>,
@@ -79,12 +79,12 @@ pub struct Card {
 #[derive(Clone, Debug)]
 pub struct Line {
     pub place: Place,
-    /// The entries with empty ones in their place.
+    /// The entries, including empty ones.
     pub entries: Vec<String>,
 }
 
 impl Card {
-    /// The value of a parameter, none where it is missing or empty.
+    /// The value of a parameter, or `None` if it is missing or empty.
     pub fn parameter(&self, name: &str) -> Option<&str> {
         self.parameters.get(name).map(String::as_str).filter(|value| !value.is_empty())
     }
@@ -94,14 +94,14 @@ impl Card {
         self.parameter(name).map(str::to_uppercase)
     }
 
-    /// The value of a parameter without which the keyword says nothing.
+    /// The value of a required parameter.
     pub fn required(&self, name: &str) -> Result<&str, Fault> {
         self.parameter(name).ok_or_else(|| {
             Fault::new(&self.place, format!("*{} without {name}", self.name), format!("*{}, {name}=…", self.name))
         })
     }
 
-    /// Whether a parameter is given, with a value or without.
+    /// True if a parameter is given, with or without a value.
     pub fn has(&self, name: &str) -> bool {
         self.parameters.contains_key(name)
     }
@@ -120,7 +120,7 @@ impl Card {
 }
 
 impl fmt::Display for Card {
-    /// The keyword as a deck has it.
+    /// Writes the keyword as in a deck.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "*{}", self.name)?;
         for (name, value) in &self.parameters {
@@ -134,17 +134,17 @@ impl fmt::Display for Card {
 }
 
 impl Line {
-    /// An entry, none where it is missing or empty.
+    /// An entry, or `None` if it is missing or empty.
     pub fn text(&self, index: usize) -> Option<&str> {
         self.entries.get(index).map(String::as_str).filter(|entry| !entry.is_empty())
     }
 
-    /// An entry that has to be there.
+    /// A required entry.
     pub fn need(&self, index: usize, expected: &str) -> Result<&str, Fault> {
         self.text(index).ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", self.whole()), expected))
     }
 
-    /// A finite number, none where the entry is missing or empty.
+    /// A finite number, or `None` if the entry is missing or empty.
     pub fn number(&self, index: usize) -> Result<Option<f64>, Fault> {
         let Some(text) = self.text(index) else { return Ok(None) };
         // Fortran writes exponents with a D.
@@ -154,27 +154,27 @@ impl Line {
             .ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", text.escape_debug()), "a finite number"))
     }
 
-    /// A number that has to be there; `expected` says what it is.
+    /// A required number; `expected` describes it.
     pub fn value(&self, index: usize, expected: &str) -> Result<f64, Fault> {
         self.number(index)?
             .ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", self.whole().escape_debug()), expected))
     }
 
-    /// All numbers of the line, 0 in the place of empty entries.
+    /// All numbers of the line, 0 for empty entries.
     pub fn numbers(&self) -> Result<Vec<f64>, Fault> {
         (0..self.entries.len()).map(|index| Ok(self.number(index)?.unwrap_or(0.0))).collect()
     }
 
-    /// The line as it stands, cut off where it is long.
+    /// The line as text, cut off if it is long.
     pub fn whole(&self) -> String {
         self.entries.join(", ").chars().take(60).collect()
     }
 }
 
-/// What a regular file of at most `longest` bytes holds.
+/// The bytes of a regular file of at most `longest` bytes.
 fn bytes(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
     let refused = |message: &str| io::Error::new(io::ErrorKind::InvalidInput, message);
-    // A pipe is not opened: it may wait for ever.
+    // A pipe is not opened, because reading it may block.
     if !fs::metadata(path)?.is_file() {
         return Err(refused("found no regular file"));
     }

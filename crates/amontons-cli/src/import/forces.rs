@@ -1,4 +1,4 @@
-//! Forces at nodes, as the case has them: sets of points that share a force.
+//! Forces at nodes in the form of the case: sets of points that share a force.
 
 use std::collections::BTreeSet;
 
@@ -7,19 +7,19 @@ use super::mesh::{Mesh, Node};
 use super::sides::Sides;
 use super::time::Track;
 
-/// The same force at each of some points.
+/// A force that acts equally at each of some points.
 #[derive(Clone, Debug)]
 pub struct Force {
     pub on: String,
     pub from: String,
     /// Number of the points.
     pub count: usize,
-    /// By component.
+    /// Force by component.
     pub tracks: [Track; 3],
 }
 
-/// Sets of points with the same force, of which no two are in one element: together they hold no edge or facet, over
-/// which the case would spread their force by length or area.
+/// Sets of points with the same force. No two points are in one element, so that a set contains no edge or facet, over
+/// which the case would spread the force by length or area.
 pub fn grouped(conditions: &Conditions, mesh: &Mesh, sides: &mut Sides) -> Vec<Force> {
     let mut groups: Vec<(&[Track; 3], BTreeSet<Node>)> = Vec::new();
     for (node, tracks) in &conditions.forces {

@@ -5,11 +5,11 @@ use super::notes::{Matter, Notes};
 use super::time::Physics;
 use super::units::{Units, number, numbers};
 
-/// How far tables of the case reach beyond those of the deck, which are constant there, in kelvin.
+/// Temperature interval in K by which tables of the case extend those of the deck, with constant values.
 const BEYOND: f64 = 1e4;
-/// Parts of an interval of a table of expansion from another temperature.
+/// Number of parts of an interval when a table of expansion is converted to another reference temperature.
 const PARTS: usize = 8;
-/// Difference of ratios of shear and volume that is none, relative to them: digits that are typed.
+/// Relative tolerance for equal ratios of shear and volume, which come from typed digits.
 const ALIKE: f64 = 1e-6;
 
 /// Rows of a table over the temperature: the values and the temperature.
@@ -20,26 +20,26 @@ struct Table {
     rows: Vec<(Vec<f64>, f64)>,
 }
 
-/// Branches that relax.
+/// Relaxing branches.
 #[derive(Clone, Debug)]
 struct Prony {
     place: Place,
     branches: Vec<Branch>,
-    /// What is left of the instantaneous moduli of shear and volume.
+    /// Long-term moduli of shear and volume divided by the instantaneous ones.
     left: [f64; 2],
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Branch {
-    /// Relative to the long-term modulus.
+    /// Modulus divided by the long-term modulus.
     ratio: f64,
     time: f64,
-    /// Whether shear relaxes alone.
+    /// True if only shear relaxes.
     of_shear: bool,
 }
 
 impl Prony {
-    /// Whether shear and volume relax alike.
+    /// True if shear and volume relax alike.
     fn is_alike(&self) -> bool {
         self.branches.iter().all(|branch| !branch.of_shear)
     }
@@ -57,27 +57,27 @@ pub struct Material {
     conductivity: Option<Table>,
     specific_heat: Option<Table>,
     prony: Option<Prony>,
-    /// Whether its moduli are those at once.
+    /// True if its moduli are instantaneous.
     instantaneous: bool,
 }
 
-/// What a case says of its materials.
+/// Data of the case that its materials depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
     pub units: Units,
     pub physics: Physics,
-    /// Whether temperatures are those of `*TEMPERATURE` alone, without heat.
+    /// True if temperatures are given by `*TEMPERATURE` only, without a heat equation.
     pub warmed: bool,
     pub inertia: bool,
     pub stress_state: Option<&'static str>,
     pub dim: usize,
-    /// The temperature from which those of the case count.
+    /// The temperature that is zero in the case.
     pub shift: f64,
     /// The initial temperature.
     pub initial: f64,
 }
 
-/// Entries of a material with the keyword that each is from.
+/// Entries of a material, each with the place of its keyword.
 pub type Entries = Vec<(String, String, Option<Place>)>;
 
 impl Material {
@@ -96,7 +96,7 @@ impl Material {
         })
     }
 
-    /// Takes a keyword below `*MATERIAL`; false where it is none of those that a case has.
+    /// Reads a keyword below `*MATERIAL`. Returns false for keywords that a case cannot express.
     pub fn take(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         match card.name.as_str() {
             "ELASTIC" => {
@@ -133,15 +133,15 @@ impl Material {
         Ok(true)
     }
 
-    /// Branches of a Prony series: g and k are parts of the instantaneous moduli of shear and volume. A branch of a
-    /// case relaxes both alike, or shear alone.
+    /// Reads branches of a Prony series; g and k are fractions of the instantaneous moduli of shear and volume. A
+    /// branch of a case relaxes both alike, or only shear.
     fn viscoelastic(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
         let mut rows = Vec::new();
         for line in &card.data {
             rows.push([line.number(0)?.unwrap_or(0.0), line.number(1)?.unwrap_or(0.0), line.value(2, "a time")?]);
         }
         let [shear, volume] = [0, 1].map(|which| rows.iter().map(|row| row[which]).sum::<f64>());
-        // Relative to the long-term moduli, as a case has them.
+        // Relative to the long-term moduli, as in a case.
         let ratios = |[g, k, time]: &[f64; 3]| [g / (1.0 - shear), k / (1.0 - volume), *time];
         let is_sound = |row: &[f64; 3]| {
             let [g, k, time] = ratios(row);
@@ -166,12 +166,12 @@ impl Material {
         Ok(true)
     }
 
-    /// Whether it relaxes.
+    /// True if it relaxes.
     pub fn relaxes(&self) -> bool {
         self.prony.is_some()
     }
 
-    /// Why a case has no such branches, with their line.
+    /// The reason why a case cannot have such branches, with their line, or `None` if it can.
     pub fn unfit(&self, context: &Context) -> Option<(&Place, &'static str)> {
         let prony = self.prony.as_ref().filter(|prony| prony.branches.iter().any(|branch| branch.of_shear))?;
         let is_isotropic = self.elastic.as_ref().is_none_or(|elastic| elastic.kind == "ISO");
@@ -185,7 +185,7 @@ impl Material {
         Some((&prony.place, why))
     }
 
-    /// The moduli of long times, which a case has.
+    /// The long-term moduli, as used by a case.
     fn long_term(&self, elastic: &Table) -> Table {
         let mut table = elastic.clone();
         let Some(prony) = self.prony.as_ref().filter(|_| self.instantaneous) else { return table };
@@ -193,14 +193,14 @@ impl Material {
         for (row, _) in &mut table.rows {
             match row.as_mut_slice() {
                 [young, poisson] => {
-                    // G/K of long times; ν = (3 − 2 G/K)/(6 + 2 G/K).
+                    // G/K in the long term; ν = (3 − 2 G/K)/(6 + 2 G/K).
                     let modulus = *young / (2.0 * (1.0 + *poisson)) * shear;
                     let ratio = 1.5 * (1.0 - 2.0 * *poisson) / (1.0 + *poisson) * shear / volume;
                     *poisson = if prony.is_alike() { *poisson } else { (3.0 - 2.0 * ratio) / (6.0 + 2.0 * ratio) };
                     *young = 2.0 * modulus * (1.0 + *poisson);
                 }
                 row => {
-                    // Ratios of Poisson stay as they are.
+                    // Poisson's ratios are unchanged.
                     let is_modulus = |column: &usize| elastic.kind != "ENGINEERING" || !(3..6).contains(column);
                     let moduli = row.iter_mut().enumerate().filter(|(column, _)| is_modulus(column));
                     moduli.for_each(|(_, value)| *value *= shear);
@@ -219,7 +219,7 @@ impl Material {
         self.expansion.as_ref().is_some_and(|table| table.rows.iter().any(|row| row.0.iter().any(|a| *a != 0.0)))
     }
 
-    /// Whether its mechanics depends on the temperature: it expands, or its moduli are a table over it.
+    /// True if its mechanics depends on the temperature: it expands, or its moduli are tables over the temperature.
     pub fn sees_temperature(&self) -> bool {
         self.expands() || self.elastic.as_ref().is_some_and(|table| table.rows.len() > 1)
     }
@@ -297,7 +297,7 @@ impl Material {
         Ok(())
     }
 
-    /// Coefficients of expansion from the initial temperature, where the deck has the body free of stress.
+    /// Coefficients of expansion from the initial temperature, at which the body is stress-free in the deck.
     fn expanding(&self, table: &Table, context: &Context) -> String {
         let along = |d: usize| {
             let points = points(table, d);
@@ -333,7 +333,7 @@ fn one(key: &str, table: &Table, context: &Context, factor: f64) -> (String, Str
     (key.to_owned(), coefficient(table, 0, context, factor), Some(table.place.clone()))
 }
 
-/// Rows with so many values and a temperature.
+/// Rows with `values` values and a temperature.
 fn table(card: &Card, kind: &str, values: usize) -> Result<Table, Fault> {
     if !["ISO", "ISOTROPIC", "ORTHO"].contains(&kind) {
         let found = format!("*{}, TYPE={}", card.name, kind.escape_debug());
@@ -420,7 +420,7 @@ fn coefficient(table: &Table, column: usize, context: &Context, factor: f64) -> 
     over_temperature(&points, context.shift)
 }
 
-/// A table over the temperature, constant beyond its rows as that of the deck.
+/// A table over the temperature, extended by constant values as in the deck.
 fn over_temperature(points: &[(f64, f64)], shift: f64) -> String {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return "0.0".to_owned() };
     let ends = ([(first.0 - BEYOND, first.1)], [(last.0 + BEYOND, last.1)]);

@@ -1,4 +1,4 @@
-//! Nodes, elements and sets of a deck by their numbers and names, as loads and conditions refer to them.
+//! Nodes, elements and sets of a deck by numbers and names, as loads and conditions refer to them.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -12,7 +12,7 @@ pub type Node = (usize, i64);
 /// An element: its body and its number.
 pub type Element = (usize, i64);
 
-/// What a set has.
+/// The kind of members of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Has {
     Nodes,
@@ -29,9 +29,9 @@ enum Item {
     NodesOf(Place, String),
 }
 
-/// An entry of a set with the instance whose numbers it has.
+/// An entry of a set, with the instance to which its numbers refer.
 type Entry = (Option<String>, Item);
-/// A set: the body that it is defined in, what it has, and its name in capitals.
+/// Key of a set: the body in which it is defined, the kind of its members, and its name in capitals.
 type Key = (Option<usize>, Has, String);
 
 /// A set with the spelling of its first definition.
@@ -52,25 +52,25 @@ pub struct Cell {
 #[derive(Clone, Debug, Default)]
 pub struct Body {
     name: Option<String>,
-    /// The part that it is an instance of, in capitals.
+    /// Name of the part of which it is an instance, in capitals.
     part: Option<String>,
     pub points: BTreeMap<i64, [f64; 3]>,
     pub cells: BTreeMap<i64, Cell>,
     sets: Vec<(Has, String, Entry)>,
 }
 
-/// All that a deck says of its mesh.
+/// The mesh of a deck.
 #[derive(Debug, Default)]
 pub struct Mesh {
     pub bodies: Vec<Body>,
     sets: HashMap<Key, Set>,
     /// The elements of each node.
     around: HashMap<Node, Vec<Element>>,
-    /// Types of elements that are no parts of bodies, with the first line and their number.
+    /// Types of elements that do not belong to bodies, each with its first line and count.
     pub others: Vec<(String, Place, usize)>,
 }
 
-/// A mesh that is being read.
+/// A mesh while it is read.
 #[derive(Debug, Default)]
 struct Reading {
     flat: Body,
@@ -82,7 +82,7 @@ struct Reading {
 }
 
 impl Mesh {
-    /// Takes nodes, elements and sets of a deck; other keywords are left.
+    /// Reads nodes, elements and sets of a deck; other keywords are skipped.
     pub fn of(cards: &[Card]) -> Result<Mesh, Fault> {
         let mut reading = Reading::default();
         for card in cards {
@@ -102,7 +102,7 @@ impl Mesh {
         for set in of_assembly {
             mesh.add(None, set);
         }
-        // Elements of less dimensions are facets and edges, as Gmsh writes them.
+        // Elements of lower dimension are facets and edges, as written by Gmsh.
         let cells = mesh.bodies.iter().flat_map(|body| body.cells.values());
         let dim = cells.map(|cell| cell.solid.element.dim()).max().unwrap_or(0);
         for body in &mut mesh.bodies {
@@ -124,15 +124,15 @@ impl Mesh {
         set.entries.push(entry);
     }
 
-    /// The body of numbers without an instance: the only one that has nodes, or the assembly, which may have reference
-    /// nodes of its own.
+    /// The body to which numbers without an instance refer: the only one with nodes, or the assembly, which may have
+    /// reference nodes of its own.
     fn default_body(&self) -> Option<usize> {
         let mut with = (0..self.bodies.len()).filter(|&body| !self.bodies[body].points.is_empty());
         let of_assembly = self.bodies.first().is_some_and(|body| body.name.is_none() && !body.points.is_empty());
         with.next().filter(|_| of_assembly || with.next().is_none())
     }
 
-    /// Body and name of something that is called `instance.name`.
+    /// Body and name of an item called `instance.name`.
     fn split<'n>(&self, name: &'n str) -> (Option<usize>, &'n str) {
         let of = |instance: &str| {
             self.bodies.iter().position(|body| body.name.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(instance)))
@@ -143,7 +143,7 @@ impl Mesh {
         }
     }
 
-    /// The key of a set that is named outside of parts.
+    /// The key of a set named outside of parts.
     fn find(&self, has: Has, name: &str) -> Option<Key> {
         let (body, name) = self.split(name);
         let name = name.to_uppercase();
@@ -154,7 +154,7 @@ impl Mesh {
         places.into_iter().map(|body| (body, has, name.clone())).find(|key| self.sets.contains_key(key))
     }
 
-    /// The name that the case gives to a set: with that of its instance where there are several.
+    /// The name of a set in the case, preceded by that of its instance if there are several.
     pub fn spelling(&self, has: Has, name: &str) -> Option<String> {
         let key = self.find(has, name)?;
         let own = self.sets.get(&key)?.spelling.clone();
@@ -163,7 +163,7 @@ impl Mesh {
         Some(instance.map_or(own.clone(), |instance| format!("{instance}.{own}")))
     }
 
-    /// The names in the case of an element set of a part, one per instance; without a part those of the only set.
+    /// The names in the case of an element set of a part, one per instance; without a part the name of the only set.
     pub fn regions(&self, part: Option<&str>, set: &str) -> Vec<String> {
         let Some(part) = part.map(str::to_uppercase) else {
             return self.spelling(Has::Elements, set).into_iter().collect();
@@ -173,12 +173,12 @@ impl Mesh {
         names.filter_map(|name| self.spelling(Has::Elements, &format!("{name}.{set}"))).collect()
     }
 
-    /// How often a part is in the assembly.
+    /// Number of instances of a part in the assembly.
     pub fn instances(&self, part: &str) -> usize {
         self.bodies.iter().filter(|body| body.part.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(part))).count()
     }
 
-    /// The name of the instance of a body, which a deck without parts does not have.
+    /// The name of the instance of a body, or `None` for a deck without parts.
     pub fn instance(&self, body: usize) -> Option<&str> {
         self.bodies.get(body).and_then(|body| body.name.as_deref())
     }
@@ -210,7 +210,7 @@ impl Mesh {
         Ok(found)
     }
 
-    /// Adds the members of a set; each set is looked at once, however often it is named.
+    /// Adds the members of a set. Each set is visited once, however often it is named.
     fn resolve(&self, key: Key, seen: &mut HashSet<Key>, found: &mut BTreeSet<(usize, i64)>) -> Result<(), Fault> {
         let mut waiting = vec![key];
         while let Some(key) = waiting.pop() {
@@ -258,14 +258,14 @@ impl Mesh {
         }
     }
 
-    /// The key of a set that another one names.
+    /// The key of a set named by another set.
     fn home(&self, place: &Place, (scope, has): (Option<usize>, Has), name: &str) -> Result<Key, Fault> {
         let own = (scope, has, name.to_uppercase());
         let key = if self.sets.contains_key(&own) { Some(own) } else { self.find(has, name) };
         key.ok_or_else(|| Fault::new(place, format!("\"{}\"", name.escape_debug()), "a set that the deck has"))
     }
 
-    /// Whether a surface with this name is there.
+    /// The name of a surface in the case, or a fault if it does not exist.
     pub fn surface(&self, place: &Place, name: &str) -> Result<String, Fault> {
         self.spelling(Has::Surface, name).ok_or_else(|| {
             Fault::new(place, format!("\"{}\"", name.escape_debug()), "a *SURFACE that the deck defines")
@@ -286,7 +286,7 @@ impl Mesh {
         self.bodies.get(body).and_then(|body| body.points.get(&number)).copied().unwrap_or_default()
     }
 
-    /// Whether a node belongs to an element.
+    /// True if a node belongs to an element.
     pub fn is_used(&self, node: &Node) -> bool {
         self.around.contains_key(node)
     }
@@ -296,12 +296,12 @@ impl Mesh {
         self.around.keys().copied().collect()
     }
 
-    /// The elements that have any of some nodes.
+    /// The elements that contain any of some nodes.
     fn about(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Element> {
         nodes.iter().filter_map(|node| self.around.get(node)).flatten().copied().collect()
     }
 
-    /// The facets of the boundary whose nodes are all in a set, by their nodes in order.
+    /// The facets of the boundary with all nodes in a set, by their nodes in order.
     fn facets(&self, nodes: &BTreeSet<Node>) -> Vec<Vec<Node>> {
         let mut found: HashMap<Vec<Node>, (usize, Vec<Node>)> = HashMap::new();
         for element in self.about(nodes) {
@@ -319,13 +319,13 @@ impl Mesh {
         found.into_values().filter(|(times, _)| *times == 1).map(|(_, facet)| facet).collect()
     }
 
-    /// The nodes of the facets of the boundary that a set of nodes holds as a whole.
+    /// The nodes of the facets of the boundary that lie completely in a set of nodes.
     pub fn on_facets(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Node> {
         self.facets(nodes).into_iter().flatten().collect()
     }
 
-    /// Area of the facets of the boundary that a set of nodes holds, with straight edges: in the plane their length, of
-    /// a body of revolution that of the whole ring.
+    /// Area of the facets of the boundary within a set of nodes, with straight edges: length in the plane, area of the
+    /// whole ring for a body of revolution.
     pub fn area(&self, nodes: &BTreeSet<Node>) -> f64 {
         let ring = self.bodies.iter().flat_map(|body| body.cells.values()).any(|cell| cell.solid.axisymmetric);
         let plane = self.bodies.iter().flat_map(|body| body.cells.values()).all(|cell| cell.solid.element.dim() == 2);
@@ -336,19 +336,19 @@ impl Mesh {
                     let around = if ring { std::f64::consts::PI * (a[0] + b[0]) } else { 1.0 };
                     around * (b[0] - a[0]).hypot(b[1] - a[1])
                 }
-                // Vertices come first: three of a triangle, with three or six nodes, else four.
+                // Vertices come first: three for a triangle, which has three or six nodes, else four.
                 [a, b, c] | [a, b, c, _, _, _] => triangle(a, b, c),
                 [a, b, c, d, ..] => triangle(a, b, c) + triangle(a, c, d),
                 _ => 0.0,
             }
         };
-        // In the order of the nodes, so that sums have the same bits in every run.
+        // Sorted, so that sums have the same bits in every run.
         let mut facets = self.facets(nodes);
         facets.sort_unstable();
         facets.into_iter().map(of).sum()
     }
 
-    /// A set of nodes in parts, none of which has two nodes of one element: each is a set of points.
+    /// Divides a set of nodes into sets of which no two nodes are in one element: sets of points.
     pub fn apart(&self, nodes: &BTreeSet<Node>) -> Vec<BTreeSet<Node>> {
         let mut colours: HashMap<Node, usize> = HashMap::new();
         let mut parts: Vec<BTreeSet<Node>> = Vec::new();
@@ -366,7 +366,7 @@ impl Mesh {
         parts
     }
 
-    /// Whether elements have the face with this number, from 1.
+    /// True if all of the elements have the face with this number, from 1.
     pub fn has_face(&self, elements: &BTreeSet<Element>, number: usize) -> bool {
         let mut cells = elements.iter().filter_map(|&element| self.cell(element));
         cells.all(|cell| face(cell.solid.element, number).is_some())
@@ -453,7 +453,7 @@ impl Reading {
     }
 }
 
-/// Puts an instance at its place: a translation, and a rotation about an axis by degrees.
+/// Places an instance: a translation, and a rotation about an axis in degrees.
 fn place(body: &mut Body, card: &Card) -> Result<(), Fault> {
     if let Some(line) = card.data.first() {
         let shift = [0, 1, 2].map(|d| line.number(d));
@@ -481,7 +481,7 @@ fn triangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     0.5 * dot(&normal, &normal).sqrt()
 }
 
-/// A whole number of a data line.
+/// An integer of a data line.
 pub fn integer(line: &Line, index: usize) -> Result<i64, Fault> {
     let text = line.need(index, "a whole number")?;
     text.parse().map_err(|_| Fault::new(&line.place, format!("\"{}\"", text.escape_debug()), "a whole number"))

@@ -1,7 +1,7 @@
 //! `amontons import`: a case from an input deck of Abaqus or CalculiX.
 //!
-//! The deck is read twice: its mesh by the library, as any mesh file, and its materials, steps, loads and contacts
-//! here. What the deck names by numbers gets names in a second file, from which the case then takes its mesh.
+//! The deck is read twice: its mesh by the library, like any mesh file, and its materials, steps, loads and contacts
+//! here. Items that the deck refers to by number get names in a second file, which then is the mesh of the case.
 
 mod body;
 mod conditions;
@@ -35,7 +35,7 @@ use crate::new::beside;
 use crate::print;
 use crate::status::Failure;
 
-/// Writes the case of a deck, and a mesh file with the names that the deck lacks.
+/// Writes the case of a deck, and a mesh file with the names missing in the deck.
 pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -> Result<(), Failure> {
     let out = out.map_or_else(|| deck.with_extension("toml"), Path::to_owned);
     let sides_file = with_stem(&out, "-sides.inp");
@@ -54,7 +54,7 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
     }
     let cards = deck::read(deck)?;
     let (model, mut notes) = model::Model::of(&cards).map_err(|fault| fault.of(deck))?;
-    // The mesh of a deck that includes files is written out, too.
+    // The mesh of a deck with included files is written out, too.
     let includes = cards.iter().any(|card| card.place.is_included());
     let needs_sides = includes || !model.sides.text().is_empty();
     let read = if includes {
@@ -64,7 +64,7 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
         amontons::mesh::read_all(deck)?
     };
     let all = needs_sides.then(|| with_names(&cards, &model, deck));
-    // Rigid parts are looked up in the mesh of the case, with the names that are made for it.
+    // Rigid parts are looked up in the mesh of the case, with the names made for it.
     let read = match all.as_ref().filter(|_| !model.rigid.is_empty()) {
         Some(text) => {
             let inside = |fault| MeshFileError::In { path: sides_file.clone(), fault: Box::new(fault) };
@@ -88,7 +88,7 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
     Ok(())
 }
 
-/// The mesh of a deck with names for what the deck names by number.
+/// The mesh of a deck, with names for items that the deck refers to by number.
 fn with_names(cards: &[deck::Card], model: &model::Model, deck: &Path) -> String {
     let head = format!(
         "** The mesh of {}, and below names for sides and points that it does not name, by amontons import.\n",
@@ -102,7 +102,7 @@ fn name_of(file: &Path) -> String {
     file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-/// What was written, and what was not taken.
+/// Prints the written files and the items that were left out.
 fn report(out: &Path, sides: Option<&Path>, (deck, units): (&Path, DeckUnits), notes: &notes::Notes) -> io::Result<()> {
     let mut text =
         format!("{}: the case of {}; run it with: amontons run {}\n", out.display(), deck.display(), out.display());
@@ -120,14 +120,14 @@ fn report(out: &Path, sides: Option<&Path>, (deck, units): (&Path, DeckUnits), n
     print::text(&text)
 }
 
-/// The file beside another one whose name is its stem and an end.
+/// The file next to another one whose name is its stem and an ending.
 fn with_stem(file: &Path, end: &str) -> PathBuf {
     let mut name = file.file_stem().unwrap_or_default().to_owned();
     name.push(end);
     file.with_file_name(name)
 }
 
-/// Writes a file; one that is there is kept unless it may be replaced.
+/// Writes a file. An existing one is replaced only with `force`.
 fn put(file: &Path, text: &str, force: bool) -> Result<(), Failure> {
     let failed = |source: io::Error| match source.kind() {
         io::ErrorKind::AlreadyExists => Failure::Exists(file.to_owned()),

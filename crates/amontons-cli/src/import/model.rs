@@ -1,4 +1,4 @@
-//! A deck as a whole: keyword after keyword.
+//! A deck as a whole, keyword by keyword.
 
 use std::collections::HashMap;
 
@@ -33,7 +33,7 @@ const OF_MESH: [&str; 14] = [
     "PHYSICAL CONSTANTS",
 ];
 
-/// The nodes, elements and sets of a deck, as a mesh file has them.
+/// The nodes, elements and sets of a deck, in the form of a mesh file.
 pub fn mesh_of(cards: &[Card]) -> String {
     let others = ["HEADING", "END STEP", "PHYSICAL CONSTANTS"];
     let is_mesh = |card: &&Card| {
@@ -54,7 +54,7 @@ pub struct Section {
     pub thickness: f64,
 }
 
-/// What a deck says.
+/// The content of a deck.
 #[derive(Debug)]
 pub struct Model {
     pub sides: Sides,
@@ -72,7 +72,7 @@ pub struct Model {
     pub forces: Vec<Force>,
 }
 
-/// A deck that is being read.
+/// A deck while it is read.
 struct Reading {
     mesh: Mesh,
     dim: usize,
@@ -87,15 +87,15 @@ struct Reading {
     rigid: Rigids,
     steps: Vec<Step>,
     notes: Notes,
-    /// Whether keywords are those of the last material.
+    /// True if keywords belong to the last material.
     in_material: bool,
-    /// The part that is open.
+    /// The open part.
     part: Option<String>,
     inertia: bool,
 }
 
 impl Model {
-    /// Takes all keywords in their order.
+    /// Reads all keywords in their order.
     pub fn of(cards: &[Card]) -> Result<(Model, Notes), Fault> {
         refuse(cards)?;
         let mesh = Mesh::of(cards)?;
@@ -127,7 +127,7 @@ impl Model {
     }
 }
 
-/// Refuses analyses that a case is not.
+/// Refuses analyses that a case cannot express.
 fn refuse(cards: &[Card]) -> Result<(), Fault> {
     for card in cards {
         if let Some((_, what)) = REFUSED.iter().find(|(name, _)| *name == card.name) {
@@ -199,7 +199,7 @@ impl Reading {
         }
     }
 
-    /// Procedures, contacts, conditions; anything else is noted.
+    /// Reads procedures, contacts and conditions, and notes other keywords.
     fn rest(&mut self, card: &Card) -> Result<(), Fault> {
         if self.procedure(card)? || self.contacts.take(card, &self.mesh, &mut self.notes)? {
             return Ok(());
@@ -253,7 +253,7 @@ impl Reading {
         Ok(())
     }
 
-    /// Takes what a step computes; false where the keyword does not say it.
+    /// Reads the procedure of a step. Returns false for other keywords.
     fn procedure(&mut self, card: &Card) -> Result<bool, Fault> {
         let steady = card.has("STEADYSTATE");
         let of = |mechanics: bool, heat: bool, transient: bool| Procedure { mechanics, heat, transient };
@@ -284,7 +284,7 @@ impl Reading {
         Ok(true)
     }
 
-    /// Checks what a case needs of a deck, and notes what its steps and elements do not have in a case.
+    /// Checks that a deck has everything a case needs, and notes features of steps and elements that a case lacks.
     fn check(&mut self, cards: &[Card]) -> Result<(), Fault> {
         let last = cards.last().map_or_else(Place::start, |card| card.place.clone());
         if self.steps.is_empty() {

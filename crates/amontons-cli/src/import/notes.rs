@@ -1,19 +1,19 @@
-//! What of a deck is not in the case, and what that means for the answer.
+//! Parts of a deck that are missing in the case, and their effect on the answer.
 
 use super::deck::{Card, Place};
 
-/// What it means for the answer that something is left out or said otherwise.
+/// Effect on the answer of a part that is left out or expressed otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Matter {
     /// The answer differs.
     Answer,
-    /// The answer may differ under a condition that the reason names.
+    /// The answer may differ under a condition named in the reason.
     Perhaps,
     /// The answer is the same.
     Nothing,
 }
 
-/// Something that the case does not say as the deck does.
+/// A part of the deck that the case expresses otherwise or not at all.
 #[derive(Clone, Debug)]
 struct Note {
     place: Place,
@@ -27,7 +27,7 @@ struct Note {
 #[derive(Debug, Default)]
 pub struct Notes(Vec<Note>);
 
-/// Keywords that ask for output, or end something.
+/// Keywords that request output or end a block.
 const OUTPUT: [&str; 25] = [
     "NODE PRINT",
     "EL PRINT",
@@ -55,11 +55,11 @@ const OUTPUT: [&str; 25] = [
     "FILTER",
     "INTEGRATED OUTPUT",
 ];
-/// Keywords that control how the other program solves.
+/// Keywords that control the solution method of the other program.
 const CONTROL: [&str; 6] =
     ["CONTROLS", "SOLVER", "SOLUTION TECHNIQUE", "CONTACT CONTROLS", "CONTACT STABILIZATION", "SECTION CONTROLS"];
 
-/// Keywords whose loss changes the answer, with what they say.
+/// Keywords whose loss changes the answer, with the reason.
 const KNOWN: [(&str, &str); 33] = [
     ("PLASTIC", "the case is elastic: the answer differs where the yield stress is reached"),
     ("CYCLIC HARDENING", "the case is elastic: the answer differs where the yield stress is reached"),
@@ -96,7 +96,7 @@ const KNOWN: [(&str, &str); 33] = [
     ("BASE MOTION", "the base does not move"),
 ];
 
-/// Parameters that are taken, or that say nothing of the answer, by their keywords.
+/// Parameters that are used or have no effect on the answer, by their keywords.
 const PARAMETERS: [(&str, &[&str]); 35] = [
     ("AMPLITUDE", &["NAME", "TIME", "DEFINITION"]),
     ("BOUNDARY", &["OP", "AMPLITUDE", "TYPE"]),
@@ -147,7 +147,7 @@ const PARAMETERS: [(&str, &[&str]); 35] = [
     ("TIE", &["NAME", "ADJUST", "POSITIONTOLERANCE", "TYPE", "NOROTATION"]),
 ];
 
-/// Analyses that are none of a case.
+/// Analyses that a case cannot express.
 pub const REFUSED: [(&str, &str); 12] = [
     ("BUCKLE", "a buckling analysis"),
     ("FREQUENCY", "an analysis of natural frequencies"),
@@ -164,7 +164,7 @@ pub const REFUSED: [(&str, &str); 12] = [
 ];
 
 impl Notes {
-    /// Notes something; what is noted for one reason is counted.
+    /// Adds a note; repeated notes with the same reason are counted.
     pub fn add(&mut self, place: &Place, what: impl Into<String>, why: impl Into<String>, matter: Matter) {
         let (what, why) = (what.into(), why.into());
         match self.0.iter_mut().find(|note| note.what == what && note.why == why) {
@@ -173,7 +173,7 @@ impl Notes {
         }
     }
 
-    /// Notes the parameters of a keyword that are not taken.
+    /// Notes the parameters of a keyword that are not used.
     pub fn parameters(&mut self, card: &Card) {
         let Some((_, known)) = PARAMETERS.iter().find(|(name, _)| *name == card.name) else { return };
         for parameter in card.parameters().filter(|parameter| !known.contains(parameter)) {
@@ -185,7 +185,7 @@ impl Notes {
         }
     }
 
-    /// Notes a keyword that is not taken.
+    /// Notes a keyword that is not used.
     pub fn keyword(&mut self, place: &Place, name: &str) {
         let what = format!("*{name}");
         if OUTPUT.contains(&name) {
@@ -199,7 +199,7 @@ impl Notes {
         }
     }
 
-    /// A line for each, those that matter first.
+    /// One line per note, those with an effect first.
     pub fn lines(&self) -> Vec<String> {
         let mut notes: Vec<&Note> = self.0.iter().collect();
         notes.sort_by_key(|note| note.matter);

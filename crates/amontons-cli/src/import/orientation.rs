@@ -55,7 +55,7 @@ impl Orientation {
         Ok(Orientation { name, axes })
     }
 
-    /// As the case has it: an angle, or Euler's angles by Bunge.
+    /// The text of the case: an angle, or Bunge's Euler angles.
     pub fn text(&self, dim: usize, length: f64) -> String {
         match &self.axes {
             Axes::AboutZ(point) => {

@@ -1,4 +1,4 @@
-//! Rigid parts, as the case has them.
+//! Rigid parts in the form of the case.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use super::rigid::Rigid;
 use super::time::Track;
 use super::units::{Units, numbers, quoted};
 
-/// Distance of a reference node from a node of its part that is round-off, relative to the size of the mesh.
+/// Tolerance of the distance between a reference node and a node of its part, relative to the size of the mesh.
 const SAME: f64 = 1e-9;
 
 /// Writes the rigid parts of a deck.
@@ -23,7 +23,7 @@ struct Writing<'a> {
     notes: &'a mut Notes,
 }
 
-/// The tables `[[rigid]]` with what holds the parts, and the names of those whose reactions are asked for.
+/// The tables `[[rigid]]` with the supports of the parts, and the names of those whose reactions are requested.
 pub fn text(model: &Model, mesh: &Mesh, units: Units, notes: &mut Notes) -> (String, Vec<String>) {
     let (mut text, mut held, mut taken) = (String::new(), Vec::new(), BTreeSet::new());
     let mut writing = Writing { model, mesh, units, notes };
@@ -41,7 +41,7 @@ pub fn text(model: &Model, mesh: &Mesh, units: Units, notes: &mut Notes) -> (Str
     (text, held)
 }
 
-/// Whether something is said of a direction.
+/// True if a direction has an event.
 fn acts(tracks: &[Track; 3], axis: usize) -> bool {
     tracks.get(axis).is_some_and(|track| !track.0.is_empty())
 }
@@ -51,7 +51,7 @@ impl Writing<'_> {
         self.notes.add(&part.place, format!("{what} of the rigid part {}", part.on.escape_debug()), why, matter);
     }
 
-    /// Whether the case can have a part: nodes of one body that no other part has.
+    /// True if the case can have the part: its nodes are in one body and in no other part.
     fn is_of_case(&mut self, part: &Rigid, nodes: &[u32], taken: &BTreeSet<u32>) -> bool {
         let holds =
             |body: &amontons::mesh::defects::Component| nodes.iter().any(|n| body.nodes.binary_search(n).is_ok());
@@ -72,7 +72,7 @@ impl Writing<'_> {
         false
     }
 
-    /// The axes about which a part of the case turns.
+    /// The axes about which a part of the case can rotate.
     fn axes(&self) -> std::ops::Range<usize> {
         match (self.mesh.dim, self.mesh.axisymmetric) {
             (_, true) => 0..0,
@@ -81,7 +81,7 @@ impl Writing<'_> {
         }
     }
 
-    /// Whether a part does not turn; notes rotations that a case does not have.
+    /// True if a part does not rotate. Notes rotations that a case cannot express.
     fn is_guided(&mut self, part: &Rigid) -> bool {
         let axes = self.axes();
         let held: Vec<usize> = axes.clone().filter(|&axis| acts(&part.turning, axis)).collect();
@@ -100,7 +100,7 @@ impl Writing<'_> {
         held.len() == axes.len()
     }
 
-    /// Notes what holds a part in some steps only.
+    /// Notes supports of a part that exist in some steps only.
     fn late(&mut self, part: &Rigid, track: &Track) {
         super::write::note_late(
             &self.model.time,
@@ -120,12 +120,12 @@ impl Writing<'_> {
         format!("[{}]", axes.map(one).collect::<Vec<_>>().join(", "))
     }
 
-    /// Force and moment with the place where they act.
+    /// Force and moment with their point of action.
     fn part(&mut self, part: &Rigid, guided: bool) -> String {
         let dim = self.mesh.dim;
         let from = part.from.join(", ");
         let mut text = format!("\n[[rigid]]                            # {from}\non = {}\n", quoted(&part.on));
-        // A part of a body of revolution moves along its axis alone.
+        // A part of a body of revolution moves along the axis only.
         let moving = if self.mesh.axisymmetric { 1..2 } else { 0..dim };
         if (0..3).any(|axis| !moving.contains(&axis) && acts(&part.force, axis)) {
             self.note(part, "a force", "the part does not move in its direction", Matter::Answer);
@@ -154,8 +154,8 @@ impl Writing<'_> {
         text + if guided && !axes.is_empty() { "guided = true\n" } else { "" }
     }
 
-    /// The condition on what is prescribed at the reference node: of the part where it does not turn, else of its node
-    /// at that place. Empty where there is none.
+    /// The condition on the motion prescribed at the reference node: for the part if it does not rotate, else for its
+    /// node at that position. Empty without one.
     fn held(&mut self, part: &Rigid, nodes: &[u32], guided: bool) -> String {
         let dim = self.mesh.dim;
         let axes = 0..dim;
@@ -168,7 +168,7 @@ impl Writing<'_> {
         if self.mesh.axisymmetric && part.motion.first().is_some_and(moves) {
             self.note(part, "a displacement", "a part of a body of revolution moves along its axis", Matter::Answer);
         }
-        // No part of a body of revolution moves away from the axis.
+        // No part of a body of revolution moves radially.
         let held: Vec<usize> =
             axes.filter(|&axis| acts(&part.motion, axis) && !(self.mesh.axisymmetric && axis == 0)).collect();
         if held.is_empty() {
@@ -196,7 +196,7 @@ impl Writing<'_> {
         format!("\n[[boundary]]                         # {from}\n{place}\ndisplacement = [{}]\n", all.join(", "))
     }
 
-    /// The coordinates of the node of a part at a place.
+    /// The coordinates of the node of a part at a position, or `None` if there is no node.
     fn node_at(&self, at: &[f64; 3], nodes: &[u32]) -> Option<[f64; 3]> {
         let size = self.mesh.points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         let mut points = nodes.iter().filter_map(|&node| self.mesh.points.get(node as usize));
@@ -204,7 +204,7 @@ impl Writing<'_> {
     }
 }
 
-/// Probes of the forces that hold rigid parts.
+/// Probes of the reactions of rigid parts.
 pub fn probe(on: &str) -> String {
     let admitted = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '_' };
     let name: String = format!("reaction-{on}").chars().map(admitted).collect();

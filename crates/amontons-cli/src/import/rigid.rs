@@ -9,7 +9,7 @@ use super::notes::{Matter, Notes};
 use super::sides::Sides;
 use super::time::{Event, Track};
 
-/// Nodes of a deck that move as one rigid body, and what acts on their reference node.
+/// Nodes of a deck that move as one rigid body, with the loads and conditions of their reference node.
 #[derive(Clone, Debug)]
 pub struct Rigid {
     pub place: Place,
@@ -18,38 +18,38 @@ pub struct Rigid {
     what: What,
     /// Its name in the case, empty until `settle`.
     pub on: String,
-    /// The nodes of bodies, empty where a surface has them.
+    /// The nodes of bodies; empty if they are given by a surface.
     pub nodes: BTreeSet<Node>,
     /// Coordinates of the reference node.
     pub at: Option<[f64; 3]>,
-    /// Whether an element has the reference node: its displacement and force are then those of a node of a body.
+    /// True if an element contains the reference node: its displacement and force are then those of a node of a body.
     pub is_of_body: bool,
     pub force: [Track; 3],
     pub moment: [Track; 3],
-    /// Displacements of the reference node that are prescribed.
+    /// Prescribed displacements of the reference node.
     pub motion: [Track; 3],
-    /// Rotations that are prescribed.
+    /// Prescribed rotations.
     pub turning: [Track; 3],
 }
 
-/// How a deck names the nodes.
+/// The way in which a deck names the nodes.
 #[derive(Clone, Debug)]
 enum What {
     Surface(String),
     Nodes(String),
     Elements(String),
-    /// Nodes in lines of their own.
+    /// Nodes on separate lines.
     Lines,
 }
 
-/// What the directions 1 to 3 of a node mean.
+/// The meaning of the directions 1 to 3 of a node.
 #[derive(Clone, Copy, Debug)]
 enum Role {
     Reference,
     Rotation,
 }
 
-/// A `*COUPLING` whose kind the next keyword says.
+/// A `*COUPLING` whose kind is given by the next keyword.
 #[derive(Clone, Debug)]
 struct Coupling {
     place: Place,
@@ -66,7 +66,7 @@ pub struct Rigids {
     coupling: Option<Coupling>,
 }
 
-/// The only node that a parameter names.
+/// The single node named by a parameter.
 fn one(card: &Card, name: &str, mesh: &Mesh) -> Result<Node, Fault> {
     let text = card.required(name)?;
     let nodes = mesh.nodes(&card.place, text)?;
@@ -78,7 +78,7 @@ fn one(card: &Card, name: &str, mesh: &Mesh) -> Result<Node, Fault> {
     Err(Fault::new(&card.place, found, "one node"))
 }
 
-/// The first and the last direction of a line, from an entry on.
+/// The first and the last direction of a line, starting at an entry.
 fn directions(line: &Line, at: usize) -> Result<std::ops::RangeInclusive<i64>, Fault> {
     let first = integer(line, at)?;
     let last = if line.text(at + 1).is_some() { integer(line, at + 1)? } else { first };
@@ -86,7 +86,7 @@ fn directions(line: &Line, at: usize) -> Result<std::ops::RangeInclusive<i64>, F
 }
 
 impl Rigids {
-    /// Takes a keyword; false where it makes nothing rigid.
+    /// Reads a keyword of a rigid part. Returns false for other keywords.
     pub fn take(&mut self, card: &Card, mesh: &Mesh, dim: usize, notes: &mut Notes) -> Result<bool, Fault> {
         match card.name.as_str() {
             "RIGID BODY" => self.body(card, mesh, notes)?,
@@ -125,7 +125,7 @@ impl Rigids {
         let (what, nodes) = match (set, card.parameter("ELSET")) {
             (Some(name), _) => (What::Nodes(name.to_owned()), mesh.nodes(&card.place, name).unwrap_or_default()),
             (None, Some(name)) => {
-                // Rigid elements and shells are none of a body.
+                // Rigid elements and shells belong to no body.
                 let elements = mesh.elements(&card.place, name).unwrap_or_default();
                 let nodes = elements.into_iter().flat_map(|element| mesh.nodes_of(element)).collect();
                 (What::Elements(name.to_owned()), nodes)
@@ -202,7 +202,7 @@ impl Rigids {
         nodes.iter().filter(|node| self.controls.contains_key(node)).copied().collect()
     }
 
-    /// Whether a direction of a control node means a motion of its part alone, and nothing of a node of a body.
+    /// True if a direction of a control node is a motion of its part only, and not of a node of a body.
     pub fn is_apart(&self, node: &Node, direction: usize) -> bool {
         self.controls.get(node).is_some_and(|(part, role)| {
             let is_of_body = self.parts.get(*part).is_some_and(|part| part.is_of_body);
@@ -210,7 +210,7 @@ impl Rigids {
         })
     }
 
-    /// Sets what a direction of a control node is held at or loaded with; false where it has no such direction.
+    /// Sets the condition or load in a direction of a control node. Returns false if it has no such direction.
     pub fn set(&mut self, card: &Card, (node, direction): (&Node, usize), event: Event) -> bool {
         if !self.is_apart(node, direction) {
             return true;
@@ -234,7 +234,7 @@ impl Rigids {
         true
     }
 
-    /// Takes away in a step what a keyword with OP=NEW does not repeat.
+    /// Removes in a step the conditions that a keyword with OP=NEW does not repeat.
     pub fn renew(&mut self, card: &Card, step: usize) {
         for part in &mut self.parts {
             let tracks = match card.name.as_str() {
@@ -247,7 +247,7 @@ impl Rigids {
         }
     }
 
-    /// Gives the parts their names in the case, once all sections are known.
+    /// Sets the names of the parts in the case, once all sections are known.
     pub fn settle(
         &mut self,
         mesh: &Mesh,
@@ -285,7 +285,7 @@ impl Rigids {
     }
 }
 
-/// Whether nodes are all those of a region.
+/// True if the nodes are all nodes of a region.
 fn is_all_of(nodes: &BTreeSet<Node>, region: &str, mesh: &Mesh) -> bool {
     let elements = mesh.elements(&Place::start(), region).unwrap_or_default();
     let own: BTreeSet<Node> = elements.into_iter().flat_map(|element| mesh.nodes_of(element)).collect();

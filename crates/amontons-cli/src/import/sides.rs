@@ -1,31 +1,31 @@
-//! Sets and surfaces that a deck does not name, for a mesh file that includes it.
+//! Sets and surfaces without a name in the deck, for a mesh file that includes it.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::deck::{Fault, Place};
 use super::mesh::{Has, Mesh, Node};
 
-/// Entries of a line of a set.
+/// Number of entries per line of a set.
 const PER_LINE: usize = 16;
 
-/// Sets and surfaces that are made for a case.
+/// Sets and surfaces made for a case.
 #[derive(Debug, Default)]
 pub struct Sides {
     text: String,
     names: Vec<String>,
-    /// Names in the case of the node sets that conditions have named.
+    /// Names in the case of node sets used by conditions.
     known: HashMap<String, Vec<String>>,
-    /// Names of the surfaces by what they are made of.
+    /// Names of surfaces by the faces they are made of.
     faces: HashMap<(String, usize), String>,
 }
 
 impl Sides {
-    /// The keywords, empty where the names of the deck do.
+    /// The keywords; empty if the names of the deck are enough.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// A name that neither the deck nor this file has: the one that is wanted, or one with a number.
+    /// A name that exists neither in the deck nor in this file: the wanted one, or one with a number.
     fn free(&mut self, mesh: &Mesh, wanted: &str) -> String {
         let taken = |name: &str| {
             self.names.iter().any(|own| own.eq_ignore_ascii_case(name))
@@ -63,7 +63,7 @@ impl Sides {
         name
     }
 
-    /// The surface of faces that a keyword names, made where it is named first.
+    /// The surface of the faces named by a keyword, made on first use.
     pub fn face_set(&mut self, mesh: &Mesh, known: (String, usize), wanted: &str, faces: &[(String, usize)]) -> String {
         if let Some(name) = self.faces.get(&known) {
             return name.clone();
@@ -73,7 +73,7 @@ impl Sides {
         name
     }
 
-    /// The names in the case of a node set of the deck: of the side that it holds, and of the points beside it.
+    /// The names in the case of a node set of the deck: of its side, and of its remaining points.
     pub fn of_set(&mut self, mesh: &Mesh, place: &Place, name: &str) -> Result<Vec<String>, Fault> {
         if let Some(known) = self.known.get(&name.to_uppercase()) {
             return Ok(known.clone());
@@ -89,15 +89,15 @@ impl Sides {
         Ok(found)
     }
 
-    /// Names for nodes: of the side of the facets that they hold, and of the points beside it. `own` is the name of a
-    /// set of the deck with these nodes.
+    /// Names for nodes: of the side formed by their facets, and of the remaining points. `own` is the name of a set of
+    /// the deck with these nodes.
     pub fn split(&mut self, mesh: &Mesh, (own, wanted): (Option<String>, &str), nodes: &BTreeSet<Node>) -> Vec<String> {
         if nodes.is_empty() {
             return Vec::new();
         }
         let on_facets = mesh.on_facets(nodes);
         let beside: BTreeSet<Node> = nodes.difference(&on_facets).copied().collect();
-        // A set that holds facets is the side of these alone; the points beside it need a set of their own.
+        // A set with facets is a side of these only; the remaining points need their own set.
         let mut found = vec![own.unwrap_or_else(|| self.nodes(mesh, wanted, nodes))];
         if !on_facets.is_empty() && !beside.is_empty() {
             found.push(self.nodes(mesh, &format!("{wanted}-points"), &beside));

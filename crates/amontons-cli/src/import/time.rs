@@ -1,4 +1,4 @@
-//! The steps of a deck as one time line, amplitudes, and what a load or a condition is over all steps.
+//! The steps of a deck as one time line, amplitudes, and histories of loads and conditions over all steps.
 
 use std::collections::HashMap;
 
@@ -6,28 +6,28 @@ use super::deck::{Card, Fault, Place};
 use super::notes::{Matter, Notes};
 use super::units::{number, numbers};
 
-/// Most equal steps of a case that a deck does not ask for by DIRECT.
+/// Largest number of equal steps of a case unless the deck requests them by DIRECT.
 const MOST_STEPS: usize = 1000;
-/// Most equal steps of a case.
+/// Largest number of equal steps of a case.
 const MOST_DIRECT: usize = 100_000;
-/// Points of a smooth rise of an amplitude.
+/// Number of points of a smooth rise of an amplitude.
 const SMOOTH: usize = 20;
 
-/// What a case computes.
+/// The equations of a case.
 #[derive(Clone, Copy, Debug)]
 pub struct Physics {
     pub mechanics: bool,
     pub heat: bool,
-    /// Whether heat is stored.
+    /// True if heat is stored.
     pub stores: bool,
 }
 
-/// What a step of a deck computes.
+/// The equations of a step of a deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Procedure {
     pub mechanics: bool,
     pub heat: bool,
-    /// Whether inertia acts, or heat is stored.
+    /// True if inertia acts or heat is stored.
     pub transient: bool,
 }
 
@@ -40,13 +40,13 @@ pub struct Step {
     pub period: f64,
     increment: f64,
     direct: bool,
-    /// `*STEP, AMPLITUDE=…`, where it is given.
+    /// `*STEP, AMPLITUDE=…`, if given.
     ramp: Option<bool>,
     pub large: bool,
 }
 
 impl Step {
-    /// Begins with the keyword `*STEP`.
+    /// A step from the keyword `*STEP`.
     pub fn of(card: &Card, start: f64) -> Step {
         let ramp = card.word("AMPLITUDE").map(|word| word == "RAMP");
         let large = card.has("NLGEOM") && card.word("NLGEOM").as_deref() != Some("NO");
@@ -58,12 +58,12 @@ impl Step {
         self.start + self.period
     }
 
-    /// Whether loads without an amplitude grow over the step.
+    /// True if loads without an amplitude grow over the step.
     fn ramps(&self) -> bool {
         self.ramp.unwrap_or_else(|| self.procedure.is_none_or(|procedure| !procedure.transient))
     }
 
-    /// Takes the procedure of a step with its times.
+    /// Reads the procedure of a step with its times.
     pub fn proceed(&mut self, card: &Card, procedure: Procedure) -> Result<(), Fault> {
         if self.procedure.is_some() {
             let expected = "one procedure per step";
@@ -134,7 +134,7 @@ impl Amplitude {
     }
 }
 
-/// Rises of the fifth degree between points.
+/// Rises of degree five between points.
 fn smoothed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut all: Vec<(f64, f64)> = points.iter().take(1).copied().collect();
     for pair in points.windows(2) {
@@ -147,22 +147,22 @@ fn smoothed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     all
 }
 
-/// What a load or a condition is set to, from a step on.
+/// Value of a load or a condition from a step on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// Number of the step, from 0; what stands before the steps belongs to the first.
+    /// Number of the step, from 0; keywords before the steps belong to the first.
     pub step: usize,
-    /// None: removed.
+    /// The value, or `None` if it is removed.
     pub value: Option<f64>,
     pub amplitude: Option<String>,
 }
 
-/// All that is said of a load or a condition.
+/// All events of a load or a condition.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Track(pub Vec<Event>);
 
 impl Track {
-    /// Sets the value in a step; with `adds` what the step has set before is kept and added.
+    /// Sets the value in a step. With `adds` it is added to the value already set in the step.
     pub fn set(&mut self, event: Event, adds: bool) {
         match self.0.last_mut().filter(|last| last.step == event.step) {
             Some(last) if adds && last.value.is_some() && last.amplitude == event.amplitude => {
@@ -173,7 +173,7 @@ impl Track {
         }
     }
 
-    /// Removes it in a step.
+    /// Removes the load or condition in a step.
     pub fn remove(&mut self, step: usize) {
         if self.0.last().is_some_and(|last| last.value.is_some()) {
             self.set(Event { step, value: None, amplitude: None }, false);
@@ -186,18 +186,19 @@ impl Track {
 pub struct History(pub Vec<(f64, f64)>);
 
 impl History {
-    /// The number, where it is the same at all times.
+    /// The value, if it is the same at all times.
     pub fn constant(&self) -> Option<f64> {
         let first = self.0.first()?.1;
         self.0.iter().all(|point| same(point.1, first)).then_some(first)
     }
 
-    /// Values times a factor, plus a summand.
+    /// The values times a factor, plus a summand.
     pub fn mapped(&self, factor: f64, summand: f64) -> History {
         History(self.0.iter().map(|&(t, value)| (t, value * factor + summand)).collect())
     }
 
-    /// As the case has it: a number, or a table in time, whose times have this factor; `space` is a factor in space.
+    /// The text of the case: a number, or a table in time whose times are multiplied by `time`; `space` is a factor in
+    /// space.
     pub fn text(&self, time: f64, space: Option<&str>) -> String {
         match (self.constant(), space) {
             (Some(value), None) => number(value),
@@ -225,7 +226,7 @@ pub struct TimeLine {
 }
 
 impl TimeLine {
-    /// Puts steps one after the other, and finds equal steps of the case that meet their ends.
+    /// Joins the steps, and finds equal steps of the case that meet their ends.
     pub fn of(steps: Vec<Step>, notes: &mut Notes) -> TimeLine {
         let end = steps.last().map_or(1.0, Step::end);
         let wanted = steps.iter().map(|step| step.increment).fold(end, f64::min);
@@ -255,7 +256,7 @@ impl TimeLine {
         TimeLine { steps, end, count: found.unwrap_or(least) }
     }
 
-    /// What a track is over all steps, beginning with a value; `grows` says whether it ramps where loads do.
+    /// The history of a track over all steps, starting at a value; `grows` is true if it ramps like loads.
     pub fn history(&self, track: &Track, all: &HashMap<String, Amplitude>, (begin, grows): (f64, bool)) -> History {
         let mut points: Vec<(f64, f64)> = Vec::new();
         let mut value = begin;
@@ -295,7 +296,7 @@ impl TimeLine {
     }
 }
 
-/// Points without those that repeat a time or lie on the line of their neighbours.
+/// The points without those that repeat a time or lie on the line of their neighbours.
 fn simple(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     for point in points {
@@ -339,9 +340,9 @@ mod tests {
 
     #[test]
     fn steps_of_the_case_meet_those_of_the_deck() {
-        // Ends at 1 and 1.5 of 1.5: multiples of 0.5, in parts of at most 0.2 that is 0.5/3.
+        // Ends at 1 and 1.5 of 1.5: multiples of 0.5, divided into parts of at most 0.2, 0.5/3 each.
         assert_eq!(steps(&[(1.0, false), (0.5, false)], 0.2).count, 9);
-        // A deck that begins with tiny increments is not followed.
+        // Tiny initial increments of a deck are not followed.
         assert_eq!(steps(&[(1.0, true)], 1e-9).count, 1000);
     }
 
@@ -366,7 +367,7 @@ mod tests {
         let own = |total: bool| HashMap::from([("A".to_owned(), Amplitude { points: points.clone(), total })]);
         let line = steps(&[(1.0, false), (1.0, false)], 0.25);
         let track = Track(vec![set(0, 2.0, Some("A"))]);
-        // A factor of 0.9 at 1 s and of 0.7 at 2 s; that of the step stays as it was at its end.
+        // A factor of 0.9 at 1 s and of 0.7 at 2 s; the factor by step time keeps its value from the end of the step.
         let of_step = line.history(&track, &own(false), (0.0, true)).0;
         assert_eq!(of_step.len(), 4);
         assert!((of_step[2].1 - 1.8).abs() < 1e-14 && (of_step[3].1 - 1.8).abs() < 1e-14, "{of_step:?}");

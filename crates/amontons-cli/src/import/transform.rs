@@ -6,7 +6,7 @@ use super::deck::{Card, Fault, Place};
 use super::mesh::{Mesh, Node};
 use super::vector::{across, cross, unit};
 
-/// Axes of nodes.
+/// Axes of some nodes.
 #[derive(Clone, Debug)]
 pub struct Local {
     nodes: BTreeSet<Node>,
@@ -21,11 +21,11 @@ enum Kind {
     Cylindrical([f64; 3], [f64; 3]),
 }
 
-/// All of a deck.
+/// All transforms of a deck.
 #[derive(Debug, Default)]
 pub struct Transforms(Vec<Local>);
 
-/// Axes from a point on the first one and one in the plane of the first two.
+/// Axes from a point on the first axis and a point in the plane of the first two.
 pub fn axes(a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 3]; 3]> {
     let first = unit(a)?;
     let second = unit(across(&b, &first))?;
@@ -33,7 +33,7 @@ pub fn axes(a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 3]; 3]> {
 }
 
 impl Transforms {
-    /// Takes a keyword.
+    /// Reads the keyword.
     pub fn take(&mut self, card: &Card, mesh: &Mesh) -> Result<(), Fault> {
         let nodes = mesh.nodes(&card.place, card.required("NSET")?)?;
         let expected = "two points, six numbers";
@@ -61,7 +61,7 @@ impl Transforms {
         Ok(())
     }
 
-    /// The axes of nodes; all of them have the same.
+    /// The common axes of nodes, or `None` if they have none of their own; a fault if they differ.
     pub fn of(&self, nodes: &BTreeSet<Node>, place: &Place) -> Result<Option<Local>, Fault> {
         let mut own = self.0.iter().rev().filter(|local| local.nodes.intersection(nodes).next().is_some());
         let Some(local) = own.next() else { return Ok(None) };
@@ -86,7 +86,7 @@ impl Local {
         }
     }
 
-    /// The axis of the case that a local one is along, with its sign.
+    /// The axis of the case parallel to a local one, with its sign, if any.
     pub fn along(&self, axis: usize) -> Option<(usize, f64)> {
         let own = match &self.kind {
             Kind::Rectangular(axes) => *axes.get(axis)?,
@@ -96,7 +96,7 @@ impl Local {
         (0..3).find(|&d| own[d].abs() > 1.0 - 1e-9).map(|d| (d, own[d].signum()))
     }
 
-    /// Whether a local axis points away from the axis of a cylinder, to which no plane side is normal.
+    /// True if a local axis is radial: no plane side is normal to it.
     pub fn is_radial(&self, axis: usize) -> bool {
         axis == 0 && matches!(self.kind, Kind::Cylindrical(..))
     }

@@ -1,4 +1,4 @@
-//! The units of a deck, and how numbers are written.
+//! The units of a deck, and the notation of numbers.
 
 use crate::arguments::DeckUnits;
 
@@ -23,7 +23,7 @@ impl From<DeckUnits> for Units {
 }
 
 impl Units {
-    /// Of pressure, stress and moduli.
+    /// Factor of pressure, stress and moduli.
     pub fn stress(&self) -> f64 {
         self.mass / (self.length * self.time * self.time)
     }
@@ -40,38 +40,38 @@ impl Units {
         self.mass / self.length.powi(3)
     }
 
-    /// Of accelerations.
+    /// Factor of accelerations.
     pub fn acceleration(&self) -> f64 {
         self.length / (self.time * self.time)
     }
 
-    /// Of specific heat per mass and kelvin.
+    /// Factor of specific heat per mass and kelvin.
     pub fn specific_heat(&self) -> f64 {
         (self.length / self.time).powi(2)
     }
 
-    /// Of conductivities.
+    /// Factor of conductivities.
     pub fn conductivity(&self) -> f64 {
         self.mass * self.length / self.time.powi(3)
     }
 
-    /// Of heat fluxes per area, film coefficients and conductances of gaps.
+    /// Factor of heat fluxes per area, film coefficients and conductances of gaps.
     pub fn flux(&self) -> f64 {
         self.mass / self.time.powi(3)
     }
 
-    /// Of stiffnesses of contact: pressure per length.
+    /// Factor of contact stiffnesses: pressure per length.
     pub fn slope(&self) -> f64 {
         self.stress() / self.length
     }
 
-    /// Of heat and force per volume.
+    /// Factor of heat and force per volume.
     pub fn per_volume(&self, of_area: f64) -> f64 {
         of_area / self.length
     }
 }
 
-/// A number as the case has it, without the round-off of a change of units.
+/// A number in the case, without the round-off of the conversion of units.
 pub fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.13e}").parse().unwrap_or(value);
     match rounded.abs() {
@@ -86,7 +86,7 @@ pub fn numbers(values: impl IntoIterator<Item = f64>) -> String {
     format!("[{}]", values.into_iter().map(number).collect::<Vec<_>>().join(", "))
 }
 
-/// A text as TOML writes it.
+/// A text in TOML notation.
 pub fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

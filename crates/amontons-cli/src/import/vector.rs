@@ -1,6 +1,6 @@
 //! Vectors of three components.
 
-/// A vector of length 1, if it has a direction.
+/// A unit vector in this direction, or `None` for a zero vector.
 pub fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
     (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))

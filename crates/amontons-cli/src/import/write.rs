@@ -16,9 +16,9 @@ use super::parts;
 use super::time::{TimeLine, Track};
 use super::units::{number, quoted};
 
-/// Most probes of reactions that are written.
+/// Largest number of reaction probes.
 const MOST_PROBES: usize = 12;
-/// Conductance of a tie over that of the bodies.
+/// Conductance of a tie relative to that of the bodies.
 const TIE: f64 = 1e4;
 
 /// Names of the files of a case.
@@ -28,7 +28,7 @@ pub struct Names {
     pub mesh: String,
 }
 
-/// What is taken for the units of a deck.
+/// The assumed units of a deck, in words.
 pub fn assumed(units: DeckUnits) -> &'static str {
     match units {
         DeckUnits::None => {
@@ -40,7 +40,7 @@ pub fn assumed(units: DeckUnits) -> &'static str {
     }
 }
 
-/// What all parts of a case need.
+/// Data needed by all parts of a case.
 struct Writing<'a> {
     model: &'a Model,
     read: &'a Read,
@@ -117,7 +117,7 @@ fn head(names: &Names, units: DeckUnits, writing: &Writing, notes: &Notes) -> St
     text + "\n"
 }
 
-/// A text as a comment, without what would end it.
+/// A text as a comment, without control characters, which would end it.
 fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
@@ -258,7 +258,7 @@ impl<'a> Writing<'a> {
         text
     }
 
-    /// The temperature that the deck gives, as an entry of `[load]`.
+    /// The temperature given by the deck, as an entry of `[load]`.
     fn temperature(&self) -> Option<String> {
         let Context { units, shift, initial, warmed, .. } = self.context;
         let field = || self.history(&self.model.conditions.field, (initial, true)).mapped(1.0, -shift);
@@ -269,7 +269,7 @@ impl<'a> Writing<'a> {
         self.model.time.history(track, &self.model.amplitudes, begin)
     }
 
-    /// An entry of a side or of points.
+    /// The text of an entry of a side or of points.
     fn boundary(&self, entry: &Entry, notes: &mut Notes) -> String {
         let Context { units, dim, shift, initial, .. } = self.context;
         let mut text = format!("\n[[boundary]]                         # {}\n", entry.from.join(", "));
@@ -306,7 +306,7 @@ impl<'a> Writing<'a> {
         text + &lines
     }
 
-    /// Notes conditions that the deck does not have in all steps: those of a case hold all the time.
+    /// Notes conditions that exist in some steps of the deck only: in a case they hold at all times.
     fn note_late(&self, quantity: &Quantity, track: &Track, entry: &Entry, notes: &mut Notes) {
         let what = format!("condition on {}", entry.on.escape_debug());
         if matches!(quantity, Quantity::Displacement(_) | Quantity::Normal | Quantity::Temperature) {
@@ -318,7 +318,7 @@ impl<'a> Writing<'a> {
         }
     }
 
-    /// Reactions of what is held.
+    /// Probes of the reactions of supports.
     fn probes(&self) -> String {
         let mut text = String::new();
         let held =
@@ -342,7 +342,7 @@ impl<'a> Writing<'a> {
     }
 }
 
-/// Notes a condition that begins or ends with a step: a case has it in all of them.
+/// Notes a condition that begins or ends with a step: in a case it holds in all steps.
 pub fn note_late(time: &TimeLine, track: &Track, what: &str, notes: &mut Notes) {
     let place = |step: usize| time.steps.get(step).map_or_else(Place::start, |step| step.place.clone());
     if let Some(first) = track.0.first().filter(|first| first.step > 0) {
@@ -355,7 +355,7 @@ pub fn note_late(time: &TimeLine, track: &Track, what: &str, notes: &mut Notes) 
     }
 }
 
-/// Where the material of a section is from.
+/// The origin of a material, for a comment.
 fn of_section(section: &Section) -> String {
     one_line(&format!("{}: *SOLID SECTION {}", section.material, section.place))
 }

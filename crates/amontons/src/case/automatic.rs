@@ -1,4 +1,4 @@
-//! `[contact.automatic]`: the pairs of bodies that are near each other.
+//! `[contact.automatic]`: pairs of bodies that are near each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,8 +10,8 @@ use crate::mesh::Mesh;
 use crate::mesh::defects::components;
 
 impl Build<'_> {
-    /// The contacts by the names of their sides: those that are found are in the place of the entry that asks for them,
-    /// and their sides are added to the mesh.
+    /// The contacts with the names of their sides. An entry with `automatic` is replaced by the pairs found, whose
+    /// sides are added to the mesh.
     pub fn named_pairs(&mut self, contacts: Vec<(String, Contact)>, mesh: &mut Mesh) -> Vec<(String, Contact)> {
         let taken: BTreeSet<Vec<u32>> = contacts
             .iter()
@@ -46,7 +46,7 @@ impl Build<'_> {
         all
     }
 
-    /// Keys that name sides, or a contact.
+    /// Notes keys that name sides or a contact in addition to `automatic`.
     fn not_beside_automatic(&mut self, path: &str, contact: &Contact) {
         let named = [
             ("on", !contact.on.is_empty()),
@@ -61,7 +61,7 @@ impl Build<'_> {
         }
     }
 
-    /// The sides that face each other, by their names in the mesh.
+    /// The pairs of sides that face each other, by their names in the mesh.
     fn near(
         &mut self,
         path: &str,
@@ -98,7 +98,7 @@ impl Build<'_> {
     }
 }
 
-/// A name that no side of the mesh has.
+/// The name, changed until no side of the mesh has it.
 fn free(mut name: String, mesh: &Mesh) -> String {
     while mesh.facets.contains_key(&name) {
         name.push('\'');
@@ -106,7 +106,7 @@ fn free(mut name: String, mesh: &Mesh) -> String {
     name
 }
 
-/// The names of the bodies: that of the region where a region is one body and a body one region, else numbers.
+/// The names of the bodies: the region if it is exactly one body, else numbers.
 fn names(mesh: &Mesh) -> Vec<String> {
     let mut body_of = BTreeMap::new();
     let bodies = components(mesh);

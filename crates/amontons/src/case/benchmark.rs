@@ -1,4 +1,4 @@
-//! `[verify]`: from the raw checks to those of the library.
+//! `[verify]`: converts the raw checks to those of the library.
 
 use super::build::Build;
 use super::nearest::nearest;
@@ -55,7 +55,7 @@ impl Build<'_> {
         Verify { title: raw.title.clone(), source: raw.source.clone(), checks }
     }
 
-    /// Notes a time outside the interval for which there are values.
+    /// Notes a time outside the interval that has values.
     fn check_time(&mut self, path: &str, time: Option<f64>, first: f64) {
         let slack = 1e-12 * self.timeline.end();
         if let Some(time) = time

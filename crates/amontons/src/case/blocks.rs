@@ -10,10 +10,10 @@ use crate::machine::Memory;
 use crate::mesh::{Mesh, MeshError, Plane};
 use crate::tensor::Rotation;
 
-/// Where the mesh of a block comes from.
+/// The source of the mesh of a block.
 enum Origin {
     File(Mesh),
-    /// It is generated, with these cells.
+    /// A generated mesh with these cells.
     Shape(raw::Mesh, Vec<usize>),
 }
 
@@ -30,12 +30,12 @@ impl Origin {
 struct Body {
     mesh: Origin,
     size: Size,
-    /// What the elements of its file say of the direction that a plane body lacks.
+    /// Stress state of a plane body by the elements of its file, if they say it.
     plane: Option<Plane>,
 }
 
 impl Build<'_> {
-    /// The mesh of several blocks; none where it cannot be had.
+    /// The mesh of several blocks, or `None` if one has a fault.
     pub fn blocks(
         &mut self,
         blocks: &[raw::Block],
@@ -66,14 +66,14 @@ impl Build<'_> {
             mesh.axisymmetric = (axisymmetric || mesh.axisymmetric) && all.dim == 2;
             bodies.push((block.name.clone(), mesh.onto_axis()));
         }
-        // Elements of files that do not all say the same say nothing.
+        // The stress state counts only if all elements say the same.
         self.of_file.plane =
             said.first().copied().flatten().filter(|plane| said.iter().all(|other| *other == Some(*plane)));
         self.one_section(&bodies)?;
         Mesh::assembly(&bodies).map_err(|error| self.no_block(0, &error)).ok()
     }
 
-    /// A mesh at its place, turned and moved.
+    /// A mesh, rotated and moved to its place.
     fn placed(&mut self, path: &str, block: &raw::Block, mut mesh: Mesh) -> Option<Mesh> {
         if let Some(turn) = &block.turn {
             let at = format!("{path}.turn");
@@ -97,7 +97,7 @@ impl Build<'_> {
         self.note(&format!("mesh.blocks[{i}]"), At::Value, error.found(), expected, None);
     }
 
-    /// All bodies are half sections of bodies of revolution, or none is; none where they differ.
+    /// Checks that all bodies are half sections of bodies of revolution, or none; `None` if they differ.
     fn one_section(&mut self, bodies: &[(String, Mesh)]) -> Option<()> {
         let first = bodies.first().is_some_and(|(_, mesh)| mesh.axisymmetric);
         let Some(i) = bodies.iter().position(|(_, mesh)| mesh.axisymmetric != first) else { return Some(()) };
@@ -107,7 +107,7 @@ impl Build<'_> {
         None
     }
 
-    /// A block before it is placed, in `dim` dimensions where others are there; none where its entries do not fit.
+    /// A block before it is placed, in `dim` dimensions if other blocks exist, or `None` if its entries do not fit.
     fn body(
         &mut self,
         path: &str,
@@ -153,7 +153,7 @@ impl Build<'_> {
         Some(Body { size: measured(&mesh, &on_contact, 0), mesh: Origin::File(mesh), plane })
     }
 
-    /// The block as a mesh of its own, and its cells; none where its entries do not fit.
+    /// The block as a mesh with its cells, or `None` if its entries do not fit.
     fn block_shape(&mut self, path: &str, block: &raw::Block, dim: usize) -> Option<(raw::Mesh, Vec<usize>)> {
         let (n, elements) = (block.n.clone(), block.elements);
         if n.is_empty() {
@@ -207,7 +207,7 @@ impl Build<'_> {
         Some((shape, n))
     }
 
-    /// Whether all keys of the block have a number for each of the `dim` dimensions.
+    /// True if all keys of the block have one number for each of the `dim` dimensions.
     fn has_dimension(&mut self, path: &str, block: &raw::Block, dim: usize) -> bool {
         let own = if block.size.is_empty() { "radii" } else { "size" };
         for (key, found) in [(own, dimension(block)), ("n", block.n.len()), ("origin", block.origin.len())] {
@@ -231,7 +231,7 @@ impl Build<'_> {
     }
 }
 
-/// A key that means nothing in a block, and where it does.
+/// A key without meaning in this block, with the blocks in which it has one.
 fn misplaced(block: &raw::Block) -> Option<(&'static str, &'static str)> {
     let is_rectangle = block.size.len() == 2 && matches!(block.elements, raw::Elements::P1 | raw::Elements::P2);
     if block.height.is_some() && block.radii.is_none() {
@@ -258,7 +258,7 @@ fn of_generated(block: &raw::Block) -> Option<&'static str> {
     given.into_iter().find_map(|(key, is)| is.then_some(key))
 }
 
-/// In how many dimensions a block is.
+/// Number of dimensions of a block.
 fn dimension(block: &raw::Block) -> usize {
     match block.radii {
         Some(_) if block.size.is_empty() => 2 + usize::from(block.height.is_some()),

@@ -1,4 +1,4 @@
-//! From the raw case to the [`Problem`]: what the schema cannot say is checked here.
+//! Builds the [`Problem`] from the raw case and checks conditions that the schema cannot express.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -27,11 +27,10 @@ use crate::tensor::Point;
 use crate::time::Timeline;
 use crate::units::{System, TemperatureScale};
 
-/// Builds and checks the problem, in a machine with so much memory, where that is known.
+/// Builds and checks the problem for a machine with this much memory, if known.
 ///
-/// At the doubtful paths of `notes` stand-ins are in the place of faulty values, so that nothing counts that is
-/// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the
-/// times of checks need not fit.
+/// Findings at, below or above the doubtful paths of `notes` are ignored: their values are placeholders. With
+/// `has_other_end` an override sets the end of the run, and times of checks may exceed it.
 pub(super) fn problem(
     mut raw: raw::Case,
     files: &Files,
@@ -114,8 +113,8 @@ fn backend(raw: raw::Backend, problem: &ProblemData) -> Arc<dyn Backend> {
     }
 }
 
-/// Linear laws have one matrix; others have a tangent in each step, and a few where Newton's method over the body is
-/// slow.
+/// Estimated work of a run. Linear laws need one factorization, others a tangent in each step, and a few if Newton's
+/// method over the body is slow.
 fn workload(problem: &ProblemData) -> Workload {
     let steps = problem.timeline.steps() as f64;
     let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
@@ -138,7 +137,7 @@ fn coupling(raw: raw::Coupling) -> Coupling {
     }
 }
 
-/// What a case gives.
+/// Everything built from a case.
 pub(super) struct Built {
     pub problem: Problem,
     pub probes: Vec<Probe>,
@@ -146,9 +145,9 @@ pub(super) struct Built {
     pub verify: Option<Verify>,
     /// Copies of the files that it refers to.
     pub inputs: Vec<Input>,
-    /// Keys of the case that refer to files, and what they say where the copies are.
+    /// Keys that name files, with their values in the copied inputs.
     pub references: Vec<(Path, String)>,
-    /// What the mesh file has besides the mesh.
+    /// Content of the mesh file that is not used.
     pub skipped: Vec<Skipped>,
 }
 
@@ -170,7 +169,7 @@ pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
     fields
 }
 
-/// The files of the fields.
+/// Format of the fields of a finished run.
 pub(super) fn format(raw: &raw::Output) -> FieldsFormat {
     match raw.format {
         raw::FieldsFormat::Vtu => FieldsFormat::Vtu,
@@ -179,7 +178,7 @@ pub(super) fn format(raw: &raw::Output) -> FieldsFormat {
     }
 }
 
-/// When checkpoints are written.
+/// The interval between checkpoints.
 pub(super) fn checkpoint(raw: &raw::Output) -> CheckpointInterval {
     raw.checkpoint.map_or_else(CheckpointInterval::default, |raw| CheckpointInterval {
         steps: raw.steps,
@@ -197,27 +196,27 @@ pub(super) fn expected(raw: &raw::Expected) -> Expected {
     Expected { tolerance: raw.tolerance, values }
 }
 
-/// What the walk along the schema leaves for the build.
+/// Results of the walk along the schema that the build needs.
 #[derive(Clone, Copy)]
 pub(super) struct Notes<'d> {
-    /// Where stand-ins are.
+    /// Paths of placeholders.
     pub doubtful: &'d Doubtful,
-    /// What is expected of the values of expressions and tables.
+    /// Limits for the values of expressions and tables.
     pub limits: &'d [(Path, Limits)],
     /// The scale of temperatures.
     pub scale: TemperatureScale,
 }
 
-/// What a mesh file says besides the mesh.
+/// Content of a mesh file apart from the mesh.
 #[derive(Default)]
 pub(super) struct OfFile {
-    /// What the elements say of the direction that a plane body lacks.
+    /// Stress state of a plane body, if the elements say it.
     pub plane: Option<Plane>,
-    /// What is no part of the mesh.
+    /// Content that is not used.
     pub skipped: Vec<Skipped>,
 }
 
-/// What is known while a problem is built.
+/// The state of the build of a problem.
 pub(super) struct Build<'d> {
     pub findings: Vec<Finding>,
     pub doubtful: &'d Doubtful,
@@ -225,35 +224,35 @@ pub(super) struct Build<'d> {
     pub limits: &'d [(Path, Limits)],
     /// The files beside the case.
     pub loader: Loader<'d>,
-    /// The file of the mesh with the factor of its coordinates; none of a generated one.
+    /// The mesh file with the factor of its coordinates, or `None` for a generated mesh.
     pub mesh_file: Option<(String, f64)>,
-    /// What the mesh file says besides the mesh.
+    /// Content of the mesh file apart from the mesh.
     pub of_file: OfFile,
-    /// What the program chose where the case leaves it open.
+    /// Choices of the program where the case leaves them open.
     pub chosen: Vec<Choice>,
-    /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
+    /// True if there is no mesh, so that sides, regions and dimensions are unknown.
     pub no_mesh: bool,
-    /// Whether the case has no faults so far.
+    /// True if the case has no faults so far.
     pub is_sound: bool,
-    /// d.
+    /// Spatial dimension d.
     pub dim: usize,
-    /// How linear systems are solved.
+    /// The solver of linear systems.
     pub solver: raw::Backend,
-    /// The instants of the run, and whether an override gives T.
+    /// The instants of the run, and true if an override sets T.
     pub timeline: Timeline,
     pub has_other_end: bool,
-    /// Whether densities count.
+    /// Effect of densities.
     pub inertia: Inertia,
-    /// The densities of the materials by where these stand in the case, also where inertia is ignored.
+    /// The densities of the materials by their paths in the case, even if inertia is ignored.
     pub densities: BTreeMap<String, Coefficient<f64>>,
 }
 
-/// Whether ρü acts.
+/// Effect of the inertia ρü.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Inertia {
-    /// As much as the densities say.
+    /// Inertia by the densities.
     Acts,
-    /// On no body: every density counts as zero.
+    /// Zero: every density counts as zero.
     Ignored,
 }
 
@@ -270,7 +269,7 @@ impl Build<'_> {
         self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
     }
 
-    /// The findings that do not rest on stand-ins.
+    /// The findings that do not depend on placeholders.
     fn certain(&self) -> Vec<Finding> {
         self.findings.iter().filter(|finding| !self.is_doubtful(&finding.path)).cloned().collect()
     }
@@ -279,20 +278,20 @@ impl Build<'_> {
         if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
             return true;
         }
-        // What stands in the place of a side that could not be found is no side of the case.
+        // If a side could not be found, its placeholder is no side of the case.
         let of_sides = ["contact", "boundary", "cyclic", "rigid"].iter().any(|table| path.is_in(table));
         if of_sides && self.findings.iter().any(|finding| finding.path.is_in("side")) {
             return true;
         }
         let ends_with = |path: &Path, key: &str| path.0.last() == Some(&Segment::Key(key.to_owned()));
-        // What holds a body cannot be said while one of the sides of its contacts is unknown.
+        // The supports of a body are unknown while a side of its contacts is unknown.
         let is_unknown_side = |finding: &Finding| {
             finding.path.is_in("contact") && ["on", "with", "distance"].iter().any(|key| ends_with(&finding.path, key))
         };
         if path.0 == [Segment::Key("boundary".to_owned())] && self.findings.iter().any(is_unknown_side) {
             return true;
         }
-        // A side cannot be looked up while the mesh that has the sides is unknown.
+        // A side cannot be looked up in an unknown mesh.
         (ends_with(path, "on") && self.doubtful.mesh_unknown) || self.doubtful.is_related(path)
     }
 
@@ -302,7 +301,7 @@ impl Build<'_> {
         self.step(&raw.time);
     }
 
-    /// The name is that of a folder too.
+    /// Checks the name, which also names a folder.
     fn name(&mut self, name: &str) {
         const LONGEST: usize = 100;
         const REFUSED: [char; 9] = ['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
@@ -324,7 +323,7 @@ impl Build<'_> {
         self.note("name", At::Value, found, expected, Some("choose another name: results go to results/<name>"));
     }
 
-    /// Gives a plane body its thickness; others have none.
+    /// Sets the thickness of a plane body; other bodies cannot have one.
     fn thickness(&mut self, given: Option<f64>, mesh: &mut Mesh) {
         let (true, Some(_)) = (mesh.dim != 2 || mesh.axisymmetric, given) else {
             mesh.thickness = given;
@@ -338,7 +337,7 @@ impl Build<'_> {
         self.note("thickness", At::Value, found, "one of a plane body", Some("remove it"));
     }
 
-    /// Steps are not so short that their length is no number to divide by.
+    /// Checks that steps are long enough to divide by.
     fn step(&mut self, time: &raw::Time) {
         let k = Timeline::equal(time.end, time.steps).longest();
         if !(k.is_normal() && k.recip().is_finite()) {
@@ -352,7 +351,7 @@ impl Build<'_> {
         }
     }
 
-    /// The materials by region: that of `[material]`, but for regions with their own.
+    /// The materials by region: its own, else that of `[material]`.
     fn materials(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<Material> {
         let number = |on: &str| mesh.regions.iter().position(|name| name == on);
         let with_own = raw.region.iter().filter(|region| region.material.is_some());
@@ -397,7 +396,7 @@ impl Build<'_> {
                 Some(number) => (own[number], seen[number]) = (material, true),
             }
         }
-        // One for all where no region has its own.
+        // One material for all if no region has its own.
         if own.iter().all(Option::is_none) {
             return vec![common];
         }
@@ -442,7 +441,7 @@ impl Build<'_> {
     }
 }
 
-/// The nodes of a side, an edge or points; none if there is no such set, which is found elsewhere.
+/// The nodes of a side, an edge or points; empty for a missing set, which is reported elsewhere.
 pub(super) fn side(mesh: &Mesh, name: &str) -> Vec<Point> {
     let nodes = mesh.named(name).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
     nodes.iter().filter_map(|&n| mesh.points.get(n as usize).copied()).collect()

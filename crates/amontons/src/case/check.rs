@@ -1,7 +1,7 @@
-//! The document against the schema of the case file: all departures at once.
+//! Checks the document against the schema of the case file and collects all departures.
 //!
-//! The walk returns the document as JSON with stand-ins where it departs, so that it can be read
-//! into [`super::raw::Case`] and what depends on several values be checked as well.
+//! The walk returns the document as JSON with placeholders for faulty values, so that it can be read into
+//! [`super::raw::Case`] and conditions on several values can be checked as well.
 
 use serde_json::{Map, Value};
 use toml::de::{DeArray, DeTable, DeValue};
@@ -13,18 +13,18 @@ use super::quantity::{Quantity, Reading, read};
 use super::schema::{Limits, View, one_of};
 use crate::units::TemperatureScale;
 
-/// Faults up to which misplaced keys are looked for in all tables.
+/// Number of faults up to which misplaced keys are searched for in all tables.
 const HINTED: usize = 500;
 
-/// What the walk gives.
+/// Result of the walk.
 pub(super) struct Checked {
-    /// The document, stand-ins in the place of what departs from the schema.
+    /// The document, with placeholders for values that depart from the schema.
     pub value: Value,
     /// The departures.
     pub findings: Vec<Finding>,
-    /// Where stand-ins are: nothing that is found there later says anything about the case.
+    /// Paths of placeholders. Ignore later findings there.
     pub doubtful: Vec<Path>,
-    /// What is expected of the values of expressions and tables, by the keys that have bounds.
+    /// Limits for the values of expressions and tables, by the keys that have bounds.
     pub limits: Vec<(Path, Limits)>,
     /// The scale of temperatures.
     pub scale: TemperatureScale,
@@ -53,11 +53,11 @@ struct Walk<'s> {
     findings: Vec<Finding>,
     doubtful: Vec<Path>,
     limits: Vec<(Path, Limits)>,
-    /// Whether numbers may have units.
+    /// True if numbers may have units.
     has_units: bool,
-    /// Whether forces and the like are those of a whole plane body, and never per metre of its thickness.
+    /// True if forces and the like are those of a whole plane body, and never per metre of its thickness.
     has_thickness: bool,
-    /// Whether it is said that temperatures are on two scales.
+    /// True if the use of two temperature scales has been reported.
     is_told: bool,
     /// The first temperatures in K and in °C.
     scales: [Option<Path>; 2],
@@ -93,7 +93,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    /// The number of a text such as `"210 GPa"` where a number may stand; none of another text.
+    /// The number in a text such as `"210 GPa"` where a number is allowed, or `None` for another text.
     fn measured(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Option<Value> {
         let text = found.as_str()?;
         let number = |form: &View<'s>| form.kind() == "number";
@@ -129,7 +129,7 @@ impl<'s> Walk<'s> {
         Some(schema.sample())
     }
 
-    /// Notes the scale of a temperature: numbers of two scales do not fit together.
+    /// Notes the scale of a temperature and reports a second scale.
     fn on_a_scale(&mut self, schema: View<'s>, path: &Path, quantity: &Quantity) {
         if !quantity.unit.is_temperature() || schema.is_difference() {
             return;
@@ -148,7 +148,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    /// Notes that a value is not what the schema expects, and puts a stand-in there.
+    /// Notes a value that departs from the schema, and returns a placeholder.
     fn mismatch(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>, hint: Option<String>) -> Value {
         self.findings.push(Finding::new(path.clone(), At::Value, describe(found), schema.expected()).hint(hint));
         self.doubtful.push(path.clone());
@@ -228,7 +228,7 @@ impl<'s> Walk<'s> {
         schema.sample()
     }
 
-    /// The keys of a table: known ones are walked on, unknown and missing ones noted.
+    /// Walks the known keys of a table, and notes unknown and missing ones.
     fn entries(&mut self, schema: View<'s>, path: &Path, table: &DeTable<'_>) -> Map<String, Value> {
         let mut entries = Map::new();
         let mut meant = Vec::new();
@@ -243,7 +243,7 @@ impl<'s> Walk<'s> {
                 None => meant.extend(self.unknown_key(schema, at, key, table)),
             }
         }
-        // A key under another name is not one that is left out.
+        // A key under a wrong name is not a missing key.
         self.doubtful.extend(meant.iter().map(|key| path.key(key)));
         for key in schema.required() {
             if entries.contains_key(key) {
@@ -259,14 +259,14 @@ impl<'s> Walk<'s> {
         entries
     }
 
-    /// Notes an unknown key; returns the key of this table that was meant, where that can be told.
+    /// Notes an unknown key. Returns the key of this table that was probably meant, if any.
     fn unknown_key(&mut self, schema: View<'s>, at: Path, key: &str, table: &DeTable<'_>) -> Option<&'s str> {
         let keys = schema.keys();
         let absent: Vec<&str> = keys.iter().copied().filter(|k| table.get(*k).is_none()).collect();
         let meant = nearest(key, &absent).or_else(|| nearest(key, &keys)).or_else(|| synonym(key, &keys));
         let hint = match meant {
             Some(meant) => Some(format!("did you mean `{meant}`?")),
-            // To look through all tables takes its time, and of many faults only the first are told.
+            // The search through all tables takes time, and only the first of many faults are shown.
             None if self.findings.len() < HINTED => self.home_of(key, &at),
             None => None,
         };
@@ -280,7 +280,7 @@ impl<'s> Walk<'s> {
         meant
     }
 
-    /// Where a key belongs that stands in the wrong table: in this one with another law, if there is one, or elsewhere.
+    /// The tables to which a misplaced key belongs: this one with another law, if there is one, else others.
     fn home_of(&self, key: &str, at: &Path) -> Option<String> {
         let homes = self.all.homes(key);
         let table = at.to_string();
@@ -292,7 +292,7 @@ impl<'s> Walk<'s> {
     }
 }
 
-/// Whether a value has the type that the schema names.
+/// True if a value has the type named by the schema.
 fn takes(kind: &str, found: &DeValue<'_>) -> bool {
     match found {
         DeValue::String(_) => kind == "string",
@@ -317,7 +317,7 @@ fn number(found: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-/// What to write where the type is wrong but the value can be told.
+/// Correction of a value of wrong type, if its meaning is clear.
 fn hint_for_kind(schema: View<'_>, path: &Path, found: &DeValue<'_>) -> Option<String> {
     match (schema.kind(), found) {
         ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => {
@@ -334,7 +334,7 @@ fn hint_for_kind(schema: View<'_>, path: &Path, found: &DeValue<'_>) -> Option<S
     }
 }
 
-/// A value in a message.
+/// A value as shown in a message.
 fn describe(found: &DeValue<'_>) -> String {
     const LONGEST: usize = 40;
     match found {
@@ -351,7 +351,7 @@ fn describe(found: &DeValue<'_>) -> String {
     }
 }
 
-/// Other names of our keys, as other programs and textbooks have them.
+/// Synonyms of keys, from other programs and textbooks.
 const SYNONYMS: [(&str, &[&str]); 26] = [
     ("on", &["side", "sides", "facets", "facet_set", "where", "part", "surface", "name"]),
     ("n", &["cells", "elements", "divisions", "resolution", "subdivisions", "nx"]),
@@ -381,7 +381,7 @@ const SYNONYMS: [(&str, &[&str]); 26] = [
     ("foundation_temperature", &["theta_f", "temperature", "ambient"]),
 ];
 
-/// The key of a table that goes by another name elsewhere.
+/// The key of a table with this synonym.
 fn synonym<'k>(word: &str, keys: &[&'k str]) -> Option<&'k str> {
     let word = word.to_lowercase().replace('-', "_");
     let ours = SYNONYMS.iter().filter(|(_, others)| others.contains(&word.as_str())).map(|(ours, _)| *ours);

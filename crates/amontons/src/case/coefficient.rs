@@ -1,4 +1,4 @@
-//! The coefficients of a law: numbers, or fields that are checked wherever the law is evaluated.
+//! The coefficients of a law: numbers, or fields that are checked at all points where the law is evaluated.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -10,12 +10,12 @@ use super::raw::{Coefficient, Datum};
 use crate::field::{Field, common, reference};
 use crate::tensor::Point;
 
-/// Most coefficients that a law has: the entries of a stiffness, three angles, three coefficients of expansion.
+/// Largest number of coefficients of a law: a stiffness, three angles, three coefficients of expansion.
 const MOST: usize = 48;
-/// Time levels at which coefficients that change with time are looked at.
+/// Number of times at which time-dependent coefficients are checked.
 const LEVELS: usize = 64;
 
-/// Why values of coefficients make no law: the key below that of the law, and what to say.
+/// The reason why coefficients give no law: the key below the law, and the message.
 #[derive(Clone, Debug)]
 pub(super) struct Refusal {
     pub key: &'static str,
@@ -30,19 +30,19 @@ impl Refusal {
         Refusal { key: "", found: found.into(), expected: expected.into(), hint: None }
     }
 
-    /// The same about a key.
+    /// Makes the refusal one about a key of the law.
     pub fn of(self, key: &'static str) -> Refusal {
         Refusal { key, ..self }
     }
 }
 
-/// What values of coefficients make.
+/// Function that makes a law of the values of its coefficients.
 pub(super) type Make<T> = dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync;
 
-/// Something made of coefficients: a law, or a tensor.
+/// A law or a tensor with its coefficients.
 pub(super) struct Plan<T> {
     fields: Arc<[Field]>,
-    /// The temperatures that all of its tables cover; empty if it does not depend on the temperature.
+    /// The temperatures that all of its tables cover; empty without dependence on the temperature.
     temperatures: Arc<[f64]>,
     make: Arc<Make<T>>,
 }
@@ -55,19 +55,19 @@ impl<T> Clone for Plan<T> {
 }
 
 impl<T> Plan<T> {
-    /// What `make` makes of the values of these coefficients.
+    /// A plan that applies `make` to the values of these coefficients.
     pub fn new(fields: Vec<Field>, make: impl Fn(&[f64]) -> Result<T, Refusal> + Send + Sync + 'static) -> Plan<T> {
         let tables = fields.iter().map(Field::temperatures).filter(|table| !table.is_empty());
         let temperatures = common(tables).into();
         Plan { fields: fields.into(), temperatures, make: Arc::new(make) }
     }
 
-    /// What it is at a point and a time, at the temperature nearest to 0.
+    /// The law at a point and a time, at the tabulated temperature nearest to 0.
     pub fn at(&self, x: &Point, t: f64) -> Result<T, Refusal> {
         self.at_temperature(x, t, reference(&self.temperatures))
     }
 
-    /// What it is at a position, time and temperature.
+    /// The law at a position, time and temperature.
     pub fn at_temperature(&self, x: &Point, t: f64, theta: f64) -> Result<T, Refusal> {
         let mut values = [0.0; MOST];
         for (value, field) in values.iter_mut().zip(self.fields.iter()) {
@@ -76,7 +76,7 @@ impl<T> Plan<T> {
         (self.make)(&values[..self.fields.len().min(MOST)])
     }
 
-    /// What these values of its coefficients make.
+    /// The law for these values of its coefficients.
     pub fn of(&self, values: &[f64]) -> Result<T, Refusal> {
         (self.make)(values)
     }
@@ -86,7 +86,7 @@ impl<T> Plan<T> {
         &self.temperatures
     }
 
-    /// Whether one of its coefficients depends on the temperature.
+    /// True if a coefficient depends on the temperature.
     pub fn warms(&self) -> bool {
         self.fields.iter().any(|field| !field.temperatures().is_empty())
     }
@@ -96,18 +96,18 @@ impl<T> Plan<T> {
         &self.fields
     }
 
-    /// Whether it is not the same everywhere and always.
+    /// True if a coefficient varies in space, time or temperature.
     pub fn varies(&self) -> bool {
         !self.fields.iter().all(|field| matches!(field, Field::Constant(_)))
     }
 
-    /// Whether it changes with time.
+    /// True if a coefficient changes with time.
     pub fn changes(&self) -> bool {
         self.fields.iter().any(Field::depends_on_time)
     }
 }
 
-/// The points at which a law is evaluated, made when they are needed.
+/// The points at which a law is evaluated, computed on demand.
 pub(super) struct Sites<'a> {
     make: Box<dyn Fn() -> Vec<Point> + 'a>,
     points: OnceCell<Vec<Point>>,
@@ -124,12 +124,12 @@ impl<'a> Sites<'a> {
 }
 
 impl Build<'_> {
-    /// The times at which coefficients that change are looked at; `[0]` for others.
+    /// The times at which time-dependent coefficients are checked; `[0]` for others.
     pub fn times(&self, changes: bool) -> Vec<f64> {
         if changes { self.timeline.spread(LEVELS) } else { vec![0.0] }
     }
 
-    /// A coefficient that is the same at all times, within the limits of its key at all sites.
+    /// A coefficient that does not depend on time, checked against the limits of its key at all sites.
     pub fn steady_coefficient(&mut self, path: &str, raw: &Coefficient, sites: &Sites) -> Field {
         let field = self.coefficient_in_time(path, &raw.clone().into(), sites);
         if !field.depends_on_time() {
@@ -140,8 +140,8 @@ impl Build<'_> {
         self.stand_in(path)
     }
 
-    /// A coefficient that is the same at all times and may depend on the temperature, within the limits of its key at
-    /// all sites and temperatures.
+    /// A coefficient that does not depend on time but may depend on the temperature, checked against the limits of its
+    /// key at all sites and temperatures.
     pub fn thermal_coefficient(&mut self, path: &str, raw: &Coefficient, sites: &Sites) -> Field {
         let Coefficient::Table(data) = raw else { return self.steady_coefficient(path, raw, sites) };
         if data.temperature.is_none() && data.value.is_none() {
@@ -151,14 +151,14 @@ impl Build<'_> {
         if self.is_beyond(path, &field, sites) { self.stand_in(path) } else { field }
     }
 
-    /// A coefficient that may change with time, within the limits of its key at all sites and times.
+    /// A coefficient that may change with time, checked against the limits of its key at all sites and times.
     pub fn coefficient_in_time(&mut self, path: &str, raw: &Datum, sites: &Sites) -> Field {
         let field = match raw {
             Datum::Number(value) => return Field::Constant(*value),
             _ => self.field(path, raw, &[]),
         };
         if matches!(field, Field::Constant(_)) {
-            // What is wrong with the text is noted.
+            // The fault of the text is noted already.
             return self.stand_in(path);
         }
         if self.is_beyond(path, &field, sites) {
@@ -170,7 +170,7 @@ impl Build<'_> {
         }
     }
 
-    /// A value that the key admits, for a coefficient with a fault.
+    /// A placeholder within the limits of the key, for a faulty coefficient.
     fn stand_in(&self, path: &str) -> Field {
         let path = Path::parse(path).unwrap_or_default();
         let limits = self.limits.iter().find(|(key, _)| *key == path).map(|(_, limits)| limits);
@@ -178,7 +178,7 @@ impl Build<'_> {
         Field::Constant(value.unwrap_or(1.0))
     }
 
-    /// Whether a field has a value somewhere that its key does not admit, which is noted.
+    /// True if a field violates the limits of its key somewhere, which is noted.
     fn is_beyond(&mut self, path: &str, field: &Field, sites: &Sites) -> bool {
         let [first, last] = field.span();
         if first > 0.0 || last < self.timeline.end() {
@@ -188,7 +188,7 @@ impl Build<'_> {
             self.note(path, At::Value, found, expected, Some(hint));
             return true;
         }
-        // Points of a stand-in mesh say nothing.
+        // The points of a placeholder mesh are irrelevant.
         if self.doubtful.has_in_mesh {
             return false;
         }
@@ -220,7 +220,8 @@ impl Build<'_> {
         false
     }
 
-    /// Whether a plan makes something at all sites and times; why not is noted, once, at the law with this path.
+    /// True if a plan gives a law at all sites and times. Otherwise the first reason is noted at the law with this
+    /// path.
     pub fn holds<T>(&mut self, path: &str, plan: &Plan<T>, sites: &Sites) -> bool {
         if plan.warms() && plan.temperatures().is_empty() {
             let expected = "tables of one law that have temperatures in common";

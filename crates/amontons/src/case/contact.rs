@@ -1,4 +1,4 @@
-//! `[contact]`: from the raw laws to those of the library.
+//! `[contact]`: converts the raw laws to those of the library.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
 use crate::tensor::Point;
 
-/// The law of a contact without one, which a case of heat alone does not evaluate.
+/// The law of a contact without one, which a case with heat only does not evaluate.
 fn no_pressure() -> Arc<dyn NormalLaw> {
     Arc::new(Signorini)
 }
@@ -135,8 +135,8 @@ impl Build<'_> {
         self.note(path, At::Value, format!("{found} components"), expected, None);
     }
 
-    /// The plan of a law at `path`, whose coefficients may change with time; none where it does not exist everywhere,
-    /// which is noted.
+    /// The plan of a law at `path` with coefficients that may change with time, or `None`, with a note, if it does not
+    /// exist everywhere.
     fn plan<T: 'static>(&mut self, path: &str, keyed: Keyed, make: laws::Make<T>, sites: &Sites) -> Option<Plan<T>> {
         let fields = keyed
             .into_iter()

@@ -6,7 +6,7 @@ use super::raw;
 use crate::mesh::Cyclic;
 
 impl Build<'_> {
-    /// The sectors that are repeated about an axis; those without faults.
+    /// The sectors that are repeated about an axis, without faulty entries.
     pub fn cyclic(&mut self, entries: Vec<raw::Cyclic>) -> Vec<Cyclic> {
         let mut all = Vec::new();
         for (i, entry) in entries.into_iter().enumerate() {

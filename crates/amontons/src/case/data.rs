@@ -1,4 +1,4 @@
-//! Data that vary, from the raw case to [`Field`]s.
+//! Data that vary: from the raw case to [`Field`]s.
 
 use super::build::Build;
 use super::path::Path;
@@ -14,7 +14,7 @@ use crate::tensor::Point;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Build<'_> {
-    /// A datum of space and time, finite at the points on which it acts.
+    /// A datum of space and time, which must be finite at the points on which it acts.
     pub fn field(&mut self, path: &str, datum: &Datum, points: &[Point]) -> Field {
         let field = match datum {
             Datum::Number(value) => return Field::Constant(*value),
@@ -33,12 +33,12 @@ impl Build<'_> {
         field
     }
 
-    /// A number or an expression, likewise.
+    /// A number or an expression, which must be finite at the points on which it acts.
     pub fn scalar(&mut self, path: &str, scalar: &Scalar, points: &[Point]) -> Field {
         self.field(path, &scalar.clone().into(), points)
     }
 
-    /// A number or an expression without t; `why` says what it would be that depends on time.
+    /// A number or an expression without t. `why` is the reason for the message.
     pub fn steady(&mut self, path: &str, scalar: &Scalar, points: &[Point], why: &str) -> Field {
         let field = self.scalar(path, scalar, points);
         if !field.depends_on_time() {
@@ -58,28 +58,28 @@ impl Build<'_> {
         field
     }
 
-    /// One datum a component.
+    /// One datum per component.
     pub fn vector(&mut self, path: &str, data: &[Datum], points: &[Point]) -> Vec<Field> {
         data.iter().enumerate().map(|(c, datum)| self.field(&format!("{path}[{c}]"), datum, points)).collect()
     }
 
-    /// One number or expression a component.
+    /// One number or expression per component.
     pub fn scalars(&mut self, path: &str, data: &[Scalar], points: &[Point]) -> Vec<Field> {
         data.iter().enumerate().map(|(c, datum)| self.scalar(&format!("{path}[{c}]"), datum, points)).collect()
     }
 
-    /// One datum a component, none where the component is free.
+    /// One datum per component, or `None` for a free component.
     pub fn components(&mut self, path: &str, data: Vec<Component>, points: &[Point]) -> Vec<Option<Field>> {
         let data = data.into_iter().map(Component::prescribed).enumerate();
         data.map(|(c, datum)| Some(self.field(&format!("{path}[{c}]"), &datum?, points))).collect()
     }
 
-    /// The coordinates of the body: `x, y`.
+    /// Names of the coordinates of the body: `x, y`.
     pub fn axes(&self) -> String {
         AXES[..self.dim.min(AXES.len())].join(", ")
     }
 
-    /// `x = 1.0, y = 2.0`.
+    /// Text of a position: `x = 1.0, y = 2.0`.
     pub fn place(&self, x: &Point) -> String {
         AXES.iter().zip(x).take(self.dim).map(|(axis, x)| format!("{axis} = {x:?}")).collect::<Vec<_>>().join(", ")
     }
@@ -106,7 +106,7 @@ impl Build<'_> {
         Some(expression)
     }
 
-    /// The table that is meant: of a file, or of `times` and `values`.
+    /// The table in time, from a file or from `times` and `values`.
     fn table(&mut self, path: &str, data: &TableData) -> Option<TimeTable> {
         let (times, values) = match (&data.table, &data.times, &data.values) {
             (Some(name), None, None) => self.columns(path, name, data)?,
@@ -306,9 +306,9 @@ impl Build<'_> {
         }
     }
 
-    /// A field without a finite value somewhere at the beginning or the end is refused.
+    /// Notes a field that has no finite value at a point at the start or the end.
     fn check_finite(&mut self, path: &str, field: &Field, points: &[Point]) {
-        // Points of a stand-in mesh say nothing, and of times that a table lacks the problem tells.
+        // Points of a placeholder mesh are irrelevant; missing times of a table are reported by the problem.
         let [first, last] = field.span();
         if self.doubtful.has_in_mesh || first > 0.0 || last < self.timeline.end() {
             return;

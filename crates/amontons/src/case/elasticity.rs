@@ -1,4 +1,4 @@
-//! The laws of elasticity and viscosity of a case: their coefficients, and the law that values of these make.
+//! The laws of elasticity and viscosity of a case, with their coefficients.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::tensor::Rotation;
 
 pub(super) type Law = Arc<dyn TensorLaw>;
 
-/// The dimension of the body and that of the law, and how the directions are held that it lacks.
+/// Dimensions of the body and of the law, and the stress state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     pub body: usize,
@@ -23,7 +23,7 @@ pub(super) struct Shape {
 /// Coefficients with their keys below the material.
 type Keyed<'a> = Vec<(String, &'a Coefficient)>;
 
-/// What values of coefficients make.
+/// Function that makes a law of the values of its coefficients.
 type Make = Box<dyn Fn(&[f64]) -> Result<Law, Refusal> + Send + Sync>;
 
 fn keyed<'a>(law: &str, coefficients: &[(&str, &'a Coefficient)]) -> Keyed<'a> {
@@ -101,7 +101,7 @@ pub(super) fn elastic_coefficients(raw: &Elasticity) -> Keyed<'_> {
     }
 }
 
-/// The elasticity that values of its coefficients make.
+/// The elasticity for the values of its coefficients.
 pub(super) fn elastic_law(raw: &Elasticity, shape: Shape) -> Make {
     let Shape { dim, state, .. } = shape;
     match raw {
@@ -154,7 +154,7 @@ pub(super) fn viscous_coefficients(raw: &Viscosity) -> Keyed<'_> {
     }
 }
 
-/// The viscosity that values of its coefficients make.
+/// The viscosity for the values of its coefficients.
 pub(super) fn viscous_law(raw: &Viscosity, shape: Shape) -> Make {
     let Shape { dim, state, .. } = shape;
     match raw {
@@ -203,7 +203,7 @@ fn check_poisson(poisson: f64, shape: Shape) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// (H1) on 𝕊^d: the eigenvalues are `second` and d first + second. No viscosity at all is no operator to be monotone.
+/// Checks (H1) on 𝕊^d: the eigenvalues are `second` and d first + second. Zero viscosity need not be monotone.
 fn check_lame(first: f64, second: f64, dim: usize) -> Result<(), Refusal> {
     let least = dim as f64 * first + second;
     if (first, second) == (0.0, 0.0) || (second > 0.0 && least > 0.0) {
@@ -217,7 +217,7 @@ fn check_lame(first: f64, second: f64, dim: usize) -> Result<(), Refusal> {
     })
 }
 
-/// Why numbers make no law.
+/// The reason why numbers give no law.
 pub(super) fn refusal(error: &LawError) -> Refusal {
     match error {
         LawError::Range { name, found, expected } => Refusal::new(format!("{name} = {found:?}"), *expected),

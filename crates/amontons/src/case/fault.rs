@@ -1,4 +1,4 @@
-//! Faults of a case file and how they read.
+//! Faults of a case file and their messages.
 
 use std::fmt;
 use std::io;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use super::files::Files;
 
-/// The text of a case, the name that messages call it by, and the files that it may refer to.
+/// The text of a case, its name in messages, and the files that it may refer to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
     /// Name shown in messages, usually the file name as given.
@@ -24,7 +24,7 @@ impl Source {
         Source { name: name.into(), text: text.into(), files: Files::None }
     }
 
-    /// The same text, which may refer only to files in the folder of the case.
+    /// Restricts the source to files in the folder of the case.
     #[must_use]
     pub fn confined(self) -> Source {
         let files = match self.files {
@@ -35,10 +35,10 @@ impl Source {
     }
 }
 
-/// Most faults that are told: who has corrected them sees the others.
+/// Largest number of faults shown; the others appear when these are corrected.
 const MOST: usize = 50;
 
-/// Where a fault is.
+/// The place of a fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FaultPlace {
     /// In the file.
@@ -54,11 +54,11 @@ pub enum FaultPlace {
     },
     /// In an override, given as `KEY=VALUE`.
     Override(String),
-    /// In the file as a whole: something that should be in it is not.
+    /// The file as a whole, if something is missing in it.
     Whole,
 }
 
-/// A text with the beginnings of its lines, so that places in it are found without reading it again.
+/// A text with the starts of its lines, so that places are found without another pass.
 pub(super) struct Lines<'t> {
     text: &'t str,
     starts: Vec<usize>,
@@ -87,7 +87,7 @@ impl<'t> Lines<'t> {
 }
 
 impl FaultPlace {
-    /// Faults of the whole come first, then those in the file, then those of overrides.
+    /// Order of faults: whole file, places in the file, overrides.
     fn order(&self) -> (u8, usize) {
         match self {
             FaultPlace::Whole => (0, 0),
@@ -97,18 +97,18 @@ impl FaultPlace {
     }
 }
 
-/// One fault of a case: where, what was found, what was expected, what to try.
+/// One fault of a case: place, found, expected, hint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseFault {
-    /// Where it is.
+    /// Its place.
     pub place: FaultPlace,
     /// Dotted path of the datum, `boundary[1].on`; empty if the text is no TOML.
     pub path: String,
-    /// What was found.
+    /// The value found, or a description of it.
     pub found: String,
-    /// What was expected.
+    /// The values that are allowed.
     pub expected: String,
-    /// What to try.
+    /// Instruction how to correct it.
     pub hint: Option<String>,
 }
 
@@ -125,7 +125,7 @@ impl fmt::Display for CaseFault {
     }
 }
 
-/// Why there is no case.
+/// The reason why there is no case.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
     /// The file could not be read.
@@ -133,7 +133,7 @@ pub enum CaseError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What went wrong, with what to try.
+        /// The error of the system, with a hint.
         source: io::Error,
     },
     /// The file, or an override, has faults. One per line: `file:line:column: path: found …, expected …; hint`.
@@ -143,7 +143,7 @@ pub enum CaseError {
         file: Source,
         /// The faults in the order of their places: the first of them if there are many.
         faults: Vec<CaseFault>,
-        /// How many faults are left out.
+        /// Number of faults left out.
         more: usize,
     },
 }

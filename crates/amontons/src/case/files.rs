@@ -1,4 +1,4 @@
-//! Files beside a case: where they come from, and the copies that its results keep.
+//! Files next to a case: their sources, and the copies kept with the results.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,21 +13,21 @@ use crate::output::{INPUTS, Input};
 /// Longest mesh or table in bytes.
 const LONGEST: u64 = 4 << 30;
 
-/// Where the files are that a case refers to.
+/// The place of the files that a case refers to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Files {
-    /// Nowhere: the case is a text alone and may not refer to files.
+    /// No files: the case is a text alone and may not refer to files.
     #[default]
     None,
-    /// In this folder, that of the case file; relative names are seen from it.
+    /// This folder, that of the case file; relative names start here.
     Folder(PathBuf),
-    /// In this folder and those below it, and nowhere else.
+    /// This folder and those below it only.
     Confined(PathBuf),
-    /// In memory, by the name that the case gives them.
+    /// Memory, by the names used in the case.
     Memory(BTreeMap<String, Arc<[u8]>>),
 }
 
-/// Why there is no file.
+/// The reason why a file is missing.
 #[derive(Debug)]
 pub(super) struct Missing {
     pub found: String,
@@ -35,7 +35,7 @@ pub(super) struct Missing {
     pub hint: Option<String>,
 }
 
-/// Reads the files of one case, each once, and notes where they were referred to.
+/// Reads the files of one case, each once, and notes the keys that refer to them.
 #[derive(Debug)]
 pub(super) struct Loader<'s> {
     files: &'s Files,
@@ -51,7 +51,7 @@ impl<'s> Loader<'s> {
     /// The file of this name, to which the key at `path` refers.
     ///
     /// # Errors
-    /// When it is not there or cannot be read.
+    /// The file is missing or cannot be read.
     pub fn get(&mut self, path: &path::Path, name: &str) -> Result<Arc<[u8]>, Missing> {
         let bytes = match self.read.get(name) {
             Some(bytes) => Arc::clone(bytes),
@@ -62,10 +62,10 @@ impl<'s> Loader<'s> {
         Ok(bytes)
     }
 
-    /// The file of this name; with `refers` the key at `path` refers to it, else another key does.
+    /// The file of this name. With `refers` the key at `path` refers to it, else another key does.
     ///
     /// # Errors
-    /// When it is not there or cannot be read.
+    /// The file is missing or cannot be read.
     pub fn look(&mut self, path: &path::Path, name: &str, refers: bool) -> Result<Arc<[u8]>, Missing> {
         match self.read.get(name) {
             Some(bytes) if !refers => Ok(Arc::clone(bytes)),
@@ -73,10 +73,10 @@ impl<'s> Loader<'s> {
         }
     }
 
-    /// The bytes of a file that one of the case includes; no key refers to it, and no copy is kept.
+    /// The bytes of a file included by another one. No key refers to it, and no copy is kept.
     ///
     /// # Errors
-    /// Why it cannot be had, to follow its name.
+    /// The reason, to follow the name of the file.
     pub fn include(&self, name: &str) -> Result<Arc<[u8]>, String> {
         read(self.files, name).map_err(|missing| {
             let found = missing.found.strip_prefix(&format!("\"{name}\", ")).unwrap_or(&missing.found).to_owned();
@@ -84,14 +84,14 @@ impl<'s> Loader<'s> {
         })
     }
 
-    /// Puts a file with those that it includes in its place: the copy that is kept needs no other file.
+    /// Replaces a file by one that contains its included files: the copy needs no other file.
     pub fn complete(&mut self, name: &str, whole: Arc<[u8]>) {
         self.read.insert(name.to_owned(), whole);
     }
 
-    /// The copies to keep, and where the case has to refer to them.
+    /// The copies to keep, and the new values of the keys that refer to them.
     ///
-    /// A name that is one of a copy already stays, so that a case read from a results folder is the case that was run.
+    /// A name that already is one of a copy stays, so that a case read from a results folder is the case that was run.
     pub fn copies(self) -> (Vec<Input>, Vec<(path::Path, String)>) {
         let is_copy = |name: &str| {
             name.strip_prefix(INPUTS)
@@ -153,7 +153,7 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
                     hint: None,
                 });
             }
-            // What is read is kept and parsed: a part of the memory has to do.
+            // The bytes are kept and parsed, so only a part of the memory may be used.
             let longest = machine::memory().map_or(LONGEST, |memory| LONGEST.min((memory.bytes / 4.0) as u64));
             machine::read(&path, longest).map(Arc::from).map_err(|error| {
                 if error.kind() == std::io::ErrorKind::NotFound {
@@ -168,7 +168,7 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
     }
 }
 
-/// A file of the same folder that goes by a similar name, as it would be given.
+/// A file in the same folder with a similar name, written as in the case.
 fn similar(path: &Path, name: &str) -> Option<String> {
     let file = path.file_name()?.to_str()?;
     let mut names: Vec<String> =

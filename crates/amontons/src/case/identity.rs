@@ -1,11 +1,10 @@
-//! What the states of a run of a case depend on: its values, without those that only say what is written and how far
-//! the run goes.
+//! The data that the states of a run depend on: the values of its case, except output options and end time.
 
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::output::{Identity, Input};
 
-/// Tables and keys that states do not depend on: those of the time are held against the step length of a checkpoint.
+/// Tables and keys that states do not depend on. The step length is compared with the checkpoint instead.
 const APART: [&str; 5] = ["name", "time", "output", "expected", "verify"];
 
 /// The identity of a case with this text, which is TOML.
@@ -29,7 +28,7 @@ fn collect(key: &str, item: &Item, values: &mut Vec<(String, String)>) {
         }
     } else if let Some(value) = item.as_value() {
         match value.as_array() {
-            // An array of tables reads the same in both notations.
+            // An array of tables has the same keys in both notations.
             Some(array) if array.iter().any(Value::is_inline_table) => {
                 for (i, value) in array.iter().enumerate() {
                     collect(&format!("{key}[{i}]"), &Item::Value(value.clone()), values);
@@ -40,7 +39,7 @@ fn collect(key: &str, item: &Item, values: &mut Vec<(String, String)>) {
     }
 }
 
-/// A value in one notation: numbers that are equal are written alike, and comments and blanks are left out.
+/// A value in normal form: equal numbers are written alike, comments and blanks are left out.
 fn written(value: &Value) -> String {
     match value {
         Value::String(text) => format!("{:?}", text.value()),

@@ -1,4 +1,4 @@
-//! The laws of contact of a case: their coefficients, and the law that values of these make.
+//! The laws of contact of a case, with their coefficients.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::expression::ExpressionError;
 /// Coefficients with their keys below the law, in the order in which the law takes their values.
 pub(super) type Keyed<'a> = Vec<(String, &'a Datum)>;
 
-/// What values of coefficients make.
+/// Function that makes a law of the values of its coefficients.
 pub(super) type Make<T> = Box<dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync>;
 
 fn keyed<'a, T>(all: &[(&str, &'a T)]) -> Vec<(String, &'a T)> {
@@ -28,7 +28,7 @@ fn times(values: &[f64], factor: f64) -> Vec<f64> {
     values.iter().map(|value| value * factor).collect()
 }
 
-/// What a law of the pressure takes and makes.
+/// Coefficients and constructor of a law of the pressure.
 type NormalPlan<'a> = (Keyed<'a>, Make<Arc<dyn NormalLaw>>);
 
 fn normal_law<'a, L: NormalLaw + 'static>(
@@ -119,17 +119,17 @@ fn formula_refusal(fault: PressureFormulaFault) -> Refusal {
     }
 }
 
-/// A text that is no formula.
+/// The refusal of a text that is no formula.
 fn expression_refusal(error: ExpressionError) -> Refusal {
     let ExpressionError { offset, found, expected, hint } = error;
     let hint = hint.map_or_else(String::new, |hint| format!(" ({hint})"));
     Refusal::new(format!("{found} at byte {offset}"), format!("{expected}{hint}"))
 }
 
-/// What a law of friction takes and makes.
+/// Coefficients and constructor of a law of friction.
 type FrictionPlan<'a> = (Keyed<'a>, Make<Arc<dyn FrictionLaw>>);
 
-/// The law that `law` makes of the values of coefficients, below a cap if there is one.
+/// The plan of a friction law, limited by a cap if there is one.
 fn capped<'a>(
     coefficients: &[(&str, &'a Datum)],
     cap: Option<&'a Datum>,
@@ -240,7 +240,7 @@ fn function_refusal(fault: &TableFault, key: &'static str) -> Refusal {
     Refusal::new(fault.found(), fault.expected()).of(key)
 }
 
-/// What a law of heat exchange takes and makes.
+/// Coefficients and constructor of a law of heat exchange.
 type HeatPlan<'a> = (Keyed<'a>, Make<Arc<dyn HeatLaw>>);
 
 fn heat_law<'a, L: HeatLaw + 'static>(
@@ -306,12 +306,12 @@ pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
     }
 }
 
-/// The share of friction heat that enters the side `on`.
+/// The law of the fraction of friction heat that enters the side `on`.
 pub(super) fn frictional_heat(partition: &Datum) -> HeatPlan<'_> {
     heat_law(&[("frictional_heat", partition)], None, |v, _| FrictionalHeat { partition: v[0] })
 }
 
-/// What a law of wear takes and makes.
+/// Coefficients and constructor of a law of wear.
 type WearPlan<'a> = (Keyed<'a>, Make<Arc<dyn WearLaw>>);
 
 /// The law of wear.
@@ -332,7 +332,7 @@ pub(super) fn wear(raw: &Wear) -> WearPlan<'_> {
     }
 }
 
-/// A law without wear, in the place of one that does not exist.
+/// A law without wear, as a placeholder.
 pub(super) fn no_wear() -> Arc<dyn WearLaw> {
     Arc::new(Archard::Constant(0.0))
 }

@@ -14,14 +14,14 @@ use super::raw::{self, Coefficient, Elasticity, Expansion, Steady, Tensor};
 /// The table of the materials.
 const TABLE: &str = include_str!("materials.toml");
 
-/// A material with a name: isotropic, linear and elastic, its values those of a standard.
+/// A named material: isotropic, linear, elastic, with the values of a standard.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct KnownMaterial {
-    /// What it is, in words.
+    /// Its description.
     pub title: String,
-    /// Where the values are from.
+    /// Source of its values.
     pub source: String,
     /// Density in kg/m³.
     pub density: f64,
@@ -44,10 +44,10 @@ pub fn materials() -> &'static BTreeMap<String, KnownMaterial> {
     &ALL
 }
 
-/// Fills in what materials that have a name leave out; faults go to the findings.
+/// Fills in the missing keys of named materials; faults go to the findings.
 ///
-/// A named material has keys of mechanics and of heat, which say which equations a case has. Those of an equation are
-/// filled in only if another key of the case is about it; if none is about either, both are.
+/// A named material has keys of mechanics and of heat, which decide on the equations of a case. The keys of an equation
+/// are filled in only if another key of the case belongs to it. If none belongs to either, both are.
 pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
     let given = |m: &raw::Material| {
         let coupled = m.expansion.is_some() || m.expansion_coefficient.is_some() || m.coupling.is_some();
@@ -61,7 +61,7 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
         [!of_mechanics(raw).is_empty(), !of_heat(raw).is_empty()],
         |[moves, conducts], [also_moves, also_conducts]| [moves || also_moves, conducts || also_conducts],
     );
-    // A temperature that is given takes the place of the heat equation.
+    // A given temperature replaces the heat equation.
     let is_warmed = is_warmed(raw);
     let equations = [moves || !conducts || is_warmed, (conducts || !moves) && !is_warmed];
     let expands = equations[0] && (equations[1] || is_warmed);
@@ -87,13 +87,13 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
         let near = nearest(name, &names).map(|near| format!("did you mean \"{near}\"?"));
         let hint = near.unwrap_or_else(|| "`amontons materials` lists them".to_owned());
         note("base", format!("\"{}\"", name.escape_debug()), "the name of a material".to_owned(), Some(hint));
-        // A stand-in, so that nothing else is said to be missing.
+        // A placeholder, so that nothing else is reported missing.
         materials().values().take(1).for_each(|known| known.complete(material, equations, expands));
     }
 }
 
 impl KnownMaterial {
-    /// Fills in the keys of the equations, mechanics and heat, that are left out, and that of the expansion.
+    /// Fills in the missing keys of the equations, mechanics and heat, and that of the expansion.
     fn complete(&self, material: &mut raw::Material, [mechanics, heat]: [bool; 2], expands: bool) {
         let number = Coefficient::Number;
         if mechanics {
@@ -125,7 +125,7 @@ mod tests {
         assert!(materials().len() >= 20);
         for (name, m) in materials() {
             assert!(!m.title.is_empty() && m.source.contains("EN "), "{name}");
-            // Each value within the range of solids: a slip of a power of ten is seen.
+            // Each value must be within the range of solids, so that a wrong power of ten is found.
             for (value, [low, high]) in [
                 (m.density, [2e3, 9e3]),
                 (m.young, [2e10, 3e11]),

@@ -1,4 +1,4 @@
-//! Gravity, the loads of regions, and a temperature that is given.
+//! Gravity, the loads of regions, and given temperatures.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ fn nodes_of(mesh: &Mesh, region: usize) -> Vec<Point> {
 }
 
 impl Build<'_> {
-    /// What acts on single regions: their own loads, and gravity by their densities.
+    /// The loads of single regions: their own, and gravity by their densities.
     pub fn region_loads(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<RegionLoad> {
         let gravity = self.gravity(&raw.load, mesh);
         let mut all = Vec::new();
@@ -48,7 +48,7 @@ impl Build<'_> {
         all
     }
 
-    /// The temperature that is given, by region and in the rest of the body.
+    /// The given temperatures, by region and for the rest of the body.
     pub fn temperature(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<GivenTemperature> {
         let mut all = Vec::new();
         for (i, own) in raw.region.iter().enumerate() {
@@ -68,7 +68,7 @@ impl Build<'_> {
         all
     }
 
-    /// Gravity, of which the materials must have densities.
+    /// Gravity; the materials must then have densities.
     fn gravity(&mut self, load: &raw::Load, mesh: &Mesh) -> Vec<Field> {
         let gravity = self.vector("load.gravity", &load.gravity, &mesh.points[..mesh.points.len().min(1)]);
         if gravity.iter().any(Field::depends_on_space) {

@@ -1,4 +1,4 @@
-//! `[[side]]`: sides that a case names by their place.
+//! `[[side]]`: sides defined by their place.
 
 use super::build::Build;
 use super::nearest::nearest;
@@ -8,21 +8,21 @@ use crate::mesh::{FacetSet, Locus, Mesh};
 use crate::tensor::{Point, length};
 
 impl Build<'_> {
-    /// Adds the sides that the case names to the mesh.
+    /// Adds the sides defined in the case to the mesh.
     ///
-    /// Of a mesh that is not that of the case nothing is known of places: there a side is the whole boundary.
+    /// On a placeholder mesh places are unknown: there a side is the whole boundary.
     pub fn name_sides(&mut self, sides: &[raw::Side], mesh: &mut Mesh) {
         let boundary = if sides.is_empty() { FacetSet::default() } else { mesh.boundary() };
         for (i, side) in sides.iter().enumerate() {
             let path = format!("side[{i}]");
             let found = self.named(&path, side, mesh, &boundary);
-            // What a side with a fault would be is not known; it is no fault of those that name it.
+            // A side with a fault is replaced by the boundary, so that keys that use it cause no further faults.
             let set = found.filter(|set| !set.is_empty()).unwrap_or_else(|| boundary.clone());
             mesh.facets.entry(side.name.clone()).or_insert(set);
         }
     }
 
-    /// The facets of a side; none where it has a fault, or where nothing is known of places.
+    /// The facets of a side, or `None` if it has a fault or places are unknown.
     fn named(&mut self, path: &str, side: &raw::Side, mesh: &Mesh, boundary: &FacetSet) -> Option<FacetSet> {
         if let Some(what) = taken(&side.name, mesh) {
             let found = format!("\"{}\", {what}", side.name);
@@ -51,7 +51,7 @@ impl Build<'_> {
         Some(Mesh::union(&parts.iter().collect::<Vec<_>>()))
     }
 
-    /// The facets of the sides and the region that a side takes its own from.
+    /// The facets of the sides and the region from which a side is selected.
     fn among(&mut self, path: &str, side: &raw::Side, mesh: &Mesh, boundary: &FacetSet) -> Option<FacetSet> {
         let mut sets = Vec::new();
         for (i, name) in side.of.iter().enumerate() {
@@ -91,7 +91,7 @@ impl Build<'_> {
         Some(of_region)
     }
 
-    /// The places of a table; none where one has a fault.
+    /// The places of a table, or `None` if one has a fault.
     fn loci(&mut self, path: &str, raw: &raw::Locus) -> Option<Vec<Locus>> {
         let mut loci = Vec::new();
         if let Some(plane) = &raw.plane {
@@ -133,7 +133,7 @@ impl Build<'_> {
         Some(loci)
     }
 
-    /// A point with a coordinate for each dimension.
+    /// A point with one coordinate per dimension.
     fn point(&mut self, path: &str, key: &str, components: &[f64]) -> Option<Point> {
         if components.len() != self.dim {
             self.wants_components(&format!("{path}.{key}"), components.len());
@@ -142,7 +142,7 @@ impl Build<'_> {
         Some(std::array::from_fn(|c| components.get(c).copied().unwrap_or_default()))
     }
 
-    /// A vector that is not zero.
+    /// A nonzero vector.
     fn vector_of(&mut self, path: &str, key: &str, components: &[f64]) -> Option<Point> {
         let vector = self.point(path, key, components)?;
         self.is_direction(&format!("{path}.{key}"), &vector).then_some(vector)
@@ -163,7 +163,7 @@ impl Build<'_> {
         None
     }
 
-    /// Says that no facet lies in the places, and in which of them some do.
+    /// Notes that no facet lies in all places, with the number of facets in each.
     fn catches_nothing(&mut self, path: &str, loci: &[Locus], mesh: &Mesh, among: &FacetSet) {
         let facets = |count: usize| if count == 1 { "1 facet".to_owned() } else { format!("{count} facets") };
         let each = loci.iter().map(|locus| mesh.facets_in(among, std::slice::from_ref(locus)).len());
@@ -185,7 +185,7 @@ impl Build<'_> {
     }
 }
 
-/// What has a name already.
+/// The existing item with this name, in words.
 fn taken(name: &str, mesh: &Mesh) -> Option<&'static str> {
     if name.trim().is_empty() {
         Some("which is no name")
@@ -200,7 +200,7 @@ fn taken(name: &str, mesh: &Mesh) -> Option<&'static str> {
     }
 }
 
-/// The key of a place.
+/// The key of a place in the case file.
 fn key(locus: &Locus) -> &'static str {
     match locus {
         Locus::Plane { .. } => "plane",

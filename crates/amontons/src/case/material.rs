@@ -22,12 +22,11 @@ fn dilatation(raw: raw::Dilatation) -> Dilatation {
 }
 
 impl Build<'_> {
-    /// Builds the material at `prefix` of the case, which fills these regions; what is wrong with it goes to the
-    /// findings.
+    /// Builds the material at `prefix` of the case, which fills these regions. Faults go to the findings.
     pub fn material(&mut self, raw: &raw::Material, prefix: &str, mesh: &Mesh, regions: &[usize]) -> Material {
         let sites = Sites::new(|| regions.iter().flat_map(|&region| mesh.sites(Some(region))).collect());
         let is_tangent = raw.expansion_kind == Some(ExpansionKind::Tangent);
-        // Where its stress state is told to be in the wrong place, it is not told to be missing.
+        // A stress state reported at a wrong place is not reported missing.
         let stands_in = raw.base.as_ref().map(|name| !library::materials().contains_key(name));
         let is_stand_in = stands_in.unwrap_or(raw.stress_state.is_some());
         let has_base = raw.base.is_some();
@@ -35,20 +34,20 @@ impl Build<'_> {
     }
 }
 
-/// Where a tensor does not exist.
+/// Value of a tensor at points where it does not exist.
 const NOWHERE: Sym = Sym([f64::NAN; 6]);
 
-/// Keys of data that do not depend on the temperature, with all below them.
+/// Keys of data that do not depend on the temperature, with all keys below them.
 const STEADY: [&str; 3] = ["density", "coupling", "prony"];
 
 struct Builder<'a, 'b, 'd> {
     prefix: &'a str,
     mesh: &'a Mesh,
     sites: Sites<'a>,
-    /// Whether it is a material of the library, and whether one stands in for a name that is not there.
+    /// True if it is based on a material of the library, and if that is a placeholder for an unknown name.
     has_base: bool,
     is_stand_in: bool,
-    /// Whether tables of thermal expansion hold tangent coefficients.
+    /// True if tables of thermal expansion hold tangent coefficients.
     is_tangent: bool,
     build: &'b mut Build<'d>,
 }
@@ -63,7 +62,7 @@ impl Builder<'_, '_, '_> {
         self.build.note(&path, At::Value, found, expected, hint);
     }
 
-    /// Keys that are left out stand for zero; those that are required are noted elsewhere.
+    /// Builds the material. Missing keys count as zero; missing required keys are noted elsewhere.
     fn material(mut self, raw: &raw::Material) -> Material {
         let dim = self.dim();
         let state =
@@ -123,7 +122,7 @@ impl Builder<'_, '_, '_> {
         if key.starts_with("expansion") { self.secant(key, field) } else { field }
     }
 
-    /// A coefficient of thermal expansion as a secant one, which is the mean of tangent ones from 0.
+    /// A secant coefficient of thermal expansion: the mean of the tangent coefficients from 0 to θ.
     fn secant(&mut self, key: &str, field: Field) -> Field {
         let Field::Thermal(table) = &field else { return field };
         if !self.is_tangent {
@@ -144,7 +143,7 @@ impl Builder<'_, '_, '_> {
         keys.into_iter().map(|(key, raw)| self.field(&key, raw)).collect()
     }
 
-    /// The law of a plan, its coefficients fixed or graded; some law stands in for one that does not exist.
+    /// The law of a plan with fixed or graded coefficients, or a placeholder if it does not exist.
     fn law(&mut self, key: &str, plan: &Plan<Law>) -> Law {
         let dim = self.dim();
         let stand_in: Law = Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress));
@@ -156,7 +155,7 @@ impl Builder<'_, '_, '_> {
             return plan.at(&[0.0; 3], 0.0).unwrap_or(stand_in);
         }
         let plan = plan.clone();
-        // Beside the sites a law may not exist.
+        // Away from the sites a law may not exist.
         let nowhere: Law = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
         let temperatures = plan.temperatures().to_vec();
         let at =
@@ -164,7 +163,7 @@ impl Builder<'_, '_, '_> {
         Arc::new(Graded::elastic_of_temperature(self.sites.points(), &temperatures, at))
     }
 
-    /// How the directions are held that the body lacks; one that lacks none is not told how.
+    /// The stress state of a plane body or a line. For a body with three dimensions a given one is a fault.
     fn stress_state(&mut self, raw: &Elasticity) -> StressState {
         let (Elasticity::Isotropic { stress_state, .. }
         | Elasticity::Orthotropic { stress_state, .. }
@@ -203,8 +202,8 @@ impl Builder<'_, '_, '_> {
         given.or(of_file).unwrap_or_default()
     }
 
-    /// A plane body of which nobody says how the third direction is held: both answers are common, and their stiffness
-    /// differs by 1/(1 − ν²).
+    /// Notes that the stress state of a plane body is missing. There is no default: both are common, and their
+    /// stiffnesses differ by 1/(1 − ν²).
     fn no_stress_state(&mut self) {
         let key = if self.has_base { "stress_state" } else { "elasticity.stress_state" };
         let path = self.path(key);
@@ -216,7 +215,7 @@ impl Builder<'_, '_, '_> {
         self.build.note(&path, At::Missing, "no such key", expected, Some(&hint));
     }
 
-    /// The law in the dimension of the body, and in three.
+    /// The law of elasticity in the dimension of the body, and in three dimensions.
     fn elasticity(&mut self, raw: &Elasticity, state: StressState) -> [Plan<Law>; 2] {
         let fields = self.fields(elasticity::elastic_coefficients(raw));
         if let Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. } = raw {
@@ -270,7 +269,7 @@ impl Builder<'_, '_, '_> {
         }
     }
 
-    /// What an isotropic 𝓔 makes of the deviator of a strain, for a branch.
+    /// The deviatoric part of an isotropic 𝓔, for a branch.
     fn shear(&mut self, branch: usize, raw: &raw::Material, elasticity: &Law, state: StressState) -> Option<Law> {
         let dim = self.dim();
         let refused = if !matches!(raw.elasticity, Some(Elasticity::Isotropic { .. })) {
@@ -293,7 +292,7 @@ impl Builder<'_, '_, '_> {
         })
     }
 
-    /// A line has one axis only that the axes of its material can be turned to.
+    /// Checks that a line has one angle only: the axes of its material can be turned about one axis.
     fn check_orientation(&mut self, key: &str, raw: &Orientation) {
         if self.mesh.dim == 1 && matches!(raw, Orientation::Euler(_)) {
             self.note(key, "three angles".to_owned(), "one angle: the body is a line", None);
@@ -324,9 +323,8 @@ impl Builder<'_, '_, '_> {
         self.tensor("expansion", given, Some(state), false)
     }
 
-    /// 𝓜 = 𝓔α. With `elasticity` reduced to plane stress that is 𝓔_red α_red: the strain that makes σ₃₃ vanish takes up
-    /// α₃₃. Otherwise the strain is that of the plane, so that 𝓜 is the part in the plane, with 33, of the product in
-    /// three dimensions.
+    /// 𝓜 = 𝓔α. In plane stress 𝓜 is 𝓔_red α_red: the strain that makes σ₃₃ vanish includes α₃₃. Otherwise the strain is
+    /// plane, and 𝓜 is the in-plane part, with 33, of the product in three dimensions.
     fn thermal_stress(
         &mut self,
         (coefficient, raw): (&Expansion, &Elasticity),
@@ -372,7 +370,7 @@ impl Builder<'_, '_, '_> {
             if is_plane_stress {
                 alpha.0[mandel_len(dim)..].fill(0.0);
             }
-            // A law that is not linear is isotropic, and linear in the change of volume.
+            // A nonlinear law is isotropic here, and linear in the volume change.
             let mut thermal = made.of(of_law)?.tangent(&[0.0; 3], &Sym::ZERO).apply(&alpha);
             thermal.0[last..].fill(0.0);
             untwisted(thermal, revolves)
@@ -380,7 +378,7 @@ impl Builder<'_, '_, '_> {
         self.coefficient(key, &plan).unwrap_or(Sym::ZERO.into())
     }
 
-    /// The tensor of a plan, fixed or varying; none where it does not exist, which is noted.
+    /// The tensor of a plan, fixed or varying, or `None`, with a note, if it does not exist.
     fn coefficient(&mut self, key: &str, plan: &Plan<Sym>) -> Option<field::Coefficient<Sym>> {
         let path = self.path(key);
         if !self.build.holds(&path, plan, &self.sites) {
@@ -398,9 +396,9 @@ impl Builder<'_, '_, '_> {
         Some(field::Coefficient::varying(move |x| plan.at(x, 0.0).unwrap_or(NOWHERE)))
     }
 
-    /// The symmetric tensor that is meant, of a body of revolution by r, z, θ; with a stress state it is 𝓜, and in
-    /// plane strain a multiple of the identity acts on the third direction too. One that conducts has no negative
-    /// eigenvalue.
+    /// The symmetric tensor of a key, in a body of revolution by r, z, θ. With a stress state it is 𝓜; in plane strain
+    /// a multiple of the identity then acts on the third direction too. With `conducts` negative eigenvalues are
+    /// refused.
     fn tensor(
         &mut self,
         key: &str,
@@ -415,7 +413,7 @@ impl Builder<'_, '_, '_> {
         };
         let plan = match raw {
             Tensor::Multiple(factor) => {
-                // The body expands in the third direction too; the strain there is held at 0 by σ₃₃.
+                // The thermal expansion in the third direction is held at 0 by σ₃₃.
                 let in_space = dim == 2 && state == Some(StressState::PlaneStrain);
                 Plan::new(vec![self.field(key, factor)], move |values| {
                     let mut tensor = values[0] * Sym::identity(dim);
@@ -446,7 +444,7 @@ impl Builder<'_, '_, '_> {
         self.coefficient(key, &plan).unwrap_or(Sym::identity(dim).into())
     }
 
-    /// Heat that is steady needs a conductivity.
+    /// Checks that steady heat has a conductivity.
     fn check_steady(&mut self, k: &field::Coefficient<Sym>, heat_capacity: &field::Coefficient<f64>) {
         let (Some(k), Some(0.0)) = (k.constant(), heat_capacity.constant()) else { return };
         if k.eigenvalues(self.dim()).last().is_none_or(|most| *most <= 0.0) {
@@ -461,15 +459,15 @@ impl Builder<'_, '_, '_> {
     }
 }
 
-/// What is expected of a tensor.
+/// Expected text for a tensor.
 fn expected_tensor(dim: usize) -> String {
     format!("a number or a symmetric {dim} × {dim} matrix")
 }
 
-/// The tensor, if a body of revolution can have it: one without the components rθ and zθ.
+/// The tensor, if it is admissible in a body of revolution: without components rθ and zθ.
 fn untwisted(tensor: Sym, revolves: bool) -> Result<Sym, Refusal> {
     let twist = tensor.get(0, 2).abs().max(tensor.get(1, 2).abs());
-    // Round-off of a rotation is no twist.
+    // Round-off of a rotation does not count.
     if !revolves || twist <= 8.0 * f64::EPSILON * tensor.norm() {
         return Ok(tensor);
     }
@@ -477,7 +475,7 @@ fn untwisted(tensor: Sym, revolves: bool) -> Result<Sym, Refusal> {
     Err(Refusal::new("a component rθ or zθ", expected))
 }
 
-/// The tensor, if heat that flows by it flows from warm to cold; a singular 𝓚 breaks (H3) but can be computed with.
+/// The tensor, if heat flows from warm to cold. A singular 𝓚 violates (H3) but can be computed with.
 fn conducting(tensor: Sym, dim: usize) -> Result<Sym, Refusal> {
     let eigenvalues = tensor.eigenvalues(dim);
     let (least, most) =

@@ -1,17 +1,17 @@
-//! What a run needs of memory, estimated before anything of it is built.
+//! Memory demand of a run, estimated before anything is built.
 
 use super::raw;
 use crate::quadrature::Shape;
 
-/// What is known of a mesh before it is built.
+/// Size of a mesh before it is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Size {
     /// Dimension.
     pub dim: usize,
-    /// Nodes, and those on Γ_C, as reals because they may not fit an integer.
+    /// Number of nodes, and of those on Γ_C, as reals because they may not fit an integer.
     pub nodes: f64,
     pub contact_nodes: f64,
-    /// Nodes that share a cell with a node, itself among them, in the mean.
+    /// Mean number of nodes that share a cell with a node, including itself.
     pub neighbours: f64,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Demand {
     pub bytes: f64,
 }
 
-/// Nodes that share a cell with a node of a regular mesh of such cells, itself among them, in the mean.
+/// Mean number of nodes that share a cell with a node of a regular mesh of such cells, including itself.
 pub(super) fn neighbours(shape: Shape, degree: usize) -> f64 {
     let of_degree = |linear: f64, quadratic: f64| if degree > 1 { quadratic } else { linear };
     match shape {
@@ -42,16 +42,15 @@ pub(super) fn neighbours(shape: Shape, degree: usize) -> f64 {
 }
 
 impl Demand {
-    /// The most that a run takes with its certificate, besides some 25 MB for the program. Where the program chooses
-    /// the solver it is that of an iteration, which is taken if a factor does not fit.
+    /// Upper bound of the memory of a run with its certificate, in addition to some 25 MB for the program. If the
+    /// program chooses the solver, the bound is that of the iteration, which is chosen if a factor does not fit.
     ///
-    /// Mesh, forms, levels of an iteration and vectors are in proportion to the nodes and their neighbours. A factor of
-    /// a plane problem holds about 4.8 N log₂ N doubles, N the unknowns of the displacement. In space nested
-    /// dissection leaves O(n^{4/3}) blocks for n nodes (George & Liu, 1981), of 9 doubles for the displacement and of
-    /// 1 for the temperature: measured 5.6 n^{4/3} blocks on a box of 9³ nodes, rising to 9.3 n^{4/3} at 21³. Both are
-    /// for linear simplices; the more neighbours a node has, the more is filled in. The certificate has a factor of its
-    /// own beside that of a step, and the condensed operator is dense, with its last factors. Measured, see the test
-    /// below: 0.5 to 0.95 of this.
+    /// Mesh, forms, multigrid levels and vectors are proportional to the nodes and their neighbours. A factor of a
+    /// plane problem holds about 4.8 N log₂ N doubles, N the unknowns of the displacement. In space nested dissection
+    /// leaves O(n^{4/3}) blocks for n nodes (George & Liu, 1981), of 9 doubles for the displacement and of 1 for the
+    /// temperature: measured 5.6 n^{4/3} blocks on a box of 9³ nodes, rising to 9.3 n^{4/3} at 21³. Both are for linear
+    /// simplices; more neighbours per node give more fill-in. The certificate has a second factor, and the condensed
+    /// operator is dense, with its last factors. Measured runs take 0.5 to 0.95 of this, see the test below.
     pub fn of(size: &Size, solver: raw::Backend) -> Demand {
         /// Blocks of a factor in space over n^{4/3}, on the safe side.
         const FILL: f64 = 12.0;
@@ -90,7 +89,7 @@ mod tests {
     use super::*;
 
     /// Peaks of two steps with the certificate, less 25 MB for the program, of the paper's square and of the cube of
-    /// large systems with so many nodes along an edge, less one.
+    /// large systems; the integer is the number of nodes along an edge, less one.
     #[test]
     fn runs_take_no_more_than_is_predicted() {
         use Shape::{Hexahedron, Quadrilateral, Tetrahedron, Triangle};

@@ -16,21 +16,21 @@ use crate::quadrature::Shape;
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
 
-/// How a case refers to a mesh file.
+/// A reference from a case to a mesh file.
 pub(super) struct FileOf<'c> {
     pub name: &'c str,
     pub scale: f64,
-    /// Whether the case says that it is the half section of a body of revolution.
+    /// True if the case declares it the half section of a body of revolution.
     pub axisymmetric: bool,
 }
 
-/// A mesh from a file, with what its elements say of the direction that a plane body lacks.
+/// A mesh from a file, with the stress state that its elements say, if any.
 pub(super) struct FromFile {
     pub mesh: Mesh,
     pub plane: Option<Plane>,
 }
 
-/// Cells per direction of a generated mesh, none of several blocks; of a mesh from a file the parts of each edge.
+/// Cells per direction of a generated mesh, empty for several blocks; for a mesh file the parts of each edge.
 pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
     match *raw {
         raw::Mesh::Interval { n, .. } => vec![n],
@@ -80,7 +80,7 @@ fn empty() -> Mesh {
     }
 }
 
-/// The generated mesh with these cells a direction.
+/// The generated mesh with these cells per direction.
 pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
     match (raw, cells) {
         (raw::Mesh::Interval { size, elements: e, .. }, &[n]) => Mesh::interval(*size, n, elements(*e)),
@@ -107,7 +107,7 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
 }
 
 impl Build<'_> {
-    /// The mesh, or a stand-in of few cells if it cannot be had.
+    /// The mesh, or a placeholder with few cells if it has a fault.
     pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<Memory>) -> Mesh {
         let made = match raw {
             raw::Mesh::File { file, scale, axisymmetric, refine } => {
@@ -138,14 +138,14 @@ impl Build<'_> {
         made.unwrap_or_else(empty)
     }
 
-    /// The mesh with the sides that the case names.
+    /// Adds the sides defined in the case to the mesh.
     fn with_named_sides(&mut self, mut mesh: Mesh, named: &[raw::Side]) -> Mesh {
         self.dim = mesh.dim;
         self.name_sides(named, &mut mesh);
         mesh
     }
 
-    /// The mesh that is generated; none if there is none of this size.
+    /// The generated mesh, or `None` if it does not exist in this size.
     fn generated(&mut self, raw: &raw::Mesh, contact_on: &[&str], available: Option<Memory>) -> Option<Mesh> {
         let cells = cells(raw);
         if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
@@ -160,7 +160,7 @@ impl Build<'_> {
         let demand = Demand::of(&size(raw, &cells, contact_on), self.solver);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
         let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
-        // A case with faults is not run: a few cells tell which sides there are.
+        // A case with faults is not run: a few cells are enough to find its sides.
         let built = if fits && self.is_sound { generate(raw, &cells) } else { generate(raw, &few(raw, &cells)) };
         let built = built.map_err(|error| {
             let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
@@ -169,7 +169,7 @@ impl Build<'_> {
         built.ok()
     }
 
-    /// The mesh of a file of which these sides are used, if it is sound; `key` names the file.
+    /// The mesh of a file, if it is sound; `is_used` selects the sides in use, `key` names the file.
     pub(super) fn file(&mut self, key: &str, of: &FileOf, is_used: &dyn Fn(&str) -> bool) -> Option<FromFile> {
         let name = of.name;
         let bytes = match self.loader.get(&Path::parse(key).unwrap_or_default(), name) {
@@ -205,7 +205,7 @@ impl Build<'_> {
         defects.is_empty().then_some(read)
     }
 
-    /// The mesh of a file as the half section of a body of revolution, if it is one.
+    /// Marks the mesh of a file as the half section of a body of revolution, if the case says so.
     fn of_revolution(&mut self, mut mesh: Mesh, axisymmetric: bool) -> Mesh {
         if axisymmetric && mesh.dim != 2 {
             let found = format!("a mesh of {} dimensions", mesh.dim);
@@ -215,7 +215,7 @@ impl Build<'_> {
         mesh.onto_axis()
     }
 
-    /// The mesh with its edges cut in two so many times; not for a case with faults, which is not run.
+    /// Refines the mesh `times` times; not for a case with faults, which is not run.
     fn refined(&mut self, mesh: Mesh, times: u32) -> Option<Mesh> {
         let times = if self.is_sound { times } else { 0 };
         match (0..times).try_fold(mesh, |mesh, _| mesh.refined()) {
@@ -228,7 +228,7 @@ impl Build<'_> {
         }
     }
 
-    /// Whether a run on the mesh fits into memory and its nodes can be numbered.
+    /// True if a run on the mesh fits into memory and its nodes can be numbered.
     pub(super) fn affordable(
         &mut self,
         path: &str,
@@ -255,7 +255,7 @@ impl Build<'_> {
     }
 }
 
-/// The size of a mesh of a file whose edges are cut in two so many times.
+/// The size of a mesh file after `refine` refinements.
 pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> Size {
     let contact_nodes: usize =
         contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
@@ -270,7 +270,7 @@ pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> Size {
     }
 }
 
-/// As few cells as every kind of mesh can have; around a round one as many as leave its shape.
+/// The smallest number of cells of each kind of mesh; around a round one as many as keep its shape.
 fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
     let is_round = matches!(raw, raw::Mesh::Disc { .. } | raw::Mesh::Ring { .. } | raw::Mesh::Cylinder { .. });
     cells.iter().enumerate().map(|(i, n)| (*n).min(if is_round && i == 1 { 64 } else { 4 })).collect()
@@ -284,7 +284,7 @@ pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Siz
     let (dim, nodes, contact_nodes) = match (raw, cells) {
         (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), sum(&|_| 1.0)),
         (raw::Mesh::Rectangle { elements: e, diagonal: cut, .. }, &[nx, ny]) => {
-            // Each crossed square has a node in the middle, and of degree 2 four more around it.
+            // Each crossed square has a node in the middle, and with degree 2 four more around it.
             let in_squares = match (cut, e) {
                 (Some(raw::Diagonal::Crossed), raw::Elements::P1) => 1.0,
                 (Some(raw::Diagonal::Crossed), raw::Elements::P2) => 4.0,
@@ -323,7 +323,7 @@ pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Siz
     }
 }
 
-/// What a generated mesh is made of.
+/// Element type of a generated mesh, or `None` for others.
 fn kind(raw: &raw::Mesh) -> Option<Elements> {
     match raw {
         raw::Mesh::Interval { elements: e, .. }

@@ -1,10 +1,9 @@
 //! The case file: from TOML to a checked [`Problem`](crate::problem::Problem), or all its faults at once.
 //!
-//! A case passes four gates. The TOML parser reads it; overrides are set into its text;
-//! the document is held against the JSON Schema of the file, which is derived from the types that
-//! mirror it; what depends on several values is checked while the problem is built. Faults
-//! of the later gates are collected and each is given the place in the file, or the override, where its value
-//! comes from.
+//! A case passes four gates. The TOML parser reads it. Overrides are set into its text. The document is checked against
+//! the JSON Schema of the file, which is derived from the types that mirror it. Conditions on several values are
+//! checked while the problem is built. Faults of the later gates are collected, and each is given the place in the
+//! file, or the override, where its value comes from.
 //!
 //! ```
 //! use amontons::case::{self, Source};
@@ -71,5 +70,5 @@ pub use schema::schema;
 pub use study::{meshes, study};
 pub use verify::{Check, Comparison, ErrorName, Expected, Take, Verify};
 
-/// A small complete case that runs, with every key explained: what `amontons new` writes.
+/// A small complete case with every key explained, written by `amontons new`.
 pub const STARTER: &str = include_str!("starter.toml");

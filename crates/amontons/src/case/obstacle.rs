@@ -1,4 +1,4 @@
-//! `[contact.obstacle]`: from the raw shape to that of the library.
+//! `[contact.obstacle]`: converts the raw shape to that of the library.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::field::Field;
 use crate::tensor::Point;
 
 impl Build<'_> {
-    /// The obstacle at `path`, none of a faulty one; `points` are those that may touch it.
+    /// The obstacle at `path`, or `None` if it has a fault; `points` are those that may touch it.
     pub fn obstacle(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Obstacle> {
         let (geometry, turning, load) = raw.common();
         let has_place = !matches!(raw, raw::Obstacle::Surface { .. });
@@ -21,7 +21,7 @@ impl Build<'_> {
         let load = load.and_then(|load| self.load(path, load));
         let shape = self.shape_of(path, raw, points)?;
         let updated = geometry == raw::Geometry::Updated;
-        // A rotation and a load that are faulty are noted.
+        // Faults of rotation and load are noted already.
         Some(Obstacle { shape, updated, turning: turning.flatten(), load })
     }
 
@@ -70,7 +70,7 @@ impl Build<'_> {
         }
     }
 
-    /// How an obstacle turns; `has_place` where its shape has a place that the axis goes through if no other is given.
+    /// The rotation of an obstacle. `has_place` is true if its shape has a point that serves as default for `about`.
     fn turning(&mut self, path: &str, raw: &raw::Turning, has_place: bool) -> Option<Turning> {
         let at = format!("{path}.turning");
         if raw.about.is_none() && !has_place {
@@ -106,12 +106,12 @@ impl Build<'_> {
         }
     }
 
-    /// The zero level, which each point has something nearest of.
+    /// The zero level of a function, which must have a nearest point for each of `points`.
     fn surface(&mut self, path: &str, level: &str, points: &[Point]) -> Option<Arc<dyn Shape>> {
         let key = format!("{path}.level");
         let level = self.expression(&key, level)?;
         let shape = self.shape(path, Surface::new(level))?;
-        // Points of a stand-in mesh say nothing.
+        // Points of a placeholder mesh are irrelevant.
         let known = !self.doubtful.has_in_mesh;
         if let Some(x) = points.iter().find(|x| known && !shape.nearest(x, 0.0).distance.is_finite()) {
             let found = format!("no point of the zero level that is nearest to {} at t = 0", self.place(x));

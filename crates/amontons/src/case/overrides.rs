@@ -1,4 +1,4 @@
-//! `--set KEY=VALUE`: changes of a case that keep its comments and its order.
+//! `--set KEY=VALUE`: changes a case and keeps its comments and its order.
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
@@ -10,16 +10,16 @@ use super::syntax::{self, SyntaxError};
 pub(super) struct Applied {
     /// The text with all overrides that could be applied.
     pub text: String,
-    /// What they set, and how they were given.
+    /// The paths that were set, and the overrides as given.
     pub set: Vec<(Path, String)>,
-    /// Those that could not be applied.
+    /// The overrides that could not be applied.
     pub faults: Vec<CaseFault>,
 }
 
 /// Applies overrides, each `KEY=VALUE`, to the text of a case, one after the other.
 ///
 /// # Errors
-/// When the text is not TOML.
+/// The text is not TOML.
 pub(super) fn apply(text: &str, overrides: &[String]) -> Result<Applied, SyntaxError> {
     let mut applied = Applied { text: text.to_owned(), set: Vec::new(), faults: Vec::new() };
     if overrides.is_empty() {
@@ -37,10 +37,10 @@ pub(super) fn apply(text: &str, overrides: &[String]) -> Result<Applied, SyntaxE
     Ok(applied)
 }
 
-/// Sets strings into the text of a case: names of files where copies of them are kept.
+/// Replaces names of files in the text of a case by those of their copies.
 ///
 /// # Errors
-/// When the text is not TOML.
+/// The text is not TOML.
 pub(super) fn refer(text: &str, references: &[(Path, String)]) -> Result<String, SyntaxError> {
     if references.is_empty() {
         return Ok(text.to_owned());
@@ -56,12 +56,12 @@ pub(super) fn refer(text: &str, references: &[(Path, String)]) -> Result<String,
     Ok(document.to_string())
 }
 
-/// The overrides that are faulty whatever the document.
+/// The faults of overrides that do not depend on the document.
 pub(super) fn faults(overrides: &[String]) -> Vec<CaseFault> {
     overrides.iter().filter_map(|given| read(given).err().map(|refusal| refusal.into_fault(given))).collect()
 }
 
-/// Why an override cannot be applied.
+/// The reason why an override cannot be applied.
 struct Refusal {
     path: String,
     found: String,
@@ -115,7 +115,7 @@ fn read(given: &str) -> Result<(Path, Value), Refusal> {
     }
 }
 
-/// Whether a value can do without the quotes of a string.
+/// True if a string value can be written without quotes.
 fn is_bare_word(value: &str) -> bool {
     value.starts_with(|c: char| c.is_alphabetic())
         && value.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'))
@@ -183,7 +183,7 @@ impl<'d> Node<'d> {
     }
 }
 
-/// Sets the value at a path, making the tables that lead there; returns the path with its indices told from keys.
+/// Sets the value at a path and makes missing tables. Returns the path, in which indices now differ from keys.
 fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Refusal> {
     let lost = || Refusal::new(path, "no entry", "an entry that can be changed");
     let mut node = Node::Table(document.as_table_mut());
@@ -223,7 +223,7 @@ fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Re
     Ok(at)
 }
 
-/// A table that takes no room of its own if only tables are in it.
+/// A table without a header of its own if it contains only tables.
 fn new_table(inline: bool) -> Item {
     if inline {
         return Item::Value(Value::InlineTable(InlineTable::new()));
@@ -234,7 +234,7 @@ fn new_table(inline: bool) -> Item {
     Item::Table(table)
 }
 
-/// The entry that a segment names: `[1]` or `.1`.
+/// The array index named by a segment: `[1]` or `.1`.
 fn array_index(segment: &Segment, count: usize) -> Result<usize, (String, String)> {
     let expected = match count {
         0 => "no index: the array is empty".to_owned(),

@@ -1,4 +1,4 @@
-//! Pairs of sides: `with`, `nonmortar`, `geometry`, and what a pair has no use for.
+//! Pairs of sides: `with`, `nonmortar`, `geometry`, and keys that a pair cannot have.
 
 use super::build::Build;
 use super::place::At;
@@ -8,7 +8,7 @@ use crate::contact::{Geometry, Pair};
 use crate::problem::Choice;
 
 impl Build<'_> {
-    /// Puts the fraction by effusivity in the place of the word.
+    /// Replaces the word "effusivity" by the fraction of friction heat that follows from effusivities.
     pub fn partition(&mut self, path: &str, raw: &mut raw::Contact, materials: &SideFacts) {
         if !matches!(&raw.frictional_heat, Datum::Expression(word) if word.trim() == "effusivity") {
             return;
@@ -23,7 +23,7 @@ impl Build<'_> {
         }
     }
 
-    /// The second side of a contact; none where the foundation is rigid.
+    /// The second side of a contact, or `None` for a rigid foundation.
     pub fn pair(&mut self, path: &str, raw: &raw::Contact, materials: &SideFacts) -> Option<Pair> {
         let Some(with) = &raw.with else {
             self.without_pair(path, raw);
@@ -57,7 +57,7 @@ impl Build<'_> {
         })
     }
 
-    /// Keys that say something of a pair only.
+    /// Notes keys that only a pair can have.
     fn without_pair(&mut self, path: &str, raw: &raw::Contact) {
         for (key, given) in
             [("nonmortar", raw.nonmortar.is_some()), ("geometry", raw.geometry.is_some()), ("close", raw.close)]
@@ -79,7 +79,7 @@ impl Build<'_> {
         }
     }
 
-    /// Keys that say something of a foundation only.
+    /// Notes keys that only a foundation can have.
     fn not_of_pairs(&mut self, path: &str, raw: &raw::Contact) {
         for (key, given) in [
             ("obstacle", raw.obstacle.is_some()),

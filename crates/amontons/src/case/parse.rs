@@ -1,4 +1,4 @@
-//! A case from its text, through the four gates.
+//! Reads a case from its text, through the four gates.
 
 use toml::de::DeTable;
 
@@ -27,50 +27,50 @@ pub struct Case {
     pub problem: Problem,
     /// Steps between field snapshots; 0: only the last.
     pub every: usize,
-    /// Fields of the snapshots beside those that every one has.
+    /// Fields of the snapshots in addition to the standard ones.
     pub fields: Vec<OutputField>,
-    /// The files in which a run that has ended leaves its fields.
+    /// Format of the fields of a finished run.
     pub format: FieldsFormat,
-    /// When checkpoints are written.
+    /// The interval between checkpoints.
     pub checkpoint: CheckpointInterval,
-    /// What is read off the run after every step.
+    /// Values recorded after every step.
     pub probes: Vec<Probe>,
-    /// Values that a run must give.
+    /// Values that a run must reproduce.
     pub expected: Option<Expected>,
-    /// A solution in closed form.
+    /// The exact solution in closed form.
     pub exact: Option<Exact>,
-    /// What makes the case a benchmark.
+    /// Reference values of a benchmark.
     pub verify: Option<Verify>,
-    /// Cells per direction of a generated mesh; of a mesh from a file the parts of each of its edges.
+    /// Cells per direction of a generated mesh; for a mesh file the parts of each edge.
     pub cells: Vec<usize>,
-    /// Cells per direction of each block of a mesh of several.
+    /// Cells per direction of each of several blocks.
     pub blocks: Vec<Vec<usize>>,
-    /// Whether the mesh is that of a file.
+    /// True if the mesh is read from a file.
     pub has_mesh_file: bool,
-    /// What the mesh file has besides the mesh.
+    /// Content of the mesh file that is not used.
     pub skipped: Vec<Skipped>,
-    /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
+    /// The text of the case as run: overrides applied, files referred to by the names in `inputs`.
     pub text: String,
-    /// The files that it refers to.
+    /// The files that the case refers to.
     pub inputs: Vec<Input>,
     /// The overrides that were applied.
     pub overrides: Vec<String>,
 }
 
 impl Case {
-    /// What tells the case from others: its text and what the files hold that it refers to.
+    /// Identifies the case by its text and the content of its files.
     #[must_use]
     pub fn fingerprint(&self) -> String {
         fingerprint(&self.text, &self.inputs)
     }
 
-    /// What the states of a run of the case depend on.
+    /// The data that the states of a run of the case depend on.
     #[must_use]
     pub fn identity(&self) -> Identity {
         identity(&self.text, &self.inputs)
     }
 
-    /// How the results of the case are written into a folder.
+    /// Options for writing the results of the case into a folder.
     #[must_use]
     pub fn folder_options(&self) -> FolderOptions {
         FolderOptions {
@@ -90,15 +90,15 @@ impl Case {
 /// Reads a case file; overrides are given as `KEY=VALUE`.
 ///
 /// # Errors
-/// [`CaseError::Read`] when the file cannot be read, [`CaseError::Faults`] when it, or an override, has faults.
+/// [`CaseError::Read`] if the file cannot be read, [`CaseError::Faults`] if it or an override has faults.
 pub fn read(path: &std::path::Path, overrides: &[String]) -> Result<Case, CaseError> {
     parse(&source(path)?, overrides)
 }
 
-/// The text of a case file with its name and the folder in which the files are that it refers to.
+/// The text of a case file with its name and its folder, to which names of files are relative.
 ///
 /// # Errors
-/// [`CaseError::Read`] when the file cannot be read.
+/// [`CaseError::Read`] if the file cannot be read.
 pub fn source(path: &std::path::Path) -> Result<Source, CaseError> {
     let text = file_text(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
     let folder = path.parent().map(std::path::Path::to_owned).unwrap_or_default();
@@ -115,7 +115,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         let errors = errors.iter().map(|e| (e.message().to_owned(), e.span())).collect();
         let syntax::SyntaxFaults { mut faults, only_duplicates } = syntax::faults(&source.text, errors);
         faults.extend(overrides::faults(overrides));
-        // With keys given twice alone the rest can be read; overrides might change what it says.
+        // A text whose only faults are duplicate keys can be checked further, unless overrides could change it.
         if overrides.is_empty() && only_duplicates {
             let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &[] };
             faults.extend(
@@ -131,8 +131,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
     let Applied { text, set, mut faults } = applied;
     let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &set };
-    // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those
-    // that it lacks.
+    // An override may end the run before the times of checks in the file; `verify` reports those that it lacks.
     let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
     let (case, findings) = match DeTable::parse(&text) {
         Ok(changed) => build_case(changed.get_ref(), &source.files, has_other_end),
@@ -155,10 +154,10 @@ fn whole(found: impl Into<String>) -> Finding {
     Finding::new(path::Path::default(), At::Value, found, "a case file")
 }
 
-/// Keys of a case that refer to files, and what they say where copies of the files are.
+/// Keys of a case that name files, with their values for the copies.
 type References = Vec<(path::Path, String)>;
 
-/// Checks and builds the case of a document with overrides applied; without a case there are findings.
+/// Checks and builds the case of a document with overrides applied. Without a case there are findings.
 fn build_case(
     document: &DeTable<'_>,
     files: &Files,
@@ -168,7 +167,7 @@ fn build_case(
     let mut raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
         Err(error) => {
-            // The schema and the types are one source, so this speaks of a gap between the two.
+            // Schema and types are derived from one source, so this error shows a gap between them.
             findings.push(whole(error.to_string()));
             return (None, findings);
         }

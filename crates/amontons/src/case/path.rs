@@ -5,9 +5,9 @@ use std::fmt;
 /// One step of a path.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Segment {
-    /// Into a table.
+    /// A key of a table.
     Key(String),
-    /// Into an array.
+    /// An index of an array.
     Index(usize),
 }
 
@@ -15,12 +15,12 @@ pub(super) enum Segment {
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Path(pub Vec<Segment>);
 
-/// Paths at which stand-ins are in the place of faulty values.
+/// Paths of placeholders for faulty values.
 #[derive(Debug, Default)]
 pub(super) struct Doubtful {
-    /// Ascending, so that what is below a path follows it.
+    /// Ascending, so that paths below a path follow it.
     paths: Vec<Path>,
-    /// Whether the mesh as a whole is among them, and whether anything in it is.
+    /// True if the mesh as a whole is among them, and if anything in it is.
     pub mesh_unknown: bool,
     pub has_in_mesh: bool,
 }
@@ -33,12 +33,12 @@ impl Doubtful {
         Doubtful { paths, mesh_unknown, has_in_mesh }
     }
 
-    /// Whether there are none.
+    /// True if there are no such paths.
     pub fn is_empty(&self) -> bool {
         self.paths.is_empty()
     }
 
-    /// Whether one of the paths is at, above or below another path.
+    /// True if one of the paths is at, above or below another path.
     pub fn is_related(&self, path: &Path) -> bool {
         let above = (0..=path.0.len()).any(|n| {
             let prefix = &path.0[..n];
@@ -50,15 +50,15 @@ impl Doubtful {
 }
 
 impl Path {
-    /// Reads a path: keys parted by dots, indices in brackets or between dots. A key that has
-    /// dots or brackets itself stands in quotes.
+    /// Reads a path: keys separated by dots, indices in brackets or between dots. A key that contains dots or brackets
+    /// is quoted.
     ///
-    /// Numbers between dots are read as keys; what they are depends on the document.
+    /// Numbers between dots are read as keys; only the document decides whether they are indices.
     ///
     /// # Errors
-    /// What is wrong with the text.
+    /// The fault of the text.
     pub fn parse(text: &str) -> Result<Path, String> {
-        // Each segment may cost a level of recursion where the document is written.
+        // Each segment may cost a level of recursion in the TOML writer.
         const LONGEST: usize = 1000;
         if text.len() > LONGEST {
             return Err(format!("a key of {} bytes", text.len()));
@@ -115,17 +115,17 @@ impl Path {
         path
     }
 
-    /// The path without its last segment; none for the root.
+    /// The path without its last segment, or `None` for the root.
     pub fn parent(&self) -> Option<Path> {
         self.0.split_last().map(|(_, parent)| Path(parent.to_vec()))
     }
 
-    /// Whether it is the key `table` of the root or leads through it.
+    /// True if it is the key `table` of the root, or below it.
     pub fn is_in(&self, table: &str) -> bool {
         matches!(self.0.first(), Some(Segment::Key(key)) if key == table)
     }
 
-    /// Whether `self` is `other` or leads through it.
+    /// True if `self` is `other` or below it.
     pub fn is_at_or_below(&self, other: &Path) -> bool {
         self.0.starts_with(&other.0)
     }

@@ -1,4 +1,4 @@
-//! Which equations a case has: the keys of its materials say so, and every other key must belong to one of them.
+//! The equations of a case: they follow from the keys of its materials, and every other key must belong to one of them.
 
 use super::path::Path;
 use super::place::{At, Finding};
@@ -11,7 +11,7 @@ use crate::problem::Physics;
 /// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
 /// capacity or a conductivity, and both if one expands or gives off heat as it is strained.
 ///
-/// Keys that are missing, and data of equations that the case does not have, go to the findings.
+/// Missing keys, and data of equations that the case does not have, go to the findings.
 pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     let own = raw.region.iter().enumerate();
     let own = own.filter_map(|(i, region)| Some((format!("region[{i}].material"), region.material.as_ref()?)));
@@ -67,7 +67,7 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     physics
 }
 
-/// Notes what the equations need and a case does not give.
+/// Notes missing data that the equations need.
 fn required(
     raw: &raw::Case,
     materials: &[(String, &raw::Material)],
@@ -92,12 +92,12 @@ fn required(
     }
 }
 
-/// Whether a temperature is given in the place of the heat equation.
+/// True if a given temperature replaces the heat equation.
 pub(super) fn is_warmed(raw: &raw::Case) -> bool {
     raw.load.temperature.is_some() || raw.region.iter().any(|region| region.temperature.is_some())
 }
 
-/// Keys of the heat equation beside a temperature that is given. Friction and wear may depend on it.
+/// Notes keys of the heat equation in addition to a given temperature. Friction and wear may depend on it.
 fn beside_temperature(raw: &raw::Case, materials: &[(String, &raw::Material)], findings: &mut Vec<Finding>) {
     let sees_only = |key: &str| key.rsplit('.').next().is_some_and(|last| ["friction", "wear"].contains(&last));
     let mut others = of_heat(raw);
@@ -123,7 +123,7 @@ fn path(text: &str) -> Path {
     Path::parse(text).unwrap_or_default()
 }
 
-/// Notes a key of a material that is required and not given.
+/// Notes a required key of a material that is missing.
 fn needs(prefix: &str, key: &str, given: bool, findings: &mut Vec<Finding>) {
     if given {
         return;
@@ -143,12 +143,12 @@ fn is_zero(scalar: &Scalar) -> bool {
     matches!(scalar, Scalar::Number(value) if *value == 0.0)
 }
 
-/// Whether a datum is the number zero.
+/// True if a datum is the number zero.
 pub(super) fn is_zero_datum(datum: &Datum) -> bool {
     matches!(datum, Datum::Number(value) if *value == 0.0)
 }
 
-/// Whether friction depends on the temperature.
+/// True if friction depends on the temperature.
 fn sees_temperature(friction: &Friction) -> bool {
     match friction {
         Friction::Temperature { .. } => true,
@@ -159,7 +159,7 @@ fn sees_temperature(friction: &Friction) -> bool {
     }
 }
 
-/// What of a law of heat exchange only a mechanics gives: pressure or penetration.
+/// The dependence of a law of heat exchange on mechanics: pressure or penetration, or `None`.
 fn sees_motion(law: &HeatTerm) -> Option<&'static str> {
     match law {
         HeatTerm::Pressure { .. } => Some("a conductance of the pressure"),
@@ -171,7 +171,7 @@ fn sees_motion(law: &HeatTerm) -> Option<&'static str> {
     }
 }
 
-/// The keys of mechanics of a contact: which, and what they give.
+/// The keys of a contact that need mechanics, with a description.
 fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
     let given = [
         ("normal", contact.normal.is_some(), "a law of contact pressure"),
@@ -188,7 +188,7 @@ fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
     given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (key, what)).chain(seen).collect()
 }
 
-/// The data of heat outside the materials: where, and what.
+/// The data of heat outside the materials: path and description.
 pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
     if !matches!(raw.load.heat_source, Datum::Number(value) if value == 0.0) {
@@ -229,7 +229,7 @@ pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     found
 }
 
-/// The data of mechanics outside the materials: where, and what.
+/// The data of mechanics outside the materials: path and description.
 pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
     if !raw.load.body_force.is_empty() {

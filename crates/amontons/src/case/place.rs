@@ -1,4 +1,4 @@
-//! From a path to the place in the file, or to the override, where its value comes from.
+//! Finds the place in the file, or the override, where the value at a path comes from.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::fault::{CaseFault, FaultPlace, Lines};
 use super::path::{Path, Segment};
 use crate::problem::Fault;
 
-/// Which part of an entry a finding is about.
+/// The part of an entry that a finding is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum At {
     /// The key.
@@ -22,7 +22,7 @@ pub(super) enum At {
     Missing,
 }
 
-/// A fault by its path; its place is still to be looked up.
+/// A fault by its path, before its place is looked up.
 #[derive(Clone, Debug)]
 pub(super) struct Finding {
     pub path: Path,
@@ -38,7 +38,7 @@ impl Finding {
         Finding { path, at, found: found.into(), expected: expected.into(), hint: None }
     }
 
-    /// The same finding with a hint, if there is one.
+    /// Adds a hint to the finding, if there is one.
     pub fn hint(mut self, hint: Option<String>) -> Finding {
         self.hint = hint;
         self
@@ -57,7 +57,7 @@ pub(super) struct Origin<'a> {
     pub lines: Lines<'a>,
     /// The document in the file, before overrides.
     pub document: &'a DeTable<'a>,
-    /// The overrides: what they set, and how they were given.
+    /// The overrides: the paths that were set, and the overrides as given.
     pub overrides: &'a [(Path, String)],
 }
 
@@ -78,7 +78,7 @@ impl Origin<'_> {
             (Some((key, _)), At::Key) => key,
             (Some((_, value)), At::Inside(offset)) => self.inside(value, offset),
             (Some((_, value)), _) => value,
-            // A table that the file does not have was made by an override.
+            // A table that is missing in the file was made by an override.
             (None, _) => {
                 if let Some((_, given)) = self.overrides.iter().rev().find(|(set, _)| set.is_at_or_below(path)) {
                     return FaultPlace::Override(given.clone());
@@ -92,7 +92,7 @@ impl Origin<'_> {
         self.lines.place(span)
     }
 
-    /// The place of a table that lacks something: its header, or the override that made it.
+    /// The place of a table with a missing key: its header, or the override that made it.
     fn place_of_table(&self, path: &Path) -> FaultPlace {
         match self.entry(path) {
             Some((_, span)) => self.lines.place(span),
@@ -118,7 +118,7 @@ impl Origin<'_> {
         Some((key, value.span()))
     }
 
-    /// The place in the file of a byte of a string, given the span of the string with its quotes.
+    /// The place in the file of a byte of a string. `span` is the span of the string with its quotes.
     fn inside(&self, span: Range<usize>, offset: usize) -> Range<usize> {
         let Some(raw) = self.lines.text().get(span.clone()) else { return span };
         let quote = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|q| raw.starts_with(q)).map_or(0, str::len);

@@ -1,4 +1,4 @@
-//! Conditions at points that a case names by their coordinates.
+//! Conditions at points given by coordinates.
 
 use super::build::Build;
 use super::place::At;
@@ -8,7 +8,7 @@ use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::{Point, length};
 
 impl Build<'_> {
-    /// Names the points of `at` in the mesh and in the entries that have it.
+    /// Adds the points of `at` to the mesh under a name, and puts the name into the entries.
     pub fn places(&mut self, conditions: &mut [Boundary], mesh: &mut Mesh) {
         for (i, condition) in conditions.iter_mut().enumerate() {
             let path = format!("boundary[{i}]");
@@ -24,7 +24,7 @@ impl Build<'_> {
                     let found = if given.is_some() { "`on` and `at`" } else { "neither `on` nor `at`" };
                     let expected = "one of both: `on`, the name of a side, or `at`, the coordinates of a node";
                     self.note(&path, At::Value, found, expected, None);
-                    // What the condition would be on is not known; that of the other faults is.
+                    // The place of the condition is unknown, but its other faults can still be found.
                     (String::new(), everywhere())
                 }
             };
@@ -33,7 +33,7 @@ impl Build<'_> {
         }
     }
 
-    /// The node at these coordinates; of a mesh that is not that of the case all nodes.
+    /// The node at these coordinates; on a placeholder mesh all nodes.
     fn nodes_at(&mut self, path: &str, at: &[f64], mesh: &Mesh) -> Option<Vec<u32>> {
         let all = || Some((0..mesh.points.len() as u32).collect());
         if self.no_mesh || !self.is_sound {

@@ -1,4 +1,4 @@
-//! The probes of a case, those of its `[verify]` block included.
+//! The probes of a case, including those of its `[verify]` block.
 
 use super::build::Build;
 use super::nearest::nearest;
@@ -8,7 +8,7 @@ use crate::output::{Probe, ProbeError, ProbePlace, ProbeSet, Quantity, Take};
 use crate::problem::ProblemData;
 use crate::tensor::Point;
 
-/// Where a raw probe reads, and the path of its table.
+/// The place of a raw probe, and the path of its table.
 struct Target<'r> {
     path: String,
     at: Option<&'r Vec<f64>>,
@@ -68,7 +68,7 @@ impl Build<'_> {
         probes
     }
 
-    /// The probe of a check of `[verify]`; none if it has faults.
+    /// The probe of a check of `[verify]`, or `None` if it has faults.
     pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
         let raw::Check::Probe { field, at, on, contact, region, take, about, .. } = check else { return None };
         let target = Target {
@@ -135,13 +135,13 @@ impl Build<'_> {
         Some(target.contact.map_or(ProbePlace::At(point), |name| ProbePlace::AtContact(point, name.clone())))
     }
 
-    /// The point about which a moment is taken, if one is given.
+    /// The reference point of a moment, if given.
     fn probe_about(&mut self, target: &Target, dim: usize) -> Result<Option<Point>, ()> {
         let Some(about) = target.about else { return Ok(None) };
         self.probe_coordinates(&format!("{}.about", target.path), about, dim).map(Some).ok_or(())
     }
 
-    /// As many coordinates as the body has.
+    /// A point with as many coordinates as the body has dimensions.
     fn probe_coordinates(&mut self, path: &str, given: &[f64], dim: usize) -> Option<Point> {
         if given.len() != dim {
             let found = format!("{} coordinates", given.len());
@@ -151,9 +151,9 @@ impl Build<'_> {
         Some(std::array::from_fn(|c| given.get(c).copied().unwrap_or_default()))
     }
 
-    /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
+    /// Notes the reason why a probe cannot be read; `quantity` is the key of the quantity.
     fn check_probe(&mut self, target: &Target, quantity: &str, problem: &ProblemData, probe: &Probe) {
-        // On a mesh with faults it is not known what is outside.
+        // On a mesh with faults points outside are unknown.
         let mesh_unknown = self.findings.iter().any(|finding| finding.path.is_in("mesh"));
         let Err(error) = ProbeSet::check(problem, probe) else { return };
         let path = |key: &str| format!("{}.{key}", target.path);
@@ -217,7 +217,7 @@ impl Build<'_> {
     }
 }
 
-/// `displacement_x at (0.5, 1)`.
+/// Text of a probe: `displacement_x at (0.5, 1)`.
 fn describe(field: &str, place: &ProbePlace, dim: usize) -> String {
     let over = |take: Take, name: &str| {
         let take = match take {
@@ -241,7 +241,7 @@ fn coordinates(at: &Point, dim: usize) -> Vec<f64> {
     at.iter().take(dim).copied().collect()
 }
 
-/// `(0.5, 1)`.
+/// Text of a point: `(0.5, 1)`.
 fn point(coordinates: &[f64]) -> String {
     format!("({})", coordinates.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
 }

@@ -1,31 +1,31 @@
 //! Numbers with a unit: `"210 GPa"`, `"3 mm"`, `"20 °C"`.
 //!
-//! What a key measures is read off its description, which names the SI unit: `Young's modulus E in Pa`.
+//! The unit of a key is taken from its description, which names the SI unit: `Young's modulus E in Pa`.
 
-/// A unit as a power of ten times a factor in the base units kg, m, s and K.
+/// A unit as a power of ten times a factor, in the base units kg, m, s and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     /// Exponents of kg, m, s and K.
     dimension: [i32; 4],
     ten: i32,
     factor: f64,
-    /// Whether it is °C alone: a temperature on another scale than in K.
+    /// True for °C alone: a temperature on another scale than K.
     is_celsius: bool,
 }
 
 /// A number with a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quantity {
-    /// The number in SI units; of °C alone that on the Celsius scale.
+    /// The number in SI units, for °C alone on the Celsius scale.
     pub number: f64,
     pub unit: Unit,
 }
 
-/// What a text may be that begins with a number.
+/// A text that begins with a number.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Reading {
     Quantity(Quantity),
-    /// A number and a word that is no unit we know.
+    /// A number and an unknown word.
     Unknown(String),
 }
 
@@ -48,7 +48,7 @@ const PREFIXED: [(&str, Unit); 9] = [
     ("Hz", of([0, 0, -1, 0], 0)),
 ];
 
-/// Those that take none.
+/// Units that take no prefixes.
 const PLAIN: [(&str, Unit); 10] = [
     ("°C", Unit { is_celsius: true, ..of([0, 0, 0, 1], 0) }),
     ("degC", Unit { is_celsius: true, ..of([0, 0, 0, 1], 0) }),
@@ -91,12 +91,12 @@ const SUPERSCRIPTS: [(char, char); 11] = [
     ('⁻', '-'),
 ];
 
-/// Largest exponent of a unit: none that is written has more.
+/// Largest exponent of a unit.
 const MOST: i32 = 9;
 
 impl Unit {
-    /// Reads `W/(m² K)`: factors with exponents, divided by others; what is behind a `/` is one factor, or several in
-    /// parentheses.
+    /// Reads a unit such as `W/(m² K)`: factors with exponents, divided by others. After a `/` stands one factor, or
+    /// several in parentheses.
     pub fn parse(text: &str) -> Option<Unit> {
         let text = text.trim();
         let mut unit: Option<Unit> = None;
@@ -125,7 +125,7 @@ impl Unit {
         }
     }
 
-    /// Whether it is a unit of the system itself.
+    /// True for a coherent SI unit.
     fn is_coherent(&self) -> bool {
         self.ten == 0 && self.factor.to_bits() == 1f64.to_bits() && !self.is_celsius
     }
@@ -144,24 +144,24 @@ impl Unit {
         }
     }
 
-    /// Whether quantities of both can be compared; with `per_length` also if this one is per length, as what is taken
-    /// per unit of thickness in the plane.
+    /// True if quantities in both units can be compared. With `per_length` this unit may also be per length, as for
+    /// data per unit of thickness in the plane.
     pub fn is_like(&self, other: &Unit, per_length: bool) -> bool {
         let of_plane = other.times(of([0, -1, 0, 0], 0));
         self.dimension == other.dimension || (per_length && self.dimension == of_plane.dimension)
     }
 
-    /// Whether it is °C alone.
+    /// True for °C alone.
     pub fn is_celsius(&self) -> bool {
         self.is_celsius
     }
 
-    /// Whether it is that of a pure number, such as %; of angles only the radian is.
+    /// True for the unit of a pure number, such as %; of the units of angles only the radian.
     pub fn is_number(&self) -> bool {
         self.dimension == [0; 4] && self.factor.to_bits() == 1f64.to_bits()
     }
 
-    /// Whether it is a temperature.
+    /// True for a temperature.
     pub fn is_temperature(&self) -> bool {
         self.dimension == [0, 0, 0, 1]
     }
@@ -192,7 +192,7 @@ fn factor(word: &str) -> Option<Unit> {
     Some(named(symbol).or_else(|| base(symbol)).or_else(prefixed)?.power(n))
 }
 
-/// Reads a number with a unit; none where the text is something else, such as an expression.
+/// Reads a number with a unit, or returns `None` for another text, such as an expression.
 pub(super) fn read(text: &str) -> Option<Reading> {
     let text = text.trim();
     let (mantissa, exponent, rest) = number(text)?;
@@ -202,15 +202,15 @@ pub(super) fn read(text: &str) -> Option<Reading> {
         return None;
     }
     let Some(unit) = Unit::parse(word) else {
-        // `2x` is no quantity in a strange unit but an expression that lacks its `*`.
+        // `2x` is an expression without its `*`, not a quantity with an unknown unit.
         return is_apart.then(|| Reading::Unknown(word.to_owned()));
     };
-    // In one rounding: 7 mm are 0.007 to the last bit.
+    // One rounding only: 7 mm are 0.007 to the last bit.
     let number = format!("{mantissa}e{}", exponent.saturating_add(unit.ten)).parse::<f64>().ok()? * unit.factor;
     Some(Reading::Quantity(Quantity { number, unit }))
 }
 
-/// The number that a text begins with, as digits and exponent, and what is behind it.
+/// Digits and exponent of the number at the start of a text, and the rest of the text.
 fn number(text: &str) -> Option<(&str, i32, &str)> {
     let digits = |from: usize| {
         let rest = text.get(from..).unwrap_or_default();
@@ -232,7 +232,7 @@ fn number(text: &str) -> Option<(&str, i32, &str)> {
     Some((mantissa, 0, rest))
 }
 
-/// The SI unit that a description names behind `in`: `Pa s` of `Damping of the dashpot in Pa s.`, with its text.
+/// The SI unit named after `in` in a description, with its text: `Pa s` in `Damping of the dashpot in Pa s.`
 pub(super) fn of_description(description: &str) -> Option<(Unit, &str)> {
     let paragraph = description.split("\n\n").next().unwrap_or_default();
     paragraph.match_indices(" in ").find_map(|(at, word)| {
@@ -242,12 +242,12 @@ pub(super) fn of_description(description: &str) -> Option<(Unit, &str)> {
             let text = text.get(..i)?;
             Some((Unit::parse(text).filter(Unit::is_coherent)?, text))
         });
-        // The longest text that is one: `Pa s`, not `Pa`.
+        // The longest text that is a unit: `Pa s`, not `Pa`.
         units.fold(None, |_, unit| Some(unit))
     })
 }
 
-/// Whether a unit may end here: at a sign, or before a word.
+/// True if a unit may end here: at a punctuation mark, or before a word.
 fn is_end(rest: &str, next: Option<char>) -> bool {
     match next {
         None | Some(',' | ';' | ':' | '.' | '\n') => true,
@@ -305,10 +305,10 @@ mod tests {
         ] {
             assert!((number(text) - expected).abs() <= 1e-16 * expected.abs(), "{text}: {:?}", number(text));
         }
-        // An exponent beyond all numbers stays there, with any unit.
+        // An exponent beyond the range of numbers stays there with any unit.
         let extremes = [number("1e2147483647 km"), number("1e-2147483648 mm")].map(f64::to_bits);
         assert_eq!(extremes, [f64::INFINITY, 0.0].map(f64::to_bits));
-        // Decimal units take one rounding: to the last bit what one would write in SI.
+        // Decimal units take one rounding: the result is the number written in SI, to the last bit.
         for (text, expected) in [("1.1 mm", 1.1e-3), ("0.3 µm", 0.3e-6), ("2.1e2 GPa", 2.1e11), ("7.3 g/cm³", 7300.0)]
         {
             assert_eq!(number(text).to_bits(), f64::to_bits(expected), "{text}");

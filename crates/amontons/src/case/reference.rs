@@ -1,5 +1,5 @@
-//! Every word of the program with what it means: keys of the case file, quantities of probes, values in the files of
-//! results and findings. The chapter "Reference" of the guide and `amontons explain` are made of it.
+//! Every word of the program with its meaning: keys of the case file, quantities of probes, values in result files and
+//! findings. Source of the chapter "Reference" of the guide and of `amontons explain`.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ use crate::hypotheses::FindingId;
 use crate::output::{Table, quantities, shown};
 use crate::units::{Measure, Units};
 
-/// What a word is.
+/// The kind of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Word {
     /// A key of the case file.
@@ -21,27 +21,27 @@ pub enum Word {
     Finding,
 }
 
-/// A word with what it means.
+/// A word with its meaning.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// What it is.
+    /// Its kind.
     pub word: Word,
-    /// Where it stands: of a key the table, `[contact.friction] with law = "coulomb"`.
+    /// Its place; for a key the table, `[contact.friction] with law = "coulomb"`.
     pub place: String,
     /// Its name.
     pub name: String,
-    /// What it means; of a key in the sentences of the schema.
+    /// Its meaning; for a key the description in the schema.
     pub meaning: String,
-    /// What is expected of a key, such as `a number ≥ 0`; the unit of others.
+    /// Allowed values of a key, such as `a number ≥ 0`; the unit of other words.
     pub expected: String,
-    /// Whether a key is required in its table.
+    /// True if a key is required in its table.
     pub is_required: bool,
 }
 
-/// Where keys of tables of values stand.
+/// Place of the keys of tables of values.
 const VALUES: &str = "a table in the place of a value";
 
-/// What a value of a file is called.
+/// The name of a value in a file.
 fn of_table(table: Table) -> &'static str {
     match table {
         Table::Summary => "key",
@@ -56,7 +56,7 @@ pub fn reference() -> Vec<Entry> {
     let schema = schema();
     let mut all = Vec::new();
     keys(&View::new(&schema), "", "above all tables", &mut all);
-    // Tables of values come last; a region repeats [material].
+    // Tables of values come last; regions repeat [material].
     all.sort_by_key(|entry| entry.place == VALUES);
     all.retain(|entry| !entry.place.starts_with("[region.material"));
     let unit =
@@ -86,8 +86,8 @@ pub fn reference() -> Vec<Entry> {
     all
 }
 
-/// The entries of a word: a name, a path such as `contact.friction.coefficient` or `final.von_mises_max`, or the end of
-/// one.
+/// The entries that match a word: a name, a path such as `contact.friction.coefficient` or `final.von_mises_max`, or
+/// the end of one.
 #[must_use]
 pub fn explain(word: &str) -> Vec<Entry> {
     let place = |entry: &Entry| {
@@ -102,7 +102,7 @@ pub fn explain(word: &str) -> Vec<Entry> {
     reference().into_iter().filter(is_meant).collect()
 }
 
-/// Collects the keys of a table that is called `header`, with those of the tables in it.
+/// Collects the keys of a table with this header and of the tables in it.
 fn keys(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
     let Some((tag, variants)) = table.variants() else {
         return keys_of(table, section, header, all);
@@ -128,7 +128,7 @@ fn keys_of(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
         let dotted = if section.is_empty() { name.to_owned() } else { format!("{section}.{name}") };
         let inner = property.table();
         if property.has_scalars() {
-            // A table of values, wherever a number may stand; of which kind there are few.
+            // A table of values, allowed in place of a number. There are few kinds, so duplicates are left out.
             let mut values = Vec::new();
             keys(&inner, "", VALUES, &mut values);
             values.retain(|entry| !all.contains(entry));
@@ -142,7 +142,7 @@ fn keys_of(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
     }
 }
 
-/// The words of a kind as a chapter of the guide, Markdown.
+/// The reference as a chapter of the guide, in Markdown.
 #[must_use]
 pub fn markdown() -> String {
     let all = reference();
@@ -174,7 +174,7 @@ pub fn markdown() -> String {
     text
 }
 
-/// The words that are nearest to one that there is not.
+/// The known word nearest to an unknown one.
 #[must_use]
 pub fn similar(word: &str) -> Option<String> {
     let all = reference();
@@ -182,7 +182,7 @@ pub fn similar(word: &str) -> Option<String> {
     super::nearest::nearest(word.rsplit('.').next().unwrap_or(word), &names).map(str::to_owned)
 }
 
-/// The entries for programs.
+/// The entries as JSON.
 #[must_use]
 pub fn json(entries: &[Entry]) -> Value {
     let of = |entry: &Entry| {

@@ -1,4 +1,4 @@
-//! What a study of a case is to be.
+//! Requests for a convergence study of a case.
 
 use super::fault::CaseError;
 use crate::convergence::Vary;
@@ -6,17 +6,17 @@ use crate::convergence::Vary;
 /// A study to be made of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyRequest {
-    /// What is refined.
+    /// The refined quantity.
     pub vary: Vary,
-    /// Cells per side of each level (steps where only time is refined), coarsest first.
+    /// Cells per side of each level (steps if only time is refined), coarsest first.
     pub levels: Vec<usize>,
-    /// What the levels are compared with.
+    /// The reference for the errors.
     pub reference: ReferenceRequest,
-    /// With mesh and step together: the steps grow with this power of the cells.
+    /// If mesh and step are refined together: the steps grow with this power of the cells.
     pub power: u32,
 }
 
-/// What the levels of a study are compared with.
+/// The reference for the errors of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReferenceRequest {
     /// The finest of the levels, which then has no error of its own.
@@ -27,7 +27,7 @@ pub enum ReferenceRequest {
     Exact,
 }
 
-/// Why no study can be made.
+/// The reason why a study cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyRequestError {
     /// The case has faults.
@@ -36,9 +36,9 @@ pub enum StudyRequestError {
     /// The request does not fit the case.
     #[error("{found}, expected {expected}")]
     Request {
-        /// What was found.
+        /// The value found.
         found: String,
-        /// What was expected.
+        /// The values that are allowed.
         expected: String,
     },
 }

@@ -6,7 +6,7 @@ use super::raw;
 use crate::problem::RigidPart;
 
 impl Build<'_> {
-    /// The sides and regions that move as rigid bodies; those without faults.
+    /// The sides and regions that move as rigid bodies, without faulty entries.
     pub fn rigid(&mut self, entries: Vec<raw::Rigid>) -> Vec<RigidPart> {
         let mut all = Vec::new();
         for (i, raw::Rigid { on, force, moment, at, guided }) in entries.into_iter().enumerate() {

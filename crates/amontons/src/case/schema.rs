@@ -1,4 +1,4 @@
-//! The JSON Schema of the case file, and a view of it that words what a key expects.
+//! The JSON Schema of the case file, and a view of it that says in words what a key expects.
 
 use schemars::transform::{Transform, transform_subschemas};
 use serde_json::{Map, Value};
@@ -14,8 +14,7 @@ pub fn schema() -> Value {
     schema
 }
 
-/// Lets a text with a unit stand where a number does that has one, and notes the unit; and lets a text stand for a
-/// table.
+/// Allows a text with a unit in place of a number with a unit, and notes the unit. Allows a text in place of a table.
 fn allow_units(schema: &mut Value, above: Option<&str>) {
     let Value::Object(node) = schema else { return };
     let named = node.get("description").and_then(Value::as_str).map(|text| of_description(text).map(|(_, unit)| unit));
@@ -24,7 +23,7 @@ fn allow_units(schema: &mut Value, above: Option<&str>) {
         node.insert(UNIT.to_owned(), Value::from(unit.as_str()));
     }
     if node.contains_key(OF_THE_KEY) {
-        // Values of a table have a unit, whichever it is.
+        // Values of a table have a unit, given by its key.
         unit = Some(String::new());
     }
     if unit.is_some() && node.get("type").and_then(Value::as_str) == Some("number") {
@@ -35,7 +34,7 @@ fn allow_units(schema: &mut Value, above: Option<&str>) {
         node.insert("type".to_owned(), Value::from(vec!["object", "string"]));
     }
     for (keyword, inner) in node.iter_mut() {
-        // The keys of a table have descriptions of their own.
+        // The keys of a table have their own descriptions.
         let of_this = if matches!(keyword.as_str(), "items" | "anyOf") { unit.as_deref() } else { None };
         match inner {
             Value::Array(all) => all.iter_mut().for_each(|inner| allow_units(inner, of_this)),
@@ -47,7 +46,7 @@ fn allow_units(schema: &mut Value, above: Option<&str>) {
     }
 }
 
-/// The schema that a document is held against.
+/// The schema that documents are checked against.
 pub(super) fn rules() -> Value {
     let mut schema = schemars::schema_for!(raw::Case);
     NoNull.transform(&mut schema);
@@ -56,19 +55,19 @@ pub(super) fn rules() -> Value {
     schema.to_value()
 }
 
-/// Keyword of a table that a key of its own tells from others where the tag is left out.
+/// Keyword of a table that is recognized by one of its keys if the tag is left out.
 const IMPLIED_BY: &str = "x-implied-by";
 
-/// Keyword of a table for which a text may stand: that of the key that it names.
+/// Keyword of a table that may be replaced by a text: the value of the named key.
 const SHORT_FOR: &str = "x-short-for";
 
 /// Keyword of the unit of the numbers of a key.
 const UNIT: &str = "x-unit";
 
-/// Keyword of the values of a table: they have the unit of the key that the table stands for.
+/// Keyword of the values of a table, which have the unit of the key of the table.
 const OF_THE_KEY: &str = "x-unit-of-the-key";
 
-/// Lets the tag of such a table be left out.
+/// Allows the tag of a table with [`IMPLIED_BY`] to be left out.
 struct Implied;
 
 impl Transform for Implied {
@@ -89,7 +88,7 @@ impl Transform for Implied {
     }
 }
 
-/// Describes the tag of a table, such as `law = "coulomb"`, as the table that it selects.
+/// Gives the tag of a table, such as `law = "coulomb"`, the description of the table that it selects.
 struct Tags;
 
 impl Transform for Tags {
@@ -111,7 +110,7 @@ impl Transform for Tags {
     }
 }
 
-/// TOML has no null: a key that may be left out is left out.
+/// Removes null, which TOML does not have: an optional key is left out.
 struct NoNull;
 
 impl Transform for NoNull {
@@ -142,12 +141,12 @@ impl Transform for NoNull {
 pub(super) struct View<'s> {
     root: &'s Value,
     node: &'s Value,
-    /// What the nearest key above is about.
+    /// Description of the nearest key above.
     about: Option<&'s str>,
-    /// The description that names the unit of the numbers here: the same but for values of a table, which are what the
-    /// key of the table is.
+    /// The description that names the unit of the numbers here: the same, except for values of a table, which take that
+    /// of the key of the table.
     measured: Option<&'s str>,
-    /// The node that bounds the numbers here: the key itself, beside a reference to what else it may be.
+    /// The node with the bounds of the numbers here: the key itself, in addition to a reference to its other forms.
     bounds: &'s Value,
 }
 
@@ -159,12 +158,12 @@ const BOUNDS: [(&str, &str); 4] =
 #[derive(Clone, Debug)]
 pub(super) struct Limits {
     bounds: [Option<f64>; 4],
-    /// What the key expects of a number.
+    /// Expected text of the key for a number.
     pub expected: String,
 }
 
 impl Limits {
-    /// Whether a number is within the limits.
+    /// True if a number is within the limits.
     pub fn admit(&self, number: f64) -> bool {
         let [least, above, most, below] = self.bounds;
         number.is_finite()
@@ -181,7 +180,7 @@ impl<'s> View<'s> {
         View { root, node: root, about: None, measured: None, bounds: root }
     }
 
-    /// A part of this schema; it is about the same as the whole unless it says itself.
+    /// A part of this schema, with the description of the whole unless it has its own.
     fn at(&self, node: &'s Value) -> View<'s> {
         let description = node.get("description").and_then(Value::as_str);
         let about = description.or(self.about);
@@ -196,7 +195,7 @@ impl<'s> View<'s> {
         View { root: self.root, node, about, measured, bounds }
     }
 
-    /// A form of what is here: it is about the same.
+    /// A form of this value, with the same description.
     fn form(&self, node: &'s Value) -> View<'s> {
         View { about: self.about, measured: self.measured, ..self.at(node) }
     }
@@ -219,7 +218,7 @@ impl<'s> View<'s> {
         self.list("required").filter_map(Value::as_str).collect()
     }
 
-    /// The schema of a key of a table; that of any key if the table is free.
+    /// The schema of a key of a table, or of any key of a table with free keys.
     pub fn property(&self, key: &str) -> Option<View<'s>> {
         let named = self.properties().and_then(|p| p.get(key));
         named.or_else(|| self.node.get("additionalProperties").filter(|p| p.is_object())).map(|p| self.at(p))
@@ -239,11 +238,11 @@ impl<'s> View<'s> {
     /// The forms that a value may take, such as number or string.
     pub fn alternatives(&self) -> Vec<View<'s>> {
         let forms = self.list("anyOf").map(|v| self.form(v).bounded(self.bounds));
-        // A coefficient among the forms of a tensor has forms itself.
+        // A coefficient among the forms of a tensor has several forms itself.
         forms.flat_map(|form| if form.node.get("anyOf").is_some() { form.alternatives() } else { vec![form] }).collect()
     }
 
-    /// The same with the bounds of the key above where it has none of its own.
+    /// Takes over the bounds of the key above, if that has any.
     fn bounded(self, bounds: &'s Value) -> View<'s> {
         let has_its_own = BOUNDS.iter().any(|(keyword, _)| self.bounds.get(*keyword).is_some());
         if has_its_own { self } else { View { bounds, ..self } }
@@ -255,7 +254,7 @@ impl<'s> View<'s> {
         self.list("enum").filter_map(Value::as_str).chain(constants).collect()
     }
 
-    /// The tables that a tag tells apart: the key of the tag and the tables by their tag.
+    /// The tables selected by a tag: the key of the tag, and the tables by their tags.
     pub fn variants(&self) -> Option<(&'s str, Vec<(&'s str, View<'s>)>)> {
         let mut tag = None;
         let mut variants = Vec::new();
@@ -270,7 +269,7 @@ impl<'s> View<'s> {
         tag.map(|tag| (tag, variants))
     }
 
-    /// The key whose presence stands for the tag of this table.
+    /// The key whose presence replaces the tag of this table.
     pub fn implied_by(&self) -> Option<&'s str> {
         self.node.get(IMPLIED_BY).and_then(Value::as_str)
     }
@@ -284,60 +283,60 @@ impl<'s> View<'s> {
         }
     }
 
-    /// The key of this table that a text in its place stands for.
+    /// The key of this table that is meant by a text in place of the table.
     pub fn short_for(&self) -> Option<&'s str> {
         self.node.get(SHORT_FOR).and_then(Value::as_str)
     }
 
-    /// What is here, in full.
+    /// The full description.
     pub fn description(&self) -> Option<&'s str> {
         self.about
     }
 
-    /// What is expected here: `a number ≥ 0`.
+    /// The expected value in words: `a number ≥ 0`.
     pub fn expects(&self) -> String {
         self.phrase()
     }
 
-    /// The table that may stand here, or the array of tables, where other forms may as well.
+    /// The table, or array of tables, among the forms allowed here.
     pub fn table(&self) -> View<'s> {
         let is_table =
             |form: &View| form.kind() == "object" || form.items().is_some_and(|items| items.kind() == "object");
         self.one_of_several().or_else(|| self.alternatives().into_iter().find(is_table)).unwrap_or(*self)
     }
 
-    /// Whether a number or a text may stand here beside a table, other than the name of one.
+    /// True if a number or a text is allowed here as well as a table, other than the name of one.
     pub fn has_scalars(&self) -> bool {
         let is_scalar = |form: &View| !matches!(form.kind(), "object" | "array");
         self.short_for().is_none() && self.alternatives().iter().any(is_scalar)
     }
 
-    /// What is here, as it reads inside a sentence.
+    /// The description as part of a sentence.
     pub fn about(&self) -> Option<String> {
         self.about.map(first_paragraph).filter(|about| !about.is_empty())
     }
 
-    /// The SI unit of the numbers here, with its text; none of pure numbers.
+    /// The SI unit of the numbers here, with its text, or `None` for pure numbers.
     pub fn unit(&self) -> Option<(Unit, &'s str)> {
         of_description(self.measured?)
     }
 
-    /// Whether numbers here are per unit of thickness of a plane body.
+    /// True if numbers here are per unit of thickness of a plane body.
     pub fn is_per_thickness(&self) -> bool {
         self.measured.is_some_and(|text| text.contains("per unit of thickness"))
     }
 
-    /// Whether numbers here are a difference of temperatures.
+    /// True if numbers here are a difference of temperatures.
     pub fn is_difference(&self) -> bool {
         self.measured.is_some_and(|text| text.contains("difference"))
     }
 
-    /// The bounds that a number breaks, none if it keeps them.
+    /// True if a number is within the bounds.
     pub fn admits(&self, number: f64) -> bool {
         self.limits().admit(number)
     }
 
-    /// The numbers that a key admits which may also be something else than a number.
+    /// The limits for numbers here, also if other values than numbers are allowed.
     pub fn limits(&self) -> Limits {
         let bounds = BOUNDS.map(|(keyword, _)| self.bounds.get(keyword).and_then(Value::as_f64));
         let range = self.range();
@@ -346,7 +345,7 @@ impl<'s> View<'s> {
         Limits { bounds, expected: about.map_or_else(|| number.clone(), |about| format!("{number} ({about})")) }
     }
 
-    /// What is expected here and what it is about: `a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)`.
+    /// The expected value with its description: `a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)`.
     pub fn expected(&self) -> String {
         let phrase = self.phrase();
         match self.about() {
@@ -355,7 +354,7 @@ impl<'s> View<'s> {
         }
     }
 
-    /// What is expected here: `a number ≥ 0`.
+    /// The expected value in words: `a number ≥ 0`.
     fn phrase(&self) -> String {
         if let Some(title) = self.node.get("title").and_then(Value::as_str) {
             return title.replacen("a number", &format!("a number{}", self.range()), 1);
@@ -396,7 +395,7 @@ impl<'s> View<'s> {
         parts.join(" and")
     }
 
-    /// A value that the schema takes, to stand in for a faulty one so that the check can go on.
+    /// A value allowed by the schema, as a placeholder for a faulty one.
     pub fn sample(&self) -> Value {
         if let Some(first) = self.alternatives().first() {
             return first.sample();
@@ -421,30 +420,30 @@ impl<'s> View<'s> {
         }
     }
 
-    /// The sections that have a key of this name: `[material]`, `[contact.friction] with law = "coulomb"`.
+    /// The sections that have this key: `[material]`, `[contact.friction] with law = "coulomb"`.
     pub fn homes(&self, key: &str) -> Vec<String> {
         let mut homes = Vec::new();
         self.collect_homes(key, "", "the beginning of the file, above all tables", &mut homes);
-        // A region repeats [material].
+        // Regions repeat [material].
         homes.retain(|home| !home.starts_with("[region.material"));
         homes
     }
 
-    /// Collects the homes of a key in this schema, whose path is `section` and which is called `header`.
+    /// Collects the sections with a key in this schema, whose path is `section` and whose header is `header`.
     fn collect_homes(&self, key: &str, section: &str, header: &str, homes: &mut Vec<String>) {
         let Some((tag, variants)) = self.variants() else {
             return self.collect_homes_in_table(key, section, header, homes);
         };
         for (name, table) in &variants {
             let with = if variants.len() > 1 { format!("{header} with {tag} = \"{name}\"") } else { header.to_owned() };
-            // A tag is in so many tables that it says nothing.
+            // A tag is in too many tables to be a hint.
             if key != tag {
                 table.collect_homes_in_table(key, section, &with, homes);
             }
         }
     }
 
-    /// The table of which an array is possible as well.
+    /// The table that may also be given as an array.
     fn one_of_several(&self) -> Option<View<'s>> {
         let forms = self.alternatives();
         let several = forms.iter().any(|form| form.items().is_some_and(|items| items.kind() == "object"));
@@ -467,7 +466,7 @@ impl<'s> View<'s> {
     }
 }
 
-/// `"right", "left" or "crossed"`.
+/// Words in a list: `"right", "left" or "crossed"`.
 pub(super) fn one_of(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
     match quoted.split_last() {
@@ -476,7 +475,7 @@ pub(super) fn one_of(words: &[&str]) -> String {
     }
 }
 
-/// The first paragraph of a description as it reads inside a sentence.
+/// The first paragraph of a description as part of a sentence.
 fn first_paragraph(description: &str) -> String {
     let paragraph = description.split("\n\n").next().unwrap_or_default().replace('\n', " ");
     let text = paragraph.trim_end_matches('.');
@@ -489,7 +488,7 @@ fn first_paragraph(description: &str) -> String {
     }
 }
 
-/// Whether a text starts with the name of a person.
+/// True if a text starts with the name of a person.
 fn is_name(text: &str) -> bool {
     ["Young", "Poisson"].iter().any(|name| text.starts_with(name))
 }

@@ -1,6 +1,5 @@
-//! What is known of the sides of a pair: what the bodies behind them are made of, their facets, what holds them, and
-//! how much of one the other faces. By these friction heat is shared out, and the side is chosen that bears the contact
-//! points.
+//! Facts about the sides of a pair: materials behind them, facets, supports, and the fraction that the other side
+//! faces. They decide on the partition of friction heat and on the side that bears the contact points.
 
 use std::cell::OnceCell;
 
@@ -13,14 +12,14 @@ use crate::problem::BoundaryCondition;
 use crate::space::Space;
 use crate::tensor::{Sym, dot};
 
-/// Quotients that are nearer to 1 are equal but for round-off.
+/// Ratios nearer to 1 count as equal, because of round-off.
 const EQUAL: f64 = 1.01;
-/// Stiffness of one body relative to that of the other from which on the softer one bears the points: a fine stiff side
-/// finds the kinks of a coarse soft one and touches there alone.
+/// Ratio of stiffnesses above which the softer body bears the points: a fine stiff side finds the kinks of a coarse
+/// soft one and touches only there.
 const SOFTER: f64 = 2.5;
-/// Difference of the shares that are covered from which on the side bears the points that is covered more.
+/// Difference of covered fractions above which the side with the larger one bears the points.
 const MORE: f64 = 0.01;
-/// Size of the facets of one side relative to those of the other from which on the finer one bears the points.
+/// Ratio of facet sizes above which the finer side bears the points.
 const FINER: f64 = 2.0;
 
 /// The sides of a mesh with the bodies behind them.
@@ -28,7 +27,7 @@ pub(super) struct SideFacts<'m> {
     mesh: &'m Mesh,
     materials: &'m [Material],
     boundary: &'m [BoundaryCondition],
-    /// V^h, made where it is asked for.
+    /// V^h, made on demand.
     space: OnceCell<Space>,
 }
 
@@ -38,7 +37,7 @@ impl<'m> SideFacts<'m> {
     }
 
     /// √(Kc), c the heat capacity per volume and K the conductivity along the normal, as its mean over the facets of a
-    /// side; none of a side that is not there.
+    /// side, or `None` for a missing side.
     pub fn effusivity(&self, side: &str) -> Option<f64> {
         self.mean(side, |material, map| {
             let conductivity = dot(&map.normal, &material.conductivity.at(&map.position).apply(&map.normal));
@@ -46,15 +45,15 @@ impl<'m> SideFacts<'m> {
         })
     }
 
-    /// Whether the second side of a pair bears the contact points where the case does not say which does, and why. In
-    /// this order, each with some play so that round-off decides nothing:
+    /// True if the second side of a pair bears the contact points when the case does not say which, and the reason. The
+    /// criteria apply in this order, each with a tolerance for round-off:
     ///
-    /// 1. a side of which not every node is held as a whole;
-    /// 2. that of the softer body, whatever the meshes, if there are as many points on it as hold a body from turning,
-    ///    or no more on the other;
-    /// 3. the side that the other faces more of: points that are partly covered are less accurate;
-    /// 4. the one with the finer facets;
-    /// 5. the smaller one; the first.
+    /// 1. the side that is not held at every node;
+    /// 2. the side of the softer body, whatever the meshes, unless too few of its points bear to hold a body from
+    ///    turning and the other side has enough;
+    /// 3. the side of which the other faces more: partly covered points are less accurate;
+    /// 4. the side with the finer facets;
+    /// 5. the smaller side; the first.
     pub fn second_bears(&self, sides: [&str; 2]) -> (bool, &'static str) {
         let decide = |[first, second]: [f64; 2], play: f64| -> Option<bool> {
             if second * play < first {
@@ -91,7 +90,7 @@ impl<'m> SideFacts<'m> {
             .unwrap_or((false, "the sides are alike, and it is named first"))
     }
 
-    /// Whether every node of a side is held in all directions.
+    /// True if every node of a side is held in all directions.
     fn is_held(&self, side: &str) -> bool {
         let space = self.space.get_or_init(|| {
             let prescribed = self.boundary.iter().flat_map(|b| b.prescriptions(self.mesh));
@@ -100,7 +99,7 @@ impl<'m> SideFacts<'m> {
         self.mesh.facets.get(side).is_some_and(|set| set.node_list().into_iter().all(|node| space.is_held(node)))
     }
 
-    /// The largest eigenvalue of 𝓔 at rest in the cells behind a side, Pa, as its mean over the facets.
+    /// The largest eigenvalue of 𝓔 at rest in the cells behind a side, Pa, averaged over the facets.
     fn stiffness(&self, side: &str) -> Option<f64> {
         self.mean(side, |material, map| {
             let tangent = material.elasticity.tangent(&map.position, &Sym::ZERO);
@@ -108,14 +107,14 @@ impl<'m> SideFacts<'m> {
         })
     }
 
-    /// The shares of both sides that the other one faces.
+    /// The fractions of both sides that the other one faces.
     fn covered(&self, sides: [&str; 2]) -> Option<[f64; 2]> {
         let [Some(nonmortar), Some(mortar)] = sides.map(|side| self.mesh.facets.get(side)) else { return None };
         self.mesh.check_nodes().ok()?;
         Some(covered_shares(&self.pair(nonmortar, mortar)))
     }
 
-    /// Whether as many points stand on the first of two sides as hold a body from turning.
+    /// True if the first of two sides has at least as many bearing points as hold a body from turning, d.
     fn holds(&self, sides: [&str; 2]) -> bool {
         let [Some(nonmortar), Some(mortar)] = sides.map(|side| self.mesh.facets.get(side)) else { return true };
         self.mesh.check_nodes().is_err() || bearing_nodes(&self.pair(nonmortar, mortar)) >= self.mesh.dim

@@ -1,14 +1,14 @@
-//! The sides that a case speaks of, before there is a mesh.
+//! The sides named in a case, before there is a mesh.
 
 use super::raw;
 
 /// The sides of a case.
 pub(super) struct SideNames<'c> {
-    /// Those of the contacts.
+    /// The sides of contacts.
     pub contact: Vec<&'c str>,
-    /// Those that conditions, contacts and other sides name.
+    /// The sides named by conditions, contacts and other sides.
     pub used: Vec<&'c str>,
-    /// Those that the case names by their place.
+    /// The sides defined by their place.
     pub named: &'c [raw::Side],
 }
 

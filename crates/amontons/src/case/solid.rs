@@ -1,4 +1,4 @@
-//! `[contact.obstacle]` of a file: its boundary as a surface of facets.
+//! `[contact.obstacle]` from a file: its boundary as a surface of facets.
 
 use super::build::Build;
 use super::path::Path;
@@ -10,7 +10,7 @@ use crate::mesh::defects::defects;
 use crate::mesh::{self, stl};
 use crate::tensor::{Point, Rotation};
 
-/// A solid in a file, with how it is placed.
+/// A solid in a file, with its scale and rotation.
 pub(super) struct FromFile<'r> {
     pub file: &'r str,
     pub scale: f64,
@@ -18,7 +18,7 @@ pub(super) struct FromFile<'r> {
 }
 
 impl Build<'_> {
-    /// The surface of the solid in a file, scaled and turned; none of a faulty one, which is noted.
+    /// The surface of the solid in a file, scaled and rotated, or `None`, with a note, if it has a fault.
     pub(super) fn facets(&mut self, path: &str, from: &FromFile) -> Option<Facets> {
         let (key, name) = (format!("{path}.file"), from.file);
         let bytes = match self.loader.get(&Path::parse(&key).unwrap_or_default(), name) {

@@ -1,4 +1,4 @@
-//! From a case to the levels of a convergence study.
+//! Makes the levels of a convergence study from a case.
 
 use super::fault::Source;
 use super::parse::{Case, parse};
@@ -12,7 +12,7 @@ fn refuse<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T,
 /// The study of a case with overrides.
 ///
 /// # Errors
-/// When the case has faults, or the levels do not fit it.
+/// The case has faults, or the levels do not fit it.
 pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> Result<Study, StudyRequestError> {
     let case = parse(source, overrides)?;
     let mut levels = request.levels.clone();
@@ -51,7 +51,7 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
 /// A case on each of several meshes, given by their cells per side, coarsest first.
 ///
 /// # Errors
-/// When the case has faults, or the levels do not fit it.
+/// The case has faults, or the levels do not fit it.
 pub fn meshes(source: &Source, overrides: &[String], levels: &[usize]) -> Result<Vec<Level>, StudyRequestError> {
     let case = parse(source, overrides)?;
     check_levels(levels)?;

@@ -1,4 +1,4 @@
-//! What the TOML parser says, as faults.
+//! Errors of the TOML parser as faults.
 
 use std::ops::Range;
 
@@ -7,20 +7,21 @@ use super::fault::{CaseFault, FaultPlace, Lines};
 /// An error of the TOML parser: its message and its place.
 pub(super) type SyntaxError = (String, Option<Range<usize>>);
 
-/// What the TOML parser found wrong. It says so in words only, which are read here and nowhere else.
+/// The kind of error found by the TOML parser. The parser reports it in words only, which are interpreted here and
+/// nowhere else.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
-    /// A key given twice, behind which the rest of the text can be read.
+    /// A duplicate key; the rest of the text can be read.
     Duplicate,
-    /// Elements of an array without a comma between them; everything behind is misread.
+    /// Elements of an array without a comma between them; the rest is misread.
     MissingComma,
-    /// A bracket that is not closed, with what was expected; everything behind is misread.
+    /// An unclosed bracket, with the expected one; the rest is misread.
     Unclosed(String),
-    /// A value that is none, or a string without quotes.
+    /// A missing value, or a string without quotes.
     NoValue,
     /// Something that should not be there.
     Superfluous,
-    /// Any other, with what was expected.
+    /// Any other error, with the expected text.
     Other(String),
 }
 
@@ -41,13 +42,13 @@ impl Kind {
     }
 }
 
-/// The faults of a text, and whether all of them are keys given twice, so that the rest of the text can be read.
+/// The faults of a text, and true if all of them are duplicate keys, so that the rest of the text can be read.
 pub(super) struct SyntaxFaults {
     pub faults: Vec<CaseFault>,
     pub only_duplicates: bool,
 }
 
-/// One fault a line: further errors of a line are mostly consequences of the first.
+/// One fault per line: further errors of a line are mostly consequences of the first.
 pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> SyntaxFaults {
     errors.sort_by_key(|(_, span)| span.as_ref().map_or(0, |s| s.start));
     let mut faults: Vec<(usize, CaseFault)> = Vec::new();
@@ -83,7 +84,7 @@ fn fault(text: &str, message: &str, kind: &Kind, span: Range<usize>, place: Faul
     CaseFault { place, path: String::new(), found, expected, hint }
 }
 
-/// What stands at a span, or right behind it if it is empty, and whether that is the end of the file or of a line.
+/// The text at a span, or right after it if it is empty, and true if that is the end of the file or of a line.
 fn excerpt(text: &str, span: Range<usize>) -> (String, bool) {
     const LONGEST: usize = 30;
     let start = span.start;
@@ -101,7 +102,7 @@ fn excerpt(text: &str, span: Range<usize>) -> (String, bool) {
 mod tests {
     use super::*;
 
-    /// The words of the parser, which has no other way to say what is wrong.
+    /// The words of the parser are known; it gives no other information.
     #[test]
     fn the_words_of_the_parser_are_known() {
         let kinds = |text: &str| -> Vec<Kind> {

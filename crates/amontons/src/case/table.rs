@@ -3,7 +3,7 @@
 use super::nearest::nearest;
 use super::raw::Column;
 
-/// Why a file gives no times and values: the key of the case that it is about, and what to say.
+/// The reason why a file gives no times and values: the key of the case concerned, and the message.
 #[derive(Debug, PartialEq)]
 pub(super) struct Refusal {
     pub key: &'static str,
@@ -21,13 +21,13 @@ fn refuse<T>(
     Err(Refusal { key, found, expected: expected.into(), hint })
 }
 
-/// Two columns of the file `name`: times, which increase, and values.
+/// Two columns of the file `name`: increasing times, and values.
 ///
-/// Values are separated by the first of `,` `;` and tab that the first line has, else by blanks. The first line is a
-/// header unless it holds numbers only. Empty lines and those that begin with `#` are passed over.
+/// Values are separated by the first of `,` `;` and tab in the first line, else by blanks. The first line is a header
+/// unless it holds numbers only. Empty lines and lines that begin with `#` are skipped.
 ///
 /// # Errors
-/// With the line of the file, what was found there and what was expected.
+/// The line of the file, the text found there and the expected one.
 pub(super) fn read(
     name: &str,
     bytes: &[u8],
@@ -118,7 +118,7 @@ fn entry(field: &str, place: &str, title: impl Fn() -> String) -> Result<f64, Re
     }
 }
 
-/// The index of a column that is given by its header or its number.
+/// The index of a column given by header or number.
 fn find(
     name: &str,
     key: &'static str,
@@ -151,7 +151,7 @@ fn find(
     if (1..=count).contains(&number) {
         return Ok(number - 1);
     }
-    // A column that is not named in the case is about the file.
+    // A fault of a default column concerns the file.
     let key = if column.is_some() { key } else { "table" };
     refuse(key, format!("{count} columns in {name}"), format!("at least {number}"), None)
 }

@@ -1,4 +1,4 @@
-//! The file of a case.
+//! Reads the file of a case.
 
 use std::fs;
 use std::io;
@@ -7,13 +7,13 @@ use std::path::Path;
 use super::nearest::nearest;
 use crate::machine;
 
-/// Longest case file in bytes: far above any real one, far below what memory holds.
+/// Longest case file in bytes: far above real ones, far below the memory.
 const LONGEST: u64 = 16 << 20;
 
 /// Reads a case file.
 ///
 /// # Errors
-/// When the file is not there, not a file, too long or not UTF-8; the message says what to try.
+/// The file is missing, not a file, too long or not UTF-8. The message contains a hint.
 pub(super) fn text(path: &Path) -> io::Result<String> {
     let bytes = machine::read(path, LONGEST).map_err(|error| explain(path, error))?;
     String::from_utf8(bytes).map_err(|error| {
@@ -25,7 +25,7 @@ pub(super) fn text(path: &Path) -> io::Result<String> {
     })
 }
 
-/// The same error with what was expected, and for a missing file the name of one that is there.
+/// The error with the expected file, and for a missing file a similar name.
 fn explain(path: &Path, error: io::Error) -> io::Error {
     match error.kind() {
         io::ErrorKind::NotFound => {
@@ -44,7 +44,7 @@ fn explain(path: &Path, error: io::Error) -> io::Error {
     }
 }
 
-/// A file of the folder that goes by a similar name, as it would be given.
+/// A file in the folder with a similar name, written as in the argument.
 fn similar(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
@@ -53,7 +53,7 @@ fn similar(path: &Path) -> Option<String> {
     names.sort();
     let names: Vec<&str> =
         names.iter().map(String::as_str).filter(|n| Path::new(n).extension().is_some_and(|e| e == "toml")).collect();
-    // Endings are alike by custom, so it is the stems that are compared.
+    // Only stems are compared, because the ending is the same by custom.
     let stem = |name: &str| Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or_default().to_owned();
     let stems: Vec<String> = names.iter().map(|n| stem(n)).collect();
     let stems: Vec<&str> = stems.iter().map(String::as_str).collect();

@@ -1,4 +1,4 @@
-//! The `[verify]` block: what makes a case a benchmark.
+//! The `[verify]` block: reference values that make a case a benchmark.
 
 use std::collections::BTreeMap;
 
@@ -6,25 +6,25 @@ use super::request::StudyRequest;
 use crate::convergence::Row;
 use crate::output::Probe;
 
-/// What makes a case a benchmark.
+/// The reference values of a benchmark.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verify {
-    /// What is shown, in one line.
+    /// The claim of the benchmark, in one line.
     pub title: String,
-    /// Where the reference values come from.
+    /// Source of the reference values.
     pub source: String,
     /// The values to compare.
     pub checks: Vec<Check>,
 }
 
-/// A reference value with the deviation that is allowed.
+/// A reference value with the allowed deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// Reference value.
     pub reference: f64,
     /// Allowed deviation relative to `scale`.
     pub tolerance: f64,
-    /// Magnitude that the deviation is relative to: that of the reference where the case gives none.
+    /// Magnitude to which the deviation is relative: by default the reference.
     pub scale: f64,
 }
 
@@ -37,18 +37,18 @@ pub enum Check {
         probe: Probe,
         /// The time in s.
         time: f64,
-        /// What it must be.
+        /// The reference value.
         is: Comparison,
     },
     /// A column of the history.
     History {
         /// The column.
         column: String,
-        /// The time in s; none for an extreme or the last.
+        /// The time in s, or `None` for an extreme or the last value.
         time: Option<f64>,
-        /// Which value where no time is given.
+        /// Value taken if no time is given.
         take: Take,
-        /// What it must be.
+        /// The reference value.
         is: Comparison,
     },
     /// The order of an error against the exact solution.
@@ -57,20 +57,20 @@ pub enum Check {
         study: StudyRequest,
         /// The error.
         error: ErrorName,
-        /// What the order must be; the scale is 1.
+        /// The reference order; the scale is 1.
         is: Comparison,
     },
     /// An error against the exact solution on the mesh of the case.
     Error {
         /// The error.
         error: ErrorName,
-        /// What it must be.
+        /// The reference value.
         is: Comparison,
     },
 }
 
 impl Check {
-    /// What the value must be.
+    /// The reference value with its tolerance.
     #[must_use]
     pub fn comparison(&self) -> &Comparison {
         let (Check::Probe { is, .. } | Check::History { is, .. } | Check::Order { is, .. } | Check::Error { is, .. }) =
@@ -79,7 +79,7 @@ impl Check {
     }
 }
 
-/// Which value of a column is taken.
+/// The value taken from a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Take {
     /// The last.
@@ -131,7 +131,7 @@ impl ErrorName {
     }
 }
 
-/// Values that a run of a case must give.
+/// Values that a run of a case must reproduce.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// Allowed deviation, relative to the largest magnitude in the value.

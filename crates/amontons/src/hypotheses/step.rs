@@ -462,7 +462,9 @@ pub(super) fn time_step(
 ) -> Finding {
     let id = FindingId::TimeStep;
     match unique {
-        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => enough(problem, problem.timeline.steps() as f64),
+        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => {
+            enough(problem, problem.timeline.steps() as f64)
+        }
         // Without numbers it repeats the statement of `prepare`.
         Some(told @ Finding { status: FindingStatus::Holds, .. }) => Finding { id, ..told.clone() },
         _ => prepare(problem, &forms(), id)

@@ -1,4 +1,4 @@
-//! All that acts on a side, an edge or points: what is prescribed there, given loads, supports and contact.
+//! Everything that acts on a side, an edge or points: prescribed values, given loads, supports and contact.
 
 use super::Snapshot;
 use super::reaction::{Arms, Held};
@@ -10,7 +10,7 @@ use crate::problem::ProblemData;
 use crate::scheme::StepReport;
 use crate::tensor::Point;
 
-/// What acts on a set of facets, with the point about which its moment is taken; none for the force.
+/// Everything that acts on a set of facets. `about` is the reference point of the moment, or `None` for the force.
 #[derive(Debug)]
 pub(super) struct Borne {
     held: Held,
@@ -18,7 +18,7 @@ pub(super) struct Borne {
     load: Load,
     springs: Option<BlockMatrix>,
     dashpots: Option<BlockMatrix>,
-    /// The contacts that have a side with a facet of the set, by their numbers, and whether that side bears the points.
+    /// Numbers of the contacts with a facet of the set, each with true if its side there bears the contact points.
     contacts: Vec<(usize, bool)>,
     /// The nodes of the set, ascending.
     nodes: Vec<u32>,
@@ -44,7 +44,7 @@ impl Borne {
         }
     }
 
-    /// The force in N or the moment in N m, per unit of thickness in two dimensions; at t = 0 it is not a number.
+    /// The force in N or the moment in N m, per unit of thickness in two dimensions; NaN at t = 0.
     pub(super) fn value(&self, now: &Snapshot) -> Point {
         let Some(report) = now.report else { return [f64::NAN; 3] };
         let (mesh, state) = (&now.problem.mesh, now.state);
@@ -63,7 +63,7 @@ impl Borne {
         sum
     }
 
-    /// Adds what contact, and a fluid in it, exert at the nodes of the set.
+    /// Adds the forces of contact, and of a fluid in it, at the nodes of the set.
     fn add_contact(&self, now: &Snapshot, report: &StepReport, forces: &mut [f64]) {
         let (state, n) = (now.state, now.problem.mesh.dim);
         let boundary = report.contact.boundary.as_deref().unwrap_or(now.discretization.boundary.as_ref());

@@ -1,4 +1,4 @@
-//! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
+//! Values in the cells computed from a state: strains, stresses, heat fluxes, and the norm of V.
 
 use super::fit::{Fit, exponents};
 use crate::arrays::all_at_once;
@@ -15,10 +15,10 @@ use crate::tensor::{Point, Sym, safe_scale};
 /// Strain, stress and heat flux of a body at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointValues {
-    /// ε(u), with the mean dilatation of the cell where the problem has it so; zero in directions that the body lacks,
-    /// and the hoop strain 33 of a body of revolution.
+    /// ε(u), with the mean dilatation of the cell if the problem uses it. Zero in directions that the body lacks; in a
+    /// body of revolution 33 is the hoop strain.
     pub strain: Sym,
-    /// Total stress σ of (2.1), Pa: with σ₃₃ in plane strain, and the hoop stress 33 of a body of revolution.
+    /// Total stress σ of (2.1), Pa, with σ₃₃ in plane strain; in a body of revolution 33 is the hoop stress.
     pub stress: Sym,
     /// q = −𝓚∇θ of (2.2), W/m².
     pub heat_flux: Point,
@@ -39,15 +39,15 @@ impl PointValues {
 #[derive(Debug)]
 pub(super) struct Tables {
     pub points: Vec<ShapeTable>,
-    /// By block the points of the means of the dilatation, where it is taken so.
+    /// Per block, quadrature points of the mean dilatation, or `None` if the dilatation is evaluated at each point.
     means: Vec<Option<ShapeTable>>,
-    /// By block and point the weights of the points of the cell at which strains of springs are kept; empty where none
-    /// are. They are those of a linear function fitted to their values.
+    /// Per block and point, weights of the stored strains of springs: those of a linear function fitted to the points
+    /// of the cell. Empty if no strains are stored.
     fits: Vec<Vec<Vec<f64>>>,
 }
 
 impl Tables {
-    /// The points that `rule` gives for the element of a block.
+    /// Tables of the points that `rule` gives for the element of each block.
     pub fn new(problem: &Problem, rule: impl Fn(&Element) -> Rule) -> Tables {
         let mesh = &problem.mesh;
         let points = mesh.blocks.iter().map(|block| ShapeTable::of_rule(block.element, rule(block.element))).collect();
@@ -77,28 +77,28 @@ pub(super) struct Evaluator<'a> {
     problem: &'a Problem,
     state: &'a State,
     material: Option<&'a Material>,
-    /// Whether the cells move as one rigid body: what their displacements give as strain is round-off.
+    /// True if the cells move as one rigid body: then their computed strain is round-off.
     is_rigid: bool,
     /// 𝓖 of each branch of the material that relaxes, with its state.
     branches: Vec<(&'a Branch, &'a [f64])>,
-    /// Nodes of the cells of the block, with their number a cell.
+    /// Nodes of the cells of the block, and the number of nodes per cell.
     nodes: (&'a [u32], usize),
-    /// The points at which strains of springs are kept, the number of the first of the block, and their weights by
+    /// Points at which strains of springs are stored, the number of the first one of the block, and their weights per
     /// point of the table.
     kept: StrainPoints<'a>,
     first: usize,
     fits: &'a [Vec<f64>],
     map: CellMap<'a>,
-    /// The points of the means of the dilatation, with their weights.
+    /// Quadrature points of the mean dilatation, with their weights.
     mean: Option<(CellMap<'a>, &'a [f64])>,
 }
 
 impl<'a> Evaluator<'a> {
-    /// For the cells of block number `block`, which is one of the mesh.
+    /// An evaluator for the cells of block number `block` of the mesh.
     pub fn new(problem: &'a Problem, state: &'a State, tables: &'a Tables, block: usize) -> Evaluator<'a> {
         let mesh = &problem.mesh;
         let material = problem.material_of(mesh.blocks[block].region);
-        // Strains that are kept are read, not computed.
+        // Stored strains are read, not computed.
         let kept = StrainPoints { mesh, dilatation: &[] };
         let points_of =
             |block: &Block| block.len() * tables.fits.first().map_or(0, |_| kept.table(block.element).len());
@@ -121,8 +121,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// At point `q` of the table in a cell of the block: strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖e − θ𝓜 with the strains
-    /// e of the branches that relax, heat flux.
+    /// Strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖e − θ𝓜 and heat flux at point `q` of the table in a cell of the block; e
+    /// is the strain of a relaxing branch.
     pub fn at(&mut self, number: usize, q: usize) -> PointValues {
         let (nodes, n) = self.nodes;
         let cell = &nodes[number * n..(number + 1) * n];
@@ -155,7 +155,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// The strain of a spring from those that are kept at the points of a cell.
+    /// The strain of a spring at point `q`, from the strains stored at the points of the cell.
     fn fitted(&self, number: usize, q: usize, state: &[f64]) -> Sym {
         let weights = &self.fits[q];
         let first = self.first + number * weights.len();
@@ -163,7 +163,7 @@ impl<'a> Evaluator<'a> {
         kept.fold(Sym::ZERO, |sum, term| sum + term)
     }
 
-    /// The strain of a field that the forms see.
+    /// The strain of a field as the forms evaluate it.
     fn strain(&mut self, cell: &[u32], v: &[f64]) -> Sym {
         if self.is_rigid {
             return Sym::ZERO;
@@ -177,8 +177,8 @@ impl<'a> Evaluator<'a> {
         strain
     }
 
-    /// What the pressure of θ𝓜 at the point has beyond its mean over the cell: where the forms see the mean dilatation,
-    /// it does no work.
+    /// Deviation of the pressure of θ𝓜 at the point from its mean over the cell. With the mean dilatation in the forms
+    /// it does no work; otherwise zero.
     fn thermal_stress_beyond_mean(&mut self, cell: &[u32], material: &Material, theta: f64) -> Sym {
         if self.mean.is_none() {
             return Sym::ZERO;
@@ -198,7 +198,7 @@ impl<'a> Evaluator<'a> {
         beyond(&within) / d as f64 * within + beyond(&across) * across
     }
 
-    /// The mean over a cell of what a function gives at its points, where the cell takes the mean dilatation.
+    /// The mean of a function over a cell, or `None` if the cell does not use the mean dilatation.
     fn mean_of(&mut self, cell: &[u32], value: impl Fn(&CellMap) -> f64) -> Option<f64> {
         let (map, weights) = self.mean.as_mut()?;
         let (mut sum, mut volume) = (0.0, 0.0);
@@ -211,8 +211,8 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// The branches of a material with their state, which are kept in the order of [`crate::discretization`]: by time, then
-/// those whose time varies.
+/// The branches of a material with their states, which are stored in the order of [`crate::discretization`]: by
+/// relaxation time, then branches whose time varies.
 fn branches<'a>(problem: &Problem, material: &'a Material, state: &'a State) -> Vec<(&'a Branch, &'a [f64])> {
     let (times, mut varying) = (problem.relaxation_times(), 0);
     let mut number = |branch: &Branch| {
@@ -259,7 +259,7 @@ pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
     sum.sqrt() / scale
 }
 
-/// The largest principal value of ε(v) in magnitude over the points of the rule for strains, and where it is.
+/// The largest magnitude of a principal value of ε(v) over the quadrature points of strains, and its position.
 #[must_use]
 pub fn largest_strain(mesh: &Mesh, v: &[f64]) -> (f64, Point) {
     let mut worst = (0.0, [0.0; 3]);

@@ -1,16 +1,16 @@
-//! Checkpoints: all that a run needs to go on, to the last bit.
+//! Checkpoints: everything that a run needs to continue with the same bits.
 //!
-//! `checkpoint/state.bin` is the newest one, `checkpoint/previous.bin` the one before, for the case that the newest is
-//! damaged. Each consists of
+//! `checkpoint/state.bin` is the newest one, `checkpoint/previous.bin` the one before, in case the newest is damaged.
+//! Each consists of
 //!
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
 //! | 4 | version of the format, little-endian, in `VERSION` |
-//! | 32 | SHA-256 of what the state depends on, [`Identity`] |
+//! | 32 | SHA-256 of the data that the state depends on, [`Identity`] |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
-//! | 32 | SHA-256 of all that stands before |
+//! | 32 | SHA-256 of all bytes before |
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -31,34 +31,34 @@ use crate::scheme::{
 };
 use crate::tensor::Point;
 
-/// Where the newest checkpoint is in a results folder, and the one before.
+/// Paths of the newest checkpoint in a results folder, and of the one before.
 pub(super) const FILE: &str = "checkpoint/state.bin";
 pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
-/// Where one is written before it becomes the newest.
+/// Path at which a checkpoint is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
 const VERSION: u32 = 17;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
-/// A state to go on from, with the report of the step that led to it.
+/// A state from which a run can continue, with the report of the step that led to it.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
     /// The state.
     pub state: State,
-    /// How the step that led here went; none at t = 0.
+    /// Report of the step that led to the state, or `None` at t = 0.
     pub report: Option<StepReport>,
     /// Work done up to here.
     pub work: Work,
-    /// What the run has to factorize again.
+    /// The factors that the run has to make again.
     pub kept: Kept,
     /// Step length k of the run, s.
     pub k: f64,
-    /// Why the checkpoint is not the newest of its folder, if it is the one before.
+    /// Reason why it is the previous checkpoint of its folder, or `None` if it is the newest.
     pub fallback: Option<String>,
 }
 
-/// Why a run cannot go on from a checkpoint.
+/// The reasons why a run cannot continue from a checkpoint.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// The file cannot be read.
@@ -66,7 +66,7 @@ pub enum CheckpointError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What went wrong.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// The file is not a whole checkpoint.
@@ -74,9 +74,9 @@ pub enum CheckpointError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What was found.
+        /// The part that is wrong.
         found: String,
-        /// What was expected.
+        /// The expected value.
         expected: String,
     },
     /// The file has a format of another version of the program.
@@ -108,7 +108,7 @@ pub enum CheckpointError {
         /// Step length of the problem, s.
         expected: f64,
     },
-    /// There is no checkpoint, and the run has made steps.
+    /// There is no checkpoint although the run has made steps.
     #[error("{} has no checkpoint but results of steps; start the run anew with --force", path.display())]
     Missing {
         /// The folder.
@@ -117,7 +117,7 @@ pub enum CheckpointError {
     /// The state does not belong to the problem.
     #[error("the checkpoint has {found} {what}, expected {expected}; its mesh is another")]
     Shape {
-        /// What was counted.
+        /// Name of the quantity that was counted.
         what: &'static str,
         /// Number in the checkpoint.
         found: usize,
@@ -322,12 +322,12 @@ impl Body {
 }
 
 impl Checkpoint {
-    /// Reads the newest checkpoint of a results folder, or the one before where the newest is damaged; none where the
-    /// run has not come to its first one.
+    /// Reads the newest checkpoint of a results folder, or the one before if the newest is damaged. `None` if the run
+    /// has not written its first one.
     ///
     /// # Errors
-    /// When there are only damaged ones, when they are of another format or of another case, and when there is none
-    /// although the run has made steps.
+    /// All checkpoints are damaged, have another format or belong to another case, or there is none although the run
+    /// has made steps.
     pub fn read(folder: &Path, case: &Identity) -> Result<Option<Checkpoint>, CheckpointError> {
         let one = |name: &str| {
             let path = folder.join(name);
@@ -349,16 +349,16 @@ impl Checkpoint {
                 if rows.lines().count() > 1 {
                     return Err(CheckpointError::Missing { path: folder.to_owned() });
                 }
-                // That there is no such folder is told by who needs it.
+                // A missing folder is reported by the caller that needs it.
                 Ok(None)
             }
             Err(_) => Err(newest),
         }
     }
 
-    /// Whether the checkpoint is one of a problem with this discretization.
+    /// Checks that the checkpoint fits a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
-        // Lengths that are quotients of other numbers may differ in their last bits.
+        // Lengths computed as quotients may differ in their last bits.
         if !problem.timeline.has_length(self.k) {
             return Err(CheckpointError::StepLength { found: self.k, expected: problem.timeline.longest() });
         }
@@ -409,7 +409,7 @@ impl Checkpoint {
     }
 }
 
-/// Writes a checkpoint into a results folder. If `keeps` is true the newest one there becomes the one before.
+/// Writes a checkpoint into a results folder. If `keeps` is true, the newest one there becomes the previous one.
 pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
     let path = folder.join(FILE);
     let body = postcard::to_stdvec(&Body::new(case, now))
@@ -417,7 +417,7 @@ pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool)
     let bytes = seal(&case.hash(), &body);
     let newer = folder.join(NEWER);
     write_atomically(&newer, |out| out.write_all(&bytes))?;
-    // A crash between the two leaves the one before, which is then read.
+    // A crash between the two moves leaves the previous checkpoint, which is then read.
     if keeps {
         move_file(&path, &folder.join(PREVIOUS))?;
     }
@@ -425,13 +425,13 @@ pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool)
     sync_folder(path.parent()).map_err(OutputError::io("write", &path))
 }
 
-/// The files of the checkpoints as they stand.
+/// The files of the checkpoints as they are on the disk.
 pub(super) fn written(folder: &Path) -> Vec<(&'static str, Written)> {
     let of = |name: &'static str| Some((name, Written::read(&folder.join(name)).ok()?));
     [FILE, PREVIOUS].into_iter().filter_map(of).collect()
 }
 
-/// Whether the newest checkpoint of a folder is undamaged.
+/// True if the newest checkpoint of a folder is undamaged.
 pub(super) fn is_whole(folder: &Path) -> bool {
     let path = folder.join(FILE);
     machine::read(&path, LONGEST).is_ok_and(|bytes| unseal(&path, &bytes).is_ok())
@@ -450,7 +450,7 @@ fn seal(case: &[u8; HASH], body: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// States of a level of a study, to be found again for a case of the same fingerprint.
+/// Writes the states of one level of a study. A case with the same fingerprint finds them again.
 pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<(), OutputError> {
     let bodies: Vec<Body> = states.iter().map(Body::of_state).collect();
     let body = postcard::to_stdvec(&bodies)
@@ -459,7 +459,7 @@ pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<
     write_atomically(path, |out| out.write_all(&bytes)).map(|_| ())
 }
 
-/// States that [`write_states`] wrote for a case of this fingerprint.
+/// Reads the states that [`write_states`] wrote for a case with this fingerprint.
 pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, CheckpointError> {
     let bytes =
         machine::read(path, LONGEST).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
@@ -474,7 +474,7 @@ pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, Checkpo
     Ok(bodies.into_iter().map(|body| body.into_checkpoint().state).collect())
 }
 
-/// A checkpoint of a case of this identity.
+/// The checkpoint in `bytes`, which must belong to a case of this identity.
 fn of_case(path: &Path, bytes: &[u8], case: &Identity) -> Result<Checkpoint, CheckpointError> {
     let (hash, body) = unseal(path, bytes)?;
     let body: Body = decode(path, body)?;
@@ -493,7 +493,7 @@ fn decode<T: serde::de::DeserializeOwned>(path: &Path, body: &[u8]) -> Result<T,
     })
 }
 
-/// The hash of the case and the body of a file whose header and checksum are right.
+/// The hash of the case and the body of a file, after a check of header and checksum.
 fn unseal<'b>(path: &Path, bytes: &'b [u8]) -> Result<(&'b [u8; HASH], &'b [u8]), CheckpointError> {
     let damaged = |found: String, expected: String| CheckpointError::Damaged { path: path.to_owned(), found, expected };
     let too_short = || damaged(format!("{} bytes", bytes.len()), "the whole file".to_owned());

@@ -1,4 +1,4 @@
-//! The columns of `history.csv` and `contact.csv`: name, what it measures and value of each, in one place.
+//! The columns of `history.csv` and `contact.csv`: name, measured quantity and value of each, in one place.
 //!
 //! Writers, readers, pictures and the guide take names and units from here.
 
@@ -14,11 +14,11 @@ use crate::units::Measure;
 /// Names of the coordinate directions.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// What a row of a table is made of.
+/// A kind of table: the data from which its rows are made.
 pub trait Rows {
     /// A row, borrowed from a run.
     type Row<'a>;
-    /// Where the values of its columns live, but for those that are a maximum.
+    /// Location of the values of its columns, except maxima.
     const LIVES: Lives;
 }
 
@@ -42,19 +42,19 @@ impl Rows for OnContact {
 pub struct Column<T: Rows> {
     /// Its name; the columns of a vector add `_x`, `_y`, `_z`.
     pub name: &'static str,
-    /// What it measures; none of words.
+    /// The quantity that it measures, or `None` for text.
     pub measure: Option<Measure>,
     lives: Lives,
     value: Value<T>,
 }
 
-/// How the value of a column is taken from a row.
+/// Function that takes the value of a column from a row.
 enum Value<T: Rows> {
     Number(fn(&T::Row<'_>) -> f64),
     Vector(fn(&T::Row<'_>) -> Point),
-    /// A vector on Γ_C, which may have components across the space of the body.
+    /// A vector on Γ_C, which may have a component out of the plane of the body.
     OnContact(fn(&T::Row<'_>) -> Point),
-    /// A number that some runs do not have.
+    /// A number that is absent in some runs.
     Optional(fn(&T::Row<'_>) -> Option<f64>),
     Text(fn(&T::Row<'_>) -> String),
 }
@@ -64,7 +64,7 @@ impl<T: Rows> Column<T> {
         Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Number(value) }
     }
 
-    /// The largest value of the contact points.
+    /// A column with the maximum over the contact points.
     const fn largest(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> f64) -> Column<T> {
         Column { name, measure: Some(measure), lives: Lives::Point, value: Value::Number(value) }
     }
@@ -92,7 +92,7 @@ impl<T: Rows> Column<T> {
         if self.name.is_empty() { axis.to_owned() } else { format!("{}_{axis}", self.name) }
     }
 
-    /// Its names with what they measure; vectors have so many components, and on Γ_C so many.
+    /// Its names and measured quantities, with `dim` components for vectors and `on_contact` for vectors on Γ_C.
     fn named(&self, [dim, on_contact]: [usize; 2]) -> Vec<(String, Option<Measure>)> {
         let names = match self.value {
             Value::Vector(_) => (0..dim).map(|c| self.component(c)).collect(),
@@ -102,14 +102,14 @@ impl<T: Rows> Column<T> {
         names.into_iter().map(|name| (name, self.measure)).collect()
     }
 
-    /// Its names with what they measure and where they live.
+    /// Its names with measured quantity and location, for a body in space.
     fn shown(&self, table: Table) -> Vec<Shown> {
         let shown = |(name, measure)| Shown::new(table, name, measure, self.lives);
         self.named([3, 3]).into_iter().map(shown).collect()
     }
 
-    /// The side that a column of this name belongs to: `left` of `foundation_temperature@left`, and no word of the
-    /// column of an only contact.
+    /// The contact that a column of this name belongs to: `left` for `foundation_temperature@left`, "" for the only
+    /// contact, or `None` for a name of another column.
     #[must_use]
     pub fn side_of<'a>(&self, name: &'a str) -> Option<&'a str> {
         match name.strip_prefix(self.name)? {
@@ -119,7 +119,7 @@ impl<T: Rows> Column<T> {
     }
 }
 
-/// A step with its contact, or with that of one side: what a row of `history.csv` is made of.
+/// Data of a row of `history.csv`: a step with its contact, of all sides or of one.
 pub struct StepRow<'a> {
     ledger: &'a Ledger,
     report: &'a StepReport,
@@ -181,7 +181,7 @@ columns! { History:
     HEAT_COUPLING = number("heat_coupling", Measure::Energy, |row| row.ledger.heat_coupling);
     HEAT_CLOSING_ERROR = number("heat_closing_error", Measure::Energy, |row| row.ledger.heat_closing_error);
     PASSES = number("passes", Measure::Number, |row| row.report.coupling.passes as f64);
-    // No contraction factor is 0, so that every row has a number in every column.
+    // A missing contraction factor is written as 0, so that every row has a number in every column.
     CONTRACTION = number("contraction", Measure::Number, |row| row.report.coupling.contraction.unwrap_or_default().mean);
     CONTACT_AREA = number("contact_area", Measure::Area, |row| row.contact.area);
     WEAR_MAX = largest("wear_max", Measure::Length, |row| row.contact.wear_max);
@@ -201,7 +201,7 @@ columns! { History:
     PRESSURE_MAX = largest("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
 }
 
-/// The columns of `history.csv` in their order, but for those of each contact.
+/// The columns of `history.csv` in their order, except those of each contact.
 const OF_STEP: &[&Column<History>] = &[
     &STEP,
     &TIME,
@@ -241,10 +241,10 @@ const OF_STEP: &[&Column<History>] = &[
     &MODULUS_WORK,
 ];
 
-/// Those of pairs of bodies, after them: the first of all pairs, the others of an only contact.
+/// Columns of pairs of bodies, after them: the first for any number of contacts, the others for a single contact.
 const OF_PAIRS: &[&Column<History>] = &[&HEAT_PAIRS, &HEAT_FLOW, &PRESSURE_MAX];
 
-/// Those of each contact where there are several, after its [`FOUNDATION_TEMPERATURE`].
+/// Columns of each of several contacts, after its [`FOUNDATION_TEMPERATURE`].
 const OF_SIDE: &[&Column<History>] = &[
     &CONTACT_FORCE,
     &CONTACT_CENTER,
@@ -266,15 +266,15 @@ fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<Histor
     OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(turning(problem))
 }
 
-/// The moment of bodies of revolution whose foundation turns about the axis, and that about the origin of bodies in
-/// space with contact.
+/// The moment column: about the axis for a body of revolution with a turning foundation, about the origin for a body in
+/// space with contact, `None` otherwise.
 fn turning(problem: &ProblemData) -> Option<&'static Column<History>> {
     let in_space = problem.mesh.dim == 3 && !problem.contacts.is_empty();
     problem.turns().then_some(&CONTACT_MOMENT).or_else(|| in_space.then_some(&CONTACT_MOMENTS))
 }
 
-/// The columns of a contact: the temperature of a foundation that warms up, how far an obstacle under a load has moved,
-/// and the others where there are several contacts.
+/// The columns of a contact: temperature of a foundation that warms up, displacement of an obstacle under a load, and
+/// all others if there are several contacts.
 fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static Column<History>> + use<> {
     let warms_up = problem.contacts.get(side).is_some_and(|contact| contact.foundation_heat.is_some());
     let several = problem.contacts.len() > 1;
@@ -285,8 +285,8 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
     foundation.into_iter().chain(moved).chain(if several { OF_SIDE } else { &[] }.iter().copied()).chain(turning)
 }
 
-/// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own,
-/// ending with `@` and its name, that of its side if it has none.
+/// Names of the columns of `history.csv` with the quantities they measure. Each of several contacts has its own
+/// columns, ending with `@` and its name, or the name of its side if it has none.
 #[must_use]
 pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
     let n = [problem.mesh.dim, problem.components_of_force()];
@@ -305,7 +305,7 @@ pub fn history_columns(problem: &ProblemData) -> Vec<String> {
     history_measures(problem).into_iter().map(|(name, _)| name).collect()
 }
 
-/// The row of a step, in the order of [`history_columns`]; none at t = 0.
+/// The row of a step, in the order of [`history_columns`], or `None` at t = 0.
 #[must_use]
 pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     let report = now.report?;
@@ -334,7 +334,7 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// A contact point after a step: what a row of `contact.csv` is made of.
+/// Data of a row of `contact.csv`: a contact point after a step.
 pub struct PointRow<'a> {
     now: &'a Snapshot<'a>,
     number: usize,
@@ -344,12 +344,12 @@ pub struct PointRow<'a> {
     opposite: f64,
     flux: f64,
     weight: f64,
-    /// What the points of its contact are called.
+    /// Name of the contact in the rows of its points.
     called: &'a str,
 }
 
 impl PointRow<'_> {
-    /// The node with nodal quadrature; otherwise the contact points are counted from 0.
+    /// The number of the node with nodal quadrature, else the number of the contact point, from 0.
     fn node(&self) -> usize {
         let nodal =
             self.now.problem.contacts.get(self.point.contact).is_some_and(|c| c.quadrature == Quadrature::Nodal);
@@ -359,12 +359,12 @@ impl PointRow<'_> {
             .map_or(self.number, |&node| node as usize)
     }
 
-    /// Without heat nothing flows, and what a body faces has no temperature.
+    /// `None` without heat: then there is no heat flux and no opposite temperature.
     fn of_heat(&self, value: f64) -> Option<f64> {
         self.now.problem.physics.has_heat().then_some(value)
     }
 
-    /// Whether no facet of the other side covers this point of a pair.
+    /// True if no facet of the other side covers this point of a pair.
     fn faces_nothing(&self) -> bool {
         let is_pair = self.now.problem.contacts.get(self.point.contact).is_some_and(|contact| contact.pair.is_some());
         is_pair && self.point.nodes.len() == self.point.own
@@ -416,7 +416,7 @@ const OF_POINT: &[&Column<OnContact>] = &[
     &OPPOSITE_TEMPERATURE,
 ];
 
-/// Names of the columns of `contact.csv` with what they measure; none of words.
+/// Names of the columns of `contact.csv` with the quantities they measure, `None` for text.
 #[must_use]
 pub fn contact_measures(problem: &ProblemData) -> Vec<(String, Option<Measure>)> {
     let n = [problem.mesh.dim, problem.components_on_contact()];
@@ -426,9 +426,9 @@ pub fn contact_measures(problem: &ProblemData) -> Vec<(String, Option<Measure>)>
 /// The values of a column of `contact.csv`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ContactValues {
-    /// Numbers; not a number where a run does not have them.
+    /// Numbers; NaN for values that a run does not have.
     Numbers(Vec<f64>),
-    /// Words.
+    /// Text.
     Words(Vec<String>),
 }
 
@@ -451,7 +451,7 @@ pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
     contact_measures(now.problem).into_iter().map(|(name, _)| name).zip(OF_POINT.iter().flat_map(values)).collect()
 }
 
-/// The contact points after a step, with what those of each contact are called; none at t = 0.
+/// The contact points after a step, with the name of the contact in `called`; empty at t = 0.
 fn points<'a>(now: &'a Snapshot<'a>, called: &'a [String]) -> Vec<PointRow<'a>> {
     let Some(report) = now.report else { return Vec::new() };
     let contact = &report.contact;
@@ -481,20 +481,20 @@ pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
     points(now, &names_of_points(&now.problem.contacts)).iter().map(line).collect()
 }
 
-/// A name as a field of a table: in quotes where it has a comma, a quote or a line end, behind an apostrophe where a
-/// spreadsheet would take it for a formula.
+/// A name as a field of a table: quoted if it contains a comma, a quote or a line end, preceded by an apostrophe if a
+/// spreadsheet would read it as a formula.
 fn quoted(name: &str) -> String {
     let is_formula = name.starts_with(['=', '+', '-', '@', '\t']);
     let name = if is_formula { format!("'{name}") } else { name.to_owned() };
     if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }
 
-/// The name of a side in the header of a table, which is read up to the next comma.
+/// The name of a side in the header of a table, with commas and quotes replaced.
 pub(crate) fn in_header(name: &str) -> String {
     name.replace(|c: char| c.is_control() || matches!(c, ',' | '"'), "_")
 }
 
-/// Every column that `history.csv` can have, in space; those of sides without the name of the side.
+/// Every column that `history.csv` can have, in space; columns of contacts come without `@` and name.
 pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
     let mut all: Vec<&Column<History>> = OF_STEP.iter().chain(OF_PAIRS).copied().collect();
     all.extend([

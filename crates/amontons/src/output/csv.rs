@@ -13,7 +13,7 @@ use super::manifest::hexadecimal;
 use super::{OutputError, Snapshot};
 use crate::machine;
 
-/// Numbers in the shortest form that reads back to the same bits, counts without a point.
+/// Numbers in the shortest form that reads back to the same bits; counts without a decimal point.
 pub(super) fn join(values: &[f64]) -> String {
     // No number is longer than -2.2250738585072014e-308.
     let mut row = String::with_capacity(25 * values.len());
@@ -31,7 +31,7 @@ pub(super) fn join(values: &[f64]) -> String {
 pub(super) struct Rows {
     path: PathBuf,
     file: File,
-    /// Length and hash of what the file holds.
+    /// Length and hash of the file so far.
     bytes: u64,
     hash: Sha256,
 }
@@ -43,12 +43,12 @@ impl Rows {
         Rows::begin(path, &header)
     }
 
-    /// The file of a run that goes on after `steps` steps: rows behind them are cut off.
+    /// The file of a run that continues after `steps` steps; later rows are cut off.
     pub fn reopen(path: PathBuf, columns: &[String], steps: usize) -> Result<Rows, OutputError> {
         let text = machine::read_text(&path, LONGEST).map_err(OutputError::io("read", &path))?;
         let inconsistent =
             |found: String, expected: String| OutputError::Inconsistent { path: path.clone(), found, expected };
-        // A line that a crash cut short has no line end; it is behind the rows that count, or missing from them.
+        // A line cut short by a crash has no line end; it is after the rows that count, or missing from them.
         let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
         let header = columns.join(",");
         if lines.next().map(str::trim_end) != Some(header.as_str()) {
@@ -82,17 +82,17 @@ impl Rows {
         Ok(())
     }
 
-    /// The file as it has been written.
+    /// Length and hash of the file so far.
     pub fn written(&self) -> Written {
         Written { bytes: self.bytes, sha256: hexadecimal(&self.hash.clone().finalize()) }
     }
 
-    /// Sees to it that the rows are on the disk.
+    /// Flushes the rows to the disk.
     pub fn sync(&self) -> Result<(), OutputError> {
         self.file.sync_data().map_err(OutputError::io("write", &self.path))
     }
 
-    /// Follows the file to another folder.
+    /// Notes the new path of a file that was moved.
     pub fn moved(&mut self, path: PathBuf) {
         self.path = path;
     }

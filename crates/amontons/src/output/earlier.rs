@@ -1,4 +1,4 @@
-//! What an earlier run of the same inputs left in its results folder: its certificate, and its summary if it was done.
+//! Results of an earlier run of the same inputs in a results folder: its certificate, and its summary if it was done.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 /// Name of the file of the certificate in a results folder.
 pub(super) const CERTIFICATE: &str = "certificate.json";
 
-/// `certificate.json`: the findings on the data, with what they depend on.
+/// `certificate.json`: the findings on the data, with version and inputs they depend on.
 #[derive(Debug, Serialize, Deserialize)]
 struct Certificate {
     version: String,
@@ -33,9 +33,9 @@ pub(super) fn write_certificate(
     write_json(&folder.join(CERTIFICATE), &Certificate { version, input_sha256, findings: findings.to_vec() })
 }
 
-/// The certificate that a results folder holds, if it is one of these inputs and of this version of the program.
+/// The certificate in a results folder, or `None` if it belongs to other inputs or another version of the program.
 ///
-/// `fingerprint` is that of the case: [`crate::case::Case::fingerprint`].
+/// `fingerprint` is [`crate::case::Case::fingerprint`].
 #[must_use]
 pub fn known_certificate(folder: &Path, fingerprint: &str) -> Option<Vec<Finding>> {
     let text = machine::read_text(&folder.join(CERTIFICATE), LONGEST).ok()?;
@@ -43,13 +43,13 @@ pub fn known_certificate(folder: &Path, fingerprint: &str) -> Option<Vec<Finding
     (kept.version == env!("CARGO_PKG_VERSION") && kept.input_sha256 == hash(fingerprint)).then_some(kept.findings)
 }
 
-/// Whether the run in a results folder evaluates all hypotheses; none where there is no run.
+/// True if the run in a results folder evaluates all hypotheses, or `None` if there is no run.
 #[must_use]
 pub fn has_certificate(folder: &Path) -> Option<bool> {
     Manifest::read(folder).ok().map(|manifest| manifest.settings().certificate)
 }
 
-/// The summary of a run with these inputs that is done, if a results folder holds one of this version of the program.
+/// The summary in a results folder of a finished run with these inputs and this version of the program, if any.
 #[must_use]
 pub fn finished_run(folder: &Path, fingerprint: &str) -> Option<Summary> {
     let manifest = Manifest::read(folder).ok()?;

@@ -1,4 +1,4 @@
-//! Files that are whole or not there.
+//! Files that are either complete or absent.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -21,17 +21,17 @@ pub(crate) const LONGEST: u64 = 1 << 36;
 pub(crate) struct Written {
     /// Its length.
     pub bytes: u64,
-    /// SHA-256 of what it holds, hexadecimal.
+    /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
 }
 
 impl Written {
-    /// A file with these bytes.
+    /// The record of a file with these bytes.
     pub fn of(bytes: &[u8]) -> Written {
         Written { bytes: bytes.len() as u64, sha256: hexadecimal(&Sha256::digest(bytes)) }
     }
 
-    /// A file as it stands on the disk.
+    /// The record of a file on the disk.
     pub fn read(path: &Path) -> io::Result<Written> {
         let mut out = Out::new(io::sink());
         io::copy(&mut machine::open(path)?, &mut out)?;
@@ -39,7 +39,7 @@ impl Written {
     }
 }
 
-/// A writer that notes what goes through it.
+/// A writer that counts and hashes the bytes written.
 pub(super) struct Out<W: Write> {
     to: W,
     hash: Sha256,
@@ -69,10 +69,10 @@ impl<W: Write> Write for Out<W> {
     }
 }
 
-/// Writes a file under a temporary name and gives it its own when it is complete and on the disk:
-/// a crash leaves the old file or the new one, never a part.
+/// Writes a file under a temporary name and renames it when it is complete and on the disk: a crash leaves the old file
+/// or the new one, never a part.
 ///
-/// The temporary name cannot be guessed and is created anew, so that no link that is there is followed.
+/// The temporary name cannot be guessed and is created anew, so that no existing link is followed.
 pub(super) fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut Out<BufWriter<File>>) -> io::Result<()>,
@@ -88,14 +88,14 @@ pub(super) fn write_atomically(
         Ok(written)
     })();
     if result.is_err() {
-        // The name is ours and what it holds is incomplete; the first error is the one to tell.
+        // The temporary file is ours and incomplete; the first error is the one to report.
         let _ = fs::remove_file(&temporary);
     }
     result.map_err(OutputError::io("write", path))
 }
 
-/// Lets something that wants a path make a file, in the same way: under a temporary name, which becomes that of the
-/// file when all is on the disk. An error of what makes the file is handed back.
+/// Lets `make` create a file by path, with the same guarantee: under a temporary name, renamed when all is on the disk.
+/// An error of `make` is returned in the inner result.
 pub(super) fn make_atomically<E>(
     path: &Path,
     make: impl FnOnce(&Path) -> Result<(), E>,
@@ -118,7 +118,7 @@ pub(super) fn make_atomically<E>(
     result.map_err(OutputError::io("write", path))
 }
 
-/// Writes a file of these bytes, which is whole or not there.
+/// Writes a file of these bytes, which is afterwards complete or absent.
 #[cfg(feature = "plot")]
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match write_atomically(path, |out| out.write_all(bytes)) {
@@ -128,7 +128,7 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Sees to it that the names in a folder are on the disk.
+/// Flushes the names in a folder to the disk.
 pub(super) fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
     #[cfg(unix)]
     if let Some(folder) = folder {
@@ -152,7 +152,7 @@ pub(super) fn create_folder(path: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(path).map_err(OutputError::io("create", path))
 }
 
-/// Removes a file, or a link but not what it points to; that it is not there is no error.
+/// Removes a file, or a link but not its target. A missing file is no error.
 pub(super) fn remove_file(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::io("remove", path)(error)),
@@ -160,7 +160,7 @@ pub(super) fn remove_file(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Removes a folder of ours with all it holds; that it is not there is no error.
+/// Removes a folder of ours with its content. A missing folder is no error.
 pub(super) fn remove_folder(path: &Path) -> Result<(), OutputError> {
     match fs::symlink_metadata(path) {
         Ok(meta) if meta.is_dir() => fs::remove_dir_all(path).map_err(OutputError::io("remove", path)),
@@ -168,13 +168,13 @@ pub(super) fn remove_folder(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Removes a folder if nothing is in it.
+/// Removes a folder if it is empty.
 pub(super) fn remove_empty_folder(path: &Path) {
-    // One that is not empty holds files of somebody else.
+    // A folder that is not empty holds files of somebody else.
     let _ = fs::remove_dir(path);
 }
 
-/// Moves a file; that it is not there is no error.
+/// Moves a file. A missing file is no error.
 pub(super) fn move_file(from: &Path, to: &Path) -> Result<(), OutputError> {
     match fs::rename(from, to) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::io("move", from)(error)),
@@ -182,7 +182,7 @@ pub(super) fn move_file(from: &Path, to: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Copies a file, atomically; that it is not there is no error.
+/// Copies a file atomically. A missing file is no error.
 pub(super) fn copy_file(from: &Path, to: &Path) -> Result<(), OutputError> {
     match machine::open(from) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -197,11 +197,11 @@ pub(super) fn copy_file(from: &Path, to: &Path) -> Result<(), OutputError> {
 const DIGITS: usize = 16;
 const ENDING: &str = ".part";
 
-/// A new file beside `path` under a name of its own.
+/// A new file next to `path` under a unique name.
 fn temporary(path: &Path) -> io::Result<(PathBuf, File)> {
     let mut refused = io::Error::from(io::ErrorKind::AlreadyExists);
     for attempt in 0..16 {
-        // Its keys are random for each state.
+        // The keys of `RandomState` are random.
         let number = RandomState::new().hash_one(attempt);
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
@@ -215,7 +215,7 @@ fn temporary(path: &Path) -> io::Result<(PathBuf, File)> {
     Err(refused)
 }
 
-/// The name of the file that a temporary name stands for; none if it is not one of ours.
+/// The final name of a temporary file, or `None` if the name is not one of ours.
 pub(super) fn of_temporary(name: &str) -> Option<&str> {
     let (file, number) = name.strip_prefix('.')?.strip_suffix(ENDING)?.rsplit_once('.')?;
     (number.len() == DIGITS && number.bytes().all(|b| b.is_ascii_hexdigit())).then_some(file)

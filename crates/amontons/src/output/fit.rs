@@ -2,17 +2,17 @@
 
 use crate::tensor::Point;
 
-/// A column is dependent on those before it if less than this share of it is not theirs.
+/// A column depends on earlier ones if its independent part is below this fraction of its norm.
 const DEPENDENT: f64 = 1e-7;
 
-/// A polynomial fitted to values at points: the columns of its matrix, made orthonormal one after the other.
+/// A polynomial fitted to values at points: the columns of its matrix, orthonormalized one after the other.
 pub(super) struct Fit<'e> {
     /// Number of points.
     count: usize,
     local: Local,
     exponents: &'e [[i32; 3]],
-    /// The columns that do not depend on those before them: their numbers, the columns one after the other, and of each
-    /// its parts along those before and itself.
+    /// The columns that do not depend on earlier ones: their numbers, the columns one after the other, and the
+    /// components of each along the earlier ones and itself (R by columns).
     independent: Vec<usize>,
     columns: Vec<f64>,
     parts: Vec<f64>,
@@ -22,7 +22,7 @@ pub(super) struct Fit<'e> {
 #[derive(Clone, Copy)]
 struct Local {
     origin: Point,
-    /// Reciprocal lengths of the patch by direction: the matrix has no units.
+    /// Reciprocal size of the patch by direction, which makes the matrix dimensionless.
     scale: Point,
 }
 
@@ -33,8 +33,8 @@ impl Local {
 }
 
 impl<'e> Fit<'e> {
-    /// A fit of all polynomials with these [`exponents`]; columns that depend on those before them are left out, and
-    /// the result says whether there are none.
+    /// Fits all polynomials with these [`exponents`]. Columns that depend on earlier ones are left out; the result is
+    /// true if none was.
     pub fn new(exponents: &'e [[i32; 3]], origin: &Point, points: &[Point]) -> (Fit<'e>, bool) {
         let extent = |d: usize| points.iter().fold(0.0f64, |most, p| most.max((p[d] - origin[d]).abs()));
         let scale = std::array::from_fn(|d| Some(extent(d)).filter(|e| *e > 0.0).map_or(1.0, f64::recip));
@@ -54,7 +54,7 @@ impl<'e> Fit<'e> {
             let whole = norm(column);
             let first = fit.parts.len();
             fit.parts.resize(first + fit.independent.len(), 0.0);
-            // Twice is enough (Kahan, Parlett).
+            // Two passes of orthogonalization are enough (Kahan, Parlett).
             for _ in 0..2 {
                 for (part, other) in fit.parts[first..].iter_mut().zip(before.chunks_exact(count.max(1))) {
                     let along: f64 = column.iter().zip(other).map(|(a, b)| a * b).sum();
@@ -78,14 +78,14 @@ impl<'e> Fit<'e> {
         (fit, is_determined)
     }
 
-    /// Weights of the points in the value of the polynomial at a point: with the columns QR they are Q R⁻ᵀ p(x).
+    /// Weights of the points in the value of the polynomial at `x`: Q R⁻ᵀ p(x) for columns QR.
     pub fn weights(&self, x: &Point) -> Vec<f64> {
         self.bounded_weights(x, &[])
     }
 
-    /// The same of the polynomial of the highest degree whose weights sum to no more in magnitude than `most` has for
-    /// it, if it has something: beyond that values at a point would be a difference of much larger ones. Of degree 0
-    /// all weights are the same.
+    /// Such weights for the highest degree whose sum of magnitudes is at most `most[degree]`, if `most` has that
+    /// entry. Larger sums would make the value a difference of much larger ones. Degree 0 is always allowed; its
+    /// weights are all equal.
     pub fn bounded_weights(&self, x: &Point, most: &[f64]) -> Vec<f64> {
         let y = self.local.of(x);
         let degree = |m: usize| self.exponents[m].iter().sum::<i32>();
@@ -101,7 +101,7 @@ impl<'e> Fit<'e> {
             weights.iter_mut().zip(column).for_each(|(w, q)| *w += s * q);
             solved.push(s);
             rest = others;
-            // Columns of one degree stand together, the lower degrees first.
+            // Columns of one degree are adjacent, lower degrees first.
             let is_last = self.independent.get(place + 1).is_none_or(|&next| degree(next) > degree(m));
             let sum = || weights.iter().map(|w| w.abs()).sum::<f64>();
             let is_bounded = || most.get(degree(m) as usize).is_none_or(|most| sum() <= *most);

@@ -31,44 +31,44 @@ pub(super) const PROBES: &str = "probes.csv";
 /// Folder of the field snapshots, and of the contact points at their times.
 pub(super) const FIELDS: &str = "fields";
 pub(super) const CONTACT: &str = "contact";
-/// Nodes up to which the fields of a step are written within a second: a run of a larger body that is interrupted
-/// leaves a checkpoint without them.
+/// Largest number of nodes for which the fields of a step are written within a second. An interrupted run of a larger
+/// body leaves a checkpoint without them.
 const SOON: usize = 100_000;
-/// Longest time between checkpoints, and their share of the time of a run, where nothing else is asked for.
+/// Default checkpoint interval: its longest time, and the fraction 1/SHARE of the run time spent on checkpoints.
 const LONGEST_INTERVAL: Duration = Duration::from_mins(1);
 const SHARE: u32 = 100;
 
-/// How results are written.
+/// Options of a results folder.
 #[derive(Clone, Debug)]
 pub struct FolderOptions {
     /// The text of the case as run.
     pub text: String,
     /// The files that the text refers to.
     pub inputs: Vec<Input>,
-    /// What the states of the run depend on.
+    /// The data that the states of the run depend on.
     pub identity: Identity,
-    /// Steps between field snapshots; 0: only the last.
+    /// Steps between field snapshots; 0 for the last only.
     pub every: usize,
-    /// Fields of the snapshots beside those that every one has.
+    /// Fields of the snapshots in addition to the standard ones.
     pub fields: Vec<OutputField>,
-    /// The files in which a run that has ended leaves its fields.
+    /// Format of the fields of a finished run.
     pub format: FieldsFormat,
-    /// What is read off the run after every step.
+    /// Values recorded after every step.
     pub probes: Vec<Probe>,
-    /// Whether results that are there may be replaced.
+    /// True if existing results may be replaced.
     pub force: bool,
-    /// When checkpoints are written.
+    /// The interval between checkpoints.
     pub checkpoint: CheckpointInterval,
-    /// Whether the run evaluates all hypotheses.
+    /// True if the run evaluates all hypotheses.
     pub certificate: bool,
-    /// The overrides that the text has applied.
+    /// The overrides already applied in the text.
     pub overrides: Vec<String>,
 }
 
-/// When checkpoints are written, besides one at the start, after the first step and at the end: as soon as one of the
-/// two has passed.
+/// The interval between checkpoints, in addition to those at the start, after the first step and at the end. A
+/// checkpoint is written as soon as one of the two has passed.
 ///
-/// Without either, at least every minute, and as often as takes one per cent of the time.
+/// By default at least every minute, and more often as long as it takes at most one per cent of the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckpointInterval {
     /// Steps since the last one.
@@ -78,8 +78,8 @@ pub struct CheckpointInterval {
 }
 
 impl FolderOptions {
-    /// Options for a case with this text: only the last fields, nothing replaced, checkpoints as usual. A case that was
-    /// read from a file has its own: `Case::folder_options`.
+    /// Options for a case with this text: only the last fields, no replacement, default checkpoints. For a case read
+    /// from a file use `Case::folder_options`.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
         let text = text.into();
@@ -115,12 +115,12 @@ impl FolderOptions {
     }
 }
 
-/// Writes the results folder of a run. Nobody else may write into it meanwhile.
+/// Writes the results folder of a run. It holds a lock against other writers.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
     options: FolderOptions,
-    /// The run whose results are there, to be replaced once this one has made a step.
+    /// The earlier run in the folder, to be replaced once this one has made a step.
     replaces: Option<Manifest>,
     manifest: Manifest,
     history: Option<Rows>,
@@ -131,7 +131,7 @@ pub struct Folder {
     snapshots: Vec<(usize, f64)>,
     surfaces: Vec<(f64, String)>,
     last_checkpoint: LastCheckpoint,
-    /// What a user has to know about what was found in the folder.
+    /// Notes for the user about the contents found in the folder.
     notes: Vec<String>,
     _lock: FolderLock,
 }
@@ -139,21 +139,21 @@ pub struct Folder {
 /// The newest checkpoint of the session.
 #[derive(Debug)]
 struct LastCheckpoint {
-    /// Its step; none before the first.
+    /// Its step, or `None` before the first.
     step: Option<usize>,
     at: Instant,
-    /// How long it took to write.
+    /// Time it took to write.
     took: Duration,
-    /// The step that the session began with.
+    /// The first step of the session.
     first: usize,
 }
 
 impl Folder {
-    /// A folder for a new run; it is created if it is not there.
+    /// A folder for a new run, created if it does not exist.
     ///
     /// # Errors
-    /// When it holds results and `force` is not given, or files of others with names of results; when somebody writes
-    /// into it, and when it cannot be created.
+    /// The folder holds results and `force` is false, or files of others under names of results; another process writes
+    /// into it; or it cannot be created.
     pub fn create(path: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
         let folder = Folder::prepare(path.into(), options)?;
         folder.write_inputs()?;
@@ -173,7 +173,7 @@ impl Folder {
         }
         owned::refuse_strangers(&path, earlier.as_ref(), &options.inputs)?;
         if let Some(run) = earlier.take_if(|run| !run.is_started()) {
-            // It has no results yet.
+            // The staging folder has no results yet.
             owned::remove(&path, &run, true)?;
         }
         let manifest = Manifest::new(&options.fingerprint(), options.settings());
@@ -182,10 +182,10 @@ impl Folder {
         Ok(folder)
     }
 
-    /// The folder of a run that goes on.
+    /// The folder of a run that continues.
     ///
     /// # Errors
-    /// When there is no run in it, or when somebody writes into it.
+    /// The folder holds no run, or another process writes into it.
     pub fn reopen(path: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
         let path = path.into();
         std::fs::read_dir(&path).map_err(OutputError::io("read", &path))?;
@@ -195,11 +195,11 @@ impl Folder {
         Ok(Folder::new(path, options, (None, manifest), lock))
     }
 
-    /// The folder of a run that goes on in a new place: the results of `from` are copied, and stay. Take the
+    /// The folder of a run that continues in a new place: the results of `from` are copied and stay. Take the
     /// [`FolderLock`] of `from` before.
     ///
     /// # Errors
-    /// When the new folder holds results and `force` is not given, or when files cannot be copied.
+    /// The new folder holds results and `force` is false, or files cannot be copied.
     pub fn copy(from: &Path, to: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
         let run = Manifest::read(from)?;
         let mut folder = Folder::prepare(to.into(), options)?;
@@ -210,13 +210,13 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Whether results of an earlier run are still there: the new run has not made a step.
+    /// True if results of an earlier run are still there because the new run has not made a step.
     #[must_use]
     pub fn keeps_older_results(&self) -> bool {
         self.replaces.is_some()
     }
 
-    /// What a user has to know about what was found in the folder.
+    /// Notes for the user about the contents found in the folder.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -244,12 +244,12 @@ impl Folder {
         }
     }
 
-    /// Where results go at present.
+    /// The folder into which results are written at present.
     fn root(&self) -> PathBuf {
         if self.replaces.is_some() { self.path.join(STAGING) } else { self.path.clone() }
     }
 
-    /// Writes the manifest and the case: from here on the folder is that of the run.
+    /// Writes the manifest and the case: from here on the folder belongs to this run.
     fn write_inputs(&self) -> Result<(), OutputError> {
         let (root, mut manifest) = (self.root(), self.manifest.clone());
         self.list_names(&mut manifest);
@@ -265,7 +265,7 @@ impl Folder {
         manifest.list("case.toml", Some(Written::of(self.options.text.as_bytes())));
     }
 
-    /// Replaces the results of the run before by those of this one.
+    /// Replaces the results of the earlier run by those of this one.
     fn replace(&mut self) -> Result<(), OutputError> {
         let Some(earlier) = self.replaces.take() else { return Ok(()) };
         owned::replace(&self.path, &earlier)?;
@@ -334,7 +334,7 @@ impl Folder {
         Ok(Some((set, open(&columns)?)))
     }
 
-    /// Refuses to start where the results of the steps that are left do not fit on the disk.
+    /// Refuses to start if the results of the remaining steps do not fit on the disk.
     fn check_room(&self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, first) = (start.from.problem, start.from.state.step);
         let due = (first..problem.timeline.steps()).filter(|&n| self.is_due(n)).count() + 1;
@@ -374,7 +374,7 @@ impl Folder {
         Ok(())
     }
 
-    /// The tables and files for ParaView of the run, and what their columns and arrays measure where it is known.
+    /// The tables and ParaView files of the run, with the quantities measured by their columns and arrays if known.
     fn tables(&self, problem: &Problem) -> Vec<(&'static str, Vec<(String, Measure)>)> {
         let of_points =
             contact_measures(problem).into_iter().filter_map(|(name, measure)| Some((name, measure?))).collect();
@@ -397,8 +397,8 @@ impl Folder {
         tables
     }
 
-    /// The tables of a run that has ended begin with what it wrote: rows that were changed since are not taken over
-    /// under a new hash. They grow from here on, so that the old hashes are forgotten before.
+    /// Takes over the tables of a finished run. They must still have the noted hashes, so that rows changed since are
+    /// not accepted under a new hash. The old hashes are then forgotten because the tables grow.
     fn take_over_tables(&mut self) -> Result<(), OutputError> {
         let noted: Vec<(&str, Written)> = self
             .manifest
@@ -447,7 +447,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Writes the case and its files where they are not what the run goes on with.
+    /// Writes the case and its files again if they differ from those of the continued run.
     fn write_inputs_again(&self) -> Result<(), OutputError> {
         let path = self.path.join("case.toml");
         if Written::read(&path).ok() != Some(Written::of(self.options.text.as_bytes())) {
@@ -478,7 +478,7 @@ impl Sink for Folder {
         self.manifest.begin(start.threads, step);
         self.manifest.write(&root)?;
         if start.resumed {
-            // The snapshots are listed as files of their own now.
+            // The snapshots are now listed as separate files.
             remove_file(&root.join(packed::FILE))?;
         } else {
             self.write_checkpoint(&start.from, false)?;
@@ -516,7 +516,7 @@ impl Sink for Folder {
         self.pack()
     }
 
-    /// The snapshots of a run that is to go on are not packed, and those of a large body are left out at the end.
+    /// Ends an interrupted run: snapshots are not packed, and the last one of a large body is left out.
     fn interrupted(&mut self, last: &Snapshot) -> Result<(), OutputError> {
         if self.replaces.is_some() {
             return Ok(());
@@ -529,7 +529,7 @@ impl Sink for Folder {
 
     fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {
         if self.replaces.is_some() {
-            // The run has not made a step: what was there before stays.
+            // The run has not made a step: the earlier results stay.
             return remove_folder(&self.root());
         }
         let written = write_json(&self.path.join("summary.json"), summary)?;

@@ -1,4 +1,4 @@
-//! What the states of a run depend on.
+//! The data that the states of a run depend on.
 
 use std::collections::BTreeMap;
 
@@ -8,13 +8,12 @@ use sha2::{Digest, Sha256};
 use super::inputs::Input;
 use super::manifest::hexadecimal;
 
-/// Longest value that is kept as it is; of a longer one its length and hash are.
+/// Longest value that is stored as it is; a longer one is stored as length and hash.
 const LONGEST: usize = 120;
 
-/// What the states of a run depend on: the values of its case by their dotted keys, and the hashes of its files.
+/// The data that the states of a run depend on: values of its case by dotted keys, and hashes of its files.
 ///
-/// A run goes on from a checkpoint of the same identity. What a run writes, how far it goes, and comments are no part
-/// of it.
+/// A run continues from a checkpoint of the same identity. Output options, end time and comments are not part of it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity(BTreeMap<String, String>);
 
@@ -33,7 +32,7 @@ impl Identity {
         Identity(values.into_iter().map(|(key, value)| (key, short(value))).chain(files).collect())
     }
 
-    /// The identity of a case of which only the text is known.
+    /// The identity of a case known by its text only.
     #[must_use]
     pub fn of_text(text: &str, inputs: &[Input]) -> Identity {
         Identity::new([("the case".to_owned(), text.to_owned())], inputs)
@@ -49,7 +48,7 @@ impl Identity {
         hash.finalize().into()
     }
 
-    /// The keys whose values differ from those of this identity, with both values.
+    /// The keys whose values differ in `now`, with both values.
     pub(super) fn differences(&self, now: &Identity) -> Vec<String> {
         let keys: std::collections::BTreeSet<&String> = self.0.keys().chain(now.0.keys()).collect();
         let differs = |key: &&String| self.0.get(*key) != now.0.get(*key);
@@ -75,7 +74,7 @@ mod tests {
         let now = of(&[("a", "1"), ("b", "4"), ("d", "5")]);
         assert_eq!(then.differences(&now), ["b was 2 and is 4", "c was 3 and is left out", "d was left out and is 5"]);
         assert!(then.differences(&then).is_empty() && then.hash() == then.clone().hash() && then.hash() != now.hash());
-        // Keys and values are told apart.
+        // The boundary between key and value counts.
         assert_ne!(of(&[("ab", "c")]).hash(), of(&[("a", "bc")]).hash());
     }
 }

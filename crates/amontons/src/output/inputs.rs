@@ -17,13 +17,13 @@ pub const INPUTS: &str = "inputs";
 pub struct Input {
     /// Its path seen from the case as run, `inputs/…`.
     pub path: String,
-    /// What it holds.
+    /// Its bytes.
     pub bytes: Arc<[u8]>,
 }
 
 /// Identifies a case by its text and the SHA-256 of the files that it refers to.
 ///
-/// It is the text alone where there are no such files.
+/// Without such files it is the text alone.
 #[must_use]
 pub fn fingerprint(text: &str, inputs: &[Input]) -> String {
     let mut all = text.to_owned();

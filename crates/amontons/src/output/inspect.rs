@@ -1,4 +1,4 @@
-//! Whether the files of a results folder are those that the run wrote.
+//! Comparison of the files of a results folder with those that the run wrote.
 
 use std::path::Path;
 
@@ -8,18 +8,18 @@ use super::manifest::Manifest;
 use super::packed::{self, StoredFields};
 use super::{OutputError, manifest, owned};
 
-/// The files of a results folder held against its manifest.
+/// The files of a results folder compared with its manifest.
 #[derive(Clone, Debug, Default)]
 pub struct Inspection {
     /// Number of files that the manifest lists.
     pub listed: usize,
-    /// Number of them that are as they were written.
+    /// Number of listed files that are unchanged.
     pub intact: usize,
-    /// What is wrong with the others, and files that are not listed.
+    /// Changed or missing files, and files that are not listed.
     pub faults: Vec<String>,
     /// Steps of the field snapshots that are there, ascending.
     pub snapshots: Vec<usize>,
-    /// The step at which the run ended; none of one that runs or was killed.
+    /// The step at which the run ended, or `None` if it is running or was killed.
     pub ended: Option<usize>,
     /// SHA-256 of the inputs of the run, hexadecimal.
     pub input_sha256: String,
@@ -27,10 +27,10 @@ pub struct Inspection {
     pub overrides: Vec<String>,
 }
 
-/// Holds the files of a results folder against its manifest.
+/// Compares the files of a results folder with its manifest.
 ///
 /// # Errors
-/// When there is no manifest, or it cannot be read.
+/// The manifest is missing or cannot be read.
 pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
     let run = Manifest::read(folder)?;
     let listed = run.outputs();

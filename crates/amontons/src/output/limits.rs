@@ -1,4 +1,4 @@
-//! How far a run went: strain, temperatures beyond those of the data, penetration beside the cells.
+//! Validity figures of a run: strain, temperatures outside the data, penetration relative to the cells.
 
 use super::{Snapshot, cell_values, largest_strain, nodal_stress};
 use crate::contact::{Contact, ContactPoint, Leak};
@@ -52,7 +52,7 @@ fn stiffness(problem: &Problem) -> f64 {
     problem.materials.iter().map(of).fold(0.0, f64::max)
 }
 
-/// The largest von Mises stress that is recovered at a node, and where.
+/// The largest von Mises stress recovered at a node, and its position.
 fn recovered(last: &Snapshot) -> Option<(f64, Point)> {
     let Snapshot { problem, state, .. } = *last;
     let stresses = problem.physics.has_mechanics().then(|| nodal_stress(problem, state))?;
@@ -61,7 +61,7 @@ fn recovered(last: &Snapshot) -> Option<(f64, Point)> {
     Some((most, *problem.mesh.points.get(node as usize)?))
 }
 
-/// The contact that a fluid came through first, and the narrowest place on its way.
+/// The first contact that leaked, and the narrowest place on the path of the fluid.
 fn leak(last: &Snapshot) -> Option<(usize, Leak, Point)> {
     let leaks = last.state.surface.wet.leaks.iter().enumerate();
     let (side, leak) =
@@ -69,7 +69,7 @@ fn leak(last: &Snapshot) -> Option<(usize, Leak, Point)> {
     Some((side, leak, last.discretization.boundary.points.get(leak.narrowest)?.x))
 }
 
-/// The contact of which the fewest points bear a traction while others are open, and how many do.
+/// The partly open contact with the fewest points bearing a traction, and their number.
 fn few(last: &Snapshot) -> Option<(usize, usize)> {
     let contact = &last.report?.contact;
     let boundary = contact.boundary.as_deref().unwrap_or(&last.discretization.boundary);
@@ -86,8 +86,9 @@ fn few(last: &Snapshot) -> Option<(usize, usize)> {
     partly.map(|(side, [pressed, _])| (side, pressed)).min_by_key(|(_, pressed)| *pressed)
 }
 
-/// By how much temperatures are below and above the maximum principle of (2.4): without sinks no temperature falls
-/// below all of the data, without sources none rises above. The heat 𝓡:ε(u) counts with the strain of the last step.
+/// Excess of temperatures below and above the bounds of the maximum principle of (2.4): without sinks no temperature is
+/// below all data, without sources none is above. The bound allows for the heat 𝓡:ε(u) with the strain of the last
+/// step.
 fn outside(problem: &Problem, [low, high]: [f64; 2], strain: f64, t: f64) -> [Option<f64>; 2] {
     let [least, largest] = problem.temperature_bounds();
     let [sinks, sources] = problem.heat_signs();

@@ -10,9 +10,9 @@ use super::OutputError;
 /// Name of the file that is locked.
 const FILE: &str = ".amontons.lock";
 
-/// The right to write into a folder, until it is dropped.
+/// The exclusive right to write into a folder, until it is dropped.
 ///
-/// On file systems without locks it is granted to everyone.
+/// File systems without locks grant it to everyone.
 #[derive(Debug)]
 pub struct FolderLock {
     file: File,
@@ -20,10 +20,10 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Takes the right to write into a folder that is there.
+    /// Takes the right to write into an existing folder.
     ///
     /// # Errors
-    /// [`OutputError::InUse`] when another process, or another part of this one, writes into it.
+    /// [`OutputError::InUse`] if another process, or another part of this one, writes into it.
     pub fn take(folder: &Path) -> Result<FolderLock, OutputError> {
         let path = folder.join(FILE);
         loop {
@@ -32,14 +32,14 @@ impl FolderLock {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
                     let mut holder = String::new();
-                    // Who it is only makes the message clearer.
+                    // The holder only makes the message clearer.
                     let _ = (&file).take(200).read_to_string(&mut holder);
                     return Err(OutputError::InUse { path: folder.to_owned(), holder: holder.trim().to_owned() });
                 }
                 Err(TryLockError::Error(error)) if is_without_locks(&error) => {}
                 Err(TryLockError::Error(error)) => return Err(OutputError::io("lock", &path)(error)),
             }
-            // The holder before may have removed the file when it ended: then the name is that of another file.
+            // The previous holder may have removed the file when it ended: then the name belongs to another file.
             if is_at(&file, &path) {
                 let holder = format!(
                     "process {} since {}",
@@ -57,13 +57,13 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if is_at(&self.file, &self.path) {
-            // A lock that stays is taken over by the next writer.
+            // A lock file that stays is taken over by the next writer.
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Whether a file system has no locks.
+/// True if a file system has no locks.
 fn is_without_locks(error: &io::Error) -> bool {
     #[cfg(unix)]
     if error.raw_os_error() == Some(rustix::io::Errno::NOLCK.raw_os_error()) {
@@ -84,7 +84,7 @@ fn open(path: &Path) -> io::Result<File> {
     options.open(path)
 }
 
-/// Whether the name of a file still is that of the open one.
+/// True if the name still refers to the open file.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -92,7 +92,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     file.metadata().is_ok_and(|open| fs::symlink_metadata(path).is_ok_and(|named| of(open) == of(named)))
 }
 
-/// Elsewhere an open file cannot be removed.
+/// On other systems an open file cannot be removed.
 #[cfg(not(unix))]
 fn is_at(_file: &File, path: &Path) -> bool {
     path.exists()
@@ -113,7 +113,7 @@ mod tests {
         assert!(told.contains(&format!("process {}", std::process::id())), "{told}");
         drop(first);
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "the file goes with the lock");
-        // A file that a killed process has left is no lock.
+        // A file left by a killed process is no lock.
         fs::write(folder.join(FILE), "process 1").unwrap();
         drop(FolderLock::take(&folder).unwrap());
         #[cfg(unix)]

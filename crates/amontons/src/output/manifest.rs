@@ -1,4 +1,4 @@
-//! `manifest.json`: what made the results.
+//! `manifest.json`: program, inputs and settings that made the results.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -24,7 +24,7 @@ pub(crate) struct Manifest {
     program: String,
     version: String,
     case: String,
-    /// SHA-256 of `case.toml` and of what the files hold that it refers to, hexadecimal.
+    /// SHA-256 of `case.toml` and of the files it refers to, hexadecimal.
     input_sha256: String,
     settings: Settings,
     tolerances: Tolerances,
@@ -43,13 +43,13 @@ pub(crate) struct Manifest {
     sides: Vec<String>,
     start: String,
     end: Option<String>,
-    /// One entry each time the run was started or resumed; none before the start.
+    /// One entry per start or resumption of the run; empty before the start.
     sessions: Vec<Session>,
-    /// The files that the run has written, with lengths and hashes once it has ended. Those in the folders of snapshots
-    /// are the run's whether they are listed or not.
+    /// The files that the run has written, with lengths and hashes once it has ended. Files in the snapshot folders
+    /// belong to the run even if they are not listed.
     #[serde(default)]
     outputs: Option<BTreeMap<String, Option<Written>>>,
-    /// The step of the snapshot that is there only because the run ended at it.
+    /// The step of the snapshot written only because the run ended there.
     #[serde(default)]
     passing: Option<usize>,
     /// SHA-256 of this file with an empty value here.
@@ -66,10 +66,10 @@ pub(crate) struct Settings {
     /// Most steps between checkpoints.
     #[serde(default)]
     pub checkpoint_steps: Option<usize>,
-    /// Whether the run evaluates all hypotheses.
+    /// True if the run evaluates all hypotheses.
     #[serde(default = "yes")]
     pub certificate: bool,
-    /// The overrides of all sessions: what `[expected]` and `[verify]` say is of the case without them.
+    /// The overrides of all sessions. `[expected]` and `[verify]` apply to the case without them.
     #[serde(default)]
     pub overrides: Vec<String>,
 }
@@ -78,14 +78,14 @@ fn yes() -> bool {
     true
 }
 
-/// Relative residuals that the solver works with; none of them is for users to set.
+/// Relative residuals used by the solver; users cannot set them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Tolerances {
-    /// At which the iteration on Γ_C ends.
+    /// The iteration on Γ_C ends below it.
     newton: f64,
-    /// Above which a half-step gets another pass of sweeps.
+    /// A half-step gets another pass of sweeps above it.
     refined_above: f64,
-    /// Below which a step is a result.
+    /// A step is accepted below it.
     accepted_below: f64,
 }
 
@@ -135,7 +135,7 @@ impl Manifest {
         }
     }
 
-    /// Takes the inputs and settings of the session that begins.
+    /// Notes the inputs and settings of a new session.
     pub fn change(&mut self, fingerprint: &str, settings: Settings) {
         let before = std::mem::replace(&mut self.settings, settings).overrides;
         self.settings.overrides.splice(0..0, before);
@@ -157,19 +157,18 @@ impl Manifest {
         &self.settings
     }
 
-    /// Whether the run has begun its steps at least once.
+    /// True if the run has started time stepping at least once.
     pub fn is_started(&self) -> bool {
         !self.sessions.is_empty()
     }
 
-    /// The step at which the run ended; none while it runs, and of one that was killed.
+    /// The step at which the run ended, or `None` if it is running or was killed.
     pub fn ended(&self) -> Option<usize> {
         self.end.as_ref()?;
         self.sessions.last()?.to_step
     }
 
-    /// The files that the run has listed, by their names seen from the folder. Names that lead out of the folder are
-    /// left out.
+    /// The files listed by the run, by their paths in the folder. Paths that lead out of the folder are left out.
     pub fn outputs(&self) -> Vec<(&str, Option<&Written>)> {
         let inside = |name: &str| {
             let mut parts = Path::new(name).components();
@@ -179,7 +178,7 @@ impl Manifest {
             let inside = all.iter().filter(|(name, _)| inside(name));
             return inside.map(|(name, written)| (name.as_str(), written.as_ref())).collect();
         }
-        // Versions that did not list them wrote these.
+        // Older versions did not list these files, but wrote them.
         let names = super::owned::NAMES.iter().filter(|name| **name != super::packed::FILE);
         names.map(|name| (*name, None)).collect()
     }
@@ -205,12 +204,12 @@ impl Manifest {
         self.outputs.get_or_insert_default().retain(|name, _| keep(name));
     }
 
-    /// The step of the snapshot that is there only because the run ended at it.
+    /// The step of the snapshot written only because the run ended there.
     pub fn passing(&self) -> Option<usize> {
         self.passing
     }
 
-    /// Whether it is that of a run with these inputs, made and ended by this version of the program.
+    /// True if it belongs to a run with these inputs, made and finished by this version of the program.
     pub fn is_of(&self, fingerprint: &str) -> bool {
         self.version == version()
             && self.input_sha256 == hexadecimal(&Sha256::digest(fingerprint))
@@ -223,7 +222,7 @@ impl Manifest {
         Manifest::find(folder)?.ok_or_else(|| OutputError::io("read", &path)(io::Error::from(io::ErrorKind::NotFound)))
     }
 
-    /// Reads the manifest of a results folder; none where there is no such file.
+    /// Reads the manifest of a results folder, or `None` if there is no such file.
     pub fn find(folder: &Path) -> Result<Option<Manifest>, OutputError> {
         let path = folder.join(FILE);
         let text = match machine::read_text(&path, LONGEST) {
@@ -239,7 +238,7 @@ impl Manifest {
         if manifest.program == PROGRAM { Ok(Some(manifest)) } else { Err(inconsistent("another file".to_owned())) }
     }
 
-    /// Whether the file of a results folder has the text that this manifest was written with.
+    /// True if the file in a results folder has exactly the text of this manifest.
     pub fn is_intact(&self, folder: &Path) -> bool {
         let text = machine::read_text(&folder.join(FILE), LONGEST).unwrap_or_default();
         self.text().is_ok_and(|own| own == text)
@@ -252,7 +251,7 @@ impl Manifest {
         Ok(serde_json::to_string_pretty(&Manifest { sha256, ..empty })? + "\n")
     }
 
-    /// Notes the name of the case, and the units of the tables, given by their names and columns.
+    /// Notes the name of the case and the units of the tables, given by name and columns.
     pub fn units(&mut self, case: &str, units: Units, tables: &[(&str, Vec<(String, Measure)>)]) {
         let of = |columns: &[(String, Measure)]| {
             let with_unit = columns.iter().filter(|(_, measure)| !units.of(*measure).is_empty());
@@ -273,13 +272,13 @@ impl Manifest {
         (self.regions, self.sides) = (regions.to_vec(), sides);
     }
 
-    /// Notes that the run starts, or goes on, from a step.
+    /// Notes that the run starts or continues from a step.
     pub fn begin(&mut self, threads: usize, from_step: usize) {
         (self.version, self.threads, self.end, self.passing) = (version(), threads, None, None);
         self.sessions.push(Session { version: version(), threads, from_step, to_step: None, start: now(), end: None });
     }
 
-    /// Notes that the run ends at a step, and whether it has written a snapshot only because of that.
+    /// Notes that the run ends at a step. `is_passing` is true if its snapshot was written only because of that.
     pub fn end(&mut self, to_step: usize, is_passing: bool) {
         (self.end, self.passing) = (Some(now()), is_passing.then_some(to_step));
         if let Some(session) = self.sessions.last_mut() {
@@ -296,7 +295,7 @@ impl Manifest {
     }
 }
 
-/// Two digits per byte.
+/// Two hexadecimal digits per byte.
 pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }

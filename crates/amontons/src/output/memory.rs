@@ -3,16 +3,16 @@
 use super::{OutputError, RunStart, Sink, Snapshot, Summary};
 use crate::scheme::{State, StepReport};
 
-/// Keeps what is asked for; nothing but the summary and the last state if nothing is.
+/// Keeps the requested states and reports, and in any case the summary and the last state.
 #[derive(Debug, Default)]
 pub struct Memory {
     every: usize,
     with_reports: bool,
-    /// The states asked for, the one at the start and the last one included, by ascending step.
+    /// The requested states, including the first and the last, by ascending step.
     pub states: Vec<State>,
-    /// The reports asked for, one per step.
+    /// The requested reports, one per step.
     pub reports: Vec<StepReport>,
-    /// The summary, once the run is over.
+    /// The summary after the end of the run.
     pub summary: Option<Summary>,
 }
 
@@ -23,7 +23,7 @@ impl Memory {
         Memory::default()
     }
 
-    /// Keeps the states of every `n`-th step, the start included; 0: only the last.
+    /// Keeps the state of every `n`-th step, including the start; 0 for the last only.
     #[must_use]
     pub fn states_every(mut self, n: usize) -> Memory {
         self.every = n;

@@ -5,8 +5,8 @@
 //! | [`Memory`] | keeps states and reports for tests and studies |
 //! | [`Folder`] | writes the results folder |
 //!
-//! What is computed from a state beside the unknowns: [`cell_values`] (strain, stress, heat flux of the cells),
-//! [`nodal_stress`] (stresses recovered at the nodes), and [`ProbeSet`] (numbers at points, over sides and regions).
+//! Values derived from a state: [`cell_values`] (strain, stress, heat flux of the cells), [`nodal_stress`] (stresses
+//! recovered at the nodes), and [`ProbeSet`] (numbers at points, over sides and regions).
 
 mod borne;
 mod cells;
@@ -93,46 +93,46 @@ use crate::hypotheses::Finding;
 use crate::problem::Problem;
 use crate::scheme::{Discretization, Scheme, State, StepReport};
 
-/// Where the results of a run go. A run calls `start` once, `step` after every step, and, for whatever
-/// reason it ends, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed.
+/// A receiver of the results of a run. A run calls `start` once, `step` after every step, and at its end, for whatever
+/// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed.
 pub trait Sink {
-    /// The system is set up; the first step comes next.
+    /// Called when the system is set up, before the first step.
     ///
     /// # Errors
-    /// When the sink cannot take results: the run ends.
+    /// The sink cannot take results: the run ends.
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError>;
-    /// A step has been made.
+    /// Called after each step.
     ///
     /// # Errors
-    /// When the step cannot be kept: the run ends.
+    /// The step cannot be kept: the run ends.
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError>;
-    /// The run is over; `last` is the last good step, whatever the outcome.
+    /// Called when the run is over; `last` is the last good step, whatever the outcome.
     ///
     /// # Errors
-    /// When the results cannot be kept.
+    /// The results cannot be kept.
     fn last(&mut self, last: &Snapshot) -> Result<(), OutputError>;
-    /// The same where the run was asked to stop: it is to end soon.
+    /// Called instead of `last` if the run was asked to stop; the sink should finish soon.
     ///
     /// # Errors
-    /// When the results cannot be kept.
+    /// The results cannot be kept.
     fn interrupted(&mut self, last: &Snapshot) -> Result<(), OutputError> {
         self.last(last)
     }
-    /// The summary of the run: the last that a sink sees.
+    /// Called last, with the summary of the run.
     ///
     /// # Errors
-    /// When the results cannot be kept.
+    /// The results cannot be kept.
     fn finish(&mut self, summary: &Summary) -> Result<(), OutputError>;
 }
 
-/// What is known when a run starts.
+/// Information available when a run starts.
 #[derive(Clone, Copy, Debug)]
 pub struct RunStart<'a> {
-    /// The state that the run starts from: t = 0, or that of a checkpoint.
+    /// The state from which the run starts: at t = 0, or of a checkpoint.
     pub from: Snapshot<'a>,
-    /// Threads that the run uses.
+    /// Number of threads of the run.
     pub threads: usize,
-    /// Whether the run goes on from a checkpoint.
+    /// True if the run continues from a checkpoint.
     pub resumed: bool,
     /// The findings of the certificate, if the run has one.
     pub certificate: Option<&'a [Finding]>,
@@ -147,15 +147,15 @@ pub struct Snapshot<'a> {
     pub discretization: &'a Discretization,
     /// The state.
     pub state: &'a State,
-    /// How the step that led here went; none at t = 0.
+    /// Report of the step that led here, or `None` at t = 0.
     pub report: Option<&'a StepReport>,
     /// Work done so far.
     pub work: Work,
-    /// The scheme that makes the steps; none where results are read again.
+    /// The scheme that makes the steps, or `None` if results are read from files.
     pub scheme: Option<&'a dyn Scheme>,
 }
 
-/// Work done since the start of a run, sessions before a checkpoint included.
+/// Work since the start of a run, including the sessions before a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Work {
     /// Factorizations of the systems.
@@ -172,11 +172,11 @@ pub enum OutputError {
     /// The system refused an operation on a file.
     #[error("cannot {doing} {}: {source}", path.display())]
     Io {
-        /// What was tried: `write`, `create`, `read`.
+        /// The attempted operation: `write`, `create`, `read`.
         doing: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// What went wrong.
+        /// The error of the system.
         source: io::Error,
     },
     /// The folder holds results that would be lost.
@@ -184,23 +184,23 @@ pub enum OutputError {
     HoldsResults {
         /// The folder.
         path: PathBuf,
-        /// What it holds.
+        /// Its contents.
         found: String,
-        /// What to do.
+        /// Instruction what to do.
         advice: String,
     },
-    /// A file that the run would replace is not of a run.
+    /// A file that the run would replace does not belong to a run.
     #[error("{} was not written by a run that the folder's manifest.json lists, and would be replaced; move it away, or give another folder with --out", path.display())]
     Stranger {
         /// The file.
         path: PathBuf,
     },
-    /// Somebody else writes into the folder.
+    /// Another process writes into the folder.
     #[error("{} is in use{}; wait until that run has ended, or give another folder with --out", path.display(), if holder.is_empty() { String::new() } else { format!(" by {holder}") })]
     InUse {
         /// The folder.
         path: PathBuf,
-        /// Who writes into it.
+        /// The writing process.
         holder: String,
     },
     /// The results do not fit on the disk.
@@ -208,9 +208,9 @@ pub enum OutputError {
     NoRoom {
         /// The folder.
         path: PathBuf,
-        /// Bytes that the results need.
+        /// Required space, bytes.
         needed: f64,
-        /// Bytes that are free.
+        /// Free space, bytes.
         free: f64,
     },
     /// The files of a run do not fit together.
@@ -218,9 +218,9 @@ pub enum OutputError {
     Inconsistent {
         /// The file.
         path: PathBuf,
-        /// What was found.
+        /// The contradiction found.
         found: String,
-        /// What was expected.
+        /// The expected state.
         expected: String,
     },
     /// A probe that cannot be read.
@@ -228,7 +228,7 @@ pub enum OutputError {
     Probe {
         /// Its name.
         name: String,
-        /// Why.
+        /// The reason.
         source: ProbeError,
     },
     /// The file of the fields could not be made.
@@ -236,7 +236,7 @@ pub enum OutputError {
     Encode {
         /// The file.
         path: PathBuf,
-        /// What went wrong.
+        /// The error message.
         message: String,
     },
 }

@@ -1,7 +1,7 @@
-//! Which files of a folder belong to a run, and how a run takes the place of another.
+//! Ownership of the files in a folder by a run, and replacement of one run by another.
 //!
-//! A run owns the files that its `manifest.json` lists and the snapshots in its folders `fields` and `contact`. It
-//! starts only where no file of others has a name that it may use, and removes no file but its own.
+//! A run owns the files listed in its `manifest.json` and the snapshots in its folders `fields` and `contact`. It
+//! starts only if no file of others has a name that it may use, and removes only its own files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::manifest::Manifest;
 use super::{Outcome, OutputError, Summary, checkpoint, manifest, packed};
 use crate::machine;
 
-/// The files that a run may write, but for copies of inputs and snapshots.
+/// The files that a run may write, except copies of inputs and snapshots.
 pub(super) const NAMES: [&str; 13] = [
     "case.toml",
     CERTIFICATE,
@@ -34,7 +34,7 @@ pub(super) const NAMES: [&str; 13] = [
 const SNAPSHOTS: [(&str, &str); 3] = [(FIELDS, "vtu"), (CONTACT, "csv"), (CONTACT, "vtu")];
 /// The folders that a run may make.
 const FOLDERS: [&str; 4] = [FIELDS, CONTACT, "checkpoint", INPUTS];
-/// Where a run that replaces another keeps its results until its first step is made.
+/// Folder in which a run that replaces another keeps its results until its first step is made.
 pub(super) const STAGING: &str = ".amontons-starting";
 
 /// The step of a snapshot by its name: 3 of `step_0000003.vtu`.
@@ -43,7 +43,7 @@ fn step_of(name: &str, ending: &str) -> Option<usize> {
     (digits.len() >= 7 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok()).flatten()
 }
 
-/// The names in a folder; none of one that is not there.
+/// The names in a folder; empty if it does not exist.
 fn names_in(path: &Path) -> Vec<String> {
     let entries = fs::read_dir(path).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
@@ -51,7 +51,7 @@ fn names_in(path: &Path) -> Vec<String> {
     names
 }
 
-/// The snapshots that are there: steps and names seen from the results folder.
+/// The existing snapshots: steps, and paths in the results folder.
 pub(super) fn snapshots(root: &Path) -> Vec<(usize, String)> {
     let of = |(folder, ending): (&str, &str)| {
         let names = names_in(&root.join(folder)).into_iter();
@@ -78,8 +78,7 @@ pub(super) fn refuse_strangers(root: &Path, earlier: Option<&Manifest>, inputs: 
     }
 }
 
-/// What a folder holds that has the manifest of a run: `an interrupted run of "paper": 941 of its steps are made`, and
-/// what to do.
+/// The refusal of a folder that holds a run: `an interrupted run of "paper": 941 of its steps are made`, with advice.
 pub(super) fn told(root: &Path, manifest: &Manifest) -> OutputError {
     let summary = machine::read_text(&root.join("summary.json"), LONGEST).ok();
     let summary: Option<Summary> = summary.and_then(|text| serde_json::from_str(&text).ok());
@@ -102,7 +101,7 @@ pub(super) fn told(root: &Path, manifest: &Manifest) -> OutputError {
     OutputError::HoldsResults { path: root.to_owned(), found, advice }
 }
 
-/// Removes the files of a run, and the folders that are empty without them; the manifest last, if at all.
+/// Removes the files of a run, and folders left empty; the manifest last, if at all.
 pub(super) fn remove(root: &Path, run: &Manifest, with_manifest: bool) -> Result<(), OutputError> {
     let listed = run.outputs().into_iter().map(|(name, _)| name.to_owned());
     let all = listed.chain(snapshots(root).into_iter().map(|(_, name)| name));
@@ -115,7 +114,7 @@ pub(super) fn remove(root: &Path, run: &Manifest, with_manifest: bool) -> Result
     if with_manifest { remove_file(&root.join(manifest::FILE)) } else { Ok(()) }
 }
 
-/// Removes what writers have left that were killed: files under temporary names.
+/// Removes temporary files left by killed writers.
 fn remove_temporary(root: &Path) -> Result<(), OutputError> {
     for name in names_in(root).iter().filter(|name| of_temporary(name).is_some_and(|file| NAMES.contains(&file))) {
         remove_file(&root.join(name))?;
@@ -128,13 +127,13 @@ fn remove_temporary(root: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Puts the results of the run in the staging folder in the place of those of the run before.
+/// Moves the results of the run in the staging folder to the place of the earlier run.
 ///
-/// The manifest is moved as soon as the files of the run before are gone: a staging folder without one tells
+/// The manifest is moved as soon as the files of the earlier run are gone: a staging folder without one tells
 /// [`settle`] that a crash came in between.
 pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError> {
     let staging = root.join(STAGING);
-    // The new run writes into its folders later on, also into those that are empty so far.
+    // The new run still writes into its folders, including empty ones.
     let folders: Vec<&str> = FOLDERS.into_iter().filter(|folder| staging.join(folder).is_dir()).collect();
     remove(root, earlier, false)?;
     move_file(&staging.join(manifest::FILE), &root.join(manifest::FILE))?;
@@ -142,7 +141,7 @@ pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError
     folders.into_iter().try_for_each(|folder| create_folder(&root.join(folder)))
 }
 
-/// Brings a folder in order in which a run was killed: while it wrote a file, or took the place of another run.
+/// Repairs a folder in which a run was killed while writing a file or replacing another run.
 pub(super) fn settle(root: &Path) -> Result<(), OutputError> {
     let staging = root.join(STAGING);
     let is_moving = staging.is_dir() && staging.join(manifest::FILE).symlink_metadata().is_err();

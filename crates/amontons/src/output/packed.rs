@@ -1,8 +1,8 @@
-//! `fields.vtkhdf`: the fields of a run at all its snapshots in one file, which has the mesh once.
+//! `fields.vtkhdf`: the fields of all snapshots of a run in one file, with one copy of the mesh.
 //!
-//! While a run goes on, its snapshots are the files `fields/*.vtu`. When it has ended they are packed into this file;
-//! where it goes on after that, they are unpacked first. So each snapshot is on the disk at all times, and the file
-//! does not depend on how often the run was broken off.
+//! During a run its snapshots are the files `fields/*.vtu`. At its end they are packed into this file; if the run
+//! continues, they are unpacked first. So each snapshot is on the disk at all times, and the file does not depend on
+//! the number of interruptions.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,8 +18,7 @@ use crate::vtu::{self, Grid};
 /// Name of the file in a results folder.
 pub(crate) const FILE: &str = "fields.vtkhdf";
 
-/// The files in which a run that has ended leaves its fields. While it goes on, and when it was interrupted, they are
-/// in `fields/*.vtu`.
+/// Format of the fields of a finished run. During a run, and after an interruption, they are in `fields/*.vtu`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FieldsFormat {
     /// `fields.pvd` with `fields/*.vtu`, one file per snapshot.
@@ -31,7 +30,7 @@ pub enum FieldsFormat {
     Both,
 }
 
-/// What came of packing.
+/// Result of packing.
 pub(super) enum Packed {
     /// The file is written.
     Written(Written),
@@ -53,7 +52,7 @@ pub(super) fn pack(root: &Path, at: &[(usize, f64)], units: &BTreeMap<String, St
     }
 }
 
-/// Writes those snapshots as files of their own that are wanted and not there, and tells the steps of those wanted.
+/// Writes the wanted snapshots that are missing as separate files. Returns the steps of all wanted ones.
 pub(super) fn unpack(root: &Path, wanted: impl Fn(usize) -> bool) -> Result<Vec<usize>, OutputError> {
     let path = root.join(FILE);
     if path.symlink_metadata().is_err() {
@@ -81,7 +80,7 @@ fn read(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
     vtu::parse(&bytes, wanted)
 }
 
-/// The fields of a results folder, wherever they are.
+/// The fields of a results folder, packed or in separate files.
 pub(crate) struct StoredFields {
     #[cfg_attr(not(feature = "case"), expect(dead_code, reason = "a verification, which has a case, reads it"))]
     root: PathBuf,
@@ -90,17 +89,17 @@ pub(crate) struct StoredFields {
 }
 
 impl StoredFields {
-    /// Looks for the fields of a folder.
+    /// Opens the fields of a folder.
     pub fn of(root: &Path) -> StoredFields {
         let path = root.join(FILE);
         let packed = path.symlink_metadata().is_ok().then(|| Reader::open(&path));
         StoredFields { root: root.to_owned(), packed }
     }
 
-    /// Steps and times in the file of all snapshots; none where there is no such file.
+    /// Steps and times in the packed file; empty if there is no such file.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The fault of the file.
     pub fn packed(&self) -> Result<&[(usize, f64)], String> {
         match &self.packed {
             Some(Ok(reader)) => Ok(reader.at()),
@@ -110,7 +109,7 @@ impl StoredFields {
     }
 }
 
-/// What a verification asks for.
+/// Access for `amontons verify`.
 #[cfg(feature = "case")]
 impl StoredFields {
     /// Name of the file of the fields at a step.
@@ -122,7 +121,7 @@ impl StoredFields {
     /// The grid with all fields at a step.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The fault of the file.
     pub fn grid(&self, step: usize) -> Result<Grid, String> {
         let own = self.root.join(fields_file(step));
         let packed = self.packed.as_ref().filter(|_| !own.exists());

@@ -31,9 +31,9 @@ pub struct ProbeSet {
 struct Prepared {
     quantity: Quantity,
     take: Option<Take>,
-    /// For a quantity of contact.
+    /// Contact points of a quantity of contact.
     contact: OnPoints,
-    /// For what is of a side as a whole.
+    /// A quantity of a side as a whole.
     whole: Option<Whole>,
     spots: Vec<Spot>,
 }
@@ -43,9 +43,9 @@ struct Prepared {
 struct OnPoints {
     /// Contact points with their shares in a value, and the weight of the value.
     values: Vec<(Shares, f64)>,
-    /// The contacts of whose points the other side is read: vectors are those of the points, turned round.
+    /// Contacts that are read on the side which does not bear the points: vectors change their sign.
     turned: Vec<usize>,
-    /// A side of a pair whose depth is read in the place of points.
+    /// A side of a pair whose depth of wear is read instead of points.
     worn: Option<String>,
 }
 
@@ -65,7 +65,7 @@ impl ProbeSet {
     /// Prepares probes for a problem.
     ///
     /// # Errors
-    /// The number of the first probe that cannot be read, and why.
+    /// The number of the first probe that cannot be read, and the reason.
     pub fn new(problem: &Problem, probes: &[Probe]) -> Result<ProbeSet, (usize, ProbeError)> {
         let mesh = &problem.mesh;
         let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
@@ -87,10 +87,10 @@ impl ProbeSet {
         Ok(ProbeSet { dim: mesh.dim, names, probes: prepared, tables: Tables::new(problem, points), samples })
     }
 
-    /// Whether a probe can be read in a problem.
+    /// Checks that a probe can be read in a problem.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why not.
     pub fn check(problem: &ProblemData, probe: &Probe) -> Result<(), ProbeError> {
         Builder::new(problem).check(probe).map(|_| ())
     }
@@ -101,7 +101,7 @@ impl ProbeSet {
         &self.names
     }
 
-    /// The values at a time, one per column. A contact pressure is not a number at t = 0, where it is not known.
+    /// The values at a time, one per column. A contact pressure is NaN at t = 0, where it is not known.
     #[must_use]
     pub fn values(&self, now: &Snapshot) -> Vec<f64> {
         let points = evaluate(now.problem, now.state, &self.tables, &self.samples);
@@ -138,7 +138,7 @@ impl Prepared {
 }
 
 impl Prepared {
-    /// A quantity of contact.
+    /// The values of a quantity of contact.
     fn on_points(&self, dim: usize, now: &Snapshot, quantity: OnContact) -> Vec<f64> {
         if let Some(side) = &self.contact.worn {
             let of_side = now.discretization.worn.of_side(side, &now.state.surface.worn.depths);
@@ -158,7 +158,7 @@ impl Prepared {
         };
         let contact_of = |i: usize| now.problem.contacts.get(points.get(i)?.contact);
         let is_of_pair = |i: usize| contact_of(i).is_some_and(|contact| contact.pair.is_some());
-        // The points of a pair that is updated have other weights in every step.
+        // The weights of an updated pair change in every step.
         let weight = |shares: &[(usize, f64)], weight: f64| match (shares, self.take) {
             (&[(i, _)], Some(_)) if is_of_pair(i) => {
                 now.report.and_then(|report| report.contact.weights.get(i)).copied().unwrap_or(weight)
@@ -172,7 +172,7 @@ impl Prepared {
     }
 }
 
-/// The points of a cell: those of the recovery first, then those of a rule for integrals of what is linear in the
+/// The points of a cell: first those of the recovery, then those of a rule for integrals of expressions linear in the
 /// gradients.
 fn points(element: &Element) -> Rule {
     let (mut all, integral) = (sampling(element), rule(element.shape, integral_degree(element)));
@@ -181,18 +181,18 @@ fn points(element: &Element) -> Rule {
     all
 }
 
-/// Degree of the rules of integrals: that of the fields, times the Jacobian of a curved element or 2πr.
+/// Degree of the rules of integrals: of the fields times the Jacobian of a curved element or 2πr.
 fn integral_degree(element: &Element) -> usize {
     2 * element.degree
 }
 
-/// Where a probe reads in a mesh.
+/// The place of a probe in a mesh.
 enum Found<'a> {
-    /// Contact points with their weights, and the contacts whose vectors are turned.
+    /// Contact points with their weights, and the contacts whose vectors change sign.
     Contact(Vec<(usize, f64)>, Vec<usize>),
-    /// The depth off a side of a pair.
+    /// The depth of wear of a side of a pair.
     Worn,
-    /// What is of a side as a whole.
+    /// A quantity of a side as a whole.
     Whole(Whole),
     Point {
         block: usize,
@@ -203,10 +203,10 @@ enum Found<'a> {
     Region(usize, Take),
 }
 
-/// What a probe reads: contact points, a side as a whole, or spots in the body.
+/// Data that a probe reads: contact points, a side as a whole, or spots in the body.
 type Read = (OnPoints, Option<Whole>, Vec<Spot>);
 
-/// Prepares probes, each patch of the recovery once.
+/// Prepares probes; each patch of the recovery is computed once.
 struct Builder<'a> {
     problem: &'a ProblemData,
     mesh: &'a Mesh,
@@ -232,8 +232,8 @@ impl<'a> Builder<'a> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
             Found::Contact(points, turned) => {
-                // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means
-                // about vertices.
+                // Tractions alternate between the nodes of quadratic facets: extremes are taken of their means about
+                // vertices.
                 let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
                 let is_extreme = matches!(probe.place.take(), Some(Take::Max | Take::Min));
                 let extremes = match &probe.place {
@@ -262,7 +262,7 @@ impl<'a> Builder<'a> {
         Ok((OnPoints::default(), None, spots))
     }
 
-    /// Whether the body has the quantity there, and the place in the mesh.
+    /// Checks that the body has the quantity at the place of the probe. Returns the place in the mesh.
     fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
         let on_side = matches!(probe.place, ProbePlace::On(..) | ProbePlace::Contact(..));
@@ -316,8 +316,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Means of what is at the points of some contacts, chosen by them and their names, about the vertices of their
-    /// sides, with weight 1 each; none without such a contact.
+    /// Means about the vertices of the sides of selected contacts, with weight 1 each, or `None` if no contact is
+    /// selected.
     fn vertex_means(&mut self, is_meant: impl Fn(&Contact, &str) -> bool) -> Option<Vec<(Shares, f64)>> {
         let (mesh, problem) = (self.mesh, self.problem);
         let called = names(&problem.contacts);
@@ -346,7 +346,7 @@ impl<'a> Builder<'a> {
         Ok(Found::Contact(points, if is_turned { vec![number] } else { Vec::new() }))
     }
 
-    /// Points that are of one contact, unless their side bears those of another one as well.
+    /// Returns the points, or an error if their side bears the points of several contacts.
     fn alone(&mut self, found: Found<'a>) -> Result<Found<'a>, ProbeError> {
         let Found::Contact(points, _) = &found else { return Ok(found) };
         let contacts = &self.problem.contacts;
@@ -364,9 +364,9 @@ impl<'a> Builder<'a> {
         self.boundary.get_or_insert_with(|| self.problem.contact_boundary())
     }
 
-    /// Contact points that a value at a point of Γ_C is interpolated from: those of the nodes of the cell there, by its
-    /// shape functions; with Gauss quadrature, and where a node has none, the nearest one. None for a point that is not
-    /// on Γ_C. Of all contacts the first there, or the one that is asked for.
+    /// Contact points for interpolation at a point of Γ_C: those of the nodes of the cell there, weighted by its shape
+    /// functions, or the nearest one with Gauss quadrature or if a node has none. `None` for a point off Γ_C. Of
+    /// several contacts the first one there counts, or `only`.
     fn on_contact(&mut self, point: &Point, only: Option<usize>) -> Option<Found<'a>> {
         let mesh = self.mesh;
         let (block, cell, x) = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point)?;
@@ -384,7 +384,7 @@ impl<'a> Builder<'a> {
         if elsewhere > 1e-6 {
             return None;
         }
-        // A point of a node alone stands for it.
+        // A point that belongs to one node represents it.
         let point_of = |node: usize| {
             let is_of = |own: usize, contact: usize| own == node && only.is_none_or(|only| only == contact);
             let mut points = boundary.points.iter();
@@ -413,8 +413,8 @@ impl<'a> Builder<'a> {
         Some(Found::Contact(points, turned))
     }
 
-    /// The points of the contacts that a side takes part in, on either side of a pair; the depth off a side of a pair.
-    /// None for a side without contact.
+    /// The points of the contacts of a side, on either side of a pair, or the depth of wear of a side of a pair. `None`
+    /// for a side without contact.
     fn of_side(&mut self, side: &str, quantity: OnContact) -> Option<Found<'a>> {
         let contacts = &self.problem.contacts;
         let of_side = |contact: &Contact| contact.sides().any(|name| name == side);
@@ -446,7 +446,7 @@ impl<'a> Builder<'a> {
         self.stencils.entry((region, node)).or_insert_with(|| recovery.stencil(region, node))
     }
 
-    /// A spot at which nodes have these values of their shape functions, in a region.
+    /// A spot in a region, given by nodes and the values of their shape functions.
     fn spot(&mut self, quantity: Quantity, region: usize, nodes: &[u32], values: &[f64]) -> Spot {
         let mut spot = Spot { weight: 1.0, ..Spot::default() };
         for (&node, &value) in nodes.iter().zip(values) {
@@ -469,7 +469,7 @@ impl<'a> Builder<'a> {
         self.spot(quantity, block.region, &block.nodes[cell * n..(cell + 1) * n], &values)
     }
 
-    /// Points of the facets of a side: their nodes, or those of a rule.
+    /// Points of the facets of a side: their nodes, or quadrature points.
     fn on(&mut self, quantity: Quantity, set: &FacetSet, take: Take) -> Vec<Spot> {
         let (mesh, cells) = (self.mesh, self.mesh.cells_of(set));
         let table = |element: &'static Element| match take {

@@ -1,4 +1,4 @@
-//! What a probe reads, and where.
+//! Probes: quantity and place.
 
 use super::quantity::Quantity;
 use crate::tensor::Point;
@@ -9,56 +9,54 @@ use crate::units::Measure;
 pub struct Probe {
     /// Its name, the beginning of the names of its columns.
     pub name: String,
-    /// What is read.
+    /// The quantity read.
     pub quantity: Quantity,
-    /// Where.
+    /// The place.
     pub place: ProbePlace,
-    /// The point about which a moment is taken, m; none for the place of the rigid part that the side is, where one is
-    /// given, else the centre of the side.
+    /// The reference point of a moment, m. `None` for the point of action of the rigid part on this side, if given,
+    /// else for the centre of the side.
     pub about: Option<Point>,
 }
 
-/// Where a probe reads.
+/// The place where a probe reads.
 ///
 /// Stresses, strains and heat fluxes at points and on sides are the recovered ones ([`super::nodal_stress`]),
-/// interpolated from the nodes of the cell, so that they do not reach over the boundary of a region. Means and
-/// integrals over a region are those of the values in the cells themselves.
+/// interpolated from the nodes of the cell; they do not cross the boundary of a region. Means and integrals over a
+/// region use the values in the cells.
 ///
-/// Quantities of contact over a side are those of all contact points of its contacts. Over either side of a pair they
-/// are those of the points of the pair, whichever side bears these; `traction` and `slip_velocity` are those of the
-/// side that is named, and at a point those of the side `on`. `wear` over a side of a pair is the depth off its body.
-/// Of a side that bears the points of several contacts each has points of its own at every node, which all count over
-/// the side; one contact is read by its name.
+/// Quantities of contact over a side use all contact points of its contacts. Over either side of a pair they use the
+/// points of the pair, whichever side bears them. `traction` and `slip_velocity` are those of the named side, and at a
+/// point those of the side `on`. `wear` over a side of a pair is the depth off its body. If a side bears the points of
+/// several contacts, each contact has its own point at every node, and all count; to read one contact, name it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbePlace {
-    /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.
+    /// At a point, m: interpolated in its cell; at a point of several cells in the first of them.
     At(Point),
     /// Over a facet set.
     On(String, Take),
     /// Over a region of the mesh.
     Region(String, Take),
-    /// Over the points of one contact, by its name; vectors are those of its side `on`.
+    /// Over the points of one contact, by its name; vectors refer to its side `on`.
     Contact(String, Take),
     /// At a point of one contact, by its name.
     AtContact(Point, String),
 }
 
-/// What is taken of the values over a side or region, component by component.
+/// Reduction of the values over a side or region, component by component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Take {
-    /// Integral over measure.
+    /// Integral divided by measure.
     Mean,
-    /// Largest value at a node; of contact pressures and tractions on quadratic facets the largest mean about a vertex.
+    /// Maximum nodal value. On quadratic facets contact pressures and tractions are averaged per vertex first.
     Max,
-    /// Smallest value at a node; of contact pressures and tractions on quadratic facets the smallest mean about a
-    /// vertex.
+    /// Minimum nodal value. On quadratic facets contact pressures and tractions are averaged per vertex first.
     Min,
-    /// Integral: over length or area of a side (per unit of thickness in two dimensions), 2πr included in a body of
+    /// Integral over the length or area of a side (per unit of thickness in two dimensions), with 2πr in a body of
     /// revolution.
     Integral,
 }
 
-/// Why a probe cannot be read.
+/// The reasons why a probe cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProbeError {
     /// The point is not in the body.
@@ -83,52 +81,52 @@ pub enum ProbeError {
         /// Dimension of the body.
         dim: usize,
     },
-    /// A quantity that needs a normal, elsewhere than on a side.
+    /// A quantity that needs a normal, but not on a side.
     #[error("{0} elsewhere than on a side")]
     Normal(String),
-    /// A quantity of contact elsewhere than on a side of a contact.
+    /// A quantity of contact, but not on a side of a contact.
     #[error("{0} elsewhere than on a side of a contact")]
     Contact(String),
     /// There is no contact of this name.
     #[error("no such contact; there are {}", .0.join(", "))]
     NoContact(Vec<String>),
-    /// A point of a side that bears the points of several contacts.
+    /// A point on a side that bears the points of several contacts.
     #[error("a point of the contacts {}", .0.join(", "))]
     Several(Vec<String>),
-    /// A quantity of the body is not one of a contact.
+    /// A quantity of the body, but on a contact.
     #[error("{0}, which is not of the contact")]
     OfBody(String),
-    /// A reaction elsewhere than where the displacement or the temperature is prescribed.
+    /// A reaction where neither displacement nor temperature is prescribed.
     #[error("{0} elsewhere than where the {1} is prescribed")]
     Free(String, &'static str),
-    /// A reaction has a resultant only.
+    /// A reaction with a reduction other than the resultant.
     #[error("{0} other than its integral")]
     Resultant(String),
-    /// A rotation has a mean only.
+    /// A rotation with a reduction other than the mean.
     #[error("{0} other than its mean")]
     OnlyMean(String),
-    /// A moment or a rotation of a body that does not turn.
+    /// A moment or a rotation of a body that cannot turn.
     #[error("{0} in {1}, which does not turn")]
     Still(String, &'static str),
     /// The rotation of one point.
     #[error("{0} of a single point")]
     Alone(String),
-    /// What a side as a whole bears, elsewhere.
+    /// A resultant of a whole side, but at another place.
     #[error("{0} elsewhere than on a side, an edge or points")]
     Whole(String),
-    /// A point about which no moment is taken.
+    /// A reference point for a quantity that is no moment.
     #[error("`about` of {0}")]
     About(String),
     /// A field that the problem does not solve for.
     #[error("{0}, a field that the case does not solve for")]
     Absent(String),
-    /// A hoop stress of a body that is not one of revolution.
+    /// A hoop stress of a body that is not a body of revolution.
     #[error("hoop in a body that is not axisymmetric")]
     Hoop,
 }
 
 impl Probe {
-    /// What its values measure; none of an integral that has no name of its own.
+    /// The quantity that its values measure, or `None` for an integral without a name of its own.
     #[must_use]
     pub fn measure(&self) -> Option<Measure> {
         let over_side = matches!(self.place, ProbePlace::On(..) | ProbePlace::Contact(..));
@@ -146,7 +144,7 @@ impl Probe {
 }
 
 impl ProbePlace {
-    /// What is taken of the values; none at a point.
+    /// The reduction, or `None` at a point.
     pub(super) fn take(&self) -> Option<Take> {
         match self {
             ProbePlace::At(_) | ProbePlace::AtContact(..) => None,

@@ -1,4 +1,4 @@
-//! What is taken of values on Γ_C and of values with weights.
+//! Reductions of values on Γ_C and of weighted values.
 
 use super::Snapshot;
 use super::probe_place::Take;
@@ -6,7 +6,7 @@ use super::quantity::OnContact;
 use crate::contact::Status;
 use crate::tensor::Point;
 
-/// What has a weight: what nothing faces takes no part in extremes. All of them where nothing has a weight.
+/// The values with nonzero weight; points that face nothing have weight zero. All values if all weights are zero.
 pub(super) fn faced<T>(all: impl Iterator<Item = (f64, T)>) -> Vec<(f64, T)> {
     let mut all: Vec<(f64, T)> = all.collect();
     if all.iter().any(|(weight, _)| *weight != 0.0) {
@@ -15,7 +15,7 @@ pub(super) fn faced<T>(all: impl Iterator<Item = (f64, T)>) -> Vec<(f64, T)> {
     all
 }
 
-/// The value at a contact point, a number in the first component; that of a step is not a number at t = 0.
+/// The value at a contact point, a scalar in the first component; NaN for results of a step at t = 0.
 pub(super) fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point {
     let (surface, state) = (&now.state.surface, now.report.and_then(|report| report.contact.states.get(i)));
     let number = |value: Option<f64>| [value.unwrap_or(f64::NAN), 0.0, 0.0];
@@ -31,7 +31,7 @@ pub(super) fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point
     }
 }
 
-/// Mean, extreme or integral of values with their weights; of a single point its value.
+/// Mean, extreme or integral of weighted values; at a single point its value.
 pub(super) fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
     let sums = |values: &mut dyn Iterator<Item = (f64, f64)>| {
         values.fold((0.0, 0.0), |(w, s), (weight, value)| (w + weight, s + weight * value))

@@ -6,7 +6,7 @@ use crate::scheme::State;
 use crate::tensor::{Point, Sym, dot, length};
 use crate::units::Measure;
 
-/// What a quantity is of.
+/// The physical quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
     /// u in m.
@@ -29,19 +29,19 @@ pub enum Base {
     Hoop,
     /// q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// What a prescribed displacement exerts on the body, N: its integral over a side.
+    /// Force of a prescribed displacement on the body, N: its integral over a side.
     Reaction,
-    /// The moment of these forces about a point, N m.
+    /// The moment of reaction forces about a point, N m.
     ReactionMoment,
-    /// All that acts on a side, N: what is prescribed, given loads, supports and contact.
+    /// Total force on a side, N: prescribed values, given loads, supports and contact.
     TotalForce,
-    /// The moment of these forces about a point, N m.
+    /// The moment of the total force about a point, N m.
     TotalMoment,
-    /// The rotation of the rigid motion that is nearest to the displacements of a side or region, rad.
+    /// The rotation of the rigid motion nearest to the displacements of a side or region, rad.
     Rotation,
-    /// Heat that a prescribed temperature supplies to the body, W: its integral over a side.
+    /// Heat supplied to the body by a prescribed temperature, W: its integral over a side.
     ReactionHeat,
-    /// What is known at the contact points only.
+    /// A quantity defined at the contact points only.
     Contact(OnContact),
 }
 
@@ -50,40 +50,40 @@ pub enum Base {
 pub enum OnContact {
     /// p_ν in Pa.
     Pressure,
-    /// r in m; negative where the gap is open.
+    /// r in m; negative for an open gap.
     Penetration,
-    /// σ_τ in Pa, what friction does to the body.
+    /// σ_τ in Pa, the traction of friction on the body.
     Traction,
     /// w_τ − v_F in m/s.
     SlipVelocity,
-    /// 1 where there is contact, 0 where the gap is open: its integral is the area of contact.
+    /// 1 in contact, 0 for an open gap: its integral is the area of contact.
     Touching,
-    /// Depth worn off, m.
+    /// Depth of wear, m.
     Wear,
     /// Work of friction since the start, J/m².
     FrictionWork,
 }
 
-/// What is taken of a vector or tensor.
+/// The selected part of a vector or tensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selection {
     /// All components.
     All,
-    /// One component: of a vector x, y, z, of a tensor xx, yy, zz, xy, yz, zx, of principal values the first, second,
-    /// third.
+    /// One component: x, y, z of a vector; xx, yy, zz, xy, yz, zx of a tensor; the first, second, third principal
+    /// value.
     Component(usize),
     /// The length of a vector.
     Magnitude,
-    /// The component along the outward normal ν of a side: v·ν of a vector, σν·ν of a tensor.
+    /// The component along the outward normal ν of a side: v·ν of a vector v, σν·ν of a tensor.
     Normal,
 }
 
 /// A quantity by its name, such as `displacement_x`, `von_mises`, `stress`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// What it is of.
+    /// The physical quantity.
     pub base: Base,
-    /// What is taken of it.
+    /// The selected part.
     pub part: Selection,
 }
 
@@ -120,7 +120,7 @@ const PRINCIPAL: &[(&str, Selection)] = &[
 ];
 const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 
-/// What holds or loads a side, or turns with it: known for the side as a whole.
+/// Quantities known for a side as a whole only: reactions, resultants and rotation.
 pub(super) const OF_WHOLE: [Base; 6] =
     [Base::Reaction, Base::ReactionHeat, Base::ReactionMoment, Base::TotalForce, Base::TotalMoment, Base::Rotation];
 
@@ -151,14 +151,14 @@ const BASES: [(&str, Base, &[(&str, Selection)]); 23] = [
     ("friction_work", Base::Contact(OnContact::FrictionWork), NUMBER),
 ];
 
-/// Every quantity: its name, what it is, and what it measures.
+/// Every quantity: its name, its meaning, and the quantity that it measures.
 #[must_use]
 pub fn quantities() -> Vec<(String, String, Measure)> {
     Quantity::all().map(|(name, quantity)| (name, quantity.meaning(), quantity.measure())).collect()
 }
 
 impl Quantity {
-    /// What it is, and what is taken of it.
+    /// Its meaning in words, with the selected part.
     fn meaning(self) -> String {
         let of = match self.base {
             Base::Displacement => "displacement u",
@@ -223,7 +223,7 @@ impl Quantity {
         Quantity::all().find(|(_, known)| *known == self).map(|(name, _)| name).unwrap_or_default()
     }
 
-    /// What its values measure.
+    /// The quantity that its values measure.
     #[must_use]
     pub fn measure(self) -> Measure {
         match self.base {
@@ -242,7 +242,7 @@ impl Quantity {
         }
     }
 
-    /// Endings of the names of its columns in `dim` dimensions: one, empty, for a number.
+    /// Endings of the names of its columns in `dim` dimensions; one empty ending for a scalar.
     #[must_use]
     pub fn columns(self, dim: usize) -> Vec<&'static str> {
         if self.part != Selection::All {
@@ -260,12 +260,12 @@ impl Quantity {
         if parts.len() == 1 { vec![""] } else { components.collect() }
     }
 
-    /// Whether it is a field at the nodes: values elsewhere are interpolated.
+    /// True for a field at the nodes, whose values elsewhere are interpolated.
     pub(super) fn is_nodal(self) -> bool {
         matches!(self.base, Base::Displacement | Base::Velocity | Base::Temperature)
     }
 
-    /// Whether it is a vector of the body, which has as many components as the body has dimensions.
+    /// True for a vector of the body, with one component per dimension of the body.
     pub(super) fn is_vector(self) -> bool {
         matches!(
             self.base,
@@ -278,23 +278,23 @@ impl Quantity {
         )
     }
 
-    /// Whether it is a moment or a rotation: a vector in space, and about the normal of the plane a number.
+    /// True for a moment or a rotation: a vector in space, a number about the normal in the plane.
     pub(super) fn is_axial(self) -> bool {
         matches!(self.base, Base::ReactionMoment | Base::TotalMoment | Base::Rotation)
     }
 
-    /// Whether it is a moment.
+    /// True for a moment.
     pub(super) fn is_moment(self) -> bool {
         self.measure() == Measure::Moment
     }
 
-    /// Whether a body in `dim` dimensions has the component that is taken.
+    /// True if a body in `dim` dimensions has the selected component.
     pub(super) fn has_component(self, dim: usize) -> bool {
         let Selection::Component(c) = self.part else { return true };
         if self.is_axial() { dim == 3 || c == 2 } else { !self.is_vector() || c < dim }
     }
 
-    /// What is taken of a vector, or of a number in its place.
+    /// The selected parts of a vector, or of a scalar in its first component.
     pub(super) fn parts(self, dim: usize, v: &Point) -> Vec<f64> {
         let mut out = Vec::new();
         if self.is_vector() || self.is_axial() && (dim == 3 || self.part != Selection::All) {
@@ -307,8 +307,8 @@ impl Quantity {
         out
     }
 
-    /// Its value at a place where fields at the nodes have these values, and where the body has these point values; ν
-    /// is the outward normal there.
+    /// Appends its values at a point with these interpolated nodal fields and these point values; ν is the outward
+    /// normal there.
     pub(super) fn values(self, dim: usize, nodal: &Point, point: &PointValues, normal: &Point, out: &mut Vec<f64>) {
         match self.base {
             Base::Displacement | Base::Velocity => self.of_vector(dim, nodal, normal, out),
@@ -326,7 +326,7 @@ impl Quantity {
                     _ => out.extend(axes.map(|(value, _)| value)),
                 }
             }
-            // They are known at contact points, at prescribed values and of sides as a whole only.
+            // These are known only at contact points, at prescribed values and for whole sides.
             Base::Contact(_) | Base::Reaction | Base::ReactionHeat => out.push(f64::NAN),
             Base::ReactionMoment | Base::TotalForce | Base::TotalMoment | Base::Rotation => out.push(f64::NAN),
         }
@@ -349,7 +349,7 @@ impl Quantity {
         }
     }
 
-    /// The field at the nodes that it is of, at a node: two or three components, or one.
+    /// The nodal field of this quantity at a node: two or three components, or one.
     pub(super) fn at_node(self, state: &State, dim: usize, node: usize) -> Point {
         let vector = |all: &[f64]| std::array::from_fn(|c| if c < dim { all[node * dim + c] } else { 0.0 });
         match self.base {

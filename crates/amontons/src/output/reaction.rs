@@ -8,15 +8,15 @@ use crate::space::rigid::rigid_of;
 use crate::space::{RigidNodes, Space};
 use crate::tensor::Point;
 
-/// Numbers of the reactions of a set of nodes among those that [`crate::scheme::Reactions`] lists.
+/// Numbers of the reactions of a set of nodes in the list [`crate::scheme::Reactions`].
 #[derive(Debug)]
 pub(super) struct Held {
     of_heat: bool,
-    /// Each with its direction, or with its moment about a point.
+    /// Each number with its direction, or its moment about a point.
     numbers: Vec<(usize, Point)>,
 }
 
-/// What is summed: forces, or their moments about a point.
+/// The kind of sum: forces, or their moments about the point `about`.
 #[derive(Clone, Copy)]
 pub(super) struct Arms<'a> {
     pub mesh: &'a Mesh,
@@ -24,14 +24,14 @@ pub(super) struct Arms<'a> {
 }
 
 impl Arms<'_> {
-    /// What a force at a node adds to the sum.
+    /// The contribution of a force at a node to the sum.
     pub(super) fn of(&self, node: u32, force: &Point) -> Point {
         let Some(about) = &self.about else { return *force };
         let x = self.mesh.points.get(node as usize).copied().unwrap_or_default();
         cross(&std::array::from_fn(|c| x[c] - about[c]), force)
     }
 
-    /// What the motions of a rigid body that are prescribed bear, each per unit of what it bears.
+    /// Contribution of each prescribed motion of a rigid body to the sum, per unit of its reaction.
     fn of_body(&self, body: &RigidNodes) -> Vec<Point> {
         let mut sums = vec![[0.0; 3]; body.held];
         for (i, &node) in body.nodes.iter().enumerate() {
@@ -44,8 +44,8 @@ impl Arms<'_> {
     }
 }
 
-/// The resultants of what holds the motions of each rigid body with one of some nodes, per unit of what it bears; empty
-/// for other bodies. None if a body that nothing holds has one of the nodes.
+/// Contributions of the prescribed motions of rigid bodies with a node among `nodes`, per unit of their reactions;
+/// empty for other bodies. `None` if such a body has no prescribed motion.
 fn bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Option<Vec<Vec<Point>>> {
     let of = |body: &RigidNodes| {
         if !nodes.iter().any(|&node| body.position(node).is_some()) {
@@ -56,13 +56,13 @@ fn bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Option<Vec<Vec<Point>>> 
     space.rigid.iter().map(of).collect()
 }
 
-/// The same of the bodies all of whose nodes are among some.
+/// These contributions for bodies with all nodes among `nodes`; empty for other bodies.
 fn whole_bodies(space: &Space, nodes: &[u32], arms: &Arms) -> Vec<Vec<Point>> {
     let is_in = |body: &RigidNodes| body.nodes.iter().all(|node| nodes.binary_search(node).is_ok());
     space.rigid.iter().map(|body| if is_in(body) { arms.of_body(body) } else { Vec::new() }).collect()
 }
 
-/// Nodes to which those that follow others are taken back, ascending: what is borne at such a node is borne there.
+/// The leaders of some nodes, ascending: the reaction of a follower acts at its leader.
 fn leaders(space: &Space, nodes: &[u32]) -> Vec<u32> {
     let mut nodes: Vec<u32> = nodes.iter().map(|&node| leader(&space.links, node)).collect();
     nodes.sort_unstable();
@@ -71,8 +71,8 @@ fn leaders(space: &Space, nodes: &[u32]) -> Vec<u32> {
 }
 
 impl Held {
-    /// Of some nodes, with the moment about a point if one is given; none if there is none, or one that no prescribed
-    /// value holds: what it bears would be no reaction.
+    /// Reactions at some nodes, as moments if `about` is given. `None` without nodes, or if one of them has no
+    /// prescribed value: its force would be no reaction.
     pub(super) fn new(problem: &ProblemData, base: Base, nodes: &[u32], about: Option<Point>) -> Option<Held> {
         if nodes.is_empty() {
             return None;
@@ -90,8 +90,8 @@ impl Held {
         is_held.then(|| Held { of_heat, numbers: numbers(&space, &nodes, &bodies, &arms, |_| true) })
     }
 
-    /// What conditions on facets of a set hold, each in its own directions: at a node of two sides it counts for that
-    /// for which the value is prescribed. Rigid bodies count where all of their nodes are on the set.
+    /// Reactions of conditions on facets of a set, each in its own directions: at a node of two sides a reaction
+    /// belongs to the side that prescribes the value. A rigid body counts if all its nodes are on the set.
     pub(super) fn on(problem: &ProblemData, set: &FacetSet, about: Option<Point>) -> Held {
         let mesh = &problem.mesh;
         let (space, arms, nodes) = (problem.displacement_space(), Arms { mesh, about }, set.node_list());
@@ -99,14 +99,14 @@ impl Held {
         let is_on = |on: &str| mesh.named(on).is_some_and(|held| !set.common(held).is_empty());
         let of_condition = |b: &BoundaryCondition| vec![is_on(&b.on); b.prescriptions(mesh).len()];
         let on: Vec<bool> = problem.boundary.iter().flat_map(of_condition).collect();
-        // What the axis of a sector holds is a condition on no side.
+        // A reaction of the axis of a sector belongs to no side.
         let counts =
             |number: usize| space.prescription_of(number).is_none_or(|given| on.get(given).copied().unwrap_or(true));
         let numbers = numbers(&space, &leaders(&space, &nodes), &bodies, &arms, counts);
         Held { of_heat: false, numbers }
     }
 
-    /// The resultant in a step, N or W per unit of thickness in two dimensions; at t = 0 it is not a number.
+    /// The resultant in a step, N or W, per unit of thickness in two dimensions; NaN at t = 0.
     pub(super) fn resultant(&self, now: &Snapshot) -> Point {
         let Some(report) = now.report else { return [f64::NAN; 3] };
         let all = if self.of_heat { &report.reactions.heat } else { &report.reactions.force };
@@ -115,8 +115,8 @@ impl Held {
     }
 }
 
-/// The numbers of what is prescribed at some nodes, if it counts, and for some rigid bodies, each with what one unit of
-/// it adds to the sum.
+/// The numbers of the counted reactions at some nodes and of some rigid bodies, each with its contribution to the sum
+/// per unit.
 fn numbers(
     space: &Space,
     nodes: &[u32],

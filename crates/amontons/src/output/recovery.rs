@@ -7,10 +7,10 @@
 //! middle of an edge, face or cell, takes the mean of the patches around the inner vertices next to it. For smooth
 //! solutions on regular meshes the values at the nodes converge one order faster than those of the cells.
 //!
-//! A patch never reaches over the boundary of a region: where two materials meet, stresses jump, and a node there has a
-//! value for each region. In a region without inner vertices, such as a layer of one cell, a patch around the node
-//! itself is fitted as far as its points determine a polynomial. Where a value would be a difference of much larger
-//! ones, it is that of a polynomial of a lower degree, at last the mean of the patch.
+//! A patch never crosses the boundary of a region: stresses jump between two materials, and a node there has one value
+//! per region. In a region without inner vertices, such as a layer of one cell, a patch around the node itself is
+//! fitted as far as its points determine a polynomial. A value that would be a difference of much larger ones is
+//! replaced by that of a polynomial of lower degree, at last the mean of the patch.
 
 use std::collections::BTreeSet;
 
@@ -36,11 +36,11 @@ pub(super) type Stencil = Vec<(Sample, f64)>;
 /// Sampling points with the polynomial that is fitted to their values.
 type Patch<'r> = (Vec<Sample>, Fit<'r>);
 
-/// Largest sum of the weights of a value in magnitude, by the degree of the polynomial. On even meshes of triangles and
-/// tetrahedra it is up to 8 at the corner of linear cells, two edges from an inner vertex, and up to 17 at that of
-/// quadratic ones; of points that hardly determine a polynomial, as in a layer of one tetrahedron, it has no bound.
+/// Largest sum of the magnitudes of the weights of a value, by degree of the polynomial. On even meshes of triangles
+/// and tetrahedra it is up to 8 at a corner of linear cells, two edges from an inner vertex, and up to 17 at one of
+/// quadratic cells. For points that hardly determine a polynomial, as in a layer of one tetrahedron, it is unbounded.
 const MOST: [f64; 3] = [1.0, 9.0, 20.0];
-/// Most often that a patch without inner vertices grows by its neighbours.
+/// Number of times that a patch without inner vertices grows by its neighbours.
 const GROWTH: usize = 2;
 
 /// Values at the nodes of each region.
@@ -51,7 +51,7 @@ pub struct NodalStress {
 }
 
 impl NodalStress {
-    /// The stress at a node of a region; none at other nodes.
+    /// The stress at a node of a region, or `None` at other nodes.
     #[must_use]
     pub fn get(&self, region: usize, node: u32) -> Option<Sym> {
         let nodes = self.regions.get(region)?;
@@ -62,7 +62,7 @@ impl NodalStress {
             .map(|(_, stress)| *stress)
     }
 
-    /// The stress at every node of a mesh with this number of nodes: the mean where several regions meet.
+    /// The stress at every node of a mesh with `nodes` nodes: the mean where several regions meet.
     #[must_use]
     pub fn means(&self, nodes: usize) -> Vec<Sym> {
         let mut sums = vec![(Sym::ZERO, 0.0); nodes];
@@ -147,7 +147,7 @@ pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, sample
 
 /// The points of a cell at which its stress is most accurate.
 pub(super) fn sampling(element: &Element) -> Rule {
-    // Three points that are symmetric, as those of the collapsed square are not.
+    // Three symmetric points; those of the collapsed square are not.
     const TRIANGLE: [[f64; 2]; 3] = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
     let quadratic = element.degree > 1;
     let points: Vec<Point> = match element.shape {
@@ -193,7 +193,7 @@ impl<'m> Recovery<'m> {
             list.sort_unstable();
             list.dedup();
         }
-        // The start of each list; filling moves it to the end.
+        // The start of each list; filling advances it to the end.
         let mut start = 0;
         for end in &mut ends {
             (*end, start) = (start, start + *end);
@@ -250,7 +250,7 @@ impl<'m> Recovery<'m> {
         let inner =
             |set: &BTreeSet<u32>| set.iter().copied().filter(|&v| self.is_inner(region, v)).collect::<Vec<u32>>();
         let all: BTreeSet<u32> = cells.iter().flat_map(|&cell| self.vertices_of(cell)).copied().collect();
-        // The ends of the edge, or the vertices of the face or of the cell, that the node is the middle of.
+        // The vertices of the edge, face or cell that has the node in its middle.
         let common: BTreeSet<u32> =
             all.iter().copied().filter(|v| cells.iter().all(|&cell| self.vertices_of(cell).contains(v))).collect();
         let next = || {
@@ -301,7 +301,7 @@ impl<'m> Recovery<'m> {
         if fits.is_empty() {
             add(&self.own_fit(region, node), 1.0);
         }
-        // Samples of one patch are ascending.
+        // Samples of one patch are in ascending order already.
         if fits.len() > 1 {
             terms.sort_by_key(|(sample, _)| *sample);
             terms.dedup_by(|(next, weight), (sample, sum)| {
@@ -315,8 +315,8 @@ impl<'m> Recovery<'m> {
         terms
     }
 
-    /// The fit around a node without an inner vertex near it: over its cells and, until their points determine the
-    /// polynomial, their neighbours.
+    /// The fit around a node without an inner vertex near it: over its cells, and over their neighbours until their
+    /// points determine the polynomial.
     fn own_fit(&self, region: usize, node: u32) -> Patch<'_> {
         let mut cells: Vec<(u32, u32)> = self.around(region, node).collect();
         let mut fit = self.fit(&cells, node);
@@ -332,7 +332,7 @@ impl<'m> Recovery<'m> {
         fit.0
     }
 
-    /// The fit over some cells, ascending, about a node, and whether their points determine it.
+    /// The fit over some cells, ascending, about a node, and true if their points determine it.
     fn fit(&self, cells: &[(u32, u32)], about: u32) -> (Patch<'_>, bool) {
         let (mut samples, mut points) = (Vec::new(), Vec::new());
         let mut values = Vec::new();

@@ -1,17 +1,17 @@
-//! What the results of a run take on the disk, estimated before it starts.
+//! Disk space of the results of a run, estimated before it starts.
 
 use super::{FieldsFormat, OutputField, Snapshot};
 
-/// Bytes that the sides of contact take for each contact point in a snapshot: 20 numbers at its node, its share of the
-/// facets, and as much again on the other side of a pair.
+/// Bytes of the sides of contact per contact point in a snapshot: 20 numbers at its node, its share of the facets, and
+/// the same on the other side of a pair.
 const OF_SURFACE: f64 = 2.0 * 32.0 * 8.0 * 4.0 / 3.0;
 
-/// Bytes that the snapshots, checkpoints and rows of a run take.
+/// Bytes of the snapshots, checkpoints and rows of a run.
 ///
-/// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one that is written; three
-/// checkpoints hold the state, velocities, displacements, temperatures and branches. Where the snapshots are packed in
-/// the end, the packed file is there beside them. `snapshots` has those that are due, and those that are packed and
-/// become files of their own before the run goes on.
+/// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one being written. Three
+/// checkpoints hold the state, velocities, displacements, temperatures and branches. If the snapshots are packed at the
+/// end, the packed file exists in addition to them. `snapshots` holds the number due, and the number of packed ones
+/// that become separate files before the run continues.
 pub(super) fn demand(
     from: &Snapshot,
     (fields, format): (&[OutputField], FieldsFormat),
@@ -32,7 +32,7 @@ pub(super) fn demand(
     let [at_nodes, in_cells] = fields.iter().map(count).fold([0.0; 2], |[nodes, cells], [n, c]| [nodes + n, cells + c]);
     let mechanics = if physics.has_mechanics() { [7.0, 1.0] } else { [0.0; 2] };
     let heat = if physics.has_temperature() { 1.0 } else { 0.0 };
-    // Places, and of each cell its offset, its type and its region.
+    // Positions; and per cell its offset, type and region.
     let numbers = nodes * (3.0 + mechanics[0] + heat + at_nodes) + cells * (mechanics[1] + in_cells);
     let grid = 8.0 * (numbers + of_cells as f64) + 13.0 * cells;
     let points = from.discretization.boundary.points.len() as f64;

@@ -1,17 +1,17 @@
-//! Every value that a run shows, with where it stands, what it means, what it measures and where it lives.
+//! Every value that a run shows, with its place, meaning, measured quantity and location.
 //!
-//! Summary, report, pictures, `manifest.json`, the reference and `amontons explain` ask here, so that one value has one
-//! name and one unit everywhere, and that a maximum says what it is the maximum of: contact points, centres of cells,
+//! Summary, report, pictures, `manifest.json`, the reference and `amontons explain` use this list. So one value has one
+//! name and one unit everywhere, and a maximum says over which locations it is taken: contact points, centres of cells,
 //! nodes, and means about nodes have maxima of their own.
 
 use super::columns::{contact_shown, history_shown};
 use super::{ContactSummary, Final, surface, vtu};
 use crate::units::Measure;
 
-/// Where a value lives.
+/// The location of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lives {
-    /// On all of the body or of a side: a sum, an integral, a count.
+    /// The whole body or a side: a sum, an integral, a count.
     Whole,
     /// At the nodes of the mesh: unknowns of the problem.
     Node,
@@ -23,12 +23,13 @@ pub enum Lives {
     Quadrature,
     /// At the contact points.
     Point,
-    /// At the nodes of a side: of the contact point that the node has, or the mean of the points that it takes part in.
+    /// The nodes of a side: the value of the contact point of the node, or the mean of the points that it takes part
+    /// in.
     Mean,
 }
 
 impl Lives {
-    /// The words behind a value: `5.2 MPa at the centre of a cell`; none of a whole.
+    /// The words after a value: `5.2 MPa at the centre of a cell`; empty for a value of the whole.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -42,14 +43,14 @@ impl Lives {
         }
     }
 
-    /// A text with these words.
+    /// A text followed by these words.
     #[must_use]
     pub fn after(self, text: &str) -> String {
         format!("{text} {}", self.words()).trim_end().to_owned()
     }
 }
 
-/// Where a value stands.
+/// The table or file of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Table {
     /// `summary.json`: numbers of the last good step.
@@ -65,7 +66,7 @@ pub enum Table {
 }
 
 impl Table {
-    /// The file that has it.
+    /// The name of the file.
     #[must_use]
     pub fn file(self) -> &'static str {
         match self {
@@ -81,13 +82,13 @@ impl Table {
 /// A value that a run shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// Where it stands.
+    /// Its table.
     pub table: Table,
     /// Its name there: a key of `summary.json`, a column or an array.
     pub name: String,
-    /// What it measures; none of words, and of norms, whose units are those of no other value.
+    /// The quantity that it measures, or `None` for text, and for norms, whose units no other value has.
     pub measure: Option<Measure>,
-    /// Where it lives.
+    /// Its location.
     pub lives: Lives,
 }
 
@@ -96,14 +97,14 @@ impl Shown {
         Shown { table, name: name.into(), measure, lives }
     }
 
-    /// What it means.
+    /// Its meaning in words.
     #[must_use]
     pub fn meaning(&self) -> &'static str {
         meaning(&self.name)
     }
 }
 
-/// Every value that a run can show, of a body in space; the names of sides are left out.
+/// Every value that a run can show, for a body in space, without the names of sides.
 #[must_use]
 pub fn shown() -> Vec<Shown> {
     let figures = FIGURES.iter().map(|figure| Shown::new(Table::Summary, figure.key, figure.measure, figure.lives));
@@ -119,7 +120,7 @@ pub(super) struct Figure {
     value: Value,
 }
 
-/// How a figure is taken from a summary; none where a run does not have it.
+/// Function that takes a figure from a summary; `None` if a run does not have it.
 enum Value {
     Number(fn(&Final) -> Option<f64>),
     Vector(fn(&Final) -> &[f64]),
@@ -130,7 +131,7 @@ enum Value {
 use Value::{Number, OfContact, Vector, VectorOfContact};
 
 impl Figure {
-    /// Its numbers with their keys; those of a vector end with the component: `final.displacement_max[0]`.
+    /// Its numbers with their keys; for vectors the keys end with the component: `final.displacement_max[0]`.
     pub fn values(&self, last: &Final) -> Vec<(String, f64)> {
         let contact = last.contact.as_ref();
         let (number, vector) = match self.value {
@@ -152,7 +153,7 @@ const fn norm(key: &'static str, value: fn(&Final) -> Option<f64>) -> Figure {
     Figure { key, measure: None, lives: Lives::Whole, value: Number(value) }
 }
 
-/// The figures of the last good step. Those of contact stand for each side, too, below `final.contact.sides`.
+/// The figures of the last good step. Figures of contact also exist per side, below `final.contact.sides`.
 pub(super) static FIGURES: [Figure; 29] = [
     figure("final.displacement_min", Measure::Length, Lives::Node, Vector(|last| &last.displacement_min)),
     figure("final.displacement_max", Measure::Length, Lives::Node, Vector(|last| &last.displacement_max)),
@@ -200,13 +201,13 @@ pub(super) static FIGURES: [Figure; 29] = [
     ),
 ];
 
-/// A text about a figure of the summary, with the words of where it lives.
+/// A text about a figure of the summary, followed by the words of its location.
 pub(super) fn placed(key: &str, text: &str) -> String {
     let lives = FIGURES.iter().find(|figure| figure.key == key).map_or(Lives::Whole, |figure| figure.lives);
     lives.after(text)
 }
 
-/// What values are, by their names without components; of the summary by the last part of the key.
+/// Meanings of values by their names without components; for the summary by the last part of the key.
 const MEANINGS: [(&str, &str); 84] = [
     ("step", "number of the step"),
     ("t", "time"),
@@ -300,7 +301,7 @@ const MEANINGS: [(&str, &str); 84] = [
     ("moment_about_origin", "moment of σν about the origin; about the normal of a plane body"),
 ];
 
-/// Of the summary alone, where other names say the same.
+/// Meanings of keys of the summary whose quantities have other names elsewhere.
 const OF_SUMMARY: [(&str, &str); 7] = [
     ("displacement_l2", "‖u‖ in L²"),
     ("displacement_v", "‖u‖_V = ‖ε(u)‖ in L²"),
@@ -311,7 +312,7 @@ const OF_SUMMARY: [(&str, &str); 7] = [
     ("area", "area in contact"),
 ];
 
-/// What a value is; those of a vector end with an axis.
+/// The meaning of a value; a vector component ends with an axis.
 fn meaning(name: &str) -> &'static str {
     let last = name.rsplit('.').next().unwrap_or(name);
     let of =

@@ -21,11 +21,11 @@ pub struct StudyFolder {
 }
 
 impl StudyFolder {
-    /// A folder for a study; it is created if it is not there.
+    /// A folder for a study, created if it does not exist.
     ///
     /// # Errors
-    /// When it holds a run, or a finished study and `force` is not given; when somebody writes into it, or it cannot be
-    /// created.
+    /// The folder holds a run, or a finished study and `force` is false; another process writes into it; or it cannot
+    /// be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<StudyFolder, OutputError> {
         let path = path.into();
         let holds = |found: &str, advice: &str| {
@@ -54,22 +54,22 @@ impl StudyFolder {
         self.path.join("levels").join(format!("{}.bin", level.level))
     }
 
-    /// States of a level that was finished before with the same case; none if there are none to be had.
+    /// The states of a level finished before with the same case, or `None` if they are missing or unreadable.
     #[must_use]
     pub fn load(&self, level: &Level) -> Option<Vec<State>> {
-        // A file that is damaged or of another case is no level that was finished: it is solved anew.
+        // A level whose file is damaged or of another case is solved anew.
         read_states(&self.file(level), &key(level)).ok()
     }
 
     /// Keeps the states of a finished level.
     ///
     /// # Errors
-    /// When they cannot be written.
+    /// The states cannot be written.
     pub fn keep(&self, level: &Level, states: &[State]) -> Result<(), OutputError> {
         write_states(&self.file(level), &key(level), states)
     }
 
-    /// The table of a study that was finished before with the same inputs; none if there is none to be had.
+    /// The table of a study finished before with the same inputs, or `None` if it is missing or unreadable.
     #[must_use]
     pub fn finished(path: &Path, study: &Study) -> Option<StudyTable> {
         let read = |name: &str| machine::read_text(&path.join(name), LONGEST).ok();
@@ -77,21 +77,21 @@ impl StudyFolder {
         serde_json::from_str(&read("convergence.json")?).ok()
     }
 
-    /// How far the reference of a study with these inputs had come.
+    /// Progress of the reference of an interrupted study with these inputs.
     #[must_use]
     pub fn load_reference(&self, study: &Study) -> Option<ReferenceProgress> {
         let key = study_hash(study);
         let state = read_states(&self.levels(REFERENCE), &key).ok()?.pop()?;
         let (step, worst): (usize, _) =
             serde_json::from_str(&machine::read_text(&self.levels(REFERENCE_ERRORS), LONGEST).ok()?).ok()?;
-        // The two files are written one after the other.
+        // The two files are written one after the other, so their steps may differ.
         (state.step == step).then_some(ReferenceProgress { state, worst })
     }
 
-    /// Keeps how far the reference has come.
+    /// Keeps the progress of the reference.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// It cannot be written.
     pub fn keep_reference(&self, study: &Study, progress: &ReferenceProgress) -> Result<(), OutputError> {
         write_states(&self.levels(REFERENCE), &study_hash(study), std::slice::from_ref(&progress.state))?;
         write_json(&self.levels(REFERENCE_ERRORS), &(progress.state.step, &progress.worst)).map(|_| ())
@@ -100,7 +100,7 @@ impl StudyFolder {
     /// Removes the states of the levels and of the reference, which a finished study does not need.
     ///
     /// # Errors
-    /// When they cannot be removed.
+    /// They cannot be removed.
     pub fn clean(&self) -> Result<(), OutputError> {
         remove_folder(&self.path.join("levels"))
     }
@@ -109,18 +109,18 @@ impl StudyFolder {
         self.path.join("levels").join(name)
     }
 
-    /// Notes what a study has been made of, so that it is known again: the last that a finished study writes.
+    /// Writes the hash of the inputs of a finished study, by which it is recognized. Call this last.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// The file cannot be written.
     pub fn seal(&self, study: &Study) -> Result<(), OutputError> {
         write_atomically(&self.path.join(INPUT), |out| writeln!(out, "{}", study_hash(study))).map(|_| ())
     }
 
-    /// Writes the table, with the text of the case and the files that it refers to beside it.
+    /// Writes the table, the text of the case and the files that it refers to.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// A file cannot be written.
     pub fn finish(&self, table: &StudyTable, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
         write_atomically(&self.path.join("case.toml"), |out| out.write_all(case.as_bytes()))?;
         write_inputs(&self.path, inputs)?;
@@ -129,22 +129,22 @@ impl StudyFolder {
     }
 }
 
-/// Files of a study: the hash of what it depends on, and how far its reference has come.
+/// Files of a study: the hash of its inputs, and the progress of its reference.
 const INPUT: &str = "study.sha256";
 const REFERENCE: &str = "reference.bin";
 const REFERENCE_ERRORS: &str = "reference.json";
 
-/// SHA-256 of what a study depends on: its levels and its reference.
+/// SHA-256 of the inputs of a study: its levels and its reference.
 fn study_hash(study: &Study) -> String {
     let reference = match &study.reference {
         Reference::Level(level) => key(level),
-        // The closed form stands in the case.
+        // The closed form is part of the case.
         Reference::Exact(_) => "exact".to_owned(),
     };
     hash(&study.levels.iter().map(key).chain([reference]).map(|text| hash(&text)).collect::<String>())
 }
 
-/// What the states of a level depend on.
+/// The data that the states of a level depend on.
 fn key(level: &Level) -> String {
     format!("{}\n{}", env!("CARGO_PKG_VERSION"), level.text)
 }

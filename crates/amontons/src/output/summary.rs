@@ -17,7 +17,7 @@ use crate::scheme::{Accumulated, ContactReport, Contraction, Ledger};
 use crate::tensor::Point;
 use crate::units::Units;
 
-/// Why a run ended.
+/// The reason why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outcome {
     /// All steps were made.
@@ -40,9 +40,9 @@ pub enum Outcome {
 pub struct Summary {
     /// Name of the case.
     pub case: String,
-    /// Why the run ended.
+    /// The reason why the run ended.
     pub outcome: Outcome,
-    /// What went wrong, if something did.
+    /// The error, if any.
     pub error: Option<String>,
     /// Spatial dimension d.
     pub dimension: usize,
@@ -58,12 +58,12 @@ pub struct Summary {
     /// The last good step.
     #[serde(rename = "final")]
     pub last: Final,
-    /// What the run was computed with where there is a choice.
+    /// The choices of the program that the run was computed with.
     #[serde(default)]
     pub choices: Vec<Choice>,
     /// Work of the solver.
     pub solver: Solver,
-    /// The last row of the audit, with `closing_error` and `heat_closing_error` divided by what was turned over.
+    /// The last row of the audit, with `closing_error` and `heat_closing_error` divided by the turnover.
     pub energy: Ledger,
     /// Hypotheses and conditions with their numbers.
     pub findings: Vec<Finding>,
@@ -72,18 +72,18 @@ pub struct Summary {
     pub warnings: Vec<Finding>,
     /// Times spent.
     pub seconds: Seconds,
-    /// Most memory that the program held, bytes; none if the system does not report it.
+    /// Peak memory of the program, bytes, or `None` if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
 }
 
 /// Numbers of unknowns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UnknownCounts {
-    /// Of the mechanical step.
+    /// Unknowns of the mechanical step.
     pub displacement: usize,
-    /// Of the heat step.
+    /// Unknowns of the heat step.
     pub temperature: usize,
-    /// Of the mechanical step on Γ_C.
+    /// Unknowns of the mechanical step on Γ_C.
     pub contact: usize,
 }
 
@@ -103,55 +103,55 @@ pub struct Final {
     pub temperature_max: Option<f64>,
     /// Largest von Mises stress at a cell centre, Pa.
     pub von_mises_max: Option<f64>,
-    /// Largest principal strain in magnitude; none without mechanics.
+    /// Largest principal strain in magnitude, or `None` without mechanics.
     #[serde(default)]
     pub strain_max: Option<f64>,
-    /// By how much a temperature since the start was below the least value that the data allow, K; none if they allow
-    /// any.
+    /// Largest amount by which a temperature was below the least value that the data allow, since the start, K, or
+    /// `None` if they allow any.
     #[serde(default)]
     pub undershoot: Option<f64>,
-    /// By how much a temperature since the start was above the largest value that the data allow, K; none if they allow
-    /// any.
+    /// Largest amount by which a temperature was above the largest value that the data allow, since the start, K, or
+    /// `None` if they allow any.
     #[serde(default)]
     pub overshoot: Option<f64>,
-    /// Largest penetration over the height of the lowest cell of its side; none without contact.
+    /// Largest penetration divided by the height of the lowest cell of its side, or `None` without contact.
     #[serde(default)]
     pub penetration_per_cell: Option<f64>,
     /// Norms of the fields.
     pub norms: Norms,
-    /// Contact; none before the first step and without mechanics.
+    /// Contact, or `None` before the first step and without mechanics.
     pub contact: Option<ContactSummary>,
 }
 
 /// Norms of the fields that a problem has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Norms {
-    /// ‖u‖_H; none without mechanics.
+    /// ‖u‖_H, or `None` without mechanics.
     pub displacement_l2: Option<f64>,
-    /// ‖u‖_V = ‖ε(u)‖; none without mechanics.
+    /// ‖u‖_V = ‖ε(u)‖, or `None` without mechanics.
     pub displacement_v: Option<f64>,
-    /// ‖w‖_H; none without mechanics.
+    /// ‖w‖_H, or `None` without mechanics.
     pub velocity_l2: Option<f64>,
-    /// ‖θ‖; none without heat.
+    /// ‖θ‖, or `None` without heat.
     pub temperature_l2: Option<f64>,
 }
 
 /// The state of Γ_C.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
-    /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution. Where a foundation
-    /// slides out of the plane, its third component is there, too; empty between bodies at rest.
+    /// Resultant of σν by component: N/m in the plane, N in space and for a whole body of revolution. If a foundation
+    /// slides out of the plane there is a third component. Empty between bodies at rest.
     pub force: Vec<f64>,
-    /// Moment of σν about the axis of revolution, N m; none where no foundation turns about it.
+    /// Moment of σν about the axis of revolution, N m, or `None` if no foundation turns about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moment: Option<f64>,
-    /// Moment of σν about the origin of the coordinates: about the normal of the plane, N m/m, or its three components
-    /// in space, N m; none of other bodies.
+    /// Moment of σν about the origin: about the normal in the plane, N m/m, or three components in space, N m; `None`
+    /// for other bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moment_about_origin: Option<Vec<f64>>,
-    /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution; none without heat.
+    /// ∫ q·ν: W/m in the plane, W in space and for a whole body of revolution; `None` without heat.
     pub heat_flow: Option<f64>,
-    /// Largest penetration, m; 0 where all is open.
+    /// Largest penetration, m; 0 if all points are open.
     pub penetration_max: f64,
     /// Largest pressure, Pa.
     pub pressure_max: f64,
@@ -161,54 +161,54 @@ pub struct ContactSummary {
     pub stick: usize,
     /// Contact points that slip.
     pub slip: usize,
-    /// Area that is in contact: m²/m in the plane, m² in space and of a whole body of revolution.
+    /// Area in contact: m²/m in the plane, m² in space and for a whole body of revolution.
     #[serde(default)]
     pub area: f64,
-    /// Centre of pressure Σ ω p₊ x / Σ ω p₊, m, by component; zero where nothing presses.
+    /// Centre of pressure Σ ω p₊ x / Σ ω p₊, m, by component; zero without pressure.
     #[serde(default)]
     pub center: Vec<f64>,
-    /// Largest depth worn off, m.
+    /// Largest depth of wear, m.
     #[serde(default)]
     pub wear_max: f64,
-    /// ∫ h, the volume worn off: m³/m in the plane, m³ in space and of a whole body of revolution.
+    /// ∫ h, the volume of wear: m³/m in the plane, m³ in space and for a whole body of revolution.
     #[serde(default)]
     pub wear_volume: f64,
-    /// Of this the volume off each side, by the names of both sides; of a pair.
+    /// The volume of wear of each side of a pair, by the names of the sides.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub wear_volumes: BTreeMap<String, f64>,
-    /// Moment of the contact forces on both bodies of a pair, N m by component, about the normal of the plane or the
-    /// axis of revolution alone: the defect of the angular momentum, zero where both sides lie on one plane.
+    /// Moment of the contact forces on both bodies of a pair, N m by component, in the plane and in a body of
+    /// revolution about its normal or axis alone: the defect of angular momentum. Zero if both sides lie on one plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moment_defect: Option<Vec<f64>>,
-    /// Heat that has left the side since the start, J, by what it passes by: the laws of heat exchange by their names,
-    /// and `friction`, which is negative where friction heats the side. Of one contact.
+    /// Heat that has left the side since the start, J, by mechanism: the laws of heat exchange by their names, and
+    /// `friction`, which is negative if friction heats the side. For a single contact.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub heat_passed: BTreeMap<String, f64>,
-    /// Tension of the section of a bolt, N: N/m in the plane; of one contact with a preload.
+    /// Tension of the section of a bolt, N, in the plane N/m; for a single contact with a preload.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tension: Option<f64>,
-    /// By how much its sides are drawn together, m.
+    /// Distance by which its sides are drawn together, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn: Option<f64>,
-    /// By how much an obstacle has moved along the direction of its load, m; of one contact with such an obstacle.
+    /// Displacement of an obstacle along its load, m; for a single contact with such an obstacle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle_displacement: Option<f64>,
-    /// Area that a fluid wets, as `area` in m²; of one contact with a fluid.
+    /// Area wetted by a fluid, with the unit of `area`, m²; for a single contact with a fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wet_area: Option<f64>,
-    /// When the fluid came through the contact first, s; none as long as it has not.
+    /// Time at which the fluid first leaked through the contact, s, or `None` if it has not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leaks_since: Option<f64>,
-    /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
+    /// θ_F of a foundation with heat capacity, K; for a single contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation_temperature: Option<f64>,
-    /// The contacts by their names, those of their sides if they have none, where there are several.
+    /// Each of several contacts by its name, or by that of its side if it has none.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub sides: BTreeMap<String, ContactSummary>,
 }
 
 impl ContactSummary {
-    /// Sums up the contact points after a step: all of them, or those of one contact.
+    /// Sums up the contact points after a step, of all contacts or of one.
     #[must_use]
     pub fn new(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> ContactSummary {
         let Snapshot { problem, discretization, state, .. } = *now;
@@ -274,7 +274,7 @@ impl ContactSummary {
     }
 }
 
-/// The area that a fluid wets.
+/// The area wetted by a fluid.
 fn wet(now: &Snapshot, contact: &ContactReport, (side, of): (usize, &Contact)) -> Option<f64> {
     of.fluid.as_ref()?;
     let wet = now.state.surface.wet.points.iter().enumerate().filter(|(_, wet)| **wet);
@@ -283,7 +283,7 @@ fn wet(now: &Snapshot, contact: &ContactReport, (side, of): (usize, &Contact)) -
     Some(sum(&mut own.map(|(i, point)| contact.weights.get(i).copied().unwrap_or(point.weight))))
 }
 
-/// The tension of a section with a preload, and by how much its sides are drawn together.
+/// The tension of a section with a preload, and the distance by which its sides are drawn together.
 fn tightened(
     now: &Snapshot,
     of: Option<(usize, &Contact)>,
@@ -294,19 +294,19 @@ fn tightened(
     [Some(0.0 - pressing), now.state.surface.advance.get(side).copied()]
 }
 
-/// By how much the obstacle of a contact has moved along its load.
+/// The displacement of the obstacle of a contact along its load.
 fn moved(now: &Snapshot, (side, of): (usize, &Contact)) -> Option<f64> {
     of.obstacle.as_ref()?.load.as_ref()?;
     now.state.surface.advance.get(side).copied()
 }
 
-/// Heat that has passed a contact, by what it passes by.
+/// Heat that has passed a contact, by mechanism.
 fn passed(of: Option<&Passed>) -> BTreeMap<String, f64> {
     of.map(Passed::by_name).unwrap_or_default()
 }
 
-/// The volume worn off and the largest depth, of all contacts or of one. What has come off bodies that slide over each
-/// other is kept by these, and no longer where their contact points are.
+/// The volume of wear and the largest depth, of all contacts or of one. Wear of pairs is stored on the bodies, because
+/// their contact points move.
 fn worn_off(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> [f64; 2] {
     let Snapshot { problem, discretization, state, .. } = *now;
     let Accumulated { wear, worn, .. } = &state.surface;
@@ -323,14 +323,13 @@ fn worn_off(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> [f6
     [volume, meant().fold(deepest, |most, (_, (_, depth))| depth.max(most))]
 }
 
-/// The volume off each side of a pair that wears.
+/// The volume of wear of each side of a pair.
 fn of_sides(contact: &Contact, volumes: [f64; 2]) -> BTreeMap<String, f64> {
     let sides = contact.sides().zip(volumes).filter(|_| contact.wear.is_some() && contact.pair.is_some());
     sides.map(|(side, volume)| (side.to_owned(), volume)).collect()
 }
 
-/// The components of a moment that a problem has; none of a foundation, on a line, and in a body of revolution that
-/// nothing turns.
+/// The components of the moment that a problem has, or `None` on a line and in a body of revolution that nothing turns.
 fn moment_defect(problem: &Problem, contact: &Contact, moment: &Point) -> Option<Vec<f64>> {
     let (mesh, [_, about_axis, about_plane]) = (&problem.mesh, *moment);
     let components = match mesh.dim {
@@ -350,7 +349,7 @@ fn resultant<'a>(states: impl Iterator<Item = (Weighted, &'a PointState)>) -> Po
     sum.map(|component| 0.0 - component)
 }
 
-/// The moment of the tractions at contact points about the origin, by the components that the body has.
+/// The moment of the tractions at contact points about the origin, with the components that the body has.
 fn about_origin<'a>(problem: &Problem, states: impl Iterator<Item = (Weighted, &'a PointState)>) -> Option<Vec<f64>> {
     const ROUND_OFF: f64 = 1e-9;
     let (mut moment, mut size) = ([0.0; 3], 0.0);
@@ -375,7 +374,7 @@ fn about_origin<'a>(problem: &Problem, states: impl Iterator<Item = (Weighted, &
 struct Weighted {
     weight: f64,
     x: Point,
-    /// Factor that makes a force one on the side `on`.
+    /// Factor that turns a force into the force on the side `on`.
     sign: f64,
 }
 
@@ -388,40 +387,40 @@ pub struct Solver {
     pub newton_mechanics_max: usize,
     /// Newton iterations of heat steps.
     pub newton_heat_total: usize,
-    /// Factorizations of the systems, without those that a resumed run makes again at its start.
+    /// Factorizations of the systems, without those that a resumed run repeats at its start.
     pub factorizations: usize,
-    /// Factorizations of condensed systems on Γ_C; a resumed run makes again those it had kept.
+    /// Factorizations of condensed systems on Γ_C; a resumed run repeats the ones it had kept.
     pub contact_factorizations: usize,
     /// Sweeps over a factor, forward or backward.
     pub sweeps: usize,
-    /// How linear systems were solved: `direct` or `iterative`.
+    /// Solver of the linear systems: `direct` or `iterative`.
     #[serde(default)]
     pub backend: String,
-    /// Why: what either way was predicted to take.
+    /// Reason for the choice: the predicted costs of both.
     #[serde(default)]
     pub backend_reason: String,
-    /// Krylov iterations; 0 where systems are solved by a factor.
+    /// Krylov iterations; 0 with a direct solver.
     #[serde(default)]
     pub krylov_iterations: usize,
-    /// Largest residual of a step, relative to its largest term; one that is round-off, relative to the sizes of what
-    /// its terms are sums of.
+    /// Largest residual of a step, relative to its largest term; a residual that is round-off is relative to the sizes
+    /// of the summands of its terms.
     pub residual_max: f64,
-    /// Passes over both half-steps: one per step where they are staggered.
+    /// Iterations over both half-steps: one per step with staggered coupling.
     pub passes_total: usize,
-    /// Largest contraction factors of the fixed-point coupling over the steps; 0 where there were none.
+    /// Largest contraction factors of the fixed-point coupling over the steps; 0 without any.
     pub contraction_max: Contraction,
-    /// Steps that were made in halves, because one did not converge or could have several solutions.
+    /// Steps made in halves, because a step did not converge or could have several solutions.
     #[serde(default)]
     pub halved_steps: usize,
-    /// Steps in which there may be several solutions, however short their parts.
+    /// Steps that may have several solutions, however short their parts.
     #[serde(default)]
     pub ambiguous_steps: usize,
-    /// Steps at whose end a contact point bears a traction.
+    /// Steps with a contact point that bears a traction at the end.
     #[serde(default)]
     pub contact_steps: usize,
 }
 
-/// Wall-clock times in s, of all sessions of a run.
+/// Wall-clock times in s over all sessions of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Seconds {
     /// Assembling and ordering.
@@ -430,12 +429,12 @@ pub struct Seconds {
     pub factor: f64,
     /// Time stepping.
     pub steps: f64,
-    /// Judging the hypotheses.
+    /// Evaluation of the hypotheses.
     #[serde(default)]
     pub certificate: f64,
-    /// Sinks.
+    /// Output by sinks.
     pub output: f64,
-    /// All of the run.
+    /// The whole run.
     pub total: f64,
 }
 
@@ -479,7 +478,7 @@ pub(crate) fn of_last(last: &Snapshot) -> Final {
 }
 
 impl Summary {
-    /// Sums up a run that ended after `last`; `findings` are those on the data, the audit's are added.
+    /// Sums up a run that ended after `last`. `findings` are those on the data; the findings of the audit are added.
     #[must_use]
     pub fn new(
         last: &Snapshot,
@@ -539,7 +538,7 @@ impl Summary {
 }
 
 impl Summary {
-    /// Why the results of a run cannot be trusted, if they cannot: a figure that is not finite, or an identity that
+    /// The reason why the results of a run cannot be trusted, if any: a figure that is not finite, or an identity that
     /// fails grossly.
     #[must_use]
     pub fn unsound(&self) -> Option<String> {
@@ -565,7 +564,7 @@ impl Summary {
     }
 }
 
-/// A sum, 0 of nothing; `Iterator::sum` of nothing is −0.
+/// A sum that is 0 without terms; `Iterator::sum` would return −0.
 fn sum(values: &mut dyn Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |sum, value| sum + value)
 }

@@ -1,8 +1,8 @@
-//! `contact.pvd` and `contact/*.vtu` for ParaView: the sides of contact as surfaces, with what happens on them.
+//! `contact.pvd` and `contact/*.vtu` for ParaView: the sides of contact as surfaces with their results.
 //!
-//! Every side has nodes of its own here, so that a node of two sides has the values of both. The values at a node are
-//! those of its contact point. Where a node has no point of its own, as with Gauss quadrature and on the mortar side of
-//! a pair, they are the mean of the points that take part in it, weighted by ω |N|.
+//! Every side has its own nodes here, so that a node of two sides has the values of both. A node takes the values of
+//! its contact point. A node without one, as with Gauss quadrature and on the mortar side of a pair, takes the mean of
+//! the points that it takes part in, weighted by ω |N|.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::tensor::Point;
 use crate::units::Measure;
 use crate::vtu::write::{self as grid, Cells, Written as Array};
 
-/// An array at the points: its name, what it measures, whether a problem with these equations has it, and its values.
+/// An array at the points: name, measured quantity, whether a problem with these equations has it, and values.
 struct Field {
     name: &'static str,
     measure: Measure,
@@ -27,7 +27,7 @@ struct Field {
     value: Value,
 }
 
-/// Unknowns at the nodes, in the fields of the body, too.
+/// Nodal unknowns, which are also among the fields of the body.
 const UNKNOWNS: [&str; 2] = ["displacement", "temperature"];
 
 enum Value {
@@ -42,7 +42,7 @@ const fn field(name: &'static str, measure: Measure, is_of: fn(Physics) -> bool,
     Field { name, measure, is_of, value }
 }
 
-/// The arrays in their order. `status` is 0 where the contact is open, 1 where it sticks and 2 where it slips.
+/// The arrays in their order. `status` is 0 for open, 1 for stick and 2 for slip.
 static FIELDS: [Field; 11] = [
     field("displacement", Measure::Length, Physics::has_mechanics, Value::Vector(|node| node.displacement)),
     field("pressure", Measure::Stress, ALWAYS, Value::Scalar(|node| node.mean.pressure)),
@@ -57,7 +57,7 @@ static FIELDS: [Field; 11] = [
     field("weight", Measure::Area, ALWAYS, Value::Scalar(|node| node.weight)),
 ];
 
-/// The arrays at the points with what they measure.
+/// The arrays at the points with the quantities they measure.
 pub(crate) fn measures() -> Vec<(String, Measure)> {
     FIELDS.iter().map(|field| (field.name.to_owned(), field.measure)).collect()
 }
@@ -77,14 +77,14 @@ pub(crate) struct Side<'a> {
     contact: usize,
     /// Name of the facet set.
     on: &'a str,
-    /// What it is called: by the contact where the side bears the points of several.
+    /// Its name; the name of the contact if the side bears the points of several.
     pub name: String,
-    /// Whether it bears the contact points; else it faces the side that does.
+    /// True if it bears the contact points, false if it faces the side that does.
     bears: bool,
 }
 
-/// The sides in the order of their numbers: of each contact the one that bears its points, and the one that this faces
-/// if it is deformable.
+/// The sides in the order of their numbers: per contact the side that bears its points, then the side that it faces if
+/// that is deformable.
 pub(crate) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
     contacts.iter().zip(names_of_points(contacts)).enumerate().flat_map(|(i, (contact, name))| {
         let bearing = Side { contact: i, on: contact.bearing(), name, bears: true };
@@ -129,7 +129,7 @@ impl Field {
     }
 }
 
-/// Γ_C as the step saw it; after a break, what a pair that is updated faces now.
+/// Γ_C as used in the step; after a break, an updated pair is paired anew.
 fn boundary(now: &Snapshot, report: &ContactReport) -> Arc<ContactBoundary> {
     let Snapshot { problem, discretization, state, .. } = *now;
     if let Some(boundary) = &report.boundary {
@@ -140,7 +140,7 @@ fn boundary(now: &Snapshot, report: &ContactReport) -> Arc<ContactBoundary> {
     updated.unwrap_or_else(|| Arc::clone(&discretization.boundary))
 }
 
-/// The nodes of a side, which are ascending, with their values.
+/// The nodes of a side, ascending, with their values.
 fn on_side(
     now: &Snapshot,
     report: &ContactReport,
@@ -185,12 +185,12 @@ fn on_side(
             }
         }
     }
-    // The depth off a body of a pair is kept by the body, and not by the points that it faces now.
+    // The depth of wear of a pair is stored on each body, not at the contact points.
     let depths = &state.surface.worn.depths;
     let depth = |node: &u32| now.discretization.worn.depth(side.contact, is_on, *node, depths).unwrap_or(0.0);
     let links = &now.discretization.v.links;
     let made = of_side.iter().map(|node| {
-        // A node that follows another one shows what happens there, which counts once.
+        // A follower shows the values of its leader, but only the leader counts.
         let link = link_of(links, *node).filter(|_| is_pair);
         let place = of_side.binary_search(&link.map_or(*node, |link| link.to)).unwrap_or(usize::MAX);
         let points = points.get(place).map_or(&[][..], Vec::as_slice);
@@ -207,7 +207,7 @@ fn on_side(
     made.collect()
 }
 
-/// What happens at a contact point, as its side sees it.
+/// Results at a contact point, seen from its side.
 #[derive(Clone, Copy, Default)]
 struct Values {
     pressure: f64,
@@ -224,7 +224,7 @@ struct Values {
 }
 
 impl Values {
-    /// With the state and the weight of the point.
+    /// The results at point `i` with its status and weight.
     fn at(now: &Snapshot, report: &ContactReport, i: usize, point: &PointOnBoundary) -> Option<(Values, Status, f64)> {
         let (state, surface) = (report.states.get(i)?, &now.state.surface);
         let of = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
@@ -241,19 +241,20 @@ impl Values {
         Some((values, state.status, report.weights.get(i).copied().unwrap_or(point.weight)))
     }
 
-    /// As the other side of the pair sees it: forces act back, and what heat does not enter one body enters the other.
+    /// The results seen from the other side of the pair: forces change sign, and heat that does not enter one body
+    /// enters the other.
     fn across(self) -> Values {
         let back = |vector: Point| vector.map(|component| 0.0 - component);
         let (traction, slip) = (back(self.traction), back(self.slip));
         Values { traction, slip, flux: 0.0 - self.flux - self.rubbed, ..self }
     }
 
-    /// The same in the sector of a node in an image.
+    /// The results rotated back from an image to the sector of its node.
     fn turned(self, turn: &Image) -> Values {
         Values { traction: turn.back(&self.traction), slip: turn.back(&self.slip), ..self }
     }
 
-    /// Adds a share of others.
+    /// Adds a share of other values.
     fn add(&mut self, other: &Values, share: f64) {
         let vector =
             |sum: &mut Point, then: &Point| sum.iter_mut().zip(then).for_each(|(sum, then)| *sum += share * then);
@@ -268,13 +269,13 @@ impl Values {
     }
 }
 
-/// A contact point in which a node takes part, with its share of the weight.
+/// A contact point that a node takes part in, with the weight of its share.
 #[derive(Clone)]
 struct OfPoint {
     values: Values,
     status: Status,
     weight: f64,
-    /// Whether it is the point of this node.
+    /// True if it is the node's own point.
     is_own: bool,
 }
 
@@ -283,18 +284,19 @@ struct OfPoint {
 struct Node {
     displacement: Point,
     temperature: f64,
-    /// The mean over its points, their weight, and of this what is open, sticks and slips.
+    /// The mean over its points, their weight, and the parts of the weight that are open, stick and slip.
     mean: Values,
     weight: f64,
     in_state: [f64; 3],
 }
 
 impl Node {
-    /// With its own point; without one, with the mean of the points that it takes part in.
+    /// Sets the values from the node's own point, or else from the mean of the points that it takes part in.
     ///
-    /// Where nodes have points of their own (`has_own`), one without is in the middle of a quadratic facet, whose area
-    /// is that of its vertices. Elsewhere the area of a node is the sum of its shares. Those of Gauss points are values
-    /// of shape functions, whose sum is positive but for the corners of quadratic facets, where their sizes count.
+    /// If nodes have their own points (`has_own`), a node without one is in the middle of a quadratic facet, whose area
+    /// belongs to its vertices. Otherwise the area of a node is the sum of its shares. Shares of Gauss points are
+    /// values of shape functions. Their sum is positive except at corners of quadratic facets, where magnitudes are
+    /// used.
     fn with(mut self, points: &[OfPoint], has_own: bool) -> Node {
         if let Some(own) = points.iter().find(|point| point.is_own) {
             (self.mean, self.weight) = (own.values, own.weight);
@@ -313,7 +315,7 @@ impl Node {
         self
     }
 
-    /// The state of most of its points.
+    /// The status of most of its points.
     fn status(&self) -> i64 {
         let [open, stick, slip] = self.in_state;
         if slip > stick && slip > open { 2 } else { i64::from(stick > open) }
@@ -359,7 +361,7 @@ mod tests {
 
     const UP: &str = r#"{ name = "up", size = [1.0, 1.0], origin = [0.0, 1.0], n = [4, 2] }"#;
 
-    /// With heat that passes through the contact.
+    /// A pair with heat flow through the contact.
     fn pair(more: &str) -> String {
         let low = r#"{ name = "low", size = [1.0, 1.0], n = [3, 3] }"#;
         let contact = format!(
@@ -429,7 +431,7 @@ mod tests {
         assert!(nodes.iter().any(|node| node.mean.pressure > 0.0 && node.displacement[1] < 0.0));
     }
 
-    /// Gauss points hold a body that slides: what the nodes have in sum is what the points have.
+    /// With Gauss points and sliding, the sums over the nodes equal the sums over the points.
     #[test]
     fn gauss_points_are_averaged() {
         let last = solved(column(UP, "on = \"up_bottom\"\nquadrature = \"gauss\""));
@@ -440,7 +442,7 @@ mod tests {
         assert!(last.0[0].iter().all(|node| node.mean.pressure >= least), "means stay in the range of their points");
     }
 
-    /// Action is reaction on nonmatching meshes, whichever side bears the points and whether the pair is updated.
+    /// Action equals reaction on nonmatching meshes, whichever side bears the points, updated or not.
     #[test]
     fn both_sides_of_a_pair_have_the_same_forces_and_heat() {
         for more in ["", "nonmortar = \"low_top\"", "geometry = \"updated\""] {

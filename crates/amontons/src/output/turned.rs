@@ -1,6 +1,6 @@
-//! The rotation of a side or a region: that of the rigid motion nearest to its displacements.
+//! The rotation of a side or a region: the rotation of the rigid motion nearest to its displacements.
 //!
-//! s and ω make ∫ |u − s − ω × (x − c)|² least. About the centre c the two are apart, and J ω = ∫ (x − c) × u with the
+//! s and ω minimize ∫ |u − s − ω × (x − c)|². About the centre c they decouple, and J ω = ∫ (x − c) × u with the
 //! inertia J = ∫ |r|² 1 − r ⊗ r, r = x − c.
 
 use super::Snapshot;
@@ -8,19 +8,19 @@ use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh, cross};
 use crate::tensor::{Point, Sym, dot, length};
 
-/// Share of the largest inertia that is none: that of points on a line about the line.
+/// Fraction of the largest inertia that counts as zero: points on a line have none about the line.
 const NOTHING: f64 = 1e-12;
 
-/// What the displacements of nodes add to the rotation.
+/// Contributions of nodal displacements to the rotation.
 #[derive(Debug)]
 pub(super) struct Turned {
     /// Nodes with ∫ N (x − c), m^d.
     nodes: Vec<(u32, Point)>,
-    /// The axes of the inertia that are not zero, with their inertia.
+    /// The principal axes with nonzero inertia, with their inertia.
     axes: Vec<(f64, Point)>,
 }
 
-/// Points of a rule: nodes with the values of their shape functions, weight, and place.
+/// Points of a rule: nodes with the values of their shape functions, weight, and position.
 type Points = Vec<(Vec<(u32, f64)>, f64, Point)>;
 
 /// The rule that is exact for products of two displacements.
@@ -29,7 +29,7 @@ fn table(element: &'static Element) -> ShapeTable {
 }
 
 impl Turned {
-    /// Of a side, an edge or points; none of a single point.
+    /// The rotation of a side, an edge or points, or `None` for a single point.
     pub(super) fn of_set(mesh: &Mesh, set: &FacetSet) -> Option<Turned> {
         let mut points = Points::new();
         for block in &set.blocks {
@@ -46,7 +46,7 @@ impl Turned {
         Turned::new(mesh, &points)
     }
 
-    /// Of a region, by its number.
+    /// The rotation of a region, by its number.
     pub(super) fn of_region(mesh: &Mesh, region: usize) -> Option<Turned> {
         let mut points = Points::new();
         for block in mesh.blocks.iter().filter(|block| block.region == region) {
@@ -79,7 +79,7 @@ impl Turned {
             let of_point = |i: usize, j: usize| if i == j { square - r[i] * r[j] } else { -r[i] * r[j] };
             inertia += *weight * Sym::from_fn(3, of_point);
         }
-        // In the plane nothing turns about another axis than its normal.
+        // In the plane the only axis is the normal.
         let all = if mesh.dim == 3 { inertia.principal_axes() } else { [(inertia.get(2, 2), [0.0, 0.0, 1.0]); 3] };
         let largest = all.iter().fold(0.0, |most: f64, (value, _)| most.max(*value));
         let count = if mesh.dim == 3 { 3 } else { 1 };
@@ -88,13 +88,13 @@ impl Turned {
         (!axes.is_empty()).then_some(Turned { nodes, axes })
     }
 
-    /// ω, rad.
+    /// The rotation ω, rad.
     pub(super) fn value(&self, now: &Snapshot) -> Point {
         let (n, u) = (now.problem.mesh.dim, &now.state.u);
         let at = |node: u32| -> Point {
             std::array::from_fn(|c| if c < n { u.get(node as usize * n + c).copied().unwrap_or(f64::NAN) } else { 0.0 })
         };
-        // Less the displacement of one node, which turns nothing: it may be larger by far.
+        // The displacement of one node is subtracted: it causes no rotation, but may be much larger.
         let first = self.nodes.first().map_or([0.0; 3], |(node, _)| at(*node));
         let mut moment = [0.0; 3];
         for (node, arm) in &self.nodes {

@@ -13,9 +13,9 @@ use crate::units::Measure;
 use crate::vtu::Grid;
 use crate::vtu::write::{Cells, Written as Array, write};
 
-/// A field that is written beside those that every file has: displacement, velocity and recovered von Mises stress at
-/// the nodes and von Mises stress of the cells if the problem has mechanics, temperature at the nodes if it has heat,
-/// and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
+/// An optional field of the files. Standard fields are displacement, velocity and recovered von Mises stress at the
+/// nodes and von Mises stress of the cells if the problem has mechanics, temperature at the nodes if it has heat, and
+/// region of the cells. Cell values are taken at the centres; tensors have the components xx yy zz xy yz zx.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputField {
     /// Cell data `stress`: σ of (2.1) in Pa.
@@ -27,16 +27,15 @@ pub enum OutputField {
     Principal,
     /// Cell data `heat_flux`: q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// Point data `nodal_stress`: the recovered stress ([`super::nodal_stress`]) in Pa, where regions meet the mean of
-    /// their values.
+    /// Point data `nodal_stress`: the recovered stress ([`super::nodal_stress`]) in Pa, averaged where regions meet.
     NodalStress,
 }
 
 impl OutputField {
-    /// What a file has unless it is said otherwise.
+    /// The optional fields by default.
     pub const DEFAULT: [OutputField; 1] = [OutputField::Stress];
 
-    /// Whether a problem with these equations has the field; one that it does not have is not written.
+    /// True if a problem with these equations has the field. A field that it does not have is not written.
     pub(super) fn is_of(self, physics: Physics) -> bool {
         if self == OutputField::HeatFlux { physics.has_heat() } else { physics.has_mechanics() }
     }
@@ -76,13 +75,13 @@ pub(super) fn shown() -> impl Iterator<Item = Shown> {
     FIELDS.iter().map(|field| Shown::new(Table::Fields, field.name, Some(field.measure), field.lives))
 }
 
-/// What the arrays of the files measure.
+/// The quantities measured by the arrays of the files.
 pub(super) fn measures() -> Vec<(String, Measure)> {
     FIELDS.iter().map(|field| (field.name.to_owned(), field.measure)).collect()
 }
 
-/// Writes the fields of a state as an unstructured grid, compressed by zlib. Stresses at nodes are written with a
-/// recovery on the mesh.
+/// Writes the fields of a state as an unstructured grid, compressed by zlib. Nodal stresses are written if a recovery
+/// is given.
 pub(super) fn write_fields(
     path: &Path,
     now: &Snapshot,
@@ -94,7 +93,7 @@ pub(super) fn write_fields(
     write_atomically(path, |out| write(out, &now.problem.mesh.points, connectivity(now.problem), &points, &cells))
 }
 
-/// Writes a grid that was read to the bytes that [`write_fields`] wrote.
+/// Writes a grid that was read, with the same bytes as [`write_fields`] wrote.
 pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<Written, OutputError> {
     let arrays = |data: &'_ std::collections::BTreeMap<String, crate::vtu::Array>| {
         let place = |name: &str| FIELDS.iter().position(|field| field.name == name).unwrap_or(FIELDS.len());

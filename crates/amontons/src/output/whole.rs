@@ -1,4 +1,4 @@
-//! What a side as a whole has: what holds it, all that acts on it, and its rotation.
+//! Quantities of a side as a whole: reactions, total force, and rotation.
 
 use super::Snapshot;
 use super::borne::Borne;
@@ -18,12 +18,12 @@ pub(super) enum Whole {
     Turned(Turned),
 }
 
-/// The error of a name that the mesh does not have.
+/// The error for a name that the mesh does not have.
 fn unknown(mesh: &Mesh) -> ProbeError {
     ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect())
 }
 
-/// The point about which the moment of a probe is taken.
+/// The reference point of the moment of a probe.
 fn about(problem: &ProblemData, probe: &Probe) -> Point {
     let mesh = &problem.mesh;
     let of_side = |on: &String| {
@@ -39,10 +39,10 @@ fn about(problem: &ProblemData, probe: &Probe) -> Point {
 }
 
 impl Whole {
-    /// What a probe reads.
+    /// The quantity read by a probe.
     ///
     /// # Errors
-    /// Why it cannot be read.
+    /// The reason why it cannot be read.
     pub(super) fn new(problem: &ProblemData, probe: &Probe) -> Result<Whole, ProbeError> {
         let (mesh, quantity, name) = (&problem.mesh, probe.quantity, probe.quantity.name());
         if quantity.is_axial() && (mesh.axisymmetric || mesh.dim == 1) {
@@ -62,7 +62,7 @@ impl Whole {
         }
     }
 
-    /// The vector, or a number in its place.
+    /// The vector, or a scalar in its place.
     pub(super) fn value(&self, now: &Snapshot) -> Point {
         match self {
             Whole::Held(held) => held.resultant(now),
@@ -72,7 +72,7 @@ impl Whole {
     }
 }
 
-/// The nodes of a side, an edge or points whose reaction is asked for.
+/// The reactions at the nodes of a side, an edge or points.
 fn held(problem: &ProblemData, probe: &Probe, about: Option<Point>) -> Result<Whole, ProbeError> {
     let (mesh, Quantity { base, .. }, name) = (&problem.mesh, probe.quantity, probe.quantity.name());
     let prescribed = if base == Base::ReactionHeat { "temperature" } else { "displacement" };
@@ -85,7 +85,7 @@ fn held(problem: &ProblemData, probe: &Probe, about: Option<Point>) -> Result<Wh
     Held::new(problem, base, &nodes, about).map(Whole::Held).ok_or(ProbeError::Free(name, prescribed))
 }
 
-/// The side or the region whose rotation is asked for; none of a single point.
+/// The rotation of a side or a region, or `None` for a single point.
 fn turned(mesh: &Mesh, probe: &Probe) -> Result<Option<Turned>, ProbeError> {
     match &probe.place {
         ProbePlace::On(on, Take::Mean) => Ok(Turned::of_set(mesh, mesh.named(on).ok_or_else(|| unknown(mesh))?)),

@@ -1,4 +1,4 @@
-//! What a run came to, in words: the printed summary and the report say the same.
+//! The results of a run in words, for the printed summary and the report.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
 use crate::problem::Choice;
 use crate::units::{Extent, Measure, Units, beyond};
 
-/// A name and what there is to be said under it.
+/// A name and its text.
 type Row = (String, String);
 
 fn row(name: &str, text: &str) -> Row {
@@ -15,7 +15,7 @@ fn row(name: &str, text: &str) -> Row {
 }
 
 impl Summary {
-    /// The case, how its run ended, and how far it came.
+    /// The case, the outcome of its run, and its progress.
     #[must_use]
     pub fn headline(&self) -> String {
         let state = match self.outcome {
@@ -28,11 +28,11 @@ impl Summary {
         format!("{}: {state}, {} steps to t = {time} in {:.2} s", self.case, self.steps, self.seconds.total)
     }
 
-    /// The results for reading, names and texts: what was asked for first, then how it was computed.
+    /// The results for reading, names and texts: first the requested results, then how they were computed.
     #[must_use]
     pub fn rows(&self) -> Vec<(String, String)> {
         let mechanics = !self.last.displacement_min.is_empty();
-        // A temperature that is given has no balance of heat.
+        // A given temperature has no heat balance.
         let is_balanced = self.unknowns.temperature > 0 || self.energy.heat_turned_over > 0.0;
         let heat = self.last.temperature_min.is_some() && (is_balanced || !mechanics);
         let mut rows = self.of_contact();
@@ -53,7 +53,7 @@ impl Summary {
         rows
     }
 
-    /// Contact on all sides together, and on each where there are several.
+    /// Contact on all sides together, and on each of several.
     fn of_contact(&self) -> Vec<Row> {
         let Some(contact) = self.last.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) else {
             return Vec::new();
@@ -90,7 +90,7 @@ impl Summary {
     }
 }
 
-/// What a run is computed with where there is a choice, a row each; the first has the name.
+/// The choices of the program, one row each; the first row has the name.
 #[must_use]
 pub fn computed_with(choices: &[Choice]) -> Vec<(String, String)> {
     let name = |number: usize| if number == 0 { "computed with" } else { "" };
@@ -99,7 +99,7 @@ pub fn computed_with(choices: &[Choice]) -> Vec<(String, String)> {
     choices.iter().enumerate().map(of).collect()
 }
 
-/// Numbers of unknowns: displacement, temperature, contact, those that a case has.
+/// Numbers of unknowns for displacement, temperature and contact, as far as a case has them.
 #[must_use]
 pub fn unknowns_in_words([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
     let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
@@ -119,7 +119,7 @@ fn phases(seconds: &Seconds) -> String {
     )
 }
 
-/// How linear systems were solved.
+/// The solver of the linear systems.
 fn systems(solver: &Solver) -> Row {
     let way = match solver.backend.as_str() {
         "iterative" => format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations),
@@ -145,7 +145,7 @@ fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
     format!("{low} … {high} {unit}").trim_end().to_owned()
 }
 
-/// What integrals over a body are over. Absent where they are over all of it.
+/// The extent of integrals over a body, or `None` if they cover all of it.
 fn extent(units: Units, mechanics: bool) -> Option<Row> {
     let text = match units.extent {
         Extent::Line => "per unit of cross-section",
@@ -156,13 +156,13 @@ fn extent(units: Units, mechanics: bool) -> Option<Row> {
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
 
-/// The force of a contact times how far it is from the origin.
+/// The largest product of force and distance from the origin of a contact.
 fn lever(contact: &ContactSummary) -> f64 {
     let largest = |v: &[f64]| v.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
     largest(&contact.force) * largest(&contact.center)
 }
 
-/// The moments of a contact, beside moments as large as `beside`.
+/// The moments of a contact, rounded relative to moments as large as `beside`.
 fn moments(contact: &ContactSummary, beside: f64, units: Units) -> impl Iterator<Item = Row> {
     let about_axis = contact.moment.map(|moment| format!("{} about the axis", units.write(moment, Measure::Moment)));
     let about_origin = contact.moment_about_origin.as_ref().filter(|moment| moment.iter().any(|m| *m != 0.0));
@@ -171,8 +171,8 @@ fn moments(contact: &ContactSummary, beside: f64, units: Units) -> impl Iterator
     about_axis.into_iter().chain(about_origin).map(|text| row("moment", &text))
 }
 
-/// Contact on one side or on all, beside forces, stresses and moments as large as these, with wear and the temperature
-/// of the foundation if there are any; between bodies at rest the heat alone.
+/// Contact on one side or on all, rounded relative to the forces, stresses and moments in `beside`, with wear and
+/// foundation temperature if there are any. Between bodies at rest heat only.
 fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units) -> Vec<Row> {
     let [beside, stress, of_moment] = beside;
     let write = |value: f64, measure: Measure| units.write(value, measure);
@@ -228,14 +228,14 @@ fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units
     lines
 }
 
-/// What a fluid wets, and since when it comes through.
+/// The area wetted by a fluid, and the time of the first leak.
 fn wet(contact: &ContactSummary, units: Units) -> Option<Row> {
     let area = units.write(contact.wet_area?, Measure::Area);
     let leaks = contact.leaks_since.map(|t| format!(", comes through since t = {}", units.write(t, Measure::Time)));
     Some(row("fluid", &format!("wets {area}{}", leaks.unwrap_or_default())))
 }
 
-/// The tension of a bolt, and by how much its section is drawn together.
+/// The tension of a bolt, and the distance by which its section is drawn together.
 fn tightened(contact: &ContactSummary, units: Units) -> Option<Row> {
     let [tension, drawn] = [(contact.tension?, Measure::Force), (contact.drawn?, Measure::Length)]
         .map(|(value, of)| units.write(value, of));
@@ -253,7 +253,7 @@ fn at_rest(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
     rows
 }
 
-/// Heat that has passed a contact, where it passes by several ways.
+/// Heat that has passed a contact, by mechanism, if there are several.
 fn by_mechanism(heat: &BTreeMap<String, f64>, units: Units) -> Option<Row> {
     let most = heat.values().fold(0.0, |most: f64, heat| most.max(heat.abs()));
     let write = |heat: f64| units.write_beside(heat, most, Measure::Energy);

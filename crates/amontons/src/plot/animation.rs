@@ -1,4 +1,4 @@
-//! The deformed body with a field, as an animation over the snapshots: a GIF, which every program for slides takes.
+//! The deformed body with a field, as an animation over the snapshots: a GIF, which every slide program accepts.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -12,21 +12,22 @@ use super::picture::Picture;
 use super::{Kind, Options, Panel, PlotError, Run, frames, oblique, plane, raster};
 use crate::output::write_file;
 
-/// Most frames, and most nodes of all frames together.
+/// Largest number of frames, and of nodes in all frames together.
 const FRAMES: usize = 200;
 const NODES: usize = 4_000_000;
-/// Hundredths of a second: of all frames together, of one at least and at most, and of the last.
+/// Hundredths of a second: total duration, least and largest duration of a frame, and duration of the last.
 const ALL: usize = 500;
 const EACH: [usize; 2] = [4, 50];
 const LAST: u16 = 150;
 
-/// Writes `plots/deformed.gif`, `plots/von-mises.gif` or `plots/temperature.gif` of a results folder: the body as it
-/// moves, with the field of a kind in colours. All frames have one scale of colours and show the same place. They are
-/// the snapshots, the times of the options, or so many of the snapshots evenly spaced as fit 200 frames of together
-/// four million nodes. Returns the path.
+/// Writes `plots/deformed.gif`, `plots/von-mises.gif` or `plots/temperature.gif` of a results folder: the moving body,
+/// coloured by the field of a kind. All frames have the same colour scale and window. The frames are the times of the
+/// options, or all snapshots, or evenly spaced ones of them: at most 200 frames of together four million nodes. Returns
+/// the path.
 ///
 /// # Errors
-/// As [`super::folder()`]; also [`PlotError::Data`] for a kind that is no field of a body or of which the run has none.
+/// As [`super::folder()`]; also [`PlotError::Data`] for a kind that is no field of a body or a field that the run
+/// lacks.
 pub fn animation(dir: &Path, kind: Kind, options: &Options) -> Result<PathBuf, PlotError> {
     let results = Results::read(dir)?;
     let times: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
@@ -62,7 +63,7 @@ fn pictures(kind: Kind, runs: &[Run], options: &Options) -> Result<Vec<Picture>,
     Ok(if in_space { oblique::frames(kind, &panels, options) } else { plane::frames(kind, &panels, options) })
 }
 
-/// A palette: colours of a map, darker ones for lines and shades, blends of the foundation with white, greys.
+/// A palette: colours of a map, darker ones for lines and shades, the foundation blended with white, greys.
 struct Palette {
     colors: Vec<[u8; 3]>,
     known: HashMap<[u8; 3], u8>,
@@ -86,7 +87,7 @@ impl Palette {
         Palette { colors, known: HashMap::new() }
     }
 
-    /// The number of the nearest colour.
+    /// The index of the nearest colour.
     fn nearest(&mut self, color: [u8; 3]) -> u8 {
         let away = |c: &[u8; 3]| (0..3).map(|d| (i32::from(c[d]) - i32::from(color[d])).pow(2)).sum::<i32>();
         let colors = &self.colors;
@@ -97,8 +98,8 @@ impl Palette {
     }
 }
 
-/// The smallest rectangle outside of which two images of a width are equal: left, top, width, height; a pixel of equal
-/// images.
+/// The smallest rectangle outside of which two images of a width are equal: left, top, width, height; one pixel for
+/// equal images.
 fn changed(before: &[u8], now: &[u8], width: usize) -> [usize; 4] {
     let differs = |i: &usize| before[*i] != now[*i];
     let rows = || (0..now.len()).filter(differs).map(|i| i / width);
@@ -154,7 +155,7 @@ mod tests {
         let before = [0u8; 20];
         let mut now = before;
         (now[7], now[13]) = (1, 2);
-        // Columns 2 and 3, rows 1 and 2 of five columns.
+        // Columns 2 and 3 of five, rows 1 and 2.
         assert_eq!(changed(&before, &now, 5), [2, 1, 2, 2]);
         assert_eq!(changed(&before, &before, 5), [0, 0, 1, 1]);
     }

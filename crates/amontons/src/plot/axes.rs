@@ -10,12 +10,12 @@ pub(super) const TITLE: f64 = 16.0;
 pub(super) const HEADING: f64 = 13.0;
 pub(super) const LABEL: f64 = 12.0;
 pub(super) const NUMBER: f64 = 11.0;
-/// How far marks stand out of a frame.
+/// Length of marks outside a frame.
 const MARK: f64 = 4.0;
-/// Baseline below the middle of a text, in units of its size.
+/// Distance from the middle of a text down to its baseline, in units of its size.
 pub(super) const HALF: f64 = 0.36;
 
-/// A map from values to places in a picture.
+/// A map from values to positions in a picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     pub values: [f64; 2],
@@ -35,7 +35,7 @@ impl Scale {
     }
 }
 
-/// The least and the greatest of some values; none if no value is finite.
+/// The least and the greatest finite value, or `None` if no value is finite.
 pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     values.into_iter().filter(|v| v.is_finite()).fold(None, |range, v| match range {
         None => Some([v, v]),
@@ -43,12 +43,12 @@ pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
-/// Whether the ends of a range differ by more than round-off.
+/// True if the ends of a range differ by more than round-off.
 pub(super) fn differ([lo, hi]: [f64; 2]) -> bool {
     hi - lo > 1e-9 * lo.abs().max(hi.abs())
 }
 
-/// A range with room at both ends; a range of one value, but for round-off, becomes an interval around it.
+/// A range with margins at both ends. A range of one value, up to round-off, becomes an interval around it.
 pub(super) fn padded([lo, hi]: [f64; 2], share: f64) -> [f64; 2] {
     if differ([lo, hi]) {
         let room = share * (hi - lo);
@@ -59,7 +59,7 @@ pub(super) fn padded([lo, hi]: [f64; 2], share: f64) -> [f64; 2] {
     }
 }
 
-/// `pressure (kPa)`, or `θ (×10^{3} K)` where the unit has no such prefix.
+/// Label of an axis: `pressure (kPa)`, or `θ (×10^{3} K)` if the unit has no such prefix.
 pub(super) fn labelled(quantity: &str, exponent: i32, units: Units, measure: Measure) -> String {
     match units.prefixed(exponent, measure) {
         Some(unit) => with_unit(quantity, 0, &unit),
@@ -67,7 +67,7 @@ pub(super) fn labelled(quantity: &str, exponent: i32, units: Units, measure: Mea
     }
 }
 
-/// `quantity (×10^{3} Pa)`.
+/// Label with a unit: `quantity (×10^{3} Pa)`.
 pub(super) fn with_unit(quantity: &str, exponent: i32, unit: &str) -> String {
     let power =
         if exponent == 0 { String::new() } else { format!("×10^{{{}}}", exponent.to_string().replace('-', "−")) };
@@ -79,7 +79,7 @@ pub(super) fn with_unit(quantity: &str, exponent: i32, unit: &str) -> String {
     }
 }
 
-/// Draws the vertical lines of a grid, and below the frame marks and, if wanted, numbers.
+/// Draws the vertical lines of a grid, marks below the frame and, if `numbers` is true, their numbers.
 pub(super) fn x_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: &Ticks, grid: bool, numbers: bool) {
     let stroke = Stroke::new(INK, 0.8);
     if grid {
@@ -104,7 +104,7 @@ pub(super) fn x_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: 
     }
 }
 
-/// Draws the horizontal lines of a grid, and left of the frame marks and numbers.
+/// Draws the horizontal lines of a grid, and marks and numbers left of the frame.
 pub(super) fn y_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: &Ticks, grid: bool) {
     if grid {
         let lines: Vec<_> =
@@ -120,7 +120,7 @@ pub(super) fn y_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: 
     }
 }
 
-/// Room that the marks and numbers of [`y_marks`] take.
+/// Width of the marks and numbers of [`y_marks`].
 pub(super) fn y_room(ticks: &Ticks) -> f64 {
     MARK + 3.0 + ticks.marks.iter().map(|(_, label)| font::width(label, NUMBER)).fold(0.0, f64::max)
 }
@@ -137,7 +137,7 @@ pub(super) enum Sign {
     Line(Stroke, Option<Marker>),
     /// A filled box.
     Box(Color),
-    /// Nothing: the text stands alone.
+    /// No sign: the text stands alone.
     None,
 }
 
@@ -151,7 +151,8 @@ impl Sign {
     }
 }
 
-/// Places entries of a legend one after the other, beginning new lines where the width ends: offsets and line of each.
+/// Places entries of a legend one after the other and wraps lines at the width. Returns offset and line of each entry,
+/// and the number of lines.
 pub(super) fn flow(entries: &[(Sign, String)], width: f64) -> (Vec<(f64, usize)>, usize) {
     const BETWEEN: f64 = 14.0;
     let (mut x, mut line) = (0.0, 0);
@@ -179,7 +180,7 @@ pub(super) fn line_width(entries: &[(Sign, String)]) -> f64 {
 /// Height of a line of a legend.
 pub(super) const LEGEND: f64 = 18.0;
 
-/// Draws a legend whose first baseline starts at a point; lines are as wide as given.
+/// Draws a legend that starts at this point of its first baseline; `width` is that of its lines.
 pub(super) fn legend(picture: &mut Picture, at: [f64; 2], width: f64, entries: &[(Sign, String)]) {
     let (places, _) = flow(entries, width);
     for ((sign, text), (x, line)) in entries.iter().zip(places) {

@@ -1,4 +1,4 @@
-//! A plane mesh as the pictures need it: triangles, edges, boundary, grid lines.
+//! A plane mesh prepared for pictures: triangles, edges, boundary, grid lines.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use super::PlotError;
 use super::axes;
 use crate::mesh::Mesh;
 
-/// Nodes around a cell of `nodes` nodes in the order of [`crate::element`], and the triangles it is drawn by.
+/// Nodes around a cell of `nodes` nodes in the order of [`crate::element`], and the triangles that draw it.
 pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize; 3]])> {
     match nodes {
         3 => Some((&[0, 1, 2], &[[0, 1, 2]])),
@@ -25,7 +25,7 @@ pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize
 #[derive(Clone, Debug)]
 pub struct Body {
     pub(super) points: Vec<[f64; 2]>,
-    /// Triangles; a cell of four nodes gives two, a quadratic one four or eight.
+    /// Triangles: two per cell of four nodes, four or eight per quadratic cell.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The cell of each triangle.
     pub(super) owners: Vec<u32>,
@@ -37,11 +37,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body of triangles and quadrilaterals, linear or quadratic, by their nodes in the order of VTK.
+    /// A body of triangles and quadrilaterals, linear or quadratic, given by nodes in the order of VTK.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when a cell has another number of nodes or a node that does not exist, or a coordinate is
-    /// not finite.
+    /// [`PlotError::Data`] if a cell has another number of nodes or a missing node, or a coordinate is not finite.
     pub fn new<'a>(points: Vec<[f64; 2]>, cells: impl IntoIterator<Item = &'a [u32]>) -> Result<Body, PlotError> {
         if let Some(node) = points.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
@@ -90,7 +89,7 @@ impl Body {
         if body.cells == 0 {
             return Err(PlotError::Data("the mesh has no cells".to_owned()));
         }
-        // In the order in which the edges came, so that a picture depends on the mesh only.
+        // Edges keep the order in which they came, so that a picture depends on the mesh only.
         body.boundary =
             order.iter().filter_map(|key| sides.get(key)).filter(|side| side.1 == 1).map(|side| side.0).collect();
         body.edges = order;
@@ -100,7 +99,7 @@ impl Body {
     /// The body of a mesh of the library.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when the mesh is not two-dimensional.
+    /// [`PlotError::Data`] if the mesh is not two-dimensional.
     pub fn of_mesh(mesh: &Mesh) -> Result<Body, PlotError> {
         if mesh.dim != 2 {
             return Err(PlotError::Data(format!("the mesh is {}-dimensional, expected a plane one", mesh.dim)));
@@ -114,7 +113,7 @@ impl Body {
         (0..around.len()).map(|i| p(i)[0] * p(i + 1)[1] - p(i + 1)[0] * p(i)[1]).sum::<f64>() * 0.5
     }
 
-    /// The same body with its nodes elsewhere.
+    /// The body with its nodes at other positions.
     pub(super) fn moved(&self, points: Vec<[f64; 2]>) -> Body {
         Body { points, ..self.clone() }
     }
@@ -141,8 +140,8 @@ impl Body {
         window(&self.points)
     }
 
-    /// Lines of nodes that show the mesh: a selection of grid lines where the nodes lie on a grid, else all edges, or
-    /// the boundary alone if there are too many to distinguish.
+    /// Lines of nodes that show the mesh: a selection of grid lines if the nodes lie on a grid, else all edges, or the
+    /// boundary alone if there are too many edges to distinguish.
     pub(super) fn lines(&self) -> Vec<Vec<u32>> {
         const MOST_EDGES: usize = 30_000;
         self.grid_lines().unwrap_or_else(|| {
@@ -151,7 +150,7 @@ impl Body {
         })
     }
 
-    /// Rows and columns of the grid on which the nodes lie, some of them at equal distances.
+    /// Rows and columns of the grid of the nodes, thinned evenly, or `None` if the nodes lie on no grid.
     fn grid_lines(&self) -> Option<Vec<Vec<u32>>> {
         let [wx, wy] = self.window();
         let near = 1e-9 * (wx[1] - wx[0]).max(wy[1] - wy[0]);
@@ -174,7 +173,7 @@ impl Body {
             let mut whole = Vec::new();
             for mut line in family {
                 line.sort_unstable();
-                // Centres of crossed cells make lines of their own, which are not lines of the grid.
+                // Centres of crossed cells form lines that are not grid lines.
                 if line.first().is_some_and(|f| f.0 == 0) && line.last().is_some_and(|l| l.0 == last) {
                     let nodes: Vec<u32> = line.into_iter().map(|(_, n)| n).collect();
                     if !nodes.windows(2).all(|p| is_edge.contains(&[p[0].min(p[1]), p[0].max(p[1])])) {
@@ -204,8 +203,8 @@ fn distinct(values: impl Iterator<Item = f64>, near: f64) -> Vec<f64> {
     values
 }
 
-/// Which of `count` grid lines are drawn: at most 33, evenly spaced where the number allows it, the first and the last
-/// among them.
+/// The drawn ones of `count` grid lines: at most 33, evenly spaced if the number allows it, including the first and the
+/// last.
 fn selection(count: usize) -> Vec<usize> {
     const MOST: usize = 32;
     let intervals = count - 1;
@@ -269,7 +268,7 @@ mod tests {
     #[test]
     fn quadrilaterals_are_two_triangles() -> Result<(), PlotError> {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        // Clockwise, to see that the orientation is mended.
+        // Clockwise, to test that the orientation is corrected.
         let body = Body::new(points, [[0u32, 3, 2, 1].as_slice()])?;
         assert_eq!(
             (body.triangles.len(), body.owners.as_slice(), body.edges.len(), body.boundary.len()),
@@ -279,7 +278,7 @@ mod tests {
         Ok(())
     }
 
-    /// Quadratic cells are drawn by triangles that cover them, along their curved sides.
+    /// The triangles of quadratic cells cover them, along their curved sides.
     #[test]
     fn quadratic_cells_are_covered() -> Result<(), Box<dyn std::error::Error>> {
         for elements in [Elements::P2, Elements::Q2] {

@@ -1,4 +1,4 @@
-//! Small multiples: columns of charts above each other that share the axis below them.
+//! Small multiples: columns of charts that share the axis below them.
 
 use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
 use super::color::{Color, GREY, INK};
@@ -10,10 +10,10 @@ use crate::units::{Measure, Units};
 /// A line of a chart.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
-    /// Entry of the legend; empty for none.
+    /// Entry of the legend; empty for no entry.
     pub label: String,
     pub stroke: Stroke,
-    /// Pieces of the line in values.
+    /// Pieces of the line, in data coordinates.
     pub pieces: Vec<Vec<[f64; 2]>>,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Series {
 pub(super) struct Area {
     pub label: String,
     pub color: Color,
-    /// Polygons in values.
+    /// Polygons, in data coordinates.
     pub polygons: Vec<Vec<[f64; 2]>>,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Chart {
     pub measure: Measure,
     pub areas: Vec<Area>,
     pub series: Vec<Series>,
-    /// Whether the axis must reach zero.
+    /// True if the axis must reach zero.
     pub zero: bool,
 }
 
@@ -45,7 +45,7 @@ impl Chart {
         lines.chain(areas).flatten().map(|p| p[1]).chain(self.zero.then_some(0.0))
     }
 
-    /// Whether all values are zero.
+    /// True if all values are zero.
     fn is_zero(&self) -> bool {
         self.values().all(|v| v.abs() <= 0.0)
     }
@@ -65,13 +65,13 @@ impl Chart {
 /// Charts above each other.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
-    /// Empty for none.
+    /// Title; empty for none.
     pub title: String,
     pub x: [f64; 2],
     pub x_label: String,
     pub x_units: Units,
     pub x_measure: Measure,
-    /// Intervals of x with a colour: a strip on top and a tint behind each chart.
+    /// Coloured intervals of x: a strip on top and a tint behind each chart.
     pub bands: Vec<([f64; 2], Color)>,
     pub charts: Vec<Chart>,
 }
@@ -80,7 +80,7 @@ const HEIGHT: f64 = 112.0;
 const MARGIN: f64 = 16.0;
 const STRIP: f64 = 12.0;
 const MOST_MARKS: usize = 5;
-/// Room above and below the values of a chart, as a share of their range.
+/// Margin above and below the values of a chart, as a fraction of their range.
 const ROOM: f64 = 0.07;
 
 impl Chart {
@@ -109,7 +109,7 @@ impl Column {
         axes::labelled(&self.x_label, exponent, self.x_units, self.x_measure)
     }
 
-    /// Draws the bands from y on with a height.
+    /// Draws the bands as a strip of this height, from y downwards.
     fn draw_bands(&self, picture: &mut Picture, scale_x: &Scale, [y, height]: [f64; 2], opacity: f64) {
         for &([from, to], color) in &self.bands {
             let place = Rect { x: scale_x.at(from), y, width: scale_x.at(to) - scale_x.at(from), height };
@@ -118,7 +118,7 @@ impl Column {
     }
 }
 
-/// Heights at which the parts above the charts stand, and where the first row of charts begins.
+/// Heights of the parts above the charts, and of the start of the first row of charts.
 struct Heads {
     legend: f64,
     titles: f64,
@@ -127,7 +127,7 @@ struct Heads {
 }
 
 impl Heads {
-    /// Below the title: a legend of so many lines, titles of the columns, a strip of bands.
+    /// Layout below the title: a legend of this many lines, titles of the columns, a strip of bands.
     fn new(legend_lines: Option<usize>, columns: &[Column]) -> Heads {
         let mut top = MARGIN + TITLE + 6.0;
         let legend = top + LEGEND;
@@ -145,7 +145,7 @@ impl Heads {
         Heads { legend, titles, strip, charts: top }
     }
 
-    /// Where the frames of the rows begin, below legends of so many lines.
+    /// Upper ends of the frames of the rows, each below a legend of this many lines.
     fn row_tops(&self, legends: &[usize]) -> Vec<f64> {
         let mut y = self.charts;
         let below = |&lines: &usize| {
@@ -157,14 +157,14 @@ impl Heads {
     }
 }
 
-/// The range of charts beside each other. Room is made around all their values at once: a chart of zeros has none of
-/// its own.
+/// The common range of adjacent charts. The margin is added to the range of all values together, because a chart of
+/// zeros has none.
 fn shared_range<'c>(charts: impl Iterator<Item = &'c Chart>) -> Option<[f64; 2]> {
     axes::range(charts.flat_map(Chart::values)).map(|range| axes::padded(range, ROOM))
 }
 
-/// The marks of the upright axis of a chart in a column and a row. Of zeros alone the 0: no other number would be one
-/// of the data.
+/// The marks of the vertical axis of a chart in a column and a row. For zeros only 0 has a mark: any other number would
+/// not come from the data.
 fn marks(columns: &[Column], (c, r): (usize, usize), range: [f64; 2], shared: bool) -> Ticks {
     let chart = &columns[c].charts[r];
     let mut marks = ticks::in_units(range, MOST_MARKS, chart.units, chart.measure);
@@ -243,7 +243,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
 mod tests {
     use super::*;
 
-    /// A chart of a line of these values.
+    /// A chart with a line of these values.
     fn chart(values: [f64; 2]) -> Chart {
         let pieces = vec![vec![[0.0, values[0]], [1.0, values[1]]]];
         let series = vec![Series { label: String::new(), stroke: Stroke::new(INK, 1.0), pieces }];
@@ -251,7 +251,7 @@ mod tests {
         Chart { quantity, units, measure: Measure::Velocity, areas: Vec::new(), series, zero: true }
     }
 
-    /// At a time at which nothing slips the axis is that of the other times, and not one of metres per second.
+    /// At a time without slip the axis is that of the other times, not one of metres per second.
     #[test]
     fn a_shared_axis_is_that_of_the_values() {
         let (slides, still) = (chart([1e-6, 2e-6]), chart([0.0, 0.0]));

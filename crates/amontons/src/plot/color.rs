@@ -16,7 +16,7 @@ impl Color {
         Color { red: (rgb >> 16) as u8, green: (rgb >> 8) as u8, blue: rgb as u8, opacity: 1.0 }
     }
 
-    /// The same colour with an opacity.
+    /// The colour with this opacity.
     pub(super) const fn with_opacity(self, opacity: f64) -> Color {
         Color { opacity, ..self }
     }
@@ -25,20 +25,20 @@ impl Color {
 pub(super) const WHITE: Color = Color::new(0xFF_FF_FF);
 /// Text and frames.
 pub(super) const INK: Color = Color::new(0x22_22_22);
-/// Text that stands back.
+/// Secondary text.
 pub(super) const SOFT: Color = Color::new(0x55_55_55);
 pub(super) const GRID: Color = Color::new(0xE4_E4_E4);
 /// Zero lines and reference shapes.
 pub(super) const GREY: Color = Color::new(0xA8_A8_A8);
 
-/// Colours that colour-blind readers tell apart: M. Okabe and K. Ito, *Color universal design* (2008).
+/// Colours that colour-blind readers can distinguish: M. Okabe and K. Ito, *Color universal design* (2008).
 pub(super) const BLUE: Color = Color::new(0x00_72_B2);
 pub(super) const VERMILION: Color = Color::new(0xD5_5E_00);
 pub(super) const GREEN: Color = Color::new(0x00_9E_73);
 pub(super) const ORANGE: Color = Color::new(0xE6_9F_00);
 pub(super) const PURPLE: Color = Color::new(0xCC_79_A7);
 pub(super) const SKY: Color = Color::new(0x56_B4_E9);
-/// Lines in the order in which they are drawn.
+/// Colours of lines in drawing order.
 pub(super) const LINES: [Color; 6] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
 
 /// Number of intervals between the samples of a colour map.
@@ -47,7 +47,7 @@ const INTERVALS: usize = 32;
 /// A perceptually uniform colour map.
 ///
 /// The tables are samples at i/32 of the maps of the same names in matplotlib (S. van der Walt and N. Smith, 2015),
-/// which are in the public domain (CC0). Interpolated linearly they differ from the originals by less than 2/255.
+/// which are in the public domain (CC0). Linear interpolation differs from the originals by less than 2/255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorMap {
     /// From dark violet over green to yellow.
@@ -64,7 +64,7 @@ impl ColorMap {
         }
     }
 
-    /// Red, green and blue at a place from 0 to 1; places outside have the colour of the nearer end.
+    /// Red, green and blue at a position from 0 to 1; positions outside take the colour of the nearer end.
     #[must_use]
     pub fn at(self, place: f64) -> [u8; 3] {
         let place = if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) * INTERVALS as f64 };

@@ -1,4 +1,4 @@
-//! The contact points of a run, from a table of their columns: that of a file, or that of a run in memory.
+//! The contact points of a run, from a table of their columns: of a file, or of a run in memory.
 
 use super::PlotError;
 use super::run::{ContactRow, SolidContact};
@@ -12,17 +12,17 @@ use crate::problem::Problem;
 pub(super) trait Columns {
     /// Number of rows.
     fn rows(&self) -> usize;
-    /// Whether there is a column.
+    /// True if there is a column of this name.
     fn has(&self, name: &str) -> bool;
-    /// Whether a column has no values: the run does not have the field.
+    /// True if a column has no values because the run does not have the field.
     fn is_empty(&self, name: &str) -> bool;
     /// A column of finite numbers.
     fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError>;
-    /// A column with numbers that need not be there: not a number where they are not.
+    /// A column of optional numbers: NaN where they are missing.
     fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError>;
-    /// A column of words.
+    /// A column of text.
     fn words(&self, name: &str) -> Result<Vec<String>, PlotError>;
-    /// An error that says what is wrong with the table.
+    /// The error for this fault of the table.
     fn fault(&self, what: String) -> PlotError;
 }
 
@@ -90,8 +90,8 @@ impl Columns for &[(String, ContactValues)] {
     }
 }
 
-/// Puts what can be read in the place of pressures, tractions and bounds, which alternate between the nodes of
-/// quadratic facets.
+/// Replaces pressures, tractions and bounds by means of neighbouring points, because they alternate between the nodes
+/// of quadratic facets.
 pub(super) fn read_in_means<R: Tractions>(problem: &Problem, rows: &mut [R]) {
     let (mesh, boundary) = (&problem.mesh, problem.contact_boundary());
     if boundary.points.len() != rows.len() {
@@ -108,7 +108,7 @@ pub(super) fn read_in_means<R: Tractions>(problem: &Problem, rows: &mut [R]) {
     }
 }
 
-/// A contact point whose tractions are drawn: pressure, the components of the friction traction, bound.
+/// A contact point whose tractions are drawn: pressure, three components of the friction traction, bound.
 pub(super) trait Tractions {
     fn tractions(&self) -> [f64; 5];
     fn replace(&mut self, values: [f64; 5]);
@@ -154,13 +154,13 @@ pub(super) fn in_space(table: &impl Columns, sides: &[String]) -> Result<Vec<Sol
     Ok((0..x.len()).map(row).collect())
 }
 
-/// Wear and friction work, zero in a table without them.
+/// Wear and friction work; zero if the table lacks them.
 fn worn(table: &impl Columns, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
     let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
     Ok([column(columns::WEAR.name)?, column(columns::FRICTION_WORK.name)?])
 }
 
-/// The side of each contact point; the first where the table does not say.
+/// The side of each contact point; the first side if the table has no such column.
 fn on_sides(table: &impl Columns, sides: &[String]) -> Result<Vec<usize>, PlotError> {
     if !table.has(columns::SIDE.name) {
         return Ok(vec![0; table.rows()]);
@@ -186,7 +186,7 @@ pub(super) fn in_plane(table: &impl Columns, sides: &[String]) -> Result<Vec<Con
         let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
     };
-    // Out of the plane there are components only where a foundation slides that way.
+    // Components out of the plane exist only if a foundation slides that way.
     let triples = |of: &Column<OnContact>| -> Result<Vec<[f64; 3]>, PlotError> {
         let (plane, out) = (pairs(of)?, of.component(2));
         let out = if table.has(&out) { table.numbers(&out)? } else { vec![0.0; plane.len()] };

@@ -1,4 +1,4 @@
-//! Errors of a convergence study over the mesh width or time step, with the slope of first order.
+//! Errors of a convergence study over the mesh width or time step, with a slope of first order.
 
 use std::path::Path;
 
@@ -10,16 +10,16 @@ use super::ticks::{self, Ticks};
 use super::{Options, PlotError, font};
 use crate::units::{Measure, Units};
 
-/// What Figure 5 of the paper shows: errors of a sequence of discretizations.
+/// The data of Figure 5 of the paper: errors of a sequence of discretizations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvergencePlot {
     /// The title; may have subscripts and superscripts: `θ_{F}`.
     pub title: String,
-    /// What is refined, one value per level: mesh widths h or time steps k, all positive.
+    /// The refined quantity, one value per level: mesh widths h or time steps k, all positive.
     pub sizes: Vec<f64>,
     /// Label of the axis below: `h = k`.
     pub x_label: String,
-    /// Label of the axis on the left, beside its unit if any.
+    /// Label of the axis on the left, with its unit if any.
     pub y_label: String,
     /// The errors.
     pub series: Vec<ErrorSeries>,
@@ -30,7 +30,7 @@ pub struct ConvergencePlot {
 pub struct ErrorSeries {
     /// Name in the legend: `E^{hk}`.
     pub label: String,
-    /// An error a level; errors that are not positive are left out.
+    /// One error per level; errors that are not positive are left out.
     pub errors: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ impl ConvergencePlot {
     /// Reads the study in a `convergence.csv`.
     ///
     /// # Errors
-    /// When the file is missing or damaged.
+    /// The file is missing or damaged.
     pub fn read(path: &Path, options: &Options) -> Result<ConvergencePlot, PlotError> {
         let table = CsvTable::read(path)?;
         let (h, k) = (table.numbers("h")?, table.numbers("k")?);
@@ -53,7 +53,7 @@ impl ConvergencePlot {
             .map(|(name, label)| Ok(ErrorSeries { label: label.to_owned(), errors: table.numbers(name)? }));
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
         let (sizes, x_label) = if h.iter().zip(&k).all(|(h, k)| near(*h, *k)) {
-            // Equal as numbers only: a width and a step have no unit in common.
+            // Equal as numbers only: a width and a time step have different units.
             (h, "h = k".to_owned())
         } else if h.windows(2).all(|h| near(h[0], h[1])) {
             (k, axes::labelled("k", 0, options.units(Units::PLANE), Measure::Time))
@@ -71,7 +71,7 @@ impl ConvergencePlot {
 }
 
 impl ErrorSeries {
-    /// Order observed from the two finest levels, where both errors are positive.
+    /// The order observed on the two finest levels, or `None` if an error there is not positive.
     fn order(&self, h: &[f64]) -> Option<f64> {
         let mut levels: Vec<(f64, f64)> = h.iter().copied().zip(self.errors.iter().copied()).collect();
         levels.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -84,7 +84,7 @@ impl ErrorSeries {
 /// Draws a convergence study.
 ///
 /// # Errors
-/// [`PlotError::Data`] when the numbers of levels differ, a size is not positive, or no error is positive and finite.
+/// [`PlotError::Data`] if the numbers of levels differ, a size is not positive, or no error is positive and finite.
 pub fn convergence(plot: &ConvergencePlot) -> Result<Picture, PlotError> {
     convergence_panels("", std::slice::from_ref(plot))
 }
@@ -202,7 +202,7 @@ fn legend(plot: &ConvergencePlot) -> Vec<(Sign, String)> {
     plot.series.iter().enumerate().map(entry).collect()
 }
 
-/// The widths as marks, `1/64` where they are such; those that would touch their neighbour have no label.
+/// Marks at the widths, labelled `1/64` if they are such fractions; labels that would touch are left out.
 fn level_ticks(h: &[f64], scale: &Scale) -> Ticks {
     let mut levels = h.to_vec();
     levels.sort_unstable_by(f64::total_cmp);
@@ -227,11 +227,11 @@ fn level_ticks(h: &[f64], scale: &Scale) -> Ticks {
 
 /// Corners of a triangle whose upper side has slope 1, below all errors in the right half of the widths.
 fn triangle(plots: &[ConvergencePlot], [lo, hi]: [f64; 2]) -> [[f64; 2]; 3] {
-    // Between a half and four fifths of the way, in the logarithm.
+    // Between 0.5 and 0.8 of the way on the logarithmic axis.
     let at = |s: f64| lo * (hi / lo).powf(s);
     let (a, b) = if hi > lo { (at(0.5), at(0.8)) } else { (lo, lo * 1.2) };
     let lines = plots.iter().flat_map(|p| p.series.iter().map(|s| (&p.sizes, &s.errors)));
-    // The slanted side, e = c·h, is to stay below every error from its lower end on.
+    // The slanted side, e = c·h, must stay below every error from its lower end on.
     let below =
         lines.flat_map(|(h, e)| h.iter().zip(e)).filter(|(h, e)| **h >= a / 2.1 && **e > 0.0).map(|(h, e)| e / h);
     let c = 0.55 * axes::range(below).map_or(1.0, |r| r[0]);

@@ -1,4 +1,4 @@
-//! What a field is called, how it is coloured, and its colour bar.
+//! Names and colours of fields, and their colour bar.
 
 use super::axes::{self, LABEL, NUMBER, Scale};
 use super::color::{Color, ColorMap, INK};
@@ -11,7 +11,7 @@ use crate::units::{Measure, Units};
 
 const BAR: f64 = 14.0;
 
-/// What a field is called and how it is coloured.
+/// Name, symbol, measured quantity and colour map of a field.
 #[derive(Clone, Copy)]
 pub(super) struct Quantity {
     pub name: &'static str,
@@ -37,14 +37,14 @@ impl Quantity {
     }
 }
 
-/// `min 1, max 2 MPa at nodes`: the extremes of a field with the places at which it is known.
+/// `min 1, max 2 MPa at nodes`: the extremes of a field with their locations.
 pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure, lives: Lives) -> String {
     let (low, high, unit) = units.range(extent, measure);
     lives.after(format!("min {}, max {} {unit}", typeset(&low), typeset(&high)).trim_end())
 }
 
-/// The extremes of a field of a body. Stresses are drawn as recovered at the nodes, and the largest at the centre of a
-/// cell, which the summary names, stands beside them.
+/// The extremes of a field of a body. Stresses are drawn as recovered at the nodes; the largest value at the centre of
+/// a cell, which the summary reports, is added.
 pub(super) fn extremes_of_body(kind: Kind, units: Units, extent: [f64; 2], cells: Option<f64>) -> String {
     let measure = Quantity::of(kind).measure;
     let of_nodes = |cells: f64| {
@@ -58,16 +58,16 @@ pub(super) fn extremes_of_body(kind: Kind, units: Units, extent: [f64; 2], cells
     }
 }
 
-/// The largest stress at the centre of a cell beside recovered ones; none where those of the cells are drawn.
+/// The largest stress at the centre of a cell, or `None` if cell values are drawn.
 pub(super) fn largest_in_cells(cells: &[f64], nodal: &[f64]) -> Option<f64> {
     (!nodal.is_empty()).then(|| cells.iter().copied().fold(0.0, f64::max))
 }
 
-/// The range that the colours show: all values, but for the few that lie far above the rest.
+/// The range of the colours: all values, except a few that are far above the rest.
 ///
-/// Stresses are singular in corners and where conditions change; the triangles there would take most of the colours for
-/// themselves. At most a half per cent of the area is left out, and only if the colours then show less than four fifths
-/// of the values.
+/// Stresses are singular in corners and where conditions change; the triangles there would take most of the colours. At
+/// most half a per cent of the area is left out, and only if the colours then cover less than four fifths of the
+/// values.
 pub(super) fn shown(values: &[[f64; 3]], areas: &[f64], [lo, hi]: [f64; 2]) -> [f64; 2] {
     let largest = |corners: &[f64; 3]| corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut by_value: Vec<(f64, f64)> = values.iter().map(largest).zip(areas.iter().copied()).collect();
@@ -88,7 +88,7 @@ pub(super) fn shown(values: &[[f64; 3]], areas: &[f64], [lo, hi]: [f64; 2]) -> [
 pub(super) struct Bar {
     map: ColorMap,
     pub range: [f64; 2],
-    /// Whether there are values above the range: the bar then ends in a point.
+    /// True if there are values above the range: the bar then ends in a point.
     pointed: bool,
     ticks: Ticks,
     label: String,
@@ -99,25 +99,25 @@ impl Bar {
     const POINT: f64 = 10.0;
 
     pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], units: Units, below: bool) -> Bar {
-        // A field of one value has a bar all the same.
+        // A field of one value has a bar, too.
         let shown = axes::padded(range, 0.0);
         let ticks = ticks::in_units(shown, 7, units, quantity.measure);
         let label = axes::labelled(quantity.symbol, ticks.exponent, units, quantity.measure);
         Bar { map: quantity.map, range: shown, pointed: extent[1] > shown[1], ticks, label, below }
     }
 
-    /// The values that have a mark.
+    /// The values with a mark.
     pub(super) fn levels(&self) -> impl Iterator<Item = f64> {
         self.ticks.marks.iter().map(|(level, _)| *level)
     }
 
-    /// Room on the right of the frame.
+    /// Width of the bar and its labels on the right of the frame.
     pub(super) fn room(&self) -> f64 {
         let numbers = self.ticks.marks.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max);
         14.0 + font::width(&self.label, LABEL).max(BAR + 7.0 + numbers)
     }
 
-    /// Draws the bar beside a frame.
+    /// Draws the bar next to a frame.
     pub(super) fn draw(&self, picture: &mut Picture, rect: Rect) {
         const STEPS: u32 = 256;
         let point = if self.pointed { Bar::POINT } else { 0.0 };

@@ -16,9 +16,9 @@ use crate::output::{PACKED, fields_file};
 use crate::problem::Problem;
 use crate::vtkhdf::Reader;
 
-/// Cell types of VTK that are plane: triangles and quadrilaterals, linear and quadratic.
+/// VTK types of plane cells: triangles and quadrilaterals, linear and quadratic.
 const PLANE: [u8; 4] = [5, 9, 22, 28];
-/// Cell types of VTK that are lines.
+/// VTK types of lines.
 const LINES: [u8; 2] = [3, 21];
 
 impl Run {
@@ -26,17 +26,17 @@ impl Run {
     /// `fields.vtkhdf`, `contact.csv` and `history.csv`.
     ///
     /// # Errors
-    /// When a file is missing or is not what a run writes; the error names the file.
+    /// A file is missing or was not written by a run; the error names the file.
     pub fn read(folder: &Path) -> Result<Run, PlotError> {
         let results = Results::read(folder)?;
         results.run(results.snapshots.len() - 1)
     }
 
-    /// Reads the run at several times, each that of the nearest snapshot, in the order of time; without times at those
-    /// of a strip that shows what happens, or at the latest alone where that is at the end.
+    /// Reads the run at the snapshots nearest to several times, in the order of time. Without times the run is read at
+    /// the times of a strip that shows its changes, or at the latest only if the changes are still present there.
     ///
     /// # Errors
-    /// As [`Run::read`]; also [`PlotError::Data`] when a time lies beyond the snapshots.
+    /// As [`Run::read`]; also [`PlotError::Data`] if a time is beyond the snapshots.
     pub fn frames(folder: &Path, times: &[f64]) -> Result<Vec<Run>, PlotError> {
         let results = Results::read(folder)?;
         let snapshots: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
@@ -49,18 +49,18 @@ impl Run {
     }
 }
 
-/// What all times of a run have in common.
+/// The data common to all times of a run.
 pub(super) struct Results<'f> {
     folder: &'f Path,
     pub problem: Arc<Problem>,
     pub history: History,
     /// Times and files of the fields, at least one.
     pub snapshots: Vec<(f64, String)>,
-    /// The one file of all fields; none where each has its own.
+    /// The file of all fields, or `None` if each snapshot has its own.
     packed: Option<Reader>,
 }
 
-/// Whether a results folder has the fields of a run.
+/// True if a results folder has the fields of a run.
 pub(super) fn has_fields(folder: &Path) -> bool {
     ["fields.pvd", PACKED].iter().any(|name| folder.join(name).exists())
 }
@@ -83,7 +83,7 @@ impl Results<'_> {
             (vtu::snapshots(&list)?, None)
         } else {
             let reader = Reader::open(&path).map_err(|what| PlotError::Format { path, what })?;
-            // Under the names that the files would have: those of the contact points are like them.
+            // Names that separate files would have: those of the contact points correspond to them.
             (reader.at().iter().map(|&(step, t)| (t, fields_file(step))).collect(), Some(reader))
         };
         let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
@@ -115,7 +115,7 @@ impl Results<'_> {
             t: *t,
             history: self.history.clone(),
             units: self.problem.units(),
-            // Of another mesh the foundation is not known.
+            // With another mesh the foundation is unknown.
             problem: (self.problem.mesh.points.len() == grid.points.len()).then(|| self.problem.clone()),
             sides,
             ..Run::default()
@@ -137,8 +137,8 @@ impl Results<'_> {
         Ok(run)
     }
 
-    /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not
-    /// written.
+    /// The contact points at the time of a snapshot, or `None` without contact or if they were not written at that
+    /// time.
     fn contact(&self, snapshot: usize) -> Result<Option<CsvTable>, PlotError> {
         if self.problem.contacts.is_empty() {
             return Ok(None);
@@ -203,13 +203,13 @@ fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> 
 
 type Arrays = BTreeMap<String, vtu::Array>;
 
-/// The temperature of each node; empty in a run of mechanics alone.
+/// The temperature of each node; empty in a run of mechanics only.
 fn temperature(grid: &vtu::Grid) -> Result<Vec<f64>, String> {
     let mechanics_alone = has_mechanics(grid) && !grid.point_data.contains_key("temperature");
     if mechanics_alone { Ok(Vec::new()) } else { Ok(array(&grid.point_data, "temperature", 1)?.to_vec()) }
 }
 
-/// The von Mises stress of each cell; empty in a run of heat alone.
+/// The von Mises stress of each cell; empty in a run of heat only.
 fn von_mises(grid: &vtu::Grid) -> Result<Vec<f64>, String> {
     if has_mechanics(grid) { Ok(array(&grid.cell_data, "von_mises", 1)?.to_vec()) } else { Ok(Vec::new()) }
 }

@@ -1,7 +1,7 @@
-//! Text as outlines of an embedded font, so that it looks the same with and without fonts on the system.
+//! Text as outlines of an embedded font, so that it looks the same whatever fonts the system has.
 //!
-//! The font is DejaVu Sans 2.37 (licence beside it), reduced to Latin, Greek and Cyrillic letters and the signs of
-//! mathematics. Texts have one markup: `_{…}` sets a subscript and `^{…}` a superscript.
+//! The font is DejaVu Sans 2.37 (licence next to it), reduced to Latin, Greek and Cyrillic letters and mathematical
+//! signs. Texts have one markup: `_{…}` sets a subscript and `^{…}` a superscript.
 
 use std::sync::OnceLock;
 
@@ -11,7 +11,7 @@ static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 
 /// Size of a subscript or superscript relative to the text.
 const SCRIPT: f64 = 0.72;
-/// How far a subscript is lowered and a superscript raised, in units of the text size.
+/// Offsets of a subscript downwards and of a superscript upwards, in units of the text size.
 const LOWERED: f64 = 0.18;
 const RAISED: f64 = 0.36;
 
@@ -25,7 +25,7 @@ fn face() -> Option<&'static Face<'static>> {
 pub(super) struct Glyph {
     pub id: u16,
     pub x: f64,
-    /// Upwards.
+    /// Offset upwards.
     pub y: f64,
     pub scale: f64,
 }
@@ -49,7 +49,7 @@ pub(super) fn layout(text: &str) -> Layout {
             Place::Super => (SCRIPT, RAISED),
         };
         for c in part.chars() {
-            // A character that the font lacks shows as its box for missing glyphs.
+            // A character missing in the font is shown by its box for missing glyphs.
             let id = face.glyph_index(c).unwrap_or(GlyphId(0));
             out.glyphs.push(Glyph { id: id.0, x: out.width, y, scale });
             out.width += scale * f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / em;
@@ -58,7 +58,7 @@ pub(super) fn layout(text: &str) -> Layout {
     out
 }
 
-/// Width of a text of some size.
+/// Width of a text of this size.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     layout(text).width * size
 }
@@ -75,7 +75,7 @@ enum Place {
     Super,
 }
 
-/// Cuts a text at its markup; what is not closed is text.
+/// Cuts a text at its markup; unclosed markup is text.
 fn parts(text: &str) -> Vec<(&str, Place)> {
     let mut parts = Vec::new();
     let mut rest = text;

@@ -1,5 +1,5 @@
-//! The contact sides of a body in space, each seen from outside the body: pressure, state and direction of slip of each
-//! point, wear.
+//! The contact sides of a body in space, seen from outside the body: pressure, status, slip direction and wear of each
+//! point.
 
 use std::collections::{HashMap, HashSet};
 
@@ -18,35 +18,35 @@ use crate::contact::Status;
 use crate::output::Lives;
 use crate::units::{Measure, Units};
 
-/// Pixels of an image to a unit.
+/// Pixels of an image per unit of the picture.
 const DENSITY: f64 = 2.0;
-/// Most arrows along the longer side of a panel.
+/// Largest number of arrows along the longer side of a panel.
 const ARROWS: f64 = 16.0;
 
-/// A side of Γ_C as it is seen by an eye in front of it.
+/// A side of Γ_C as seen from the front.
 struct Side<'a> {
     title: String,
     rows: Vec<&'a SolidContact>,
     /// Slip velocities up to this one are round-off of the displacement.
     slow: f64,
     view: View,
-    /// The part of the surface whose nodes are the contact points; none if the points are not nodes.
+    /// The part of the surface whose nodes are the contact points, or `None` if the points are not nodes.
     plane: Option<Plane>,
 }
 
-/// From where a side is seen.
+/// The direction from which a side is seen.
 #[derive(Clone, Copy)]
 struct View {
-    /// Unit vectors of the coordinates that are shown; the second points upwards.
+    /// Unit vectors of the two drawn coordinates; the second points upwards.
     along: [[f64; 3]; 2],
     labels: [&'static str; 2],
-    /// Whether the first coordinate runs to the left.
+    /// True if the first coordinate runs to the left.
     mirrored: bool,
 }
 
 impl View {
-    /// The view of an eye in this direction: z upwards, or y, so that the eye sees the surface as it is and not through
-    /// the body.
+    /// The view from this direction, with z upwards, or y, so that the surface is seen from outside and not through the
+    /// body.
     fn new(eye: [f64; 3]) -> View {
         const NAMES: [&str; 3] = ["x", "y", "z"];
         const ALONG_AXIS: f64 = 0.985;
@@ -73,25 +73,25 @@ impl View {
     }
 }
 
-/// A part of a surface that is seen in a plane.
+/// A part of a surface projected onto a plane.
 struct Plane {
     body: Body,
     /// Nodes of each facet.
     facets: Vec<Vec<u32>>,
-    /// The contact point of each node that bears one, of the rows of the side.
+    /// The row of the contact point of each node of the side, if it has one.
     rows: Vec<Option<usize>>,
 }
 
 /// A quantity at the contact points.
 struct Field {
     quantity: Quantity,
-    /// Whether it is the pressure, which may be drawn as the mean of neighbouring points.
+    /// True for the pressure, which may be drawn as the mean of neighbouring points.
     is_pressure: bool,
     of: fn(&SolidContact) -> f64,
 }
 
 impl Field {
-    /// What a picture shows: pressure, and work of friction where there is some, or wear.
+    /// The fields of a picture: pressure, and friction work if there is some, or wear.
     fn of(kind: Kind, panels: &[Panel]) -> Vec<Field> {
         let field = |name, symbol, measure, map, of| {
             let quantity = Quantity { name, symbol, measure, map };
@@ -111,7 +111,7 @@ impl Field {
     }
 }
 
-/// The sides of a run, each from in front; one that bends around, such as a bore, from two opposite directions.
+/// The sides of a run, each from the front; a curved side such as a bore from two opposite directions.
 fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'a>>, PlotError> {
     let count = solid.contact.iter().map(|row| row.side + 1).max().unwrap_or(0);
     let largest = solid.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
@@ -130,18 +130,18 @@ fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'
 
 impl<'a> Side<'a> {
     fn of(title: String, rows: &[&'a SolidContact], solid: &Solid) -> Result<Vec<Side<'a>>, PlotError> {
-        // Positions have the same bits in both files; adding zero makes −0 and 0 one.
+        // Positions have the same bits in both files; adding zero makes −0 equal to 0.
         let key = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
         let numbers: HashMap<[u64; 3], usize> = rows.iter().enumerate().map(|(i, row)| (key(row.x), i)).collect();
         let surface = &solid.surface;
         let row = |n: u32| numbers.get(&key(surface.points[n as usize])).copied();
-        // Vertices of quadratic triangles may bear no contact point.
+        // Vertices of quadratic triangles may have no contact point.
         let bearing =
             |nodes: &[u32]| nodes.iter().skip(if nodes.len() == 6 { 3 } else { 0 }).all(|&n| row(n).is_some());
         let facets: Vec<usize> = (0..surface.facets.len()).filter(|&f| bearing(&surface.facets[f].0)).collect();
         let on_facets: HashSet<u32> = facets.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
         if on_facets.iter().filter(|&&n| row(n).is_some()).count() != rows.len() {
-            // The points alone: they lie flattest along the axis of their least extent.
+            // Only the points are drawn, seen along the axis of their least extent.
             let extent = |d: usize| axes::range(rows.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);
             let axis = (0..3).min_by(|&i, &j| extent(i).total_cmp(&extent(j))).unwrap_or(2);
             let eye = [0, 1, 2].map(|d| if d == axis { 1.0 } else { 0.0 });
@@ -182,7 +182,7 @@ impl<'a> Side<'a> {
         Ok(all)
     }
 
-    /// The rows that are seen.
+    /// The visible rows.
     fn seen(&self) -> Vec<&'a SolidContact> {
         match &self.plane {
             Some(plane) => plane.rows.iter().flatten().filter_map(|&row| self.rows.get(row).copied()).collect(),
@@ -198,7 +198,7 @@ impl<'a> Side<'a> {
         window(&self.seen().into_iter().map(|row| self.at(row)).collect::<Vec<_>>())
     }
 
-    /// A panel for each field, which has these extents, and one for the states.
+    /// One panel per field, with these extents, and one for the status.
     fn plans(&self, fields: &[Field], extents: &[[f64; 2]], has_states: bool, units: Units) -> Vec<Plan> {
         let heading =
             |what: &str| if self.title.is_empty() { what.to_owned() } else { format!("{}: {what}", self.title) };
@@ -227,8 +227,8 @@ impl<'a> Side<'a> {
         fields.iter().zip(extents).map(field).chain(states).collect()
     }
 
-    /// What is said of pressures: where they are means of neighbouring points, also the largest at a point, which the
-    /// summary names.
+    /// The note on pressures. If they are means of neighbouring points, it adds the largest one at a point, which the
+    /// summary reports.
     fn pressures(&self, note: &dyn Fn(Lives) -> String, units: Units) -> String {
         if self.rows.iter().all(|row| (row.pressure - row.point_pressure).abs() <= 0.0) {
             return note(Lives::Point);
@@ -237,7 +237,7 @@ impl<'a> Side<'a> {
         format!("{}; {}", note(Lives::Mean), up_to_at_point(most, units, Measure::Stress))
     }
 
-    /// Radius of a dot: dots of evenly spread points do not touch.
+    /// Radius of a dot, such that evenly spread dots do not touch.
     fn radius(&self, frame: &Frame) -> f64 {
         let Rect { width, height, .. } = frame.rect;
         (0.33 * (width * height / self.rows.len().max(1) as f64).sqrt()).clamp(0.8, 5.0)
@@ -289,7 +289,7 @@ impl<'a> Side<'a> {
         self.arrows(picture, frame, &seen);
     }
 
-    /// The direction in which the body slips on the foundation, at most one arrow in each square of a grid.
+    /// Draws the slip direction of the body on the foundation, at most one arrow per square of a grid.
     fn arrows(&self, picture: &mut Picture, frame: &Frame, seen: &[&SolidContact]) {
         let each = frame.rect.width.max(frame.rect.height) / ARROWS;
         let mut taken = HashSet::new();
@@ -326,7 +326,7 @@ fn axis_name(eye: [f64; 3]) -> &'static str {
 }
 
 impl Plane {
-    /// The values at the nodes, of which those at contact points are known: the mean of what the facets say.
+    /// The values at the nodes, given those at contact points: the mean over the facets of a node.
     fn values(&self, known: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
         let at = |n: u32| self.rows.get(n as usize).copied().flatten().and_then(&known);
         let mut sums = vec![(0.0, 0.0); self.rows.len()];
@@ -339,16 +339,16 @@ impl Plane {
     }
 }
 
-/// The values at the nodes of a facet: those that are known, and at a vertex of a quadratic triangle without one that
-/// of the linear function through the midpoints, not below 0.
+/// The values at the nodes of a facet. At a vertex of a quadratic triangle without a value it is that of the linear
+/// function through the midpoints, not below 0.
 fn extended(nodes: &[u32], known: impl Fn(u32) -> Option<f64>) -> Vec<(u32, f64)> {
     let value = |i: usize| nodes.get(i).and_then(|&n| known(n)).unwrap_or_default();
-    // Midpoint 3 lies between the vertices 0 and 1, 4 between 1 and 2, 5 between 2 and 0.
+    // Midpoint 3 is between the vertices 0 and 1, 4 between 1 and 2, 5 between 2 and 0.
     let from_midpoints = |i: usize| (value(3 + i) + value(3 + (i + 2) % 3) - value(3 + (i + 1) % 3)).max(0.0);
     nodes.iter().enumerate().map(|(i, &n)| (n, known(n).unwrap_or_else(|| from_midpoints(i)))).collect()
 }
 
-/// A disc as a polygon of ten corners.
+/// A disc as a polygon with ten corners.
 fn dot_at([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / 10.0;
     (0..10).map(|i| [x + radius * angle(i).cos(), y + radius * angle(i).sin()]).collect()
@@ -378,7 +378,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
     let mut rows = Vec::new();
     let legend: Vec<(Sign, String)> = STATUSES.map(|s| (Sign::Box(color(s)), s.name().to_owned())).to_vec();
     let heading = title(panels, if has_states { "contact" } else { "wear" }, options);
-    // A row of panels per side and time.
+    // One row of panels per side and time.
     for (s, (side, extents)) in all.iter().zip(extents.chunks(fields.len().max(1))).enumerate() {
         let plans = side.plans(&fields, extents, has_states, units);
         let wide = sheet::is_wide(&plans);
@@ -406,7 +406,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
     let sheet = Picture::stacked(heading.clone(), rows, Some("sides").filter(|_| panels.len() == 1));
     Ok(sheet.headed(&heading, if has_states { &legend } else { &[] }))
 }
-/// `up to 3 MPa at a contact point`.
+/// Note on a maximum: `up to 3 MPa at a contact point`.
 fn up_to_at_point(most: f64, units: Units, measure: Measure) -> String {
     Lives::Point.after(&format!("up to {}", typeset(&units.write(most, measure))))
 }

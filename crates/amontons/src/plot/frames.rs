@@ -1,15 +1,15 @@
-//! Which times of a run are drawn.
+//! Selection of the times of a run that are drawn.
 
 use super::PlotError;
 use super::run::History;
 use crate::output::columns;
 
-/// Frames of a strip that is not asked for by its times.
+/// Number of frames of a strip without given times.
 const FRAMES: usize = 4;
-/// What is above this share of its largest value at the end has its story there.
+/// A quantity above this fraction of its maximum counts as still present at the end.
 const STILL_THERE: f64 = 0.8;
 
-/// Evenly spaced ones of a number of snapshots, at most so many, the first and the last among them.
+/// At most `most` evenly spaced snapshots, including the first and the last.
 pub(super) fn evenly(snapshots: usize, most: usize) -> Vec<usize> {
     if snapshots <= most {
         return (0..snapshots).collect();
@@ -41,13 +41,13 @@ fn nearest(t: f64, snapshots: &[f64]) -> Option<usize> {
     (0..snapshots.len()).min_by(|&i, &j| (snapshots[i] - t).abs().total_cmp(&(snapshots[j] - t).abs()))
 }
 
-/// The end alone where the story is there, else a strip of frames between which equal amounts of change lie.
+/// The last snapshot only, or a strip of frames with equal amounts of change between them.
 ///
-/// Four quantities tell the story: elastic energy, contact force, power of friction and heat content. It is at the end
-/// if each of them is there still at least four fifths of its largest value. Else the change of a run up to a time is
-/// the sum of their variations, each divided by its variation over the whole run; the frames are the snapshots nearest
-/// to the times at which a quarter, a half and three quarters of it have passed, and the end. A snapshot at t = 0 is
-/// not among them.
+/// Four quantities count: elastic energy, contact force, friction power and heat content. If each of them is still at
+/// least four fifths of its maximum at the end, the last snapshot is enough. Otherwise the change of a run up to a time
+/// is the sum of their variations, each divided by its variation over the whole run. The frames are the snapshots
+/// nearest to the times at which a quarter, a half and three quarters of it have passed, and the end. A snapshot at t =
+/// 0 is not among them.
 pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
     let Some(end) = snapshots.len().checked_sub(1) else { return Vec::new() };
     let times = history.get(columns::TIME.name).map_or(&[][..], Vec::as_slice);
@@ -79,7 +79,7 @@ pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
     chosen
 }
 
-/// Elastic energy, contact force, power of friction and heat content over time, those that are not zero throughout.
+/// Elastic energy, contact force, friction power and heat content over time, without those that are zero throughout.
 fn story(history: &History, times: &[f64]) -> Vec<Vec<f64>> {
     let column = |name: &str| history.get(name).filter(|values| values.len() == times.len());
     let force = (0..times.len()).map(|i| {
@@ -120,7 +120,8 @@ mod tests {
         assert_eq!(choose(&history(&[]), &snapshots()), [20]);
     }
 
-    /// A force that rises evenly to t = 0.4 and is gone at 0.8: quarters of its variation lie at 0.2, 0.4 and 0.6.
+    /// A force that rises linearly until t = 0.4 and is zero from 0.8: quarters of its variation are at 0.2, 0.4 and
+    /// 0.6.
     #[test]
     fn a_story_before_the_end_is_a_strip_of_equal_change() {
         let force = |t: f64| if t < 0.4 { t } else { (0.8 - t).max(0.0) };
@@ -136,7 +137,7 @@ mod tests {
         assert_eq!(evenly(100, 2), [0, 99]);
     }
 
-    /// Work that is done within the first tenth: its power is over at the end, though the work itself is not.
+    /// Work done within the first tenth: its power is zero at the end, though the work is not.
     #[test]
     fn power_counts_and_not_work() {
         let chosen = choose(&history(&[("friction_dissipation", |t| 10.0 * t.min(0.1))]), &snapshots());

@@ -1,4 +1,4 @@
-//! The foundation as it stands at the time of a picture: obstacles by their exact surface, others by their gap.
+//! The foundation at the time of a picture: obstacles by their exact surface, others by their gap.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -12,21 +12,21 @@ use crate::output::columns;
 use crate::problem::Problem;
 use crate::tensor::{Point, dot, length};
 
-/// Cells of the grid along the longer side of a window in which the surface of an obstacle is sought.
+/// Number of grid cells along the longer side of a window in which the surface of an obstacle is searched.
 const GRID: usize = 160;
-/// Halvings of an edge of that grid: a crossing is found to 1e-12 of its length.
+/// Number of bisections of a grid edge: a crossing is found to 1e-12 of its length.
 const HALVINGS: usize = 40;
 
 /// The surface of a foundation in the plane.
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
-    /// Lines along the surface, the matter of the foundation on their right.
+    /// Lines along the surface, with the foundation on their right.
     pub lines: Vec<Vec<[f64; 2]>>,
-    /// A point of the surface and the velocity of the foundation there, m/s, where it moves.
+    /// A point of the surface and the velocity of the foundation there, m/s, if it moves.
     pub moves: Option<([f64; 2], [f64; 2])>,
 }
 
-/// The problem with obstacles under a load where the history of its run has them.
+/// The problem with loaded obstacles at the displacements recorded in the history of its run.
 pub(super) fn found(problem: &Arc<Problem>, history: &History) -> Arc<Problem> {
     let is_loaded = |contact: &Contact| contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
     if !problem.contacts.iter().any(is_loaded) {
@@ -44,9 +44,9 @@ pub(super) fn found(problem: &Arc<Problem>, history: &History) -> Arc<Problem> {
     Arc::new(problem.with_found(&of))
 }
 
-/// Whether displacements and gaps of a body can be enlarged alike so that touching points still touch: every side that
-/// bears contact is flat, and its gap the same along it. An enlarged displacement beside an obstacle, a curved side or
-/// a gap that varies would be false.
+/// True if displacements and gaps of a body can be enlarged by one factor so that touching points still touch: every
+/// contact side is flat with constant gap. At an obstacle, a curved side or a varying gap an enlarged displacement
+/// would be false.
 pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
     problem.contacts.iter().enumerate().all(|(side, contact)| {
         let of_pair = contact.pair.is_none() || (contact.gap.is_zero() && touches(problem, side));
@@ -58,7 +58,7 @@ pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
     })
 }
 
-/// The foundations of a plane body whose displacements and gaps are drawn `factor` times as large; obstacles in a
+/// The foundations of a plane body, with displacements and gaps drawn `factor` times as large, and obstacles within a
 /// window of the picture.
 pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, window: [[f64; 2]; 2]) -> Vec<Ground> {
     let of = |contact: &Contact| {
@@ -72,12 +72,12 @@ pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, windo
     foundations(problem).filter_map(of).collect()
 }
 
-/// The contacts with a foundation that is drawn: the other side of a pair is a body.
+/// The contacts whose foundation is drawn; the other side of a pair is a body.
 fn foundations(problem: &Problem) -> impl Iterator<Item = &Contact> {
     problem.contacts.iter().filter(|contact| contact.pair.is_none())
 }
 
-/// Whether the sides of a pair touch all along at rest.
+/// True if the sides of a pair touch everywhere at rest.
 fn touches(problem: &Problem, side: usize) -> bool {
     let mesh = &problem.mesh;
     let extent = |c: usize| super::axes::range(mesh.points.iter().map(|x| x[c])).map_or(0.0, |[low, high]| high - low);
@@ -86,8 +86,8 @@ fn touches(problem: &Problem, side: usize) -> bool {
     boundary.points.iter().filter(|point| point.contact == side).all(|point| point.gap.abs() <= 1e-9 * size)
 }
 
-/// Points of the foundation that a picture should show: without an obstacle its surface, else the foot below the
-/// nearest point of the side.
+/// Points of the foundation that a picture should show: its surface, or for an obstacle the foot of the nearest point
+/// of the side.
 pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, factor: f64) -> Vec<[f64; 2]> {
     let mut all = Vec::new();
     for contact in foundations(problem) {
@@ -108,8 +108,8 @@ pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, f
     all
 }
 
-/// Velocity of the foundation of a contact at a point: that of its obstacle as a whole, or of its surface along its
-/// normal, and v_F.
+/// Velocity of the foundation of a contact at a point: the sum of v_F and the velocity of its obstacle, or of its
+/// surface along its normal.
 fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Point>, t: f64) -> Point {
     let h = 1e-6 * problem.timeline.end();
     let [from, to] = [(t - h).max(0.0), (t + h).min(problem.timeline.end())];
@@ -123,14 +123,14 @@ fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Poin
             if length(&moves) > 0.0 {
                 moves
             } else {
-                // Distances fall where the surface comes nearer.
+                // The distance decreases if the surface approaches.
                 along_normal(
                     (obstacle.nearest(x, from).distance - obstacle.nearest(x, to).distance) / (to - from),
                     &at.normal,
                 )
             }
         }
-        // The gap is along the normal of the body.
+        // The gap is measured along the normal of the body.
         None => normal.map_or([0.0; 3], |n| {
             along_normal((contact.gap.value(x, to) - contact.gap.value(x, from)) / (to - from), &n)
         }),
@@ -143,7 +143,7 @@ fn moving(at: [f64; 2], v: Point) -> Option<([f64; 2], [f64; 2])> {
     (length(&v) > 0.0 && v.iter().all(|c| c.is_finite())).then_some((at, [v[0], v[1]]))
 }
 
-/// Chains of nodes along the boundary of a body that a facet set has, the body on their left.
+/// Chains of boundary nodes of a body that belong to a facet set, with the body on their left.
 fn chains(body: &Body, set: &FacetSet) -> Vec<Vec<u32>> {
     let nodes: HashSet<[u32; 2]> = set.facets().flat_map(|(_, facet)| pairs(facet)).collect();
     let edges: Vec<[u32; 2]> =
@@ -151,7 +151,7 @@ fn chains(body: &Body, set: &FacetSet) -> Vec<Vec<u32>> {
     chained(&edges)
 }
 
-/// The pieces of a segment, whose middle node is the last, by their ends in ascending order.
+/// The pieces of a segment, whose middle node is last, each with its ends in ascending order.
 fn pairs(facet: &[u32]) -> Vec<[u32; 2]> {
     let pair = |a: u32, b: u32| [a.min(b), a.max(b)];
     match *facet {
@@ -214,7 +214,7 @@ fn offset(problem: &Problem, contact: &Contact, chains: &[Vec<u32>], body: &Body
     ground
 }
 
-/// The surface of an obstacle, moved outwards by minus the gap that is added to its distance, in a window.
+/// The surface of an obstacle within a window, moved outwards by minus the gap, which is added to its distance.
 fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, window: [[f64; 2]; 2]) -> Ground {
     let level = |p: [f64; 2]| {
         let x = [p[0], p[1], 0.0];
@@ -236,7 +236,7 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
 /// An edge of a grid by its ends, the lower one first.
 type Edge = ((usize, usize), (usize, usize));
 
-/// Lines on which a level is zero, the negative side on their right; where it is not a number counts as positive.
+/// Lines on which a level is zero, with its negative side on their right; a level that is NaN counts as positive.
 fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
     let (width, height) = (wx[1] - wx[0], wy[1] - wy[0]);
     let size = width.max(height) / GRID as f64;
@@ -257,8 +257,8 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
         }
         [0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])]
     };
-    // Edges of the grid by their lower end and direction; a segment starts where a turn around its cell enters the
-    // obstacle and ends where it leaves it.
+    // Grid edges by their lower end and direction. A segment starts where a turn around its cell enters the obstacle,
+    // and ends where it leaves it.
     let key = |a: (usize, usize), b: (usize, usize)| -> Edge { if a < b { (a, b) } else { (b, a) } };
     let mut next: HashMap<Edge, Edge> = HashMap::new();
     let mut order = Vec::new();
@@ -294,19 +294,17 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
     lines
 }
 
-/// Part of the foundation below a side of a body in space: triangles of points of its surface, somewhat larger than the
-/// side.
+/// Part of the foundation below a side of a body in space: triangles of surface points, somewhat larger than the side.
 pub(super) struct Patch {
     pub points: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
-    /// Mean normal of the body there, which points into the foundation.
+    /// Mean normal of the body there, pointing into the foundation.
     pub normal: [f64; 3],
 }
 
-/// The foundation below the contact sides of a body in space, whose nodes are displaced by `factor` times their
-/// displacements.
+/// The foundation below the contact sides of a body in space whose displacements are drawn `factor` times as large.
 pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, factor: f64) -> Vec<Patch> {
-    /// How far a patch reaches beyond its side, in the size of the side.
+    /// Distance by which a patch extends beyond its side, relative to the size of the side.
     const BEYOND: f64 = 0.05;
     let mut all = Vec::new();
     for contact in foundations(problem) {
@@ -330,7 +328,7 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
         let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|d| sum[d] + n[d]));
         let extent = |d: usize| super::axes::range(x.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo);
         let beyond = BEYOND * (0..3).map(extent).fold(0.0, f64::max);
-        // Outwards in the surface, along its rim.
+        // Outward direction within the surface, along its rim.
         let mut outwards = vec![[0.0; 3]; nodes.len()];
         for [a, b] in rim(&triangles) {
             let [p, q] = [a, b].map(|n| x[n as usize]);
@@ -346,7 +344,7 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
             let n = normals[i].map(|c| c / length(&normals[i]));
             let u = displacement.get(nodes[i] as usize).copied().unwrap_or_default();
             let size = length(&outwards[i]);
-            // The sum of the normals of two edges, long enough for the corner to stay a corner.
+            // The sum of the normals of two edges, scaled so that a corner stays a corner.
             let share = if size > 0.0 { 2.0 * beyond / (size * size).max(0.5) } else { 0.0 };
             let wide: Point = [0, 1, 2].map(|d| x[i][d] + share * outwards[i][d]);
             match &contact.obstacle {
@@ -368,10 +366,10 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
     all
 }
 
-/// The convex hull of points of one plane with a normal, so that slots, holes and arcs of a side are not taken for
-/// those of a flat foundation; none if the points are not in one plane.
+/// The convex hull of coplanar points with a normal, so that slots, holes and arcs of a side do not appear in a flat
+/// foundation, or `None` if the points are not coplanar.
 fn hull(points: &[[f64; 3]], normal: [f64; 3]) -> Option<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
-    /// Distance from the plane that counts as none, in the size of the points.
+    /// Tolerance of the distance from the plane, relative to the size of the points.
     const FLAT: f64 = 1e-6;
     let (first, rest) = points.split_first()?;
     let from_first = |p: &[f64; 3]| -> Point { [0, 1, 2].map(|d| p[d] - first[d]) };
@@ -414,7 +412,7 @@ fn hull(points: &[[f64; 3]], normal: [f64; 3]) -> Option<(Vec<[f64; 3]>, Vec<[u3
     (around.len() > 2).then_some((around, triangles))
 }
 
-/// Edges of one triangle only.
+/// Edges that belong to one triangle only.
 pub(super) fn rim(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     let all: HashSet<[u32; 2]> = edges().collect();
@@ -427,7 +425,7 @@ mod tests {
 
     const WINDOW: [[f64; 2]; 2] = [[-2.0, 2.0], [-1.5, 1.5]];
 
-    /// A circle of radius 1: one closed line of length 2π around the disc, which lies on its right.
+    /// A circle of radius 1: one closed line of length 2π around the disc, with the disc on its right.
     #[test]
     fn a_contour_follows_its_level() {
         let lines = contour(&|p| p[0].hypot(p[1]) - 1.0, WINDOW);
@@ -437,7 +435,7 @@ mod tests {
         let area: f64 = line.windows(2).map(|e| 0.5 * (e[0][0] * e[1][1] - e[1][0] * e[0][1])).sum();
         assert!((area + std::f64::consts::PI).abs() < 1e-3, "signed area {area}: it turns clockwise");
         assert_eq!(line.first(), line.last());
-        // Its outside is the obstacle of a bore.
+        // The exterior of the circle is the obstacle of a bore.
         let area: f64 = contour(&|p| 1.0 - p[0].hypot(p[1]), WINDOW)[0]
             .windows(2)
             .map(|e| 0.5 * (e[0][0] * e[1][1] - e[1][0] * e[0][1]))
@@ -458,8 +456,7 @@ mod tests {
         assert!(contour(&|_| f64::NAN, WINDOW).is_empty());
     }
 
-    /// The hull of a square with a notch and a point inside is the square, its triangles seen from the side of the
-    /// normal.
+    /// The hull of a square with a notch and a point inside is the square; its triangles face the normal.
     #[test]
     fn a_flat_patch_has_no_notches() -> Result<(), Box<dyn std::error::Error>> {
         // On the plane x + z = 1, coordinates s along (1, 0, −1)/√2 and y.
@@ -479,7 +476,7 @@ mod tests {
         Ok(())
     }
 
-    /// A foundation in space is drawn where it stands: on a ball that moves and on a plane at a gap that grows, the gap
+    /// A foundation in space is drawn at its position: on a moving ball, and on a plane with a growing gap, which is
     /// enlarged like the displacement.
     #[test]
     fn patches_follow_moving_foundations() -> Result<(), Box<dyn std::error::Error>> {
@@ -507,7 +504,7 @@ mod tests {
                 "t = {t}: {:?}",
                 patch.points
             );
-            // Around the side, whose edges are 1 long, on all four sides.
+            // Margins on all four sides of a side with edges of length 1.
             let reach = |d: usize| super::super::axes::range(patch.points.iter().map(|p| p[d]));
             for d in 0..2 {
                 assert!(

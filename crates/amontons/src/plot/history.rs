@@ -44,9 +44,9 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     Ok(charts::draw(&heading(panels, "history"), &[], &columns, options.shared_scale))
 }
 
-/// Lines of columns by their names and labels, those that are not zero throughout.
+/// Lines of columns by their names and labels, without those that are zero throughout.
 fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
-    // Small quantities lie upon each other near zero: the later lines have gaps through which the earlier ones show.
+    // Small quantities overlap near zero: later lines are dashed so that earlier ones show through.
     let dashes: [&[f64]; 5] = [&[], &[], &[], &[7.0, 4.0], &[2.0, 3.0]];
     let known = columns.iter().zip(LINES.into_iter().zip(dashes)).filter(|((name, _), _)| run.has(name));
     let series = known.map(|((name, label), (color, dashes))| Series {
@@ -120,15 +120,15 @@ pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     charts
 }
 
-/// The contact force by its components; absent where there is none.
+/// The contact force by its components, or `None` if it is zero.
 fn force_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
     let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
     let series = lines(run, &[(&x, "x"), (&y, "y"), (&z, "z")]);
     (!series.is_empty()).then(|| chart("contact force", Measure::Force, series))
 }
 
-/// The moment of contact: in space about the origin by its components, of bodies of revolution about the axis, of all
-/// contacts together and of each where there are several. Absent where there is none.
+/// The moment of contact: in space about the origin, by components; for bodies of revolution about the axis, of all
+/// contacts together and of each of several. `None` if it is zero.
 fn moment_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
     let history = &run.history;
     let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_MOMENTS.component(c));
@@ -158,7 +158,7 @@ fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart
     };
     let mut charts = Vec::new();
     if run.has(columns::FRICTION_DISSIPATION.name) {
-        // The mean over each step, from the works since the start.
+        // The mean power over each step, from the work since the start.
         let mut before = [0.0; 2];
         let power = points(history, columns::FRICTION_DISSIPATION.name).into_iter().map(|now| {
             let mean = (now[1] - before[1]) / (now[0] - before[0]);
@@ -197,7 +197,7 @@ fn points(history: &History, name: &str) -> Vec<[f64; 2]> {
     column(columns::TIME.name).zip(column(name)).map(|(t, v)| [t, v]).collect()
 }
 
-/// The numbers of open, sticking and slipping points, one upon the other.
+/// The numbers of open, sticking and slipping points, stacked.
 fn status_chart(history: &History, units: Units) -> Chart {
     let times = points(history, columns::TIME.name);
     let mut below: Vec<[f64; 2]> = times.iter().map(|p| [p[0], 0.0]).collect();

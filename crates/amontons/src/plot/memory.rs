@@ -1,4 +1,4 @@
-//! What pictures show of a run in memory.
+//! Data of pictures of a run in memory.
 
 use std::sync::Arc;
 
@@ -17,12 +17,12 @@ use crate::scheme::State;
 use crate::tensor::Sym;
 
 impl Run {
-    /// A run in memory at the time of a state: `contact` holds the columns of its contact points, as
-    /// [`crate::output::contact_columns`] gives them, and `history` the rows of all steps. Pictures of it are those of
-    /// the results folder that the run would have written.
+    /// A run in memory at the time of a state. `contact` holds the columns of its contact points from
+    /// [`crate::output::contact_columns`], `history` the rows of all steps. Its pictures are those of the results
+    /// folder that the run would have written.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when a column is missing, or a value is not finite.
+    /// [`PlotError::Data`] if a column is missing or a value is not finite.
     pub fn of_state(
         problem: &Arc<Problem>,
         state: &State,
@@ -61,7 +61,7 @@ impl Run {
     }
 }
 
-/// A sink that keeps of a run what its pictures show, so that it needs no results folder.
+/// A sink that keeps the data of the pictures of a run, so that no results folder is needed.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -94,19 +94,19 @@ struct Frame {
 }
 
 impl Film {
-    /// Keeps the start, every `every`-th step and the last one; 0: the last alone.
+    /// Keeps the start, every `every`-th step and the last one; 0: the last only.
     #[must_use]
     pub fn new(problem: &Arc<Problem>, every: usize) -> Film {
         Film { problem: Arc::clone(problem), every, frames: Vec::new(), history: History::new(), summary: None }
     }
 
-    /// The times that were kept, in s.
+    /// The kept times, s.
     #[must_use]
     pub fn times(&self) -> Vec<f64> {
         self.frames.iter().map(|frame| frame.state.t).collect()
     }
 
-    /// What the run came to, once it is over.
+    /// The summary after the end of the run.
     #[must_use]
     pub fn summary(&self) -> Option<&Summary> {
         self.summary.as_ref()
@@ -115,7 +115,7 @@ impl Film {
     /// The run at one of its times, with its whole history.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when there is no such time, or a value is not finite.
+    /// [`PlotError::Data`] if there is no such time or a value is not finite.
     pub fn frame(&self, index: usize) -> Result<Run, PlotError> {
         let missing = || {
             let kept = self.frames.len();

@@ -1,8 +1,8 @@
 //! Pictures of a run and of a convergence study, as SVG and PNG, without fonts or libraries of the system.
 //!
-//! [`folder`] draws what a results folder holds; [`side_by_side`] compares runs in panels of one picture. Both go
-//! through [`Run`], which is plain data, and [`picture`]; [`Film`] keeps them of a run without a folder. A
-//! convergence study is drawn by [`convergence`].
+//! [`folder`] draws the content of a results folder; [`side_by_side`] compares runs in panels of one picture. Both use
+//! [`Run`], which is plain data, and [`picture`]; [`Film`] collects them for a run without a folder. A convergence
+//! study is drawn by [`convergence`].
 //!
 //! ```no_run
 //! use amontons::plot::{self, Options};
@@ -13,7 +13,7 @@
 //! # Ok::<(), plot::PlotError>(())
 //! ```
 
-// Pixels and counts are computed as reals; a cast takes a negative one to zero.
+// Pixels and counts are computed as reals; a cast turns a negative one into zero.
 #![allow(clippy::cast_sign_loss)]
 
 mod animation;
@@ -69,7 +69,7 @@ pub use sides::sides;
 pub use surface::Skin;
 pub use sweep::{SweepPlot, SweepSeries, sweep};
 
-/// Why a picture could not be drawn.
+/// The reasons why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// A file could not be read.
@@ -77,7 +77,7 @@ pub enum PlotError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// A file or folder could not be written.
@@ -85,18 +85,18 @@ pub enum PlotError {
     Write {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// A file is not what a run or a study writes.
+    /// A file that was not written by a run or a study.
     #[error("{}: {what}", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault of the file.
         what: String,
     },
-    /// Data given do not fit each other or are not finite.
+    /// Data that contradict each other or are not finite.
     #[error("{0}")]
     Data(String),
     /// The picture would have no pixels, or too many.
@@ -109,22 +109,22 @@ pub enum PlotError {
     },
 }
 
-/// Most panels of one picture.
+/// Largest number of panels of one picture.
 const PANELS: usize = 48;
 
-/// How pictures are drawn.
+/// Options of pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Leave out the units also of a case that has some.
+    /// True to leave out the units even if the case has them.
     pub dimensionless: bool,
-    /// Times of the frames that [`folder`] draws; without any it chooses them.
+    /// Times of the frames that [`folder`] draws; empty: it chooses them.
     pub times: Vec<f64>,
-    /// Pixels of a PNG to a unit of the picture, which is 1/96 inch; fewer where a side would have more than 4000.
+    /// Pixels of a PNG per unit of the picture, 1/96 inch; reduced if a side would have more than 4000 pixels.
     pub pixels: f64,
-    /// Factor of the displacement in pictures of the deformed body. Without it the factor is 1 where an obstacle, a
-    /// curved side or a gap that varies would make an enlarged displacement false, and a nice one elsewhere.
+    /// Factor of the displacement in pictures of the deformed body. By default 1 if an obstacle, a curved side or a
+    /// varying gap would make an enlarged displacement false, and a round number otherwise.
     pub scale_factor: Option<f64>,
-    /// Whether panels side by side have one scale of values in common, or one each.
+    /// True if panels side by side share one scale of values.
     pub shared_scale: bool,
 }
 
@@ -146,12 +146,12 @@ fn units(panels: &[Panel], options: &Options) -> Units {
     options.units(panels.first().map(|panel| panel.run.units).unwrap_or_default())
 }
 
-/// `t = 0.5 s`.
+/// Text of a time: `t = 0.5 s`.
 fn time(t: f64, units: Units) -> String {
     format!("t = {} {}", ticks::number(t), units.of(Measure::Time)).trim_end().to_owned()
 }
 
-/// What a picture of a run shows.
+/// The kinds of pictures of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The deformed mesh and its foundation, coloured by the displacement.
@@ -160,13 +160,12 @@ pub enum Kind {
     Temperature,
     /// The von Mises stress, recovered at the nodes.
     VonMises,
-    /// Pressure, friction with its cone, slip velocity, gap, temperature and heat flux along each side of Γ_C;
-    /// pressure, states and directions of slip on each side of a body in space.
+    /// Pressure, friction with its cone, slip velocity, gap, temperature and heat flux along each side of Γ_C; for a
+    /// body in space pressure, status and slip direction on each side.
     Contact,
-    /// Depth worn off on Γ_C.
+    /// Depth of wear on Γ_C.
     Wear,
-    /// Energies, works, contact force, contact states, heat, friction power, wear and the temperature of the foundation
-    /// over time.
+    /// Energies, works, contact force, contact status, heat, friction power, wear and foundation temperature over time.
     History,
 }
 
@@ -175,7 +174,7 @@ impl Kind {
     pub const ALL: [Kind; 6] =
         [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::Wear, Kind::History];
 
-    /// Name of the picture's files, without extension.
+    /// Name of the files of the picture, without extension.
     #[must_use]
     pub fn file_name(self) -> &'static str {
         match self {
@@ -188,8 +187,8 @@ impl Kind {
         }
     }
 
-    /// Whether a run has the data that the picture shows: the fields of a body that is plane or in space, contact,
-    /// wear, or rows of its history.
+    /// True if a run has the data of the picture: fields of a plane body or a body in space, contact, wear, or rows of
+    /// its history.
     #[must_use]
     pub fn is_in(self, run: &Run) -> bool {
         match self {
@@ -204,8 +203,7 @@ impl Kind {
         }
     }
 
-    /// Whether the picture shows something: displacements that are not zero, stresses, temperatures that differ or a
-    /// flow of heat.
+    /// True if the picture is not trivial: nonzero displacements, stresses, different temperatures or a heat flow.
     #[must_use]
     pub fn is_told_by(self, run: &Run) -> bool {
         self.is_in(run)
@@ -218,7 +216,7 @@ impl Kind {
     }
 }
 
-/// A run in a picture, with a title of its own where several stand side by side.
+/// A run in a picture, with a title if several stand side by side.
 #[derive(Clone, Debug)]
 pub struct Panel<'a> {
     /// The title; empty for none.
@@ -227,13 +225,13 @@ pub struct Panel<'a> {
     pub run: &'a Run,
 }
 
-/// Draws a picture of one run, or of several side by side. No side is longer than 4000 units of 1/96 inch: of more
-/// panels than fit, some evenly spaced ones are drawn, and a note says how many.
+/// Draws a picture of one run, or of several side by side. No side is longer than 4000 units of 1/96 inch: if the
+/// panels do not fit, evenly spaced ones are drawn, and a note gives their number.
 ///
 /// Texts may have subscripts and superscripts: `θ_{F}`, `10^{3}`.
 ///
 /// # Errors
-/// [`PlotError::Data`] when a run lacks what the picture shows or its data do not fit each other.
+/// [`PlotError::Data`] if a run lacks the data of the picture or its data contradict each other.
 pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
     for Panel { run, .. } in panels {
         if run.dimension == 1 && kind != Kind::History {
@@ -291,7 +289,7 @@ fn drawn(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, Plo
     }
 }
 
-/// `paper: temperature at t = 1 s`, without the name where several runs stand side by side.
+/// Title such as `paper: temperature at t = 1 s`, without the name if several runs stand side by side.
 fn title(panels: &[Panel], what: &str, options: &Options) -> String {
     let same_time = panels.windows(2).all(|p| p[0].run.t.total_cmp(&p[1].run.t).is_eq());
     let when = panels
@@ -310,15 +308,15 @@ fn heading(panels: &[Panel], what: &str) -> String {
     }
 }
 
-/// Draws all pictures of the run, and of the convergence study, in a results folder into its folder `plots`; returns
+/// Draws all pictures of the run and of the convergence study in a results folder into its folder `plots`. Returns
 /// their paths.
 ///
 /// Pictures of the body and of Γ_C show the times of the options, or those that [`Run::frames`] chooses. A body in one
-/// dimension has no pictures of its fields and of Γ_C, and what a run does not have is not drawn: no temperature
+/// dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no temperature
 /// without heat, no wear without wear.
 ///
 /// # Errors
-/// When a file is missing or damaged, or a picture cannot be written; the error names the file.
+/// A file is missing or damaged, or a picture cannot be written; the error names the file.
 pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> {
     let into = dir.join("plots");
     let make = || std::fs::create_dir_all(&into).map_err(|source| PlotError::Write { path: into.clone(), source });
@@ -350,12 +348,12 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     Ok(paths)
 }
 
-/// The picture of a run at several times, with one scale of values; none if there is nothing to show.
+/// The picture of a run at several times, with one scale of values, or `None` if there is nothing to show.
 fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>, PlotError> {
     if !runs.iter().any(|run| kind.is_told_by(run)) {
         return Ok(None);
     }
-    // The history is that of the whole run at each time.
+    // The history covers the whole run at each time.
     let frames: Vec<&Run> = if kind == Kind::History {
         runs.iter().rev().take(1).collect()
     } else {
@@ -371,7 +369,7 @@ fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>,
 /// Draws the runs of several results folders side by side, each under its title, and writes `out`.svg and `out`.png.
 ///
 /// # Errors
-/// As [`folder`]; also when a run lacks what the picture shows.
+/// As [`folder`]; also if a run lacks the data of the picture.
 pub fn side_by_side(
     kind: Kind,
     runs: &[(&str, &Path)],

@@ -8,11 +8,11 @@ use super::run::Run;
 use super::sheet::Frame;
 use crate::tensor;
 
-/// Room around a name.
+/// Margin around a name.
 const MARGIN: f64 = 3.0;
 
-/// Writes the name of each region of an assembly into it, as `moved` stands, where there is room. `regions` has the
-/// number of the region of each cell. Without pairs there is one body, which needs no name.
+/// Writes the name of each region of an assembly into the region at its deformed position, if there is room. `regions`
+/// holds the number of the region of each cell. Without pairs there is one body, which needs no name.
 pub(super) fn draw(picture: &mut Picture, frame: &Frame, run: &Run, (moved, regions): (&Body, &[f64])) {
     let Some(problem) = &run.problem else { return };
     if !problem.contacts.iter().any(|contact| contact.pair.is_some()) || problem.mesh.regions.len() < 2 {
@@ -32,8 +32,8 @@ pub(super) fn draw(picture: &mut Picture, frame: &Frame, run: &Run, (moved, regi
     }
 }
 
-/// The middle of a text of a width and a height in a region: its centroid, or where this lies outside, as in a ring,
-/// the middle of the triangle that is nearest to it; none where the text is wider or higher than the region.
+/// The centre of a text with this width and height in a region: the centroid, or the middle of the nearest triangle if
+/// the centroid is outside, as in a ring. `None` if the text is wider or higher than the region.
 fn place(triangles: &[[[f64; 2]; 3]], room: [f64; 2]) -> Option<[f64; 2]> {
     let corners = || triangles.iter().flatten();
     for d in 0..2 {
@@ -46,7 +46,7 @@ fn place(triangles: &[[[f64; 2]; 3]], room: [f64; 2]) -> Option<[f64; 2]> {
     let area = |[a, b, c]: &[[f64; 2]; 3]| ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
     let total: f64 = triangles.iter().map(area).sum();
     let centroid = [0, 1].map(|d| triangles.iter().map(|t| area(t) * middle(t)[d]).sum::<f64>() / total);
-    // A point is inside where it splits a triangle into three of the same area.
+    // A point is inside a triangle if it splits it into three of the same total area.
     let split = |t: &[[f64; 2]; 3]| (0..3).map(|i| area(&[t[i], t[(i + 1) % 3], centroid])).sum::<f64>();
     if triangles.iter().any(|t| split(t) <= area(t) + 1e-9 * total) {
         return Some(centroid);

@@ -1,4 +1,4 @@
-//! The surface of a body in space, deformed, with a field in colours and a colour bar.
+//! The surface of a body in space, deformed, coloured by a field, with a colour bar.
 
 use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, Sign, TITLE};
 use super::color::{Color, ColorMap, INK, SOFT, VERMILION};
@@ -14,40 +14,40 @@ use super::zoom::{self, Zone, clipped};
 use super::{Kind, Options, Panel, body, font, title};
 use crate::units::{Measure, Units};
 
-/// Pixels of an image to a unit.
+/// Pixels of an image per unit of the picture.
 const DENSITY: f64 = 2.0;
 const MARGIN: f64 = 16.0;
 const LONGEST: f64 = 400.0;
 /// Colour of the foundation behind a body.
 const GROUND: [u8; 3] = [0xDD, 0xD6, 0xCE];
-/// Least number of columns where there are several rows.
+/// Least number of columns if there are several rows.
 const COLUMNS: usize = 2;
-/// Most views of one run.
+/// Largest number of views of one run.
 const VIEWS: usize = 36;
 
-/// A body from one direction.
+/// A body seen from one direction.
 #[derive(Clone)]
 struct Sight<'a> {
     solid: &'a Solid,
     heading: String,
     view: View,
-    /// The mean outward normal of the contact that is shown.
+    /// The mean outward normal of the contact shown.
     normal: Option<[f64; 3]>,
-    /// Deformed nodes as they are seen, and those of the foundation behind them.
+    /// Projected deformed nodes, including those of the foundation behind the body.
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// The triangle of the surface of each triangle that is drawn; the foundation has none.
+    /// The surface triangle of each drawn triangle; the foundation has none.
     which: Vec<usize>,
-    /// The nodes of the body that is shown; none if all are.
+    /// The nodes of the body shown, or `None` if all are.
     shown: Option<Vec<bool>>,
-    /// How many times as large as the others it is drawn; 1 but for an enlargement.
+    /// Enlargement relative to the other views; 1 for views that are not enlarged.
     times: f64,
-    /// The foundation in front of the body, as it is seen.
+    /// The projected lines of the foundation in front of the body.
     in_front: Vec<[[f64; 2]; 2]>,
     window: [[f64; 2]; 2],
 }
 
-/// The field that a picture shows, at the corners of the triangles of the surface.
+/// The field of a picture at the corners of the surface triangles.
 fn values(kind: Kind, solid: &Solid) -> Vec<[f64; 3]> {
     let surface = &solid.surface;
     let corners = |nodal: &[f64], cells| at_corners(&surface.triangles, &surface.owners, nodal, cells);
@@ -58,19 +58,19 @@ fn values(kind: Kind, solid: &Solid) -> Vec<[f64; 3]> {
     }
 }
 
-/// Bodies in space as they are drawn, with what all of them have in common.
+/// Bodies in space as drawn, with the data common to all of them.
 struct Stage<'a> {
     solids: Vec<(&'a Panel<'a>, &'a Solid)>,
     fields: Vec<Vec<[f64; 3]>>,
     extents: Vec<[f64; 2]>,
-    /// The largest stress at the centre of a cell, of recovered ones.
+    /// The largest stress at the centre of a cell, if recovered stresses are drawn.
     in_cells: Vec<Option<f64>>,
     ranges: Vec<[f64; 2]>,
     factor: f64,
 }
 
 impl<'a> Stage<'a> {
-    /// The bodies of runs, their displacements enlarged as in pictures of the kind `enlarged`.
+    /// The bodies of runs, with displacements enlarged as in pictures of the kind `enlarged`.
     fn new(kind: Kind, panels: &'a [Panel<'a>], options: &Options, enlarged: Kind) -> Stage<'a> {
         let solids: Vec<(&Panel, &Solid)> =
             panels.iter().filter_map(|panel| panel.run.solid.as_ref().map(|s| (panel, s))).collect();
@@ -104,7 +104,7 @@ impl<'a> Stage<'a> {
         zoom::zone(&runs, &nodes, &moved)
     }
 
-    /// A body from its views, and its contact enlarged where it is small.
+    /// A body in all its views, with its contact enlarged if that is small.
     fn sights(&self, body: usize, zone: Option<&Zone>) -> Vec<Sight<'a>> {
         let (entry, all) = (self.solids[body], self.solids.len() == 1);
         let looks = views::looks(entry.0.run, all);
@@ -136,11 +136,11 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     lay_out(kind, &sights, &stage.fields, (&stage.ranges, &stage.extents, &stage.in_cells), &texts)
 }
 
-/// A picture per run, all from one side, with one scale of colours, of displacements and of lengths.
+/// One picture per run, all from the same direction, with the same scales of colours, displacements and lengths.
 pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
     let units = super::units(panels, options);
     let stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
-    // Of a pair the whole.
+    // A pair is shown as a whole.
     let look = |run: &Run| {
         let seen = views::looks(run, false).into_iter().next();
         seen.filter(|look| look.nodes.is_none()).or_else(|| views::looks(&Run::default(), false).into_iter().next())
@@ -162,7 +162,7 @@ pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Pic
     sights.into_iter().enumerate().map(frame).collect()
 }
 
-/// What a picture says.
+/// Texts and scales of a picture.
 struct Texts {
     title: String,
     quantity: Quantity,
@@ -170,7 +170,7 @@ struct Texts {
     factor: f64,
 }
 
-/// Number of columns for a number of views: one row of up to three, else rows of a sheet that is about as wide as high.
+/// Number of columns for a number of views: one row of up to three, else rows of a roughly square sheet.
 fn columns(count: usize) -> usize {
     match count {
         0..=3 => count.max(1),
@@ -179,7 +179,7 @@ fn columns(count: usize) -> usize {
     }
 }
 
-/// The colours' ranges, the extremes of the fields and the largest stresses in cells, by body.
+/// Per body: colour ranges, extremes of the field, and largest stresses in cells.
 type Ranges<'r> = (&'r [[f64; 2]], &'r [[f64; 2]], &'r [Option<f64>]);
 
 /// Places the bodies in rows, each with a bar of colours on its right.
@@ -191,7 +191,7 @@ fn lay_out(
     texts: &Texts,
 ) -> Picture {
     let Texts { title, quantity, units, factor } = texts;
-    // The same scale everywhere.
+    // One scale for all bodies.
     let length = |s: &Sight, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
     let span = |d: usize| sights.iter().map(|(_, s)| length(s, d)).fold(f64::MIN_POSITIVE, f64::max);
     let scale = LONGEST / span(0).max(span(1));
@@ -213,7 +213,7 @@ fn lay_out(
     let width = (2.0 * MARGIN + columns as f64 * column).max(font::width(title, TITLE).max(texts_width) + 2.0 * MARGIN);
     let legend = legend(sights);
     let top = (MARGIN + TITLE + 8.0 + if legend.is_empty() { 0.0 } else { LEGEND }).ceil();
-    // Above a body its heading; below it room for the directions of the axes, a note and a length.
+    // The heading above a body; axes, a note and a length bar below it.
     let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 88.0);
     let mut picture = Picture::new(width, top + rows as f64 * (above + each_height + below) + MARGIN, title);
     picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
@@ -252,7 +252,7 @@ fn legend(sights: &[(usize, Sight)]) -> Vec<(Sign, String)> {
     behind.then(box_).into_iter().chain(in_front.then(line)).collect()
 }
 
-/// A bar of a length of 1, 2 or 5 times a power of ten, as long as it is in the picture.
+/// Draws a bar with a length of 1, 2 or 5 times a power of ten, to the scale of the picture.
 fn length_bar(picture: &mut Picture, [x, y]: [f64; 2], scale: f64, units: Units) {
     let most = 90.0 / scale;
     let power = 10f64.powf(most.log10().floor());
@@ -285,7 +285,7 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Si
     let (which, mut triangles): (Vec<usize>, Vec<[u32; 3]>) =
         all.filter(|(_, triangle)| is_shown(triangle[0])).map(|(t, triangle)| (t, *triangle)).unzip();
     let mut in_front = Vec::new();
-    // Of one body of several what it stands on is not shown, so that nothing hides it.
+    // The foundation of one body of several is not drawn, so that nothing hides the body.
     let patches = panel
         .run
         .problem
@@ -322,12 +322,12 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Si
 }
 
 impl Sight<'_> {
-    /// Whether a node is of what is shown.
+    /// True if a node belongs to the body shown.
     fn has(&self, node: u32) -> bool {
         self.shown.as_ref().is_none_or(|shown| shown.get(node as usize) == Some(&true))
     }
 
-    /// Whether a side of contact is in sight.
+    /// True if a contact side is visible.
     fn shows(&self, run: &Run, side: usize) -> bool {
         let Some(problem) = &run.problem else { return false };
         let points = &problem.contact_boundary().points;
@@ -337,7 +337,7 @@ impl Sight<'_> {
         self.normal.is_some() && node.is_none_or(|node| self.has(node)) && normals.any(|n| dot(n, self.view.eye) > 0.0)
     }
 
-    /// Draws a field, with the mesh on request, in a rectangle.
+    /// Draws a field, with the mesh if requested, in a rectangle.
     fn draw(
         &self,
         picture: &mut Picture,
@@ -379,7 +379,7 @@ impl Sight<'_> {
         self.axes(picture, [rect.x + 30.0, rect.bottom() + 38.0]);
     }
 
-    /// The directions of x, y and z.
+    /// Draws the directions of x, y and z.
     fn axes(&self, picture: &mut Picture, origin: [f64; 2]) {
         const LENGTH: f64 = 22.0;
         for (d, name) in ["x", "y", "z"].into_iter().enumerate() {

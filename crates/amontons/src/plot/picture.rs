@@ -1,4 +1,4 @@
-//! A picture as a list of shapes, texts and images: what the figures draw into and the two formats are written from.
+//! A picture as a list of shapes, texts and images, from which SVG and PNG are written.
 
 use std::path::{Path, PathBuf};
 
@@ -7,8 +7,8 @@ use super::axes::{self, LEGEND, NUMBER, Sign, TITLE};
 use super::color::{Color, INK, SOFT};
 use super::font;
 
-/// Longest side of a picture, in pixels of a PNG file and in units: a unit has at least one pixel, so that texts can be
-/// read.
+/// Longest side of a picture, in pixels of a PNG and in units: a unit has at least one pixel, so that texts are
+/// legible.
 const LONGEST: f64 = 4000.0;
 /// Height of a note below a picture.
 const NOTE: f64 = 20.0;
@@ -35,7 +35,7 @@ impl Rect {
     }
 }
 
-/// How a line is drawn.
+/// Colour, width and dashes of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stroke {
     pub color: Color,
@@ -53,7 +53,7 @@ impl Stroke {
     }
 }
 
-/// Which point of a text is placed.
+/// The point of a text that is placed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Anchor {
     Start,
@@ -61,7 +61,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A piece of a shape's outline.
+/// A piece of the outline of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Line {
     pub points: Vec<[f64; 2]>,
@@ -76,7 +76,7 @@ pub(super) enum Item {
 }
 
 impl Item {
-    /// The item moved to the right and downwards.
+    /// The item moved right and down.
     fn moved(mut self, [dx, dy]: [f64; 2]) -> Item {
         match &mut self {
             Item::Shape { lines, .. } => {
@@ -118,14 +118,14 @@ impl Image {
     }
 }
 
-/// Widths of the columns and heights of the rows of pictures in so many columns.
+/// Widths of the columns and heights of the rows of pictures in this many columns.
 fn extents(pictures: &[Picture], columns: usize) -> [Vec<f64>; 2] {
     let widest = |c: usize| pictures.iter().skip(c).step_by(columns).map(|p| p.width).fold(0.0, f64::max);
     let heights = pictures.chunks(columns).map(|row| row.iter().map(|p| p.height).fold(0.0, f64::max));
     [(0..columns).map(widest).collect(), heights.collect()]
 }
 
-/// Pictures in rows of so many columns, the lower ends of a row on one line.
+/// Pictures in rows of this many columns, aligned at the lower ends of a row.
 fn beside(title: impl Into<String>, pictures: Vec<Picture>, columns: usize) -> Picture {
     let [widths, heights] = extents(&pictures, columns);
     let mut all = Picture::new(widths.iter().sum(), heights.iter().sum(), title);
@@ -139,7 +139,7 @@ fn beside(title: impl Into<String>, pictures: Vec<Picture>, columns: usize) -> P
     all
 }
 
-/// A drawn picture, to be written as SVG or PNG; both show the same.
+/// A drawn picture, which can be written as SVG or PNG; both show the same.
 #[derive(Clone, Debug)]
 pub struct Picture {
     pub(super) width: f64,
@@ -149,13 +149,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A blank picture; the title is for readers who cannot see it.
+    /// A blank picture; the title describes it to readers who cannot see it.
     pub(super) fn new(width: f64, height: f64, title: impl Into<String>) -> Picture {
         Picture { width: width.ceil(), height: height.ceil(), title: title.into(), items: Vec::new() }
     }
 
-    /// Pictures above each other as one, in several columns where one would be too high; `what` names them where there
-    /// are more than fit a sheet and the first ones are enough.
+    /// Joins pictures vertically, in several columns if one would be too high. With `what`, the name of the pictures,
+    /// only the first ones are kept if they do not fit a sheet.
     pub(super) fn stacked(title: impl Into<String>, mut pictures: Vec<Picture>, what: Option<&str>) -> Picture {
         let count = pictures.len();
         let mut columns = 1;
@@ -164,7 +164,7 @@ impl Picture {
                 let [widths, heights] = extents(&pictures, columns);
                 widths.iter().sum::<f64>().max(heights.iter().sum())
             };
-            // The number of columns with which the longer side is short enough, or else shortest.
+            // The smallest number of columns for which the longer side is short enough, else the one with the shortest.
             let fits = (1..=pictures.len()).find(|&columns| longest(columns) <= 0.5 * LONGEST);
             let shortest = || (1..=pictures.len()).min_by(|&a, &b| longest(a).total_cmp(&longest(b)));
             columns = fits.or_else(shortest).unwrap_or(columns);
@@ -181,7 +181,7 @@ impl Picture {
         }
     }
 
-    /// The picture under its title and a legend, where there is room for them already.
+    /// The picture below its title and a legend.
     pub(super) fn headed(self, title: &str, legend: &[(Sign, String)]) -> Picture {
         let width = axes::line_width(legend);
         let needed = font::width(title, TITLE).max(width) + 2.0 * MARGIN;
@@ -193,20 +193,19 @@ impl Picture {
         beside(title, vec![head, self], 1)
     }
 
-    /// The picture with a line of text below it.
+    /// The picture above a line of text.
     pub(super) fn noted(mut self, text: &str) -> Picture {
         self.text([0.5 * self.width, self.height + 0.4 * NOTE], NUMBER, Anchor::Middle, SOFT, text);
         self.height += NOTE;
         self
     }
 
-    /// Whether a side is longer than a sheet may be, beside a note.
+    /// True if a side, with a note, is longer than a sheet may be.
     pub(super) fn is_too_large(&self) -> bool {
         self.width.max(self.height) > LONGEST - NOTE
     }
 
-    /// Pixels to a unit with which no side of the picture has more than 4000 pixels: those that are asked for, or
-    /// fewer.
+    /// Pixels per unit: as requested, or fewer so that no side has more than 4000 pixels.
     #[must_use]
     pub fn density(&self, pixels: f64) -> f64 {
         let most = LONGEST / self.width.max(self.height);
@@ -236,19 +235,19 @@ impl Picture {
         super::svg::write(self)
     }
 
-    /// The picture as a PNG file, drawn with this number of pixels to a unit.
+    /// The picture as a PNG file with this number of pixels per unit.
     ///
     /// # Errors
-    /// [`PlotError::Size`] when there would be no pixels or more than fit an image.
+    /// [`PlotError::Size`] if there would be no pixels or more than fit an image.
     pub fn png(&self, pixels: f64) -> Result<Vec<u8>, PlotError> {
         super::raster::write(self, pixels)
     }
 
-    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels to a unit, or with fewer where a side
-    /// would have more than 4000 pixels, and returns their paths.
+    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels per unit, or with fewer if a side would
+    /// have more than 4000 pixels. Returns their paths.
     ///
     /// # Errors
-    /// When a file cannot be written or the picture not be drawn in this size.
+    /// A file cannot be written, or the picture cannot be drawn in this size.
     pub fn save(&self, stem: &Path, pixels: f64) -> Result<[PathBuf; 2], PlotError> {
         let with = |extension: &str| {
             let mut name = stem.as_os_str().to_owned();
@@ -283,7 +282,7 @@ impl Picture {
         self.shape(vec![Line { points: rect.corners(), closed: true }], None, Some(stroke));
     }
 
-    /// Adds a shape; its inside is that of the even–odd rule. Points that are not finite are left out.
+    /// Adds a shape, filled by the even–odd rule. Points that are not finite are left out.
     pub(super) fn shape(&mut self, mut lines: Vec<Line>, fill: Option<Color>, stroke: Option<Stroke>) {
         for line in &mut lines {
             line.points.retain(|p| p[0].is_finite() && p[1].is_finite());
@@ -299,7 +298,7 @@ impl Picture {
         self.items.push(Item::Text { at, size, anchor, upwards: false, color, text: text.into() });
     }
 
-    /// Adds a text that runs upwards, centred at a point of its baseline.
+    /// Adds a vertical text that reads upwards, centred at a point of its baseline.
     pub(super) fn text_upwards(&mut self, at: [f64; 2], size: f64, color: Color, text: impl Into<String>) {
         self.items.push(Item::Text { at, size, anchor: Anchor::Middle, upwards: true, color, text: text.into() });
     }
@@ -311,7 +310,7 @@ impl Picture {
 }
 
 impl Anchor {
-    /// Where a text of some width starts, relative to the point at which it is placed.
+    /// Offset of the start of a text of this width from the point at which it is placed.
     pub(super) fn offset(self, width: f64) -> f64 {
         match self {
             Anchor::Start => 0.0,

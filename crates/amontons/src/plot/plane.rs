@@ -1,4 +1,4 @@
-//! A plane body with a field in colours, its foundation, and what it was before.
+//! A plane body coloured by a field, with its foundation and its undeformed outline.
 
 use super::axes::{self, LEGEND, NUMBER, Sign};
 use super::body::{Body, window};
@@ -15,13 +15,13 @@ use super::{Kind, Options, Panel, title};
 use crate::mesh::Mesh;
 use crate::units::{Extent, Measure, Units};
 
-/// Pixels of an image to a unit.
+/// Pixels of an image per unit of the picture.
 const DENSITY: f64 = 2.0;
 const REFERENCE: Color = Color::new(0x9A_9A_9A);
 const MESH: Color = Color::new(0x22_22_22);
 
-/// The factor by which displacements of some magnitude are drawn on a body of some size: the largest of 1, 2, 5, 10, 20
-/// … with which no point moves by more than a fifth of the size, and at least 1.
+/// The factor by which displacements of this magnitude are drawn on a body of this size: the largest of 1, 2, 5, 10, 20
+/// … for which no point moves by more than a fifth of the size, and at least 1.
 #[must_use]
 pub fn scale_factor(displacement: f64, size: f64) -> f64 {
     let most = 0.2 * size / displacement;
@@ -29,12 +29,12 @@ pub fn scale_factor(displacement: f64, size: f64) -> f64 {
         return 1.0;
     }
     let power = 10f64.powf(most.log10().floor());
-    // Where the quotient is 10 but for rounding, the next power is meant.
+    // A quotient of 10 up to rounding belongs to the next power.
     [10.0, 5.0, 2.0, 1.0].into_iter().map(|m| (m * power).round()).find(|&f| f <= most * (1.0 + 1e-9)).unwrap_or(1.0)
 }
 
-/// The factor of the displacement in the picture `deformed`, the same for all panels: the one of the options, 1 if
-/// enlarging would be false, else a round number. Other pictures show the body as it stands.
+/// The factor of the displacement in the picture `deformed`, common to all panels: that of the options, 1 if an
+/// enlargement would be false, else a round number. Other pictures show the true displacement.
 pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64, f64)>, options: &Options) -> f64 {
     if kind != Kind::Deformed {
         return 1.0;
@@ -48,7 +48,7 @@ pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64
         if !ground::can_be_enlarged(problem) {
             return 1.0;
         }
-        // A thin body must not be turned inside out: with half as much again every cell still has its orientation.
+        // A thin body must not be inverted: even 1.5 times the factor must keep the orientation of every cell.
         while factor > 1.0 && !keeps_orientation(run, &problem.mesh, 1.5 * factor) {
             factor = below(factor);
         }
@@ -70,7 +70,7 @@ fn below(factor: f64) -> f64 {
     .max(1.0)
 }
 
-/// Whether no cell is inverted by the displacement times this factor.
+/// True if the displacement times this factor inverts no cell.
 fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
     let mut moved = mesh.clone();
     let plane = run.snapshot.iter().flat_map(|s| s.displacement.iter().map(|u| [u[0], u[1], 0.0]));
@@ -81,7 +81,7 @@ fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
     moved.check().is_ok()
 }
 
-/// `displacement × 50`.
+/// Text of a factor: `displacement × 50`.
 pub(super) fn times(factor: f64) -> String {
     if (factor - 1.0).abs() < 1e-9 {
         "displacement to scale".to_owned()
@@ -90,7 +90,7 @@ pub(super) fn times(factor: f64) -> String {
     }
 }
 
-/// A body as it is drawn.
+/// A body as drawn.
 struct Shape<'a> {
     run: &'a Run,
     snapshot: &'a Snapshot,
@@ -120,7 +120,7 @@ impl Shape<'_> {
         Shape { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
-    /// Whether the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of
+    /// True if the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of
     /// the size.
     fn shows_reference(&self) -> bool {
         let [x, y] = self.snapshot.body.window();
@@ -132,7 +132,7 @@ impl Shape<'_> {
             .any(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1]) > 3e-3 * size)
     }
 
-    /// The window that holds the body, what it was, and what is near of its foundation.
+    /// The window that holds the deformed and the undeformed body and the foundation near to it.
     fn window(&self, factor: f64) -> [[f64; 2]; 2] {
         let mut points = self.moved.points.clone();
         if self.shows_reference() {
@@ -155,11 +155,11 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     stage.picture(&all, &title(panels, stage.quantity.name, options), units, 0.0)
 }
 
-/// A picture per run, all with one scale of colours, of displacements and of lengths, and one frame.
+/// One picture per run, all with the same scales of colours, displacements and lengths and the same frame.
 pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
     let units = super::units(panels, options);
     let mut stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
-    // What differs from frame to frame is in the title alone, so that nothing else moves.
+    // Only the title differs between frames, so that nothing else moves.
     let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
     stage.extents.fill(extent);
     let in_cells = axes::range(stage.in_cells.iter().flatten().copied()).map(|[_, most]| most);
@@ -176,20 +176,20 @@ pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Pic
 struct Part {
     body: usize,
     window: [[f64; 2]; 2],
-    /// How many times as large as the whole body it is drawn; none for the body.
+    /// Enlargement relative to the whole body, or `None` for the body itself.
     times: Option<f64>,
     /// Title of an enlargement.
     title: String,
 }
 
-/// Bodies as they are drawn, and what all of them have in common.
+/// Bodies as drawn, with the data common to all of them.
 struct Stage<'a> {
     kind: Kind,
     quantity: Quantity,
     bodies: Vec<&'a Panel<'a>>,
     shapes: Vec<Shape<'a>>,
     extents: Vec<[f64; 2]>,
-    /// The largest stress at the centre of a cell, of recovered ones.
+    /// The largest stress at the centre of a cell, if recovered stresses are drawn.
     in_cells: Vec<Option<f64>>,
     ranges: Vec<[f64; 2]>,
     windows: Vec<[[f64; 2]; 2]>,
@@ -197,7 +197,7 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// The bodies of runs, their displacements enlarged as in pictures of the kind `enlarged`.
+    /// The bodies of runs, with displacements enlarged as in pictures of the kind `enlarged`.
     fn new(kind: Kind, panels: &'a [Panel<'a>], options: &Options, enlarged: Kind) -> Stage<'a> {
         let with: Vec<(&Panel, &Snapshot)> =
             panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
@@ -231,7 +231,7 @@ impl<'a> Stage<'a> {
         zoom::zone(&runs, &nodes, &moved)
     }
 
-    /// A body's part around a contact, the same at all times of a run.
+    /// The part of a body around a contact, the same at all times of a run, or `None` if the contact is not small.
     fn enlarged(&self, body: usize, zone: &Zone) -> Option<Part> {
         let points: Vec<[f64; 2]> = zone.points.iter().map(|p| [p[0], p[1]]).collect();
         let (window, times) = zoom::window(&points, self.windows[body])?;
@@ -241,7 +241,7 @@ impl<'a> Stage<'a> {
         Some(Part { body, window, times: Some(times), title })
     }
 
-    /// Some of the bodies and their parts in a picture that is at least so wide.
+    /// A picture with some of the bodies and their parts, at least `least` wide.
     fn picture(&self, which: &[Part], title: &str, units: Units, least: f64) -> Picture {
         let quantity = &self.quantity;
         let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
@@ -289,7 +289,7 @@ impl<'a> Stage<'a> {
         picture
     }
 
-    /// Draws a part of a body with what lies within its frame.
+    /// Draws a part of a body with everything within its frame.
     fn enlargement(
         &self,
         picture: &mut Picture,
@@ -305,7 +305,7 @@ impl<'a> Stage<'a> {
         let Some(problem) = &shape.run.problem else { return };
         let grounds = ground::grounds(problem, &shape.snapshot.body, shape.run.t, self.factor, part.window);
         for ground in grounds {
-            // Where it moves is told beside the whole body.
+            // The velocity of the foundation is shown in the picture of the whole body.
             foundation(picture, frame, &Ground { moves: None, ..ground }, units);
         }
     }
@@ -333,7 +333,7 @@ fn body(
     names::draw(picture, frame, shape.run, (&shape.moved, &shape.snapshot.regions));
 }
 
-/// The ranges of values that the colours show, one for all panels if they share it.
+/// The colour ranges, one for all panels if they share it.
 fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
     let own = |(s, extent): (&Shape, &[f64; 2])| {
         if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent }
@@ -346,7 +346,7 @@ fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options)
     ranges
 }
 
-/// The windows of the panels, the same for the same body everywhere.
+/// The windows of the panels; the same for all if their bodies have the same extents.
 fn windows(shapes: &[Shape], factor: f64) -> Vec<[[f64; 2]; 2]> {
     let own: Vec<[[f64; 2]; 2]> = shapes.iter().map(|shape| shape.window(factor)).collect();
     let same = shapes.windows(2).all(|s| s[0].snapshot.body.window() == s[1].snapshot.body.window());
@@ -368,7 +368,7 @@ fn legend(shapes: &[Shape], factor: f64, kind: Kind) -> Vec<(Sign, String)> {
     entries
 }
 
-/// The field in the part of a window.
+/// Draws the field within a window.
 fn shaded(
     picture: &mut Picture,
     frame: &Frame,
@@ -386,7 +386,7 @@ fn shaded(
     );
 }
 
-/// The mesh or level lines, the outline, and the outline before.
+/// Draws the mesh or level lines, the outline, and the undeformed outline.
 fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &Bar) {
     let through = |body: &Body, lines: &[Vec<u32>]| -> Vec<Vec<[f64; 2]>> {
         let drawn = lines.iter().map(|line| simplified(&frame.all(line.iter().map(|&n| &body.points[n as usize]))));
@@ -413,9 +413,9 @@ fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &
     picture.shape(drawn(&shape.moved), None, Some(Stroke::new(INK, 1.2)));
 }
 
-/// A closed line, or where it leaves a rectangle its pieces inside.
+/// A closed line, or its pieces inside a rectangle if it leaves it.
 fn within(mut points: Vec<[f64; 2]>, rect: Rect) -> Vec<Line> {
-    // A line of a body on the border of its frame is inside.
+    // A line on the border of the frame is inside.
     const NEAR: f64 = 0.5;
     let outside = |p: &[f64; 2]| {
         p[0] < rect.x - NEAR || p[0] > rect.right() + NEAR || p[1] < rect.y - NEAR || p[1] > rect.bottom() + NEAR
@@ -427,7 +427,7 @@ fn within(mut points: Vec<[f64; 2]>, rect: Rect) -> Vec<Line> {
     clipped(&points, rect).into_iter().map(|points| Line { points, closed: false }).collect()
 }
 
-/// The surface as a line, hatched on the side of the foundation, with an arrow where it moves.
+/// Draws the surface as a line, hatched on the side of the foundation, with an arrow if the foundation moves.
 fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Units) {
     const EACH: f64 = 9.0;
     const LENGTH: f64 = 7.0;
@@ -439,7 +439,7 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
             let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
             let length = dx.hypot(dy);
             while along < length {
-                // On the right of the line; downwards is positive in the picture.
+                // Right of the line; downwards is positive in the picture.
                 let (p, t) =
                     ([pair[0][0] + along / length * dx, pair[0][1] + along / length * dy], [dx / length, dy / length]);
                 hatches.push([p, [p[0] - LENGTH * (t[1] + 0.8 * t[0]), p[1] + LENGTH * (t[0] - 0.8 * t[1])]]);
@@ -459,22 +459,22 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
     }
 }
 
-/// An arrow with a speed where a foundation moves.
+/// Draws an arrow with the speed of a moving foundation.
 fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f64; 2], [f64; 2]), units: Units) {
     let speed = v[0].hypot(v[1]);
     let text = typeset(&units.write(speed, Measure::Velocity));
     let direction = [v[0] / speed, -v[1] / speed];
-    // An arrow along the surface stands in the foundation, clear of the line and its hatches.
+    // An arrow along the surface is placed in the foundation, clear of the line and its hatches.
     let inwards =
         inwards(frame, ground, frame.at(&at)).filter(|n| (n[0] * direction[0] + n[1] * direction[1]).abs() < 0.7);
     let [x, y] = [0, 1].map(|d| frame.at(&at)[d] + inwards.map_or(0.0, |n| 15.0 * n[d]));
-    // Within the frame.
+    // The arrow stays within the frame.
     let within = |x: f64, lo: f64, hi: f64, room: f64| x.clamp(lo + room, (hi - room).max(lo + room));
     let near = if inwards.is_some() { 10.0 } else { 34.0 };
     let at = [within(x, frame.rect.x, frame.rect.right(), 34.0), within(y, frame.rect.y, frame.rect.bottom(), near)];
     let end = |s: f64| [0, 1].map(|d| at[d] + s * direction[d]);
     picture.arrow(end(-20.0), end(20.0), VERMILION, 2.4);
-    // A level arrow has its number on the outer side, another beside it, towards the middle of the frame.
+    // A horizontal arrow has its number on the outer side, others next to them, towards the middle of the frame.
     let (width, middle) = (
         super::font::width(&text, NUMBER),
         [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height],
@@ -482,7 +482,7 @@ fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f6
     let is_level = direction[0].abs() > 0.7;
     let x = match inwards {
         _ if !is_level => at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
-        // Beside the arrow, away from the border that it is next to.
+        // Next to the arrow, away from the nearer border.
         Some(_) => at[0] + (0.5 * width + 28.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
         None => at[0],
     };
@@ -496,18 +496,18 @@ fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f6
     picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
 }
 
-/// The unit normal of the surface nearest to a point of the picture, which points into the foundation.
+/// The unit normal of the surface nearest to a point of the picture, pointing into the foundation.
 fn inwards(frame: &Frame, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let lines: Vec<Vec<[f64; 2]>> = ground.lines.iter().map(|line| frame.all(line)).collect();
     let away = |pair: &&[[f64; 2]]| (0.5 * (pair[0][0] + pair[1][0]) - x).hypot(0.5 * (pair[0][1] + pair[1][1]) - y);
     let nearest = lines.iter().flat_map(|line| line.windows(2)).min_by(|a, b| away(a).total_cmp(&away(b)))?;
     let (dx, dy) = (nearest[1][0] - nearest[0][0], nearest[1][1] - nearest[0][1]);
-    // On the right of the line; downwards is positive in the picture.
+    // Right of the line; downwards is positive in the picture.
     let size = dx.hypot(dy);
     (size > 0.0).then(|| [-dy / size, dx / size])
 }
 
-/// A number for reading in the signs of a printed page.
+/// A number with typographic signs and powers of ten.
 pub(super) fn typeset(text: &str) -> String {
     let text = match text.split_once('e') {
         Some((mantissa, rest))
@@ -543,7 +543,7 @@ fn loops(boundary: &[[u32; 2]]) -> Vec<Vec<u32>> {
     loops
 }
 
-/// A line without the points that lie within a twentieth of a unit of the line that remains.
+/// A line without points that are within a twentieth of a unit of the remaining line.
 fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     const NEAR: f64 = 0.05;
     let Some(last) = points.len().checked_sub(1) else { return Vec::new() };

@@ -22,7 +22,7 @@ pub(super) fn color(status: Status) -> Color {
 
 pub(super) const STATUSES: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
-/// One block of charts per side that bears contact, its columns the panels.
+/// Draws one block of charts per contact side, with one column per panel.
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
     let units = super::units(panels, options);
     let sides = panels.iter().flat_map(|panel| &panel.run.contact).map(|row| row.side + 1).max().unwrap_or(1);
@@ -68,7 +68,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
     Ok(Picture::stacked(title(panels, what, options), blocks, Some("sides").filter(|_| panels.len() == 1)))
 }
 
-/// What there is on Γ_C besides pressure and gap, in any of the panels.
+/// Optional quantities on Γ_C in any of the panels, besides pressure and gap.
 #[derive(Clone, Copy)]
 struct What {
     friction: Friction,
@@ -77,16 +77,16 @@ struct What {
     round_off: RoundOff,
 }
 
-/// In which directions there is friction or slip.
+/// The directions of friction or slip.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Friction {
     Without,
     Along,
-    /// Also out of the plane, or about the axis of revolution.
+    /// Also out of the plane or about the axis of revolution.
     Across,
 }
 
-/// What is up to this large is round-off of the displacement, and drawn as zero.
+/// Limits of round-off of the displacement; values up to them are drawn as zero.
 #[derive(Clone, Copy)]
 struct RoundOff {
     length: f64,
@@ -124,13 +124,13 @@ impl What {
     }
 }
 
-/// The largest ‖u‖ of all panels.
+/// The largest ‖u‖ in all panels.
 fn largest_displacement(panels: &[Panel]) -> f64 {
     let snapshots = panels.iter().filter_map(|panel| panel.run.snapshot.as_ref());
     snapshots.flat_map(|s| &s.displacement).map(|u| u[0].hypot(u[1])).fold(0.0, f64::max)
 }
 
-/// Intervals of the same status, each reaching half way to the next point.
+/// Intervals of equal status, each extending half way to the next point.
 fn bands(parts: &[Part]) -> Vec<([f64; 2], Color)> {
     let mut bands: Vec<([f64; 2], Color)> = Vec::new();
     for part in parts {
@@ -148,12 +148,12 @@ fn bands(parts: &[Part]) -> Vec<([f64; 2], Color)> {
     bands
 }
 
-/// A value, or zero where it is round-off.
+/// The value, or zero if it is round-off.
 fn but_zero(value: f64, round_off: f64) -> f64 {
     if value.abs() > round_off { value } else { 0.0 }
 }
 
-/// A line along Γ_C, broken where there is no value.
+/// A line along Γ_C, interrupted where the value is NaN.
 fn line(parts: &[Part], label: &str, color: Color, value: &dyn Fn(&Stop) -> f64) -> Series {
     let of = |part: &Part| -> Vec<[f64; 2]> { part.stops.iter().map(|stop| [stop.s, value(stop)]).collect() };
     let unbroken = |piece: Vec<[f64; 2]>| -> Vec<Vec<[f64; 2]>> {
@@ -172,7 +172,7 @@ fn wear(parts: &[Part], units: Units) -> Chart {
     chart("depth worn off", units, Measure::Length, true, line(parts, "", BLUE, &|s| s.row.wear))
 }
 
-/// θ of the side, and that of what it faces.
+/// Temperature θ of the side and of the opposite surface.
 fn temperatures(parts: &[Part], units: Units) -> Chart {
     let opposite = line(parts, "of what it faces", ORANGE, &|s| s.row.opposite_temperature);
     let label = if opposite.pieces.is_empty() { "" } else { "of the side" };
@@ -184,8 +184,8 @@ fn temperatures(parts: &[Part], units: Units) -> Chart {
     chart
 }
 
-/// The pressure. Where it is the mean of neighbouring points, the largest one at a point, which the summary names, is
-/// said beside it.
+/// The pressure. If it is the mean of neighbouring points, the label adds the largest one at a point, which the summary
+/// reports.
 fn pressure(parts: &[Part], units: Units) -> Chart {
     let stops = parts.iter().flat_map(|part| &part.stops);
     let is_mean = stops.clone().any(|stop| (stop.row.pressure - stop.row.point_pressure).abs() > 0.0);
@@ -199,7 +199,7 @@ fn pressure(parts: &[Part], units: Units) -> Chart {
     chart("pressure p", units, Measure::Stress, true, line(parts, &label, BLUE, &|s| s.row.pressure))
 }
 
-/// Friction traction in its cone and slip velocity, along Γ_C and, where there is some, out of the plane.
+/// Friction traction with its cone, and slip velocity, along Γ_C and, if present, out of the plane.
 fn friction(parts: &[Part], units: Units, has: What) -> [Chart; 2] {
     let along = |v: [f64; 3], stop: &Stop| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
     let out = if units.extent == Extent::Revolution { "about the axis" } else { "out of the plane" };

@@ -10,7 +10,7 @@ use super::color::Color;
 use super::font::{self, Pen};
 use super::picture::{Image, Item, Line, Picture, Stroke};
 
-/// Most pixels of a picture: 400 MB of memory.
+/// Largest number of pixels of a picture: 400 MB of memory.
 const MOST: f64 = 1e8;
 
 pub(super) fn write(picture: &Picture, pixels: f64) -> Result<Vec<u8>, PlotError> {
@@ -20,7 +20,7 @@ pub(super) fn write(picture: &Picture, pixels: f64) -> Result<Vec<u8>, PlotError
 
 /// Red, green and blue of each pixel, row by row.
 pub(super) fn colors(picture: &Picture, pixels: f64) -> Result<Vec<[u8; 3]>, PlotError> {
-    // The background is opaque: no colour is premultiplied.
+    // The background is opaque, so no colour is premultiplied.
     let canvas = draw(picture, pixels)?;
     Ok(canvas.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect())
 }
@@ -63,7 +63,7 @@ fn draw(picture: &Picture, pixels: f64) -> Result<Pixmap, PlotError> {
     Ok(canvas)
 }
 
-/// An image as a PNG file, unless it has no pixels.
+/// An image as a PNG file, or `None` if it has no pixels.
 pub(super) fn encode(image: &Image) -> Option<Vec<u8>> {
     pixmap(image)?.encode_png().ok()
 }

@@ -1,13 +1,13 @@
-//! A body in space as pixels: parallel projection, the nearest surface in front, shaded.
+//! A body in space as pixels: parallel projection with a depth buffer, shaded.
 
 use super::color::Color;
 use super::picture::Image;
 use super::surface::{across, dot, norm};
 
-/// Samples a pixel has in each direction.
+/// Number of samples per pixel in each direction.
 const SAMPLES: usize = 2;
 
-/// A direction of view, by the directions that point to the right, upwards and to the eye.
+/// A direction of view, given by the directions to the right, upwards and to the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
     pub right: [f64; 3],
@@ -16,43 +16,43 @@ pub(super) struct View {
 }
 
 impl View {
-    /// The view of an eye at an azimuth from the x-axis and an elevation above the plane of x and y, in degrees; z
-    /// points upwards.
+    /// The view from an azimuth from the x-axis and an elevation above the plane of x and y, in degrees; z points
+    /// upwards.
     pub(super) fn new(azimuth: f64, elevation: f64) -> View {
         let ((sa, ca), (se, ce)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
         View { right: [-sa, ca, 0.0], up: [-se * ca, -se * sa, ce], eye: [ce * ca, ce * sa, se] }
     }
 
-    /// The view of an eye in a direction.
+    /// The view from a direction.
     pub(super) fn of_eye(eye: [f64; 3]) -> View {
         let [x, y, z] = eye.map(|c| c / norm(eye));
-        // From straight above or below y points upwards.
+        // Seen from straight above or below, y points upwards.
         let azimuth = if x.hypot(y) > 1e-9 { y.atan2(x).to_degrees() } else { -90.0 };
         View::new(azimuth, z.clamp(-1.0, 1.0).asin().to_degrees())
     }
 
-    /// Places to the right, upwards and towards the eye.
+    /// Projected coordinates: right, up, towards the eye.
     pub(super) fn place(&self, p: [f64; 3]) -> [f64; 3] {
         [dot(self.right, p), dot(self.up, p), dot(self.eye, p)]
     }
 }
 
-/// A triangle with the colours of its values.
+/// Triangles coloured by their values.
 pub(super) struct Scene<'a> {
-    /// Nodes as they are seen: right, up, towards the eye.
+    /// Projected nodes: right, up, towards the eye.
     pub points: &'a [[f64; 3]],
     pub triangles: &'a [[u32; 3]],
     /// Values at the corners of each triangle.
     pub values: &'a dyn Fn(usize) -> [f64; 3],
     pub color: &'a dyn Fn(f64) -> [u8; 3],
-    /// Lines on the surface, drawn where they are not hidden.
+    /// Lines on the surface, drawn where they are visible.
     pub lines: &'a [[u32; 2]],
     pub ink: Color,
 }
 
-/// Draws a scene; the image covers a window of right and up and is transparent outside the body.
+/// Draws a scene into an image that covers a window of right and up and is transparent outside the body.
 ///
-/// At each sample the surface nearest to the eye is in front, whatever the order of the triangles.
+/// At each sample the surface nearest to the eye is visible, whatever the order of the triangles.
 pub(super) fn image(scene: &Scene, window: [[f64; 2]; 2], width: u32, height: u32) -> Image {
     let (columns, rows) = (width as usize * SAMPLES, height as usize * SAMPLES);
     let [wx, wy] = window;
@@ -72,7 +72,7 @@ pub(super) fn image(scene: &Scene, window: [[f64; 2]; 2], width: u32, height: u3
             (scene.color)(value).map(|c| (f64::from(c) * light).round() as u8)
         });
     }
-    // Lines lie on the surface: they are in front of what is no more than this much nearer.
+    // Lines lie on the surface: surfaces nearer by no more than this do not hide them.
     let near = 0.004 * (wx[1] - wx[0]).max(wy[1] - wy[0]);
     for line in scene.lines {
         canvas.line(line.map(place), near, scene.ink);
@@ -80,12 +80,12 @@ pub(super) fn image(scene: &Scene, window: [[f64; 2]; 2], width: u32, height: u3
     canvas.image(width, height)
 }
 
-/// Share of the light that a triangle throws back, from a lamp a little above the left shoulder of the eye.
+/// Fraction of light reflected by a triangle, from a lamp slightly above the left shoulder of the viewer.
 fn light(corners: [[f64; 3]; 3]) -> f64 {
     const LAMP: [f64; 3] = [-0.28, 0.28, 0.918];
     let normal = across(corners);
     let size = norm(normal);
-    // The side that is seen is the one towards the eye.
+    // The visible side is the one towards the eye.
     let facing = if size > 0.0 { dot(normal, LAMP) * normal[2].signum() / size } else { 0.0 };
     0.7 + 0.3 * facing.max(0.0)
 }
@@ -127,7 +127,7 @@ impl Canvas {
         }
     }
 
-    /// A line as wide as two samples.
+    /// Draws a line as wide as two samples.
     fn line(&mut self, [a, b]: [[f64; 3]; 2], near: f64, ink: Color) {
         let steps = (2.0 * (b[0] - a[0]).hypot(b[1] - a[1])).ceil().max(1.0);
         let mut last = None;
@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// A large triangle behind a small one, drawn in both orders: the nearer one is seen where both are.
+    /// A large triangle behind a small one, drawn in both orders: the nearer one is visible where they overlap.
     #[test]
     fn what_is_nearer_is_in_front() {
         let points =
@@ -219,8 +219,8 @@ mod tests {
         }
     }
 
-    /// Faces of a box by the coordinate that points to the eye: three are seen, each where geometry says, and no line
-    /// of the others.
+    /// Faces of a box by the coordinate that points to the eye: three are visible, each at its place, and no line of
+    /// the others.
     #[test]
     fn a_box_shows_the_three_faces_towards_the_eye() -> Outcome {
         let surface = Skin::of_mesh(&Mesh::box_([1.0, 1.0, 1.0], [3, 3, 3], Elements::Q1)?)?;
@@ -255,11 +255,11 @@ mod tests {
                 "face {number}: red {red}, at most {full}"
             );
         }
-        // The area of the picture is that of the three faces as they are seen: Σ |ν·eye|.
+        // The area of the picture equals the projected area of the three faces: Σ |ν·eye|.
         let covered: f64 = image.rgba.chunks_exact(4).map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / 1e4;
         let expected: f64 = view.eye.iter().map(|e| e.abs()).sum();
         assert!((covered - expected).abs() < 0.01, "{covered}, expected {expected}");
-        // A line along the hidden edge x = 0, y = 1 leaves no trace but at its end, which is on the outline.
+        // A line along the hidden edge x = 0, y = 1 leaves no trace except at its end, which is on the outline.
         let at = |p: [f64; 3]| {
             surface.points.iter().position(|q| (0..3).all(|d| (q[d] - p[d]).abs() < 1e-12)).map(|n| n as u32)
         };

@@ -1,4 +1,4 @@
-//! What the pictures of a run show, as plain data.
+//! The data of the pictures of a run.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -12,7 +12,7 @@ use crate::output::columns;
 use crate::problem::Problem;
 use crate::units::Units;
 
-/// A run at a time, with what there is to be drawn of it.
+/// A run at one time, with everything that can be drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// Name of the case.
@@ -29,13 +29,13 @@ pub struct Run {
     pub solid: Option<Solid>,
     /// The fields of a body on a line.
     pub rod: Option<Rod>,
-    /// Rows a step.
+    /// History with one row per step.
     pub history: History,
-    /// Names of the sides that bear contact.
+    /// Names of the contact sides.
     pub sides: Vec<String>,
-    /// The problem that was solved; without it the foundation is not drawn.
+    /// The solved problem; without it the foundation is not drawn.
     pub problem: Option<Arc<Problem>>,
-    /// The units of its numbers.
+    /// The units of all numbers.
     pub units: Units,
 }
 
@@ -50,9 +50,9 @@ pub struct Snapshot {
     pub temperature: Vec<f64>,
     /// Von Mises stress in each cell, Pa; empty in a run without mechanics.
     pub von_mises: Vec<f64>,
-    /// Recovered von Mises stress at each node, Pa; empty where it is not known.
+    /// Recovered von Mises stress at each node, Pa; empty if unknown.
     pub nodal_von_mises: Vec<f64>,
-    /// Region of each cell; empty where it is not known.
+    /// Region of each cell; empty if unknown.
     pub regions: Vec<f64>,
 }
 
@@ -68,14 +68,14 @@ pub struct Rod {
 }
 
 impl Run {
-    /// Whether the fields have a temperature, and whether they have a stress.
+    /// Returns `[temperature, stress]`: true if the fields include it.
     pub(super) fn fields(&self) -> [bool; 2] {
         let plane = self.snapshot.iter().map(|fields| [&fields.temperature, &fields.von_mises]);
         let solid = self.solid.iter().map(|fields| [&fields.temperature, &fields.von_mises]);
         plane.chain(solid).next().map_or([false; 2], |fields| fields.map(|values| !values.is_empty()))
     }
 
-    /// Whether a contact point has worn, and whether friction has done work at one.
+    /// Returns `[wear, friction work]`: true if a contact point has some.
     pub(super) fn worn(&self) -> [bool; 2] {
         let solid = self.solid.iter().flat_map(|solid| &solid.contact).map(|row| [row.wear, row.friction_work]);
         let all: Vec<[f64; 2]> = self.contact.iter().map(|row| [row.wear, row.friction_work]).chain(solid).collect();
@@ -87,7 +87,7 @@ impl Run {
         self.snapshot.as_ref().map(|s| &s.temperature).or(solid).map_or(&[], Vec::as_slice)
     }
 
-    /// Whether there is heat: temperatures that differ, or a flow of heat since the start.
+    /// True if there is heat: different temperatures, or a heat flow since the start.
     pub(super) fn has_heat(&self) -> bool {
         let theta = self.temperatures();
         let first = theta.first().copied().unwrap_or_default();
@@ -95,31 +95,31 @@ impl Run {
         theta.iter().any(|v| (v - first).abs() > 1e-9 * first.abs()) || flows.iter().any(|column| self.has(column.name))
     }
 
-    /// Whether the case solves for displacements; without a case it is assumed to.
+    /// True if the case solves for displacements, or is unknown.
     pub(super) fn has_mechanics(&self) -> bool {
         self.problem.as_ref().is_none_or(|problem| problem.physics.has_mechanics())
     }
 
-    /// Whether a node has moved.
+    /// True if a node has moved.
     pub(super) fn has_moved(&self) -> bool {
         let plane = self.snapshot.iter().flat_map(|s| s.displacement.iter().flatten());
         let space = self.solid.iter().flat_map(|s| s.displacement.iter().flatten());
         plane.chain(space).any(|u| *u != 0.0)
     }
 
-    /// Whether a cell is under stress.
+    /// True if a cell has a stress.
     pub(super) fn has_stress(&self) -> bool {
         let cells = self.snapshot.iter().flat_map(|s| &s.von_mises).chain(self.solid.iter().flat_map(|s| &s.von_mises));
         cells.into_iter().any(|v| *v != 0.0)
     }
 
-    /// Whether a column of the history has values other than zero.
+    /// True if a column of the history has values other than zero.
     pub(super) fn has(&self, column: &str) -> bool {
         self.history.get(column).is_some_and(|values| values.iter().any(|v| *v != 0.0))
     }
 
-    /// The body with the edges of its boundary that bear the points of a pair, whose two sides may be at one place; of
-    /// a foundation with all of them.
+    /// The body reduced to the boundary edges that bear the points of a pair, whose two sides may coincide; for a
+    /// foundation with all boundary edges.
     pub(super) fn bearing<'a>(&self, body: &'a Body, side: usize) -> Cow<'a, Body> {
         let of_pair = || {
             let problem = self.problem.as_ref()?;
@@ -138,8 +138,8 @@ impl Run {
     }
 }
 
-/// Values at the corners of triangles: those at the nodes, but for nodes where regions meet. There a field of stresses
-/// jumps, and a corner has the mean of the cells of its own region.
+/// Values at the corners of triangles: the nodal values, except at nodes between regions. There stresses jump, and a
+/// corner takes the mean of the cells of its own region.
 pub(super) fn at_corners(
     triangles: &[[u32; 3]],
     owners: &[u32],
@@ -173,7 +173,7 @@ impl Snapshot {
     /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
-    /// [`PlotError::Data`] names the field that does not fit.
+    /// [`PlotError::Data`] names the field with the fault.
     pub fn check(&self) -> Result<(), PlotError> {
         let (nodes, cells) = (self.body.nodes(), self.body.cells());
         let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
@@ -211,9 +211,9 @@ pub struct Solid {
     pub temperature: Vec<f64>,
     /// Von Mises stress in each cell, Pa; empty in a run without mechanics.
     pub von_mises: Vec<f64>,
-    /// Recovered von Mises stress at each node, Pa; empty where it is not known.
+    /// Recovered von Mises stress at each node, Pa; empty if unknown.
     pub nodal_von_mises: Vec<f64>,
-    /// Region of each cell; empty where it is not known.
+    /// Region of each cell; empty if unknown.
     pub regions: Vec<f64>,
     /// The contact points, in any order; empty without contact.
     pub contact: Vec<SolidContact>,
@@ -224,7 +224,7 @@ pub struct Solid {
 pub struct SolidContact {
     /// Position on the undeformed boundary, m.
     pub x: [f64; 3],
-    /// p_ν in Pa; between the nodes of quadratic facets the mean that can be read.
+    /// p_ν in Pa; on quadratic facets the mean of neighbouring points.
     pub pressure: f64,
     /// p_ν at the point itself, Pa.
     pub point_pressure: f64,
@@ -232,11 +232,11 @@ pub struct SolidContact {
     pub status: Status,
     /// Slip velocity of the body against the foundation, m/s.
     pub slip_velocity: [f64; 3],
-    /// Depth worn off, m.
+    /// Depth of wear, m.
     pub wear: f64,
     /// Work of friction since the start, J/m².
     pub friction_work: f64,
-    /// Which of the sides of the run it is on.
+    /// Index of its side in the run.
     pub side: usize,
 }
 
@@ -244,7 +244,7 @@ impl Solid {
     /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
-    /// [`PlotError::Data`] names the field that does not fit.
+    /// [`PlotError::Data`] names the field with the fault.
     pub fn check(&self) -> Result<(), PlotError> {
         let (nodes, cells) = (self.surface.nodes(), self.surface.cells());
         fits("displacement", self.displacement.as_flattened(), 3 * nodes)?;
@@ -265,7 +265,7 @@ impl Solid {
     }
 }
 
-/// Whether there is this number of finite values.
+/// Checks that there are `expected` finite values.
 fn fits(name: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
     if values.len() != expected {
         return Err(PlotError::Data(format!("the {name} has {} values, expected {expected}", values.len())));
@@ -283,36 +283,36 @@ pub struct ContactRow {
     pub x: [f64; 2],
     /// u_ν − g in m.
     pub penetration: f64,
-    /// p_ν in Pa; between the nodes of quadratic facets the mean that can be read.
+    /// p_ν in Pa; on quadratic facets the mean of neighbouring points.
     pub pressure: f64,
     /// p_ν at the point itself, Pa.
     pub point_pressure: f64,
-    /// Friction bound p_τ in Pa, where it is known.
+    /// Friction bound p_τ in Pa, if known.
     pub bound: Option<f64>,
-    /// Friction traction σ_τ in Pa: in the plane, and out of it or about the axis of revolution.
+    /// Friction traction σ_τ in Pa: two components in the plane, and one out of it or about the axis of revolution.
     pub traction: [f64; 3],
     /// Slip velocity in m/s, by the same components.
     pub slip_velocity: [f64; 3],
     /// Open, stick or slip.
     pub status: Status,
-    /// Temperature of the body in K; not a number in a run without heat.
+    /// Temperature of the body, K; NaN in a run without heat.
     pub temperature: f64,
-    /// Temperature of what it faces, K; not a number where it faces nothing or the run does not say.
+    /// Temperature of the opposite surface, K; NaN if the point faces nothing or it is unknown.
     pub opposite_temperature: f64,
-    /// q·ν in W/m²; not a number in a run without heat.
+    /// q·ν in W/m²; NaN in a run without heat.
     pub heat_flux: f64,
-    /// Depth worn off, m.
+    /// Depth of wear, m.
     pub wear: f64,
     /// Work of friction since the start, J/m².
     pub friction_work: f64,
-    /// Which of the sides of the run it is on.
+    /// Index of its side in the run.
     pub side: usize,
 }
 
 /// Columns of numbers by the names of `history.csv`, one row per step.
 pub type History = BTreeMap<String, Vec<f64>>;
 
-/// A contact point on its way along Γ_C.
+/// A contact point with its arc length along Γ_C.
 #[derive(Clone, Debug)]
 pub(super) struct Stop<'a> {
     /// Arc length.
@@ -325,22 +325,22 @@ pub(super) struct Stop<'a> {
 /// A connected part of Γ_C.
 #[derive(Clone, Debug)]
 pub(super) struct Part<'a> {
-    /// Arc length at both ends; it goes on from part to part.
+    /// Arc length at both ends; it continues from part to part.
     pub s: [f64; 2],
     /// The contact points in order.
     pub stops: Vec<Stop<'a>>,
 }
 
-/// A contact point on an edge of the boundary: place from 0 to 1 and row.
+/// A contact point on an edge of the boundary: position from 0 to 1, and row.
 type OnEdge = (f64, usize);
 
-/// Follows Γ_C through its contact points, which may come in any order.
+/// Orders the contact points along Γ_C; they may come in any order.
 ///
-/// A part that is not closed runs to the right, or upwards where it is more upright than level.
+/// A part that is not closed runs to the right, or upwards if it is steeper than 45°.
 pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part<'a>>, PlotError> {
     const NEAR: f64 = 1e-6;
     let p = |n: u32| body.points[n as usize];
-    // The body lies on the left of its boundary edges: they run around it, and one leaves each node.
+    // The body is on the left of its boundary edges: they run around it, and one leaves each node.
     let mut inside: HashMap<u32, Vec<OnEdge>> = HashMap::new();
     let mut at_node: HashMap<u32, usize> = HashMap::new();
     for (r, row) in rows.iter().enumerate() {
@@ -373,7 +373,7 @@ pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part
         body.boundary.iter().filter(|edge| is_contact(edge)).map(|&[a, b]| (a, b)).collect();
     let entered: HashSet<u32> = next.values().copied().collect();
     let mut starts: Vec<u32> = next.keys().copied().collect();
-    // Ends first, so that closed parts are what remains.
+    // Ends first, so that only closed parts remain.
     starts.sort_unstable_by_key(|n| (entered.contains(n), *n));
     let mut parts = Vec::new();
     let mut s = 0.0;
@@ -395,7 +395,7 @@ pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part
     Ok(parts)
 }
 
-/// The part of Γ_C that consists of these edges, its arc length beginning at `begin`.
+/// The part of Γ_C that consists of these edges, with arc length starting at `begin`.
 fn follow<'a>(
     body: &Body,
     rows: &[&'a ContactRow],
@@ -479,7 +479,7 @@ mod tests {
     fn side(name: &str, quadrature: Quadrature) -> Result<(Body, Vec<ContactRow>), Box<dyn std::error::Error>> {
         let mesh = Mesh::rectangle([2.0, 1.0], [4, 4], Diagonal::Left)?;
         let boundary = ContactBoundary::new(&mesh, &mesh.facets[name], quadrature);
-        // Against the order of the side, to see that it is found again.
+        // Reversed, to test that the order of the side is restored.
         let rows = boundary.points.iter().rev().map(|p| row([p.x[0], p.x[1]])).collect();
         Ok((Body::of_mesh(&mesh)?, rows))
     }

@@ -4,10 +4,10 @@ use super::body::Body;
 use super::color::ColorMap;
 use super::picture::Image;
 
-/// Colours the triangles of a body by the values at their corners, linear in between; the image covers a window and is
-/// transparent outside the body.
+/// Colours the triangles of a body by linear interpolation of the values at their corners. The image covers a window
+/// and is transparent outside the body.
 ///
-/// A pixel has the colour of the value at its centre.
+/// A pixel takes the colour of the value at its centre.
 pub(super) fn image(
     body: &Body,
     values: &[[f64; 3]],
@@ -54,7 +54,7 @@ pub(super) fn image(
     Image { width, height, rgba }
 }
 
-/// Pieces of the line on which a nodal field has a value, one a triangle at most.
+/// Pieces of the line on which a nodal field has a value, at most one per triangle.
 pub(super) fn level_line(body: &Body, values: &[f64], level: f64) -> Vec<[[f64; 2]; 2]> {
     let mut pieces = Vec::new();
     for nodes in &body.triangles {
@@ -62,7 +62,8 @@ pub(super) fn level_line(body: &Body, values: &[f64], level: f64) -> Vec<[[f64; 
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             let (m, n) = (nodes[i] as usize, nodes[j] as usize);
             let (v, w) = (values[m] - level, values[n] - level);
-            // A corner at the level counts as above it, so that a line leaves a triangle where it enters the next.
+            // A corner at the level counts as above, so that a line that leaves a triangle enters the next at the same
+            // point.
             if (v < 0.0) != (w < 0.0) {
                 let s = v / (v - w);
                 let (p, q) = (body.points[m], body.points[n]);

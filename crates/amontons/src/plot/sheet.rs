@@ -1,4 +1,4 @@
-//! Panels with equal scales in x and y, side by side or, where they are wide, above each other.
+//! Panels with equal scales in x and y, side by side or, if they are wide, above each other.
 
 use super::axes::{self, HEADING, LABEL, NUMBER, Scale, TITLE};
 use super::color::{INK, SOFT};
@@ -7,7 +7,7 @@ use super::picture::{Anchor, Picture, Rect};
 use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};
 
-/// What a panel is to show.
+/// The content of a panel.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub title: String,
@@ -17,20 +17,20 @@ pub(super) struct Plan {
     pub window: [[f64; 2]; 2],
     /// Names of both coordinates.
     pub labels: [&'static str; 2],
-    /// Whether the first coordinate runs to the left.
+    /// True if the first coordinate runs to the left.
     pub mirrored: bool,
 }
 
-/// Room beside the panels of a sheet.
+/// Space around the panels of a sheet.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Room {
     pub right: f64,
     pub below: f64,
-    /// Between the title and the panels.
+    /// Height between the title and the panels.
     pub above: f64,
     /// The least width of all panels together.
     pub least: f64,
-    /// Whether each panel has another one that belongs beside it.
+    /// True if the panels come in pairs.
     pub in_twos: bool,
 }
 
@@ -53,14 +53,14 @@ impl Frame {
 
 const MARGIN: f64 = 16.0;
 
-/// A range widened by a share of the larger of both ranges.
+/// A range widened by a fraction of the larger range.
 pub(super) fn widened([x, y]: [[f64; 2]; 2], share: f64) -> [[f64; 2]; 2] {
     let size = (x[1] - x[0]).max(y[1] - y[0]);
     let room = share * if size > 0.0 { size } else { 1.0 };
     [x, y].map(|r| [r[0] - room, r[1] + room])
 }
 
-/// Whether windows are so wide that their panels stand above each other.
+/// True if windows are so wide that their panels are stacked.
 pub(super) fn is_wide(plans: &[Plan]) -> bool {
     plans.iter().any(|plan| size(plan)[0] > 2.2 * size(plan)[1])
 }
@@ -69,8 +69,8 @@ fn size(plan: &Plan) -> [f64; 2] {
     plan.window.map(|r| (r[1] - r[0]).max(f64::MIN_POSITIVE))
 }
 
-/// Number of columns for a number of panels: few wide ones stand above each other, others in rows of at most four; more
-/// of them in rows of a sheet that is about as wide as high.
+/// Number of columns for a number of panels: a few wide ones are stacked, others form rows of at most four, many of
+/// them a roughly square sheet.
 fn columns(count: usize, wide: bool) -> usize {
     match count {
         _ if wide => count.div_ceil(6).clamp(1, 5),
@@ -80,7 +80,7 @@ fn columns(count: usize, wide: bool) -> usize {
     }
 }
 
-/// Marks of both axes of a panel of some size.
+/// Marks of both axes of a panel of this size.
 fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
     let marks = |range: [f64; 2], length: f64, each: f64| {
         ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length)
@@ -88,8 +88,8 @@ fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
     [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
 }
 
-/// Draws the heading of a panel above its frame, which is lifted where it is wide, and its axes with their names, the
-/// upright one `left` of the frame.
+/// Draws the heading of a panel above its frame, lifted if it is wide, and its axes with names, the vertical one `left`
+/// of the frame.
 fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, f64), units: Units) {
     let rect = frame.rect;
     let middle = rect.x + 0.5 * rect.width;
@@ -126,20 +126,20 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
     } else {
         350.0
     };
-    // Whole units, so that frames and images meet the pixels.
+    // Whole units, so that frames and images align with pixels.
     let extent = |plan: &Plan| {
         let size = size(plan);
         let scale = longest / size[0].max(size[1]);
         size.map(|s| (s * scale).round().max(24.0))
     };
-    // Left of a frame: a label that runs upwards and the numbers.
+    // Left of a frame: a vertical label and the numbers.
     let left =
         plans.iter().map(|plan| axes::y_room(&plan_ticks(plan, extent(plan), units)[1])).fold(0.0, f64::max).ceil()
             + LABEL
             + 8.0;
     let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
     let text = |plan: &Plan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
-    // Headings wider than their frame stand above what is beside the frame.
+    // Headings wider than their frame are placed above the items next to the frame.
     let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
     let headings =
         lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };

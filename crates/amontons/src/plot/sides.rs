@@ -1,4 +1,4 @@
-//! The sides of a mesh in colours, with their names: what a case may hold, load and press.
+//! The sides of a mesh in colours, with their names, for use in a case.
 
 use std::collections::HashMap;
 
@@ -16,35 +16,35 @@ use crate::units::{Measure, Units};
 const MARGIN: f64 = 16.0;
 /// Largest width and height of one view.
 const LONGEST: f64 = 380.0;
-/// Pixels of an image to a unit.
+/// Pixels of an image per unit of the picture.
 const DENSITY: f64 = 2.0;
-/// Facets up to which all of their edges are drawn.
+/// Largest number of facets for which all edges are drawn.
 const FEW: usize = 4000;
-/// Most names that are listed.
+/// Largest number of listed names.
 const LISTED: usize = 40;
-/// The two views of a body in space, opposite to each other: every face of a box is seen.
+/// The two opposite views of a body in space: they show every face of a box.
 const VIEWS: [(&str, [f64; 2]); 2] = [("from above", [-60.0, 32.0]), ("from the other side, below", [120.0, -32.0])];
-/// A facet in no side.
+/// Colour of a facet in no side.
 const BARE: Color = Color::new(0xDE_DE_DE);
 
-/// A side with its colour and what is said of it.
+/// A side with its colour and its text.
 struct Side<'m> {
     set: &'m FacetSet,
     color: Color,
     text: String,
 }
 
-/// The colour of a side by its number: six tell each other apart, the next six are lighter, and so on.
+/// The colour of a side by its number: six distinct ones, the next six lighter, and so on.
 fn color(number: usize) -> Color {
     let (base, lighter) = (LINES[number % LINES.len()], number / LINES.len() % 3);
     let mixed = |c: u8| (f64::from(c) + (255.0 - f64::from(c)) * 0.3 * lighter as f64).round() as u8;
     Color { red: mixed(base.red), green: mixed(base.green), blue: mixed(base.blue), opacity: 1.0 }
 }
 
-/// The sides of a mesh, each in a colour of its own; where sides overlap the smallest is seen.
+/// The sides of a mesh, each in its own colour; where sides overlap the smallest is visible.
 ///
 /// # Errors
-/// [`PlotError::Data`] when the mesh is one of a line, or cannot be drawn.
+/// [`PlotError::Data`] if the mesh is a line or cannot be drawn.
 pub fn sides(mesh: &Mesh, name: &str, units: Units) -> Result<Picture, PlotError> {
     let area = |set: &FacetSet| units.write(mesh.measure(set), Measure::Area);
     let mut sides: Vec<(f64, Side)> = mesh
@@ -108,7 +108,7 @@ fn in_the_plane(mesh: &Mesh, title: &str, sides: &[Side], units: Units) -> Resul
     picture.lines(&lines(&body.boundary), Stroke::new(SOFT, 0.8));
     for side in sides {
         let along = |nodes: &[u32]| -> Vec<[f64; 2]> {
-            // Ends first: the node in the middle of a quadratic one stands last.
+            // Ends first: the middle node of a quadratic facet is last.
             let order: &[usize] = if nodes.len() == 3 { &[0, 2, 1] } else { &[0, 1] };
             order.iter().filter_map(|&i| nodes.get(i)).map(|&node| at(node)).collect()
         };
@@ -118,7 +118,7 @@ fn in_the_plane(mesh: &Mesh, title: &str, sides: &[Side], units: Units) -> Resul
     Ok(picture)
 }
 
-/// The surface in triangles, each with the number of the side that is seen.
+/// The surface in triangles, each with the number of the visible side.
 struct Surface {
     triangles: Vec<[u32; 3]>,
     /// Number of the side, from 1; 0 for none.
@@ -217,7 +217,7 @@ mod tests {
     use super::*;
     use crate::mesh::Elements;
 
-    /// Of a box all six sides are seen: the colour of each is in one of the views, and none is seen that is not there.
+    /// All six sides of a box are visible: the colour of each is in one of the views, and no other colour.
     #[test]
     fn every_side_of_a_box_is_seen() -> Result<(), Box<dyn std::error::Error>> {
         let mesh = Mesh::box_([1.0, 2.0, 3.0], [2, 3, 4], Elements::Q1)?;
@@ -250,7 +250,7 @@ mod tests {
         Ok(())
     }
 
-    /// A side within another is seen, whichever comes first by name.
+    /// A side within another is visible, whichever comes first by name.
     #[test]
     fn the_smaller_of_two_sides_is_seen() -> Result<(), Box<dyn std::error::Error>> {
         for names in [["a", "b"], ["b", "a"]] {

@@ -7,7 +7,7 @@ use super::body;
 use crate::element;
 use crate::mesh::Mesh;
 
-/// Most vertices of a facet.
+/// Largest number of vertices of a facet.
 const VERTICES: usize = 4;
 
 /// The surface of a body in space.
@@ -15,11 +15,11 @@ const VERTICES: usize = 4;
 pub struct Skin {
     /// All nodes of the body, m.
     pub(super) points: Vec<[f64; 3]>,
-    /// Triangles with their outward side in front; a quadratic facet gives four, six or eight.
+    /// Triangles oriented outwards; a quadratic facet gives four, six or eight.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The cell of each triangle.
     pub(super) owners: Vec<u32>,
-    /// The facets by their nodes, those around first to last, and the cell of each.
+    /// The facets by their nodes, first those around them, and the cell of each.
     pub(super) facets: Vec<(Vec<u32>, u32)>,
     /// Pieces of edges of facets, each once.
     pub(super) edges: Vec<Edge>,
@@ -30,24 +30,24 @@ pub struct Skin {
 #[derive(Clone, Debug)]
 pub(super) struct Edge {
     pub nodes: [u32; 2],
-    /// The facets that meet there; the same one twice at a rim.
+    /// The facets that meet there; twice the same at a rim.
     pub facets: [u32; 2],
 }
 
 impl Skin {
-    /// The surface of cells given by their VTK type and their nodes in the order of VTK: those of the element, or of
-    /// the cells of VTK where these have fewer.
+    /// The surface of cells given by VTK type and nodes in the order of VTK: those of the element, or of the VTK cell
+    /// if that has fewer.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a
-    /// coordinate is not finite.
+    /// [`PlotError::Data`] if a cell is not one of [`element::ALL`] in space or has a missing node, or a coordinate is
+    /// not finite.
     pub fn new<'a>(points: Vec<[f64; 3]>, cells: impl IntoIterator<Item = (u8, &'a [u32])>) -> Result<Skin, PlotError> {
         if let Some(node) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
         }
         let mut surface =
             Skin { points, triangles: Vec::new(), owners: Vec::new(), facets: Vec::new(), edges: Vec::new(), cells: 0 };
-        // In the order in which the facets came, so that a picture depends on the mesh only.
+        // Facets keep the order in which they came, so that a picture depends on the mesh only.
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
         let mut open: HashMap<[u32; VERTICES], usize> = HashMap::new();
         for (c, (kind, nodes)) in cells.into_iter().enumerate() {
@@ -71,7 +71,8 @@ impl Skin {
             }
             for facet in element.facets {
                 let own: Vec<u32> = facet.nodes.iter().filter_map(|&i| nodes.get(i).copied()).collect();
-                // By the vertices: a pyramid of a file lacks the node in the middle of its base, its neighbour has it.
+                // Facets are matched by vertices: a pyramid of a file lacks the middle node of its base, which its
+                // neighbour has.
                 let mut key = [u32::MAX; VERTICES];
                 key.iter_mut().zip(own.iter().take(facet.element.shape.vertices())).for_each(|(k, n)| *k = *n);
                 key.sort_unstable();
@@ -95,7 +96,7 @@ impl Skin {
     /// The surface of a mesh of the library.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when the mesh is not three-dimensional.
+    /// [`PlotError::Data`] if the mesh is not three-dimensional.
     pub fn of_mesh(mesh: &Mesh) -> Result<Skin, PlotError> {
         if mesh.dim != 3 {
             return Err(PlotError::Data(format!("the mesh is {}-dimensional, expected a body in space", mesh.dim)));
@@ -155,7 +156,7 @@ impl Skin {
         })
     }
 
-    /// The edges at which the surface bends by more than 35°, and those between cells of different regions.
+    /// The edges at which the surface bends by more than 35°, and those between regions.
     pub(super) fn outline(&self, regions: &[f64]) -> Vec<[u32; 2]> {
         const STRAIGHT: f64 = 0.819;
         let normals: Vec<[f64; 3]> = (0..self.facets.len()).map(|f| self.normal(f)).collect();
@@ -199,13 +200,13 @@ mod tests {
             let flux = |t: &[u32; 3]| dot(surface.points[t[0] as usize], surface.across(t)) / 6.0;
             assert!((surface.triangles.iter().map(flux).sum::<f64>() - 6.0).abs() < 1e-12, "{elements:?}");
             assert!((surface.areas().iter().sum::<f64>() - 22.0).abs() < 1e-12, "{elements:?}");
-            // Euler: V − E + F = 2 of the nodes, edges and triangles of a closed surface; here by its facets' outlines.
+            // Euler: V − E + F = 2 for a closed surface; here checked by the outlines of its facets.
             assert!(surface.edges.iter().all(|e| e.facets[0] != e.facets[1]), "a closed surface has no rim");
         }
         Ok(())
     }
 
-    /// A pyramid on a cube, and alone, with and without the node in the middle of its base: volumes 4/3 and 1/3.
+    /// A pyramid on a cube, and alone, with and without the middle node of its base: volumes 4/3 and 1/3.
     #[test]
     fn the_base_of_a_pyramid_is_a_facet_of_its_neighbour() -> Outcome {
         let mut mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2)?;
@@ -232,7 +233,7 @@ mod tests {
         Ok(())
     }
 
-    /// The edges of a box are its outline, of length 4 (1 + 2 + 3); a second region adds the line around between both.
+    /// The outline of a box are its edges, of length 4 (1 + 2 + 3); a second region adds the line between both.
     #[test]
     fn the_outline_of_a_box_are_its_edges() -> Outcome {
         let mesh = Mesh::box_([1.0, 2.0, 3.0], [2, 2, 2], Elements::Q2)?;

@@ -45,7 +45,7 @@ pub(super) fn write(picture: &Picture) -> String {
                 body.push_str("\n</g>\n");
             }
             Item::Image { place, image } => {
-                // A raster that cannot be encoded has no pixels: there is nothing to show.
+                // An image that cannot be encoded has no pixels, so nothing is shown.
                 let Some(png) = raster::encode(image) else { continue };
                 let _ = writeln!(
                     body,
@@ -127,14 +127,14 @@ fn paint(what: &str, color: Color) -> String {
     if color.opacity >= 1.0 { opaque } else { format!(r#"{opaque} {what}-opacity="{}""#, short(color.opacity)) }
 }
 
-/// A coordinate to a hundredth, which is below what can be seen.
+/// A coordinate rounded to a hundredth, below visible size.
 fn short(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A text as it may stand in an attribute or an element; control characters, which XML lacks, are left out.
+/// Text escaped for attributes and elements, without control characters, which XML does not allow.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -6,7 +6,7 @@ use super::picture::{Picture, Stroke};
 use super::{PlotError, axes};
 use crate::units::{Measure, Units};
 
-/// What the picture of a sweep shows.
+/// The data of the picture of a sweep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SweepPlot {
     /// The title.
@@ -29,7 +29,7 @@ pub struct SweepSeries {
 /// Draws a sweep.
 ///
 /// # Errors
-/// [`PlotError::Data`] when there is nothing to draw, or a number is not finite.
+/// [`PlotError::Data`] if there is nothing to draw, or a number is not finite.
 pub fn sweep(plot: &SweepPlot) -> Result<Picture, PlotError> {
     let points = || plot.series.iter().flat_map(|series| &series.lines).flat_map(|(_, points)| points);
     if points().any(|p| !(p[0].is_finite() && p[1].is_finite())) {

@@ -1,4 +1,4 @@
-//! Reads the tables of a results folder: comma-separated values under a line of names.
+//! Reads the tables of a results folder: comma-separated values below a line of names.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -20,7 +20,7 @@ pub(super) struct CsvTable {
     rows: Vec<Vec<String>>,
 }
 
-/// The cells that a line has; a cell in quotes may have commas, and a quote twice for one.
+/// The cells of a line; a quoted cell may contain commas, and doubled quotes for a quote.
 fn cut(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let (mut quoted, mut chars) = (false, line.chars().peekable());
@@ -89,7 +89,7 @@ impl CsvTable {
         self.rows.iter().enumerate().map(cell).collect()
     }
 
-    /// Whether a column has no values: the run does not have the field.
+    /// True if a column has no values because the run does not have the field.
     pub(super) fn is_empty(&self, name: &str) -> bool {
         let column = self.names.iter().position(|n| n == name);
         column.is_none_or(|c| !self.rows.is_empty() && self.rows.iter().all(|row| row[c].is_empty()))
@@ -104,7 +104,7 @@ impl CsvTable {
         }
     }
 
-    /// A column with numbers that need not be there: not a number where they are not.
+    /// A column of optional numbers: NaN where they are missing.
     pub(super) fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
         if !self.has(name) {
             return Ok(vec![f64::NAN; self.rows()]);

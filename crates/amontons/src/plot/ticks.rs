@@ -1,4 +1,4 @@
-//! Where an axis has its marks and what is written there.
+//! Marks of an axis and their labels.
 
 use crate::units::{Measure, Units};
 
@@ -7,14 +7,14 @@ use crate::units::{Measure, Units};
 pub(super) struct Ticks {
     /// Values with their labels, ascending.
     pub marks: Vec<(f64, String)>,
-    /// Values that have a mark without a label.
+    /// Values with a mark but no label.
     pub minor: Vec<f64>,
-    /// The labels are to be multiplied by this power of ten.
+    /// Power of ten by which the labels are multiplied.
     pub exponent: i32,
 }
 
-/// Marks at multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most` of them, in a closed interval; the power
-/// of ten of the labels is that of a prefix where the unit has one.
+/// Marks at multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most` of them, in a closed interval. The labels
+/// have the power of ten of a prefix, if the unit has one.
 pub(super) fn in_units(range: [f64; 2], most: usize, units: Units, measure: Measure) -> Ticks {
     let power = power_of_thousand(range[0].abs().max(range[1].abs()));
     let takes_it = !units.of(measure).is_empty() && units.prefixed(power, measure).is_some();
@@ -36,7 +36,7 @@ fn marks([lo, hi]: [f64; 2], most: usize, exponent: impl Fn(f64) -> i32) -> Tick
     Ticks { marks, minor: Vec::new(), exponent }
 }
 
-/// The smallest nice step that gives at most `most` multiples between `lo` and `hi`.
+/// The smallest round step with at most `most` multiples between `lo` and `hi`.
 fn step(lo: f64, hi: f64, most: usize) -> f64 {
     let raw = (hi - lo) / most as f64;
     let power = 10f64.powf(raw.log10().floor());
@@ -49,14 +49,14 @@ fn step(lo: f64, hi: f64, most: usize) -> f64 {
 
 /// The first multiple of a step not below `lo`, counted in steps, and the number of multiples up to `hi`.
 fn multiples(lo: f64, hi: f64, step: f64) -> (f64, usize) {
-    // An end that is a multiple but for rounding belongs to the interval.
+    // An end that is a multiple up to rounding belongs to the interval.
     let slack = 1e-9 * (hi - lo) / step;
     let first = (lo / step - slack).ceil();
     let last = (hi / step + slack).floor();
     (first, if last < first { 0 } else { (last - first) as usize + 1 })
 }
 
-/// Power of ten, a multiple of three, that keeps labels short: the largest is then from 0.4 to 400.
+/// Power of ten, a multiple of three, that keeps labels short: the largest is from 0.4 to 400.
 fn exponent(largest: f64) -> i32 {
     if (0.01..10_000.0).contains(&largest) { 0 } else { power_of_thousand(largest) }
 }
@@ -85,8 +85,8 @@ fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Marks of a logarithmic axis from `lo` to `hi`, both positive: powers of ten, and 2 and 5 times them where there
-/// would be few.
+/// Marks of a logarithmic axis from `lo` to `hi`, both positive: powers of ten, and 2 and 5 times them if there would
+/// be few.
 pub(super) fn logarithmic(lo: f64, hi: f64) -> Ticks {
     let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
     let inside = |v: &f64| *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
@@ -100,7 +100,7 @@ pub(super) fn logarithmic(lo: f64, hi: f64) -> Ticks {
     Ticks { marks, minor: all(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]), exponent: 0 }
 }
 
-/// `10^{−3}` or `2·10^{−3}`.
+/// Label of a power of ten: `10^{−3}` or `2·10^{−3}`.
 fn power_label(value: f64) -> String {
     let e = (value.log10() + 1e-9).floor() as i32;
     let m = (value / 10f64.powi(e)).round();
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!((t.exponent, labels(&t)), (-3, vec!["0", "5", "10"]));
         let t = in_units([0.0, 4.5e6], 5, Units::PLANE, Measure::Stress);
         assert_eq!((t.exponent, labels(&t)), (6, vec!["0", "1", "2", "3", "4"]));
-        // Kelvins are not counted in thousands.
+        // Kelvins take no power of a thousand.
         assert_eq!(in_units([0.0, 1500.0], 4, Units::PLANE, Measure::Temperature).exponent, 0);
     }
 

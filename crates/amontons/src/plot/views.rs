@@ -1,5 +1,5 @@
-//! From where bodies in space are seen: from the side of their contact. Bodies of pairs are opened like a book, each in
-//! a view of its own.
+//! Directions from which bodies in space are seen: towards their contact. The bodies of a pair are opened like a book,
+//! each in its own view.
 
 use super::render::View;
 use super::run::Run;
@@ -8,25 +8,25 @@ use crate::contact::Contact;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
 
-/// From where a body is seen without contact: it lies between both eyes.
+/// Directions of view of a body without contact.
 const AROUND: [(&str, [f64; 2]); 2] = [("from above", [-60.0, 32.0]), ("from below", [-60.0, -32.0])];
-/// Least angle between a view and the plane of the contact that it shows, in degrees.
+/// Least angle between a view and the plane of its contact, in degrees.
 const LEAST: f64 = 35.0;
-/// Share of an area that its mean normal must have to be its direction: a bore has none.
+/// Least ratio of the magnitude of the vector area to the area for a side with a direction; a bore has none.
 const ONE_SIDED: f64 = 0.35;
-/// Cosine between the normals of contacts that one view shows.
+/// Least cosine between the normals of contacts in the same view.
 const SAME: f64 = 0.5;
-/// Most views of one body.
+/// Largest number of views of one body.
 const MOST: usize = 3;
 
-/// A view of a body, or of one body of several.
+/// A view of the whole body, or of one body of several.
 #[derive(Clone, Debug)]
 pub(super) struct Look {
     pub name: String,
     pub view: View,
-    /// Whether a node is of the body that is shown; none if all are.
+    /// True per node that belongs to the body shown, or `None` if all do.
     pub nodes: Option<Vec<bool>>,
-    /// The mean outward normal of the contact that is shown, if one is.
+    /// The mean outward normal of the contact shown, if any.
     pub normal: Option<[f64; 3]>,
 }
 
@@ -37,17 +37,17 @@ struct Opened {
     directions: Vec<[f64; 3]>,
 }
 
-/// `from above`, by where an eye stands.
+/// Name of a view: `from above`, by the position of the eye.
 fn name_of(view: &View) -> &'static str {
     if view.eye[2] < 0.0 { AROUND[1].0 } else { AROUND[0].0 }
 }
 
-/// The view of an eye that sees a contact with this outward normal: the nearer one of the usual two, turned towards the
-/// normal until it is far enough above the plane of the contact.
+/// The view of a contact with this outward normal: the nearer one of the two standard views, rotated towards the normal
+/// until the eye is high enough above the plane of the contact.
 pub(super) fn onto(normal: [f64; 3]) -> View {
     let normal = normal.map(|c| c / norm(normal));
     let [above, below] = AROUND.map(|(_, [azimuth, elevation])| View::new(azimuth, elevation));
-    // Both are as near to a contact that stands upright, but for rounding: then it is seen from above.
+    // A vertical contact is equally near to both, up to rounding: it is seen from above.
     let nearer = if dot(below.eye, normal) > dot(above.eye, normal) + 1e-6 { below } else { above };
     let height = dot(nearer.eye, normal);
     let (sine, cosine) = LEAST.to_radians().sin_cos();
@@ -59,7 +59,7 @@ pub(super) fn onto(normal: [f64; 3]) -> View {
     View::of_eye([0, 1, 2].map(|d| sine * normal[d] + cosine * flat[d] / size))
 }
 
-/// Outward area vectors of the contacts of one side of a contact, by the bodies that they are of.
+/// Outward area vectors of one side of a contact, with the region of the body and the area.
 fn areas(problem: &Problem, side: &str) -> Vec<(u32, [f64; 3], f64)> {
     let Some(set) = problem.mesh.facets.get(side) else { return Vec::new() };
     let parts = set.facets().flat_map(|(_, facet)| {
@@ -72,7 +72,7 @@ fn areas(problem: &Problem, side: &str) -> Vec<(u32, [f64; 3], f64)> {
     parts.collect()
 }
 
-/// The directions of one-sided areas, those within 60° of each other as one.
+/// The directions of one-sided areas; directions within 60° of each other count as one.
 fn directions<'a>(sides: impl Iterator<Item = &'a Vec<([f64; 3], f64)>>) -> Vec<[f64; 3]> {
     let mut found: Vec<[f64; 3]> = Vec::new();
     for side in sides {
@@ -118,7 +118,7 @@ fn opened(problem: &Problem) -> Vec<Opened> {
     bodies.collect()
 }
 
-/// Both views of a whole body.
+/// Both views of the whole body.
 fn around() -> Vec<Look> {
     let look = |(name, [azimuth, elevation]): (&str, [f64; 2])| Look {
         name: name.to_owned(),
@@ -129,8 +129,8 @@ fn around() -> Vec<Look> {
     AROUND.map(look).to_vec()
 }
 
-/// The views of a run: those of its contact, of pairs each body alone, and with `all` also the whole and what lies
-/// behind. Without contact in one direction, and without the problem, those from above and from below, or the first.
+/// The views of a run: those of its contact, for pairs each body alone, and with `all` also the whole and the reverse.
+/// Without a contact direction or the problem, those from above and from below, or the first.
 pub(super) fn looks(run: &Run, all: bool) -> Vec<Look> {
     let usual = || around().into_iter().take(if all { 2 } else { 1 }).collect::<Vec<_>>();
     let Some(problem) = &run.problem else { return usual() };
@@ -184,7 +184,7 @@ mod tests {
         spread.chain(axes).collect()
     }
 
-    /// The eye is at least 32° above the contact, the nearer of the usual two where it can be, and z points upwards.
+    /// The eye is at least 32° above the contact, at the nearer standard view if possible, and z points upwards.
     #[test]
     fn a_contact_is_in_sight_whatever_its_normal() {
         for normal in normals() {

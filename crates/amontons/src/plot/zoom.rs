@@ -1,4 +1,4 @@
-//! An enlargement of the contact, beside a body that is much larger.
+//! An enlargement of a contact that is much smaller than the body.
 
 use std::collections::HashMap;
 
@@ -7,23 +7,23 @@ use super::picture::Rect;
 use super::run::Run;
 use crate::contact::Status;
 
-/// Largest extent of a contact that is enlarged, in the extent of the body.
+/// Largest extent of an enlarged contact, relative to the body.
 const SMALL: f64 = 0.25;
-/// The window in the extent of the contact.
+/// Size of the window relative to the contact.
 const ROOM: f64 = 1.6;
-/// Least extent of a window, in that of the body: a contact may be at one point.
+/// Least extent of a window, relative to the body: a contact may be a single point.
 const LEAST: f64 = 0.025;
 
 /// A contact that is much smaller than the body.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Zone {
-    /// Which of the sides of the run it is on.
+    /// Index of its side in the run.
     pub side: usize,
-    /// Places of the points in contact as they are drawn.
+    /// Drawn positions of the points in contact.
     pub points: Vec<[f64; 3]>,
 }
 
-/// A place by its bits; adding zero makes −0 and 0 one.
+/// The bits of a position; adding zero makes −0 equal to 0.
 fn key(p: [f64; 3]) -> [u64; 3] {
     p.map(|x| (x + 0.0).to_bits())
 }
@@ -32,9 +32,8 @@ fn extent(points: &[[f64; 3]]) -> f64 {
     (0..3).filter_map(|d| axes::range(points.iter().map(|p| p[d]))).map(|[lo, hi]| hi - lo).fold(0.0, f64::max)
 }
 
-/// The side with the highest pressure of all whose part in contact is smaller than a quarter of the body, in some runs
-/// of one body whose nodes are drawn at `moved`. None where none is so small or nothing is in contact, and of several
-/// bodies.
+/// The side with the highest pressure whose part in contact is smaller than a quarter of the body, over runs of one
+/// body with nodes drawn at `moved`. `None` if no contact is so small, nothing is in contact, or the bodies differ.
 pub(super) fn zone(runs: &[&Run], nodes: &[Vec<[f64; 3]>], moved: &[Vec<[f64; 3]>]) -> Option<Zone> {
     let mut of_sides: HashMap<usize, (f64, Vec<[f64; 3]>, Vec<[f64; 3]>)> = HashMap::new();
     if nodes.windows(2).any(|pair| pair[0] != pair[1]) {
@@ -59,15 +58,15 @@ pub(super) fn zone(runs: &[&Run], nodes: &[Vec<[f64; 3]>], moved: &[Vec<[f64; 3]
     Some(Zone { side, points })
 }
 
-/// The window of an enlargement: it has the shape of the window of the body and encloses the points in contact with
-/// some room; and how many times as large it is drawn. None if that is less than twice.
+/// The window of an enlargement and its factor. It has the shape of the window of the body and encloses the points in
+/// contact with a margin. `None` if the factor is below two.
 pub(super) fn window(points: &[[f64; 2]], whole: [[f64; 2]; 2]) -> Option<([[f64; 2]; 2], f64)> {
     let ranges = [0, 1].map(|d| axes::range(points.iter().map(|p| p[d])));
     let [Some(x), Some(y)] = ranges else { return None };
     let length = |r: [f64; 2]| r[1] - r[0];
     let share = |own: [f64; 2], whole: [f64; 2]| length(own) / length(whole);
     let least = ROOM * share(x, whole[0]).max(share(y, whole[1]));
-    // So many times as large, rounded down to two digits: the window has more room, never less.
+    // The factor is rounded down to two digits: the window becomes larger, never smaller.
     let times = (1.0 / least.max(LEAST)).min(1.0 / LEAST);
     let times = if times < 10.0 { (10.0 * times).floor() / 10.0 } else { times.floor() };
     let part = |own: [f64; 2], whole: [f64; 2]| {

@@ -1,4 +1,4 @@
-//! What holds on the parts of the boundary, contact apart, and which of it excludes what.
+//! Conditions on the parts of the boundary except contact, and which of them exclude each other.
 
 use super::{Fault, ProblemData, Role};
 use crate::contact::{Contact, GraphKind, Quadrature};
@@ -8,21 +8,21 @@ use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::space::{Prescription, Space};
 use crate::tensor::{Point, dot, length};
 
-/// What holds on one named part of the boundary, contact apart.
+/// Conditions on one named part of the boundary except contact.
 ///
-/// On an edge or on points only displacements, temperatures and forces are meant: nothing else has a meaning there.
+/// An edge or points can have displacements, temperatures and forces only.
 #[derive(Clone, Debug, Default)]
 pub struct BoundaryCondition {
     /// Name of the facet set, or of an edge or points.
     pub on: String,
-    /// Prescribed displacement, m, one entry per component, none for a component that is free: (2.5).
+    /// Prescribed displacement, m, one entry per component, `None` for a free component: (2.5).
     pub displacement: Option<Vec<Option<Field>>>,
     /// Prescribed displacement u_ν along the outward normal, m; the side is in one plane, of any direction.
     pub normal_displacement: Option<Field>,
     /// Traction f₁, Pa, one field per component: (2.6).
     pub traction: Option<Vec<Field>>,
-    /// Force, N, one field per component, spread evenly over the side, the edge or the points: (2.6) with f₁ = F/|Γ|;
-    /// in two dimensions per unit of thickness, N/m, and of a body of revolution that on the whole ring.
+    /// Force, N, one field per component, spread evenly over the side, edge or points: (2.6) with f₁ = F/|Γ|. In two
+    /// dimensions per unit of thickness, N/m; of a body of revolution the force on the whole ring.
     pub force: Option<Vec<Field>>,
     /// Pressure p, Pa: the traction −pν.
     pub pressure: Option<Field>,
@@ -59,7 +59,7 @@ impl Support {
             .chain(several.iter().enumerate().map(|(c, f)| (format!("[{c}]"), f)))
     }
 
-    /// Number of components; none for a support along the normal.
+    /// Number of components, or `None` for a support along the normal.
     pub(super) fn components(&self) -> Option<usize> {
         match self {
             Support::Normal(_) => None,
@@ -88,56 +88,56 @@ impl BoundaryCondition {
         BoundaryCondition { on: on.into(), ..BoundaryCondition::default() }
     }
 
-    /// With all components of the displacement prescribed, m.
+    /// Prescribes all components of the displacement, m.
     #[must_use]
     pub fn displacement(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
         BoundaryCondition { displacement: Some(components.into_iter().map(|c| Some(c.into())).collect()), ..self }
     }
 
-    /// With a prescribed displacement along the outward normal, m.
+    /// Prescribes the displacement along the outward normal, m.
     #[must_use]
     pub fn normal_displacement(self, along: impl Into<Field>) -> BoundaryCondition {
         BoundaryCondition { normal_displacement: Some(along.into()), ..self }
     }
 
-    /// With a traction, Pa.
+    /// Applies a traction, Pa.
     #[must_use]
     pub fn traction(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
         BoundaryCondition { traction: Some(components.into_iter().map(Into::into).collect()), ..self }
     }
 
-    /// With a force, N, spread evenly.
+    /// Applies a force, N, spread evenly.
     #[must_use]
     pub fn force(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
         BoundaryCondition { force: Some(components.into_iter().map(Into::into).collect()), ..self }
     }
 
-    /// With a prescribed temperature, K.
+    /// Prescribes the temperature, K.
     #[must_use]
     pub fn temperature(self, theta: impl Into<Field>) -> BoundaryCondition {
         BoundaryCondition { temperature: Some(theta.into()), ..self }
     }
 
-    /// With a heat flux into the body, W/m².
+    /// Applies a heat flux into the body, W/m².
     #[must_use]
     pub fn heat_inflow(self, flux: impl Into<Field>) -> BoundaryCondition {
         BoundaryCondition { heat_inflow: Some(flux.into()), ..self }
     }
 
-    /// Whether some displacement of the body is held: by a prescribed value or a spring.
+    /// True if a displacement of the body is held by a prescribed value or a spring.
     #[must_use]
     pub fn holds_body(&self) -> bool {
         let prescribed = self.displacement.iter().flatten().any(Option::is_some) || self.normal_displacement.is_some();
         prescribed || self.spring.as_ref().is_some_and(|spring| !spring.is_zero())
     }
 
-    /// Whether the temperature of the body is held: by a prescribed value or by the surroundings.
+    /// True if the temperature of the body is held by a prescribed value or by the surroundings.
     #[must_use]
     pub fn holds_temperature(&self) -> bool {
         self.temperature.is_some() || self.convection.as_ref().is_some_and(|c| !c.coefficient.is_zero())
     }
 
-    /// Whether nothing is said about the side.
+    /// True if no condition is given.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let BoundaryCondition {
@@ -209,13 +209,13 @@ impl BoundaryCondition {
     }
 }
 
-/// e_c.
+/// Unit vector e_c.
 fn unit(c: usize) -> Point {
     std::array::from_fn(|d| f64::from(u8::from(c == d)))
 }
 
-/// The outward normal of a side that is in a plane up to the precision with which mesh files are written at the least,
-/// relative to the size of the side; an axis where it is one up to round-off.
+/// The outward normal of a plane side. A side is plane up to the precision of mesh files, relative to its size. A
+/// normal that is a coordinate axis up to round-off becomes that axis.
 ///
 /// # Errors
 /// The number and the normal of the first facet that is not in the plane of the first one.
@@ -262,7 +262,7 @@ pub(super) fn plane_of(mesh: &Mesh, set: &FacetSet) -> Result<Point, (usize, Poi
         .map_or((0, first), |(number, _, normal)| (*number, *normal)))
 }
 
-/// What is expected of a side with a displacement and a force in one direction.
+/// Expected text for a side with a displacement and a force in one direction.
 const BOTH: &str = "one of the two: Γ_D and Γ_N do not overlap";
 
 impl ProblemData {
@@ -281,7 +281,7 @@ impl ProblemData {
         Space::linked(&self.mesh, 1, prescribed, self.links(), Vec::new())
     }
 
-    /// Sides exist, are named once, and bear no two conditions that exclude each other.
+    /// Checks that sides exist, are named once, and bear no two conditions that exclude each other.
     pub(super) fn check_boundary(&self, faults: &mut Vec<Fault>) {
         for (side, contact) in self.contacts.iter().enumerate() {
             let path = self.contact_path(side);
@@ -343,7 +343,7 @@ impl ProblemData {
         }
     }
 
-    /// Of the contacts of a side one at most has no obstacle, and each contact has a name of its own.
+    /// Checks that at most one contact of a side has no obstacle, and that each contact has a name of its own.
     fn check_once(&self, side: usize, path: &str, faults: &mut Vec<Fault>) {
         let (contact, before) = (&self.contacts[side], &self.contacts[..side]);
         let is_same = |other: &Contact| other.on == contact.on && other.obstacle.is_none();
@@ -367,7 +367,7 @@ impl ProblemData {
         }
     }
 
-    /// An obstacle turns beside a body in the plane or in space.
+    /// Checks that a turning obstacle meets a body in the plane or in space, not a line or a body of revolution.
     fn check_turning(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
         let turns = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.turning.is_some());
         if turns && (self.mesh.dim == 1 || self.mesh.axisymmetric) {
@@ -383,7 +383,7 @@ impl ProblemData {
         }
     }
 
-    /// The sides that conditions name are there.
+    /// Checks that the sides named by conditions exist.
     fn check_sides(&self, faults: &mut Vec<Fault>) {
         let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
         let all: Vec<&str> = known.iter().copied().chain(self.mesh.edges.keys().map(String::as_str)).collect();
@@ -405,7 +405,7 @@ impl ProblemData {
         }
     }
 
-    /// On an edge or on points nothing is given that needs an area.
+    /// Checks that an edge or points have no condition that needs an area.
     fn check_edge(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         if b.on.is_empty() || self.mesh.facets.contains_key(&b.on) || !self.mesh.edges.contains_key(&b.on) {
             return;
@@ -429,7 +429,7 @@ impl ProblemData {
         }
     }
 
-    /// A displacement, by components or along the normal, and apart from Γ_C.
+    /// Checks that a displacement is given by components or along the normal, not both, and not on Γ_C.
     fn check_displacement(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         let given =
             [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
@@ -469,7 +469,7 @@ impl ProblemData {
         }
     }
 
-    /// Forces act on what is not prescribed.
+    /// Checks that forces act on components that are not prescribed.
     fn check_forces(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         let dim = self.mesh.dim;
         let plane = self
@@ -500,7 +500,7 @@ impl ProblemData {
         Self::check_supports(i, b, all_held, faults);
     }
 
-    /// Pressures, springs and dashpots act on what is not prescribed.
+    /// Checks that pressures, springs and dashpots act on components that are not prescribed.
     fn check_supports(i: usize, b: &BoundaryCondition, all_held: bool, faults: &mut Vec<Fault>) {
         let along_normal = |support: &Option<Support>| matches!(support, Some(Support::Normal(_)));
         for (key, what, given, normal) in [
@@ -521,13 +521,13 @@ impl ProblemData {
     }
 }
 
-/// A side that an entry before, the `first`, is on too.
+/// The fault of a side that an earlier entry, the `first`, already names.
 fn again(path: String, on: &str, first: usize, expected: &str) -> Fault {
     let hint = format!("merge it with entry {} of the file, which is on the same side", first + 1);
     Fault::new(path, format!("\"{on}\" again"), expected).hint(hint)
 }
 
-/// A name that is none of those that are known, with the nearest one.
+/// The fault of an unknown name, with the nearest known name as a hint.
 pub(super) fn unknown(path: String, name: &str, of: &str, known: &[&str]) -> Fault {
     let fault = Fault::new(path, format!("\"{name}\""), format!("one of the {of} {}", known.join(", ")));
     match known

@@ -9,7 +9,7 @@ impl ProblemData {
     /// Checks the data and makes them a problem, which does not change any more.
     ///
     /// # Errors
-    /// All faults that the data have, with the place of each named as in a case file.
+    /// All faults of the data, each with its place as in a case file.
     pub fn check(self) -> Result<Problem, Faults> {
         let mut faults = Vec::new();
         self.check_time(&mut faults);
@@ -67,9 +67,9 @@ impl ProblemData {
         }
     }
 
-    /// Each part of the body that is not held somewhere has inertia, and heat capacity if its temperature is not.
+    /// Checks that each part of the body with a cell of zero density has a support.
     ///
-    /// A part without inertia or without heat capacity anywhere in it needs the hold.
+    /// Likewise a part with a cell of zero heat capacity must have a held temperature. Parts of a pair share supports.
     fn check_parts(&self, faults: &mut Vec<Fault>) {
         let parts = components(&self.mesh);
         let mut part_of = vec![0; self.mesh.points.len()];
@@ -78,7 +78,7 @@ impl ProblemData {
                 part_of[node as usize] = number;
             }
         }
-        // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
+        // Per part: displacement held, temperature held; ρ or c missing.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
         let foundations = self.contacts.iter().filter(|c| c.pair.is_none());
@@ -134,7 +134,7 @@ impl ProblemData {
         }
     }
 
-    /// Tables have values at all times of the run.
+    /// Checks that tables have values at all times of the run.
     fn check_times(&self, faults: &mut Vec<Fault>) {
         let mut check = |path: String, field: &Field| {
             let [first, last] = field.span();
@@ -160,7 +160,7 @@ impl ProblemData {
         }
     }
 
-    /// Vector data have d components.
+    /// Checks that vector data have d components.
     fn check_shapes(&self, faults: &mut Vec<Fault>) {
         let dim = self.mesh.dim;
         let mut check = |path: String, found: Option<usize>| {
@@ -191,7 +191,7 @@ impl ProblemData {
     }
 }
 
-/// Where a part of the body is: `x from 0.0 to 1.0, y from 2.0 to 3.0`.
+/// Extent of a part of the body: `x from 0.0 to 1.0, y from 2.0 to 3.0`.
 fn extent(part: &Component, mesh: &Mesh) -> String {
     let [low, high] = part.bounds(mesh);
     let along = |(c, axis): (usize, &str)| format!("{axis} from {:?} to {:?}", low[c], high[c]);

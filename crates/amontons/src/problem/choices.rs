@@ -1,4 +1,4 @@
-//! What a case is computed with where it leaves a choice: nothing of it is decided in silence.
+//! The choices that the program makes where a case leaves them open. All of them are reported.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,14 +6,14 @@ use super::{Coupling, ProblemData};
 use crate::contact::{Contact, Quadrature};
 use crate::material::Dilatation;
 
-/// A choice: what of, what was taken, and why.
+/// A choice: its subject, the value taken, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Choice {
-    /// What there is a choice of, as the key of the case names it.
+    /// Subject of the choice, as the key of the case names it.
     pub what: String,
-    /// What is taken.
+    /// The value taken.
     pub value: String,
-    /// Why, or what it means.
+    /// The reason, or its meaning.
     pub why: String,
 }
 
@@ -26,8 +26,8 @@ impl Choice {
 }
 
 impl ProblemData {
-    /// What the problem is computed with: what was chosen while it was made, the scheme, its coupling, the dilatation
-    /// and the places of the laws of contact.
+    /// All choices of the problem: those made while it was built, the scheme, its coupling, the dilatation and the
+    /// contact points.
     #[must_use]
     pub fn choices(&self) -> Vec<Choice> {
         let scheme =

@@ -7,22 +7,21 @@ use crate::mesh::{Cyclic, Link, Links, NotCyclic};
 use crate::space::Prescription;
 use crate::tensor::{Point, dot, length};
 
-/// Times at which what is given on both sides of a sector is compared, and how much it may differ: digits that are
-/// typed.
+/// Number of times at which data on both sides of a sector are compared, and the relative tolerance for typed digits.
 const TIMES: u32 = 8;
 const GIVEN: f64 = 1e-6;
-/// How far a place may be off, relative to the distance of the places that are compared: as much as the angle may.
+/// Tolerance of a position relative to the distance of the compared points: the tolerance of the angle.
 const PLACE: f64 = 1e-3;
 
 impl ProblemData {
-    /// The nodes that follow others; none where the sides of a sector do not match, which the check names.
+    /// The links from nodes to the nodes they follow. A sector whose sides do not match has none; the check reports it.
     #[must_use]
     pub fn links(&self) -> Links {
         let of_each = self.cyclic.iter().filter_map(|cyclic| Some(cyclic.links(&self.mesh).ok()?.0));
         of_each.fold(Links::default(), |all, links| all.clone().and(links).unwrap_or(all))
     }
 
-    /// The sides of sectors exist, bear nothing else, and turn into each other.
+    /// Checks that the sides of sectors exist, bear nothing else, and turn into each other.
     pub(super) fn check_cyclic(&self, faults: &mut Vec<Fault>) {
         let mut all = Links::default();
         for (i, cyclic) in self.cyclic.iter().enumerate() {
@@ -52,7 +51,7 @@ impl ProblemData {
         }
     }
 
-    /// What of the names, the axis and the other conditions on the sides is not sound.
+    /// Checks the names, the axis and the other conditions on the sides.
     fn check_sides_of(&self, cyclic: &Cyclic, path: &str, faults: &mut Vec<Fault>) {
         if self.mesh.dim == 1 || self.mesh.axisymmetric {
             let found = if self.mesh.axisymmetric { "a body of revolution" } else { "a body in one dimension" };
@@ -88,7 +87,7 @@ impl ProblemData {
         }
     }
 
-    /// What is given on both sides of a sector is the same, turned.
+    /// Checks that conditions on both sides of a sector are the same, rotated.
     fn check_seam(&self, links: &[Link], faults: &mut Vec<Fault>) {
         for (i, b) in self.boundary.iter().enumerate() {
             let Some(set) = self.mesh.named(&b.on) else { continue };
@@ -119,7 +118,7 @@ impl ProblemData {
         }
     }
 
-    /// A temperature that is given is the same on both sides of a sector.
+    /// Checks that a given temperature is the same on both sides of a sector.
     fn check_temperature_on(&self, links: &[Link], faults: &mut Vec<Fault>) {
         let of = entries(&self.mesh, &self.temperature);
         let entry = |node: u32| of.get(node as usize).copied().flatten();
@@ -134,8 +133,8 @@ impl ProblemData {
         faults.extend(clash.map(|(number, link)| self.clash(key(number), link)));
     }
 
-    /// Whether prescriptions at a node that follows are not those at the node that it follows, turned, at some time:
-    /// directions, or values along them. A value may differ by what the places of the nodes are off.
+    /// True if prescriptions at a follower differ at some time from the rotated ones of its leader, in direction or
+    /// value. A value may differ as much as the offset between the two positions explains.
     fn clashes(&self, given: &[Prescription], link: &Link, is_vector: bool) -> bool {
         let x = |node: u32| self.mesh.points[node as usize];
         let place = x(link.node);

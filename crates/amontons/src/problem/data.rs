@@ -5,7 +5,7 @@ use crate::field::{Coefficient, Field};
 use crate::material::Material;
 use crate::tensor::Point;
 
-/// What a datum gives a run.
+/// Physical quantity of a datum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
     /// A temperature: initial, prescribed, of surroundings or of a foundation.
@@ -26,16 +26,16 @@ pub(crate) enum Role {
     Other,
 }
 
-/// A datum: its key in the case file, its field, and what it acts on.
+/// A datum: its key in the case file, its field, and where it acts.
 #[derive(Clone, Debug)]
 pub(crate) struct Datum<'a> {
     /// Dotted path of the case file.
     pub key: String,
     pub role: Role,
     pub field: &'a Field,
-    /// The contact that it belongs to, as an index; none of other data.
+    /// Index of its contact, or `None` for data without contact.
     pub contact: Option<usize>,
-    /// The side on which it acts; none where it acts on the body.
+    /// The side on which it acts, or `None` for the body.
     pub side: Option<&'a str>,
 }
 
@@ -43,20 +43,20 @@ pub(crate) struct Datum<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample<T> {
     pub value: T,
-    /// Where it is; none if the coefficient is the same in the whole region.
+    /// Its position, or `None` if the coefficient is the same in the whole region.
     pub x: Option<Point>,
-    /// The temperature, K; none if the coefficient does not depend on it.
+    /// The temperature, K, or `None` if the coefficient does not depend on it.
     pub theta: Option<f64>,
 }
 
 impl ProblemData {
-    /// The region that a material serves alone; none if it serves all.
+    /// The region of a material, or `None` if the material serves all regions.
     pub(crate) fn region_of(&self, material: usize) -> Option<usize> {
         (self.materials.len() > 1).then_some(material)
     }
 
-    /// The value of a coefficient in a region, or its values at the points where it is evaluated if it varies, and at
-    /// the temperatures of one that depends on the temperature.
+    /// The values of a coefficient in a region: one if it is constant, else one per point of evaluation, and per
+    /// tabulated temperature if it depends on the temperature.
     pub(crate) fn values_in<T: Copy + Sync>(
         &self,
         material: usize,
@@ -79,12 +79,12 @@ impl ProblemData {
         levels.flat_map(|&theta| sites.iter().map(move |&x| at(theta, x))).collect()
     }
 
-    /// The same of all regions.
+    /// The values of a coefficient in all regions.
     pub(crate) fn values_of<T: Copy + Sync>(&self, of: impl Fn(&Material) -> &Coefficient<T>) -> Vec<Sample<T>> {
         (0..self.materials.len()).flat_map(|material| self.values_in(material, &of)).collect()
     }
 
-    /// Loads, conditions on sides and data of contact: what a step evaluates.
+    /// All data that a step evaluates: loads, conditions on sides and data of contact.
     pub(crate) fn data(&self) -> Vec<Datum<'_>> {
         let body = |key: String, role, field| Datum { key, role, field, contact: None, side: None };
         let mut all = vec![body("load.heat_source".to_owned(), Role::HeatSource, &self.heat_source)];

@@ -1,4 +1,4 @@
-//! The checks of what forces drive: sections that are tightened, and obstacles that are pressed on.
+//! The checks of preloads on sections and of loads on obstacles.
 
 use super::boundary::plane_of;
 use super::{Fault, ProblemData};
@@ -7,7 +7,7 @@ use crate::contact::{Contact, Preload};
 use crate::tensor::dot;
 
 impl ProblemData {
-    /// A preload is that of a tie across a plane section, and ends after the run has begun.
+    /// Checks that a preload belongs to a tie across a plane section and ends after the run has begun.
     pub(super) fn check_preload(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
         let Some(Preload { force, until }) = &contact.preload else { return };
         let path = format!("{path}.preload");
@@ -41,7 +41,7 @@ impl ProblemData {
         }
     }
 
-    /// The load of an obstacle is a force on all of it along a line on which its place does not say where it is.
+    /// Checks that the load of an obstacle is one force in space, along a line that its prescribed motion leaves free.
     pub(super) fn check_obstacle_load(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
         let Some(obstacle) = &contact.obstacle else { return };
         let Some(ObstacleLoad { force, direction, mass, .. }) = &obstacle.load else { return };

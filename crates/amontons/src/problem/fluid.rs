@@ -1,4 +1,4 @@
-//! The checks of fluids beside contacts.
+//! The checks of fluids at contacts.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use crate::contact::Contact;
 use crate::mesh::FacetSet;
 
 impl ProblemData {
-    /// A fluid stands at a place that meets a contact which may open.
+    /// Checks that a fluid stands at a place that meets a contact which may open.
     pub(super) fn check_fluid(&self, contact: &Contact, path: &str, faults: &mut Vec<Fault>) {
         let Some(fluid) = &contact.fluid else { return };
         let path = format!("{path}.fluid");

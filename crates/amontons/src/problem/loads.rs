@@ -9,12 +9,12 @@ pub struct RegionLoad {
     pub region: usize,
     /// f₀ in N/m³, one field per component; empty for zero.
     pub body_force: Vec<Field>,
-    /// The acceleration g in m/s² of the body force ϱ g, one field per component, and ϱ in kg/m³, which is that of the
-    /// material also where inertia is left out; none without gravity.
+    /// The acceleration g in m/s² of the body force ϱ g, one field per component, and ϱ in kg/m³, the density of the
+    /// material even if inertia is left out. `None` without gravity.
     pub gravity: Option<(Vec<Field>, Coefficient<f64>)>,
     /// q₀ in W/m³.
     pub heat_source: Field,
-    /// Where the case file gives body force and heat source, and gravity: for messages.
+    /// Keys of body force and heat source, and of gravity, in the case file: for messages.
     pub keys: [String; 2],
 }
 

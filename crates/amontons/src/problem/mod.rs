@@ -1,7 +1,7 @@
-//! Problem 2.1 with its data: what is to be solved, checked once and trusted afterwards.
+//! Problem 2.1 with its data. The data are checked once and trusted afterwards.
 //!
 //! [`ProblemData`] can be built and changed freely; [`ProblemData::check`] makes it a [`Problem`], which cannot change.
-//! What solves, judges or writes takes a [`Problem`].
+//! Solver, certificate and sinks take a [`Problem`].
 
 mod boundary;
 mod check;
@@ -43,16 +43,16 @@ use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{Cyclic, FacetSet, Mesh};
 use crate::units::{Extent, System, TemperatureScale, Units};
 
-/// One fault of the data: where, what was found, what was expected, what to try.
+/// One fault of the data: place, found, expected, hint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Dotted path of the datum, as in the case file: `material.density`, `boundary[1].on`.
     pub path: String,
-    /// What was found.
+    /// The value found, or a description of it.
     pub found: String,
-    /// What was expected.
+    /// The values that are allowed.
     pub expected: String,
-    /// What to try.
+    /// Instruction how to correct it.
     pub hint: Option<String>,
 }
 
@@ -62,7 +62,7 @@ impl Fault {
         Fault { path: path.into(), found: found.into(), expected: expected.into(), hint: None }
     }
 
-    /// The same fault with a hint.
+    /// Adds a hint to the fault.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Fault {
         self.hint = Some(hint.into());
@@ -85,7 +85,7 @@ impl fmt::Display for Fault {
 #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct Faults(pub Vec<Fault>);
 
-/// u₀, u̇₀ and θ₀ of (2.11).
+/// Initial data u₀, u̇₀ and θ₀ of (2.11).
 #[derive(Clone, Debug, Default)]
 pub struct Initial {
     /// u₀ in m, one field per component; empty for zero.
@@ -96,7 +96,7 @@ pub struct Initial {
     pub temperature: Field,
 }
 
-/// How (4.1) and (4.2) are coupled within a step.
+/// The coupling of (4.1) and (4.2) within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coupling {
     /// One after the other, with θ_{n−1} in m and u_{n−1} in e: the scheme of the paper.
@@ -141,9 +141,10 @@ impl fmt::Display for Coupling {
 pub struct ProblemData {
     /// Name, used for result folders and titles.
     pub name: String,
-    /// Whether the data are in SI units or without units.
+    /// SI units or no units.
     pub system: System,
-    /// The scale of its temperatures: the same numbers, otherwise named.
+    /// The temperature scale of the data: kelvin or degrees Celsius. The numbers are the same, the unit has another
+    /// name.
     pub temperature_scale: TemperatureScale,
     /// The body.
     pub mesh: Arc<Mesh>,
@@ -159,13 +160,13 @@ pub struct ProblemData {
     pub heat_source: Field,
     /// Body forces and heat sources of regions, which add to those of the whole body.
     pub region_loads: Vec<RegionLoad>,
-    /// The temperature that is given where [`Physics::Warmed`] has no equation for it: of a node in several regions
-    /// that of the first entry, and of the others that of the entry of the whole body.
+    /// Prescribed temperature for [`Physics::Warmed`], which has no heat equation. At a node of several regions the
+    /// first entry counts; an entry of the whole body counts where no region has one.
     pub temperature: Vec<GivenTemperature>,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,
-    /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to
-    /// act on the other sectors as well, turned. No condition and no contact is on these sides.
+    /// Pairs of sides between which the body is one sector of a cyclic structure: loads on the body act on all sectors,
+    /// rotated. These sides bear no condition and no contact.
     pub cyclic: Vec<Cyclic>,
     /// Sides and regions that move as rigid bodies.
     pub rigid: Vec<RigidPart>,
@@ -173,12 +174,11 @@ pub struct ProblemData {
     pub contacts: Vec<Contact>,
     /// Initial data.
     pub initial: Initial,
-    /// How mechanics and heat are coupled within a step.
+    /// The coupling of mechanics and heat within a step.
     pub coupling: Coupling,
-    /// How linear systems are solved: of a run, a study and the certificate.
+    /// The solver of linear systems in runs, studies and the certificate.
     pub backend: Arc<dyn Backend>,
-    /// What was chosen while the problem was made, such as the side of a pair that bears the points: for those who read
-    /// the results.
+    /// Choices made while the problem was built, such as the nonmortar side of a pair, for readers of the results.
     pub chosen: Vec<Choice>,
 }
 
@@ -201,7 +201,7 @@ impl Problem {
         self.0
     }
 
-    /// The same problem with data changed by `change`, checked again.
+    /// Returns the problem with data changed by `change` and checked again.
     ///
     /// # Errors
     /// All faults that the changed data have.
@@ -211,14 +211,15 @@ impl Problem {
         data.check()
     }
 
-    /// The same problem with linear systems that end their work when the flag becomes true, as far as they can.
+    /// Returns the problem with linear solvers that stop when the flag becomes true, if the backend can be interrupted.
     #[must_use]
     pub(crate) fn interruptible(&self, flag: Option<&Arc<AtomicBool>>) -> Problem {
         let backend = flag.and_then(|flag| self.backend.interruptible(flag));
         Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
     }
 
-    /// The same problem with obstacles under a load where a run has found them: δ(t) by the number of the contact.
+    /// Returns the problem with the displacement δ(t) of each loaded obstacle as found by a run, by number of the
+    /// contact.
     #[must_use]
     pub fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
         let mut data = self.0.clone();
@@ -230,14 +231,14 @@ impl Problem {
         Problem(data)
     }
 
-    /// The same problem with linear systems solved as was decided before.
+    /// Returns the problem with a backend that repeats earlier decisions about its linear systems.
     #[must_use]
     pub(crate) fn decided(&self, before: &[Decided]) -> Problem {
         let backend = if before.is_empty() { None } else { self.backend.decided(before) };
         Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
     }
 
-    /// The same problem with each material replaced by another, which has laws on the same strains and the same
+    /// Returns the problem with each material replaced. The new ones must have laws on the same strains and the same
     /// densities.
     pub(crate) fn with_materials(&self, other: impl Fn(&Material) -> Material) -> Problem {
         let materials = self.materials.iter().map(other).collect();
@@ -286,7 +287,7 @@ impl ProblemData {
         Units { system: self.system, extent, temperature: self.temperature_scale }
     }
 
-    /// Whether a foundation, or the other side of a pair, slides out of the plane of the body, or about its axis.
+    /// True if a foundation, or the other side of a pair, slides out of the plane of the body or about its axis.
     #[must_use]
     pub fn slides_out(&self) -> bool {
         self.contacts.iter().any(|contact| contact.slides_out(self.mesh.dim))
@@ -298,25 +299,25 @@ impl ProblemData {
         if self.slides_out() { 3 } else { self.mesh.dim }
     }
 
-    /// Whether a foundation turns about the axis of a body of revolution.
+    /// True if a foundation turns about the axis of a body of revolution.
     #[must_use]
     pub fn turns(&self) -> bool {
         self.mesh.axisymmetric && self.slides_out()
     }
 
-    /// Number of components of forces on Γ_C: about the axis of revolution there is a moment in the place of a force.
+    /// Number of components of forces on Γ_C. If a foundation turns about the axis, its moment is a column of its own.
     #[must_use]
     pub fn components_of_force(&self) -> usize {
         if self.turns() { self.mesh.dim } else { self.components_on_contact() }
     }
 
-    /// The material of a region of the mesh; none where there are no materials.
+    /// The material of a region of the mesh, or `None` if there are no materials.
     #[must_use]
     pub fn material_of(&self, region: usize) -> Option<&Material> {
         self.materials.get(region).or(self.materials.last())
     }
 
-    /// Which strain the laws of each region see.
+    /// Kind of dilatation that the laws of each region see.
     #[must_use]
     pub fn dilatation(&self) -> Vec<Dilatation> {
         self.materials.iter().map(|material| material.dilatation).collect()
@@ -353,7 +354,7 @@ impl ProblemData {
         space.map_or_else(|| of(Supports::NONE), |space| with_supports(&space, None, of))
     }
 
-    /// The facets of Γ_C, each side once; none without contact.
+    /// The facets of Γ_C, each side once, or `None` without contact.
     #[must_use]
     pub fn contact_facets(&self) -> Option<FacetSet> {
         let sides: BTreeSet<&str> = self.contacts.iter().map(Contact::bearing).collect();

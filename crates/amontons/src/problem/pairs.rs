@@ -9,8 +9,8 @@ use crate::contact::{Contact, Quadrature, Supports};
 use crate::mesh::FacetSet;
 use crate::space::Space;
 
-/// Something made with what holds the nodes of a body: with the directions that a space prescribes. `boundary` keeps
-/// the facets that bound the bodies from one pairing to the next.
+/// Calls `make` with the supports of the nodes, that is the directions that a space prescribes. `boundary` keeps the
+/// facets that bound the bodies from one pairing to the next.
 pub fn with_supports<T>(space: &Space, boundary: Option<&OnceLock<FacetSet>>, make: impl FnOnce(Supports) -> T) -> T {
     make(Supports {
         held: &|node| space.held(node),
@@ -21,7 +21,7 @@ pub fn with_supports<T>(space: &Space, boundary: Option<&OnceLock<FacetSet>>, ma
 }
 
 impl ProblemData {
-    /// A pair has two sides that are not the same, do not overlap, face each other and are named once.
+    /// Checks that the two sides of a pair differ, do not overlap, face each other and are named once.
     pub(super) fn check_pair(&self, number: usize, path: &str, faults: &mut Vec<Fault>) {
         let contact = &self.contacts[number];
         let Some(pair) = &contact.pair else { return };
@@ -68,8 +68,8 @@ impl ProblemData {
         }
     }
 
-    /// Which parts of the body hold each other by pairs: `[in mechanics, in heat]` of each part becomes that of all
-    /// parts that it is joined with.
+    /// Propagates support through pairs: if one part of a joined group is held, all are. `held` has `[in mechanics, in
+    /// heat]` per part.
     pub(super) fn join_parts(&self, part_of: &[usize], held: &mut [[bool; 2]]) {
         for what in [0, 1] {
             let joins =

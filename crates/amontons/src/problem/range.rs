@@ -1,5 +1,5 @@
-//! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below
-//! absolute zero.
+//! Checks for data that a run cannot compute with: magnitudes whose products overflow or underflow, and temperatures
+//! below absolute zero.
 
 use super::{Datum, Fault, ProblemData, Role};
 use crate::contact::Contact;
@@ -10,7 +10,7 @@ use crate::tensor::{Point, Sym, mandel_len};
 
 /// Powers of ten between which squares, energies and entries of matrices must lie.
 const LIMIT: f64 = 290.0;
-/// Time levels, and nodes of a side or the body, at which data are looked at.
+/// Time levels, and nodes per side or body, at which data are sampled.
 const LEVELS: usize = 64;
 const NODES: usize = 1024;
 
@@ -21,7 +21,7 @@ struct Scale {
     key: String,
 }
 
-/// The scale of a number; none of zero.
+/// The scale of a number, or `None` for zero.
 fn scale(value: f64, key: impl Into<String>) -> Option<Scale> {
     (value != 0.0).then(|| Scale { power: value.abs().log10(), key: key.into() })
 }
@@ -38,16 +38,16 @@ fn largest(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
     scales.into_iter().flatten().max_by(|a, b| a.power.total_cmp(&b.power))
 }
 
-/// The power of ten of a number that is not zero.
+/// The power of ten of a number, or `None` for zero.
 fn power(value: f64) -> Option<f64> {
     (value != 0.0).then(|| value.abs().log10())
 }
 
-/// What to do about a temperature below absolute zero.
+/// Hint for a temperature below absolute zero.
 const HINT: &str = "correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for degrees Celsius and 0 for kelvins";
 
 impl ProblemData {
-    /// Temperatures of the data are not below the absolute zero of a radiating contact.
+    /// Checks that temperatures of the data are not below the absolute zero of a radiating contact.
     pub(super) fn check_temperatures(&self, faults: &mut Vec<Fault>) {
         let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
         let Some(zero) = zero else { return };
@@ -73,11 +73,11 @@ impl ProblemData {
         }
     }
 
-    /// Squares of stresses, displacements, velocities and temperatures, energies and entries of the matrices are
-    /// numbers that can be computed with.
+    /// Checks that squares of stresses, displacements, velocities and temperatures, energies and matrix entries neither
+    /// overflow nor underflow.
     pub(super) fn check_range(&self, faults: &mut Vec<Fault>) {
-        // Steps of no length are told elsewhere.
-        if !self.timeline.longest().is_normal() {
+        // Steps without length are reported elsewhere.
+        if !self.k().is_normal() {
             return;
         }
         let Scales { stress, displacement, velocity, temperature, flux, energy, matrices } = self.scales();
@@ -97,7 +97,7 @@ impl ProblemData {
             Some((scale.clone().times(scale.power), found))
         });
         let energy = energy.map(|scale| (scale.clone(), format!("energies of about {} J", tens(scale.power))));
-        // A flux may be as small as it likes: there is none where nothing differs in temperature.
+        // A flux may be arbitrarily small: it is zero if all temperatures are equal.
         let flux = flux.filter(|scale| scale.power > 0.0);
         let flux = flux.map(|scale| (scale.clone(), format!("heat fluxes of about {} W/m²", tens(scale.power))));
         let matrices = matrices
@@ -107,7 +107,7 @@ impl ProblemData {
         for (scale, found) in
             squares.chain(energy).chain(flux).chain(matrices).filter(|(scale, _)| scale.power.abs() > LIMIT)
         {
-            // Of a datum the first quantity says enough.
+            // One fault per datum is enough.
             if faults.iter().any(|fault| fault.path == scale.key) {
                 continue;
             }
@@ -137,7 +137,7 @@ impl ProblemData {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
     }
 
-    /// Whether heat sources and inflows are negative somewhere, and positive somewhere.
+    /// Returns `[negative, positive]`: true if heat sources or inflows have that sign somewhere.
     pub(crate) fn heat_signs(&self) -> [bool; 2] {
         let mut signs = [false; 2];
         for datum in self.data().iter().filter(|datum| matches!(datum.role, Role::HeatSource | Role::HeatInflow)) {
@@ -191,7 +191,7 @@ impl ProblemData {
         scale(largest, format!("material.{key}"))
     }
 
-    /// The scale of a bound of the laws of contact, with the key of the law; of laws that have none there is none.
+    /// The largest bound of the laws of contact, with the key of the law, or `None` if no law has one.
     fn of_laws(&self, key: &str, bound: impl Fn(&Contact) -> Option<f64>) -> Option<Scale> {
         largest(self.contacts.iter().enumerate().map(|(side, contact)| {
             let bound = bound(contact).filter(|bound| bound.is_finite());
@@ -199,7 +199,7 @@ impl ProblemData {
         }))
     }
 
-    /// The magnitudes of a run by its data: what loads and prescribed values make of the body, by orders of magnitude.
+    /// The orders of magnitude of a run: the response of the body to its loads and prescribed values.
     fn scales(&self) -> Scales {
         let (mesh, k) = (&*self.mesh, self.timeline.longest());
         let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
@@ -235,7 +235,7 @@ impl ProblemData {
             by(moved.clone(), &elastic, 1.0, -length),
             by(fast.clone(), &viscous, 1.0, -length),
         ]);
-        // What a load moves is held by stiffness, viscosity or inertia, whichever holds most.
+        // Stiffness, viscosity or inertia carries the load, whichever is largest.
         let carried = [
             by(load.clone(), &elastic, -1.0, length),
             by(load.clone(), &viscous, -1.0, length + end),
@@ -274,7 +274,7 @@ fn least(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
     scales.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power))
 }
 
-/// Magnitudes of a run; none where it is zero.
+/// Magnitudes of a run; `None` for a magnitude of zero.
 struct Scales {
     stress: Option<Scale>,
     displacement: Option<Scale>,
@@ -304,7 +304,7 @@ fn diameter(mesh: &Mesh) -> f64 {
     (0..mesh.dim).map(extent).fold(0.0, f64::max)
 }
 
-/// A power of ten for reading: `1e-170`.
+/// A power of ten as text: `1e-170`.
 fn tens(power: f64) -> String {
     format!("1e{:.0}", power.round())
 }

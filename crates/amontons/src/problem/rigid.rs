@@ -10,43 +10,43 @@ use crate::mesh::{Mesh, cross};
 use crate::space::{RigidNodes, Space};
 use crate::tensor::{Point, dot, length};
 
-/// A side, a region, an edge or points that move as one rigid body, by small rotations, with what acts on it.
+/// A side, region, edge or set of points that moves as one rigid body with small rotations, and its loads.
 ///
-/// The body turns and moves as it is pushed; conditions of other sides, or at points, hold it where its nodes are
-/// theirs, too. A region has the mass of its material.
+/// Loads move and rotate the part. Conditions of other sides or points hold it at the nodes they share with it. A
+/// region has the mass of its material.
 #[derive(Clone, Debug)]
 pub struct RigidPart {
     /// Name of the side, region, edge or points.
     pub on: String,
     /// Force in N, per unit of thickness in the plane, one field of time per component; empty for none.
     pub force: Vec<Field>,
-    /// Moment in N m about the place at which the force acts: in space a field of time per component, in the plane one;
-    /// empty for none.
+    /// Moment in N m about the point of action of the force: three fields of time in space, one in the plane; empty for
+    /// none.
     pub moment: Vec<Field>,
-    /// Where the force acts, in m; none for the centre: of the area of a side, of the volume of a region.
+    /// Point of action of the force, m, or `None` for the centre of the area of a side or the volume of a region.
     pub at: Option<Point>,
-    /// Whether it turns; else it keeps its direction, as a platen that is guided.
+    /// True if it can rotate; otherwise it keeps its direction, as a guided platen.
     pub turns: bool,
 }
 
 impl RigidPart {
-    /// A part on which nothing acts.
+    /// A part without loads.
     #[must_use]
     pub fn on(on: impl Into<String>) -> RigidPart {
         RigidPart { on: on.into(), force: Vec::new(), moment: Vec::new(), at: None, turns: true }
     }
 
-    /// Whether it is all cells of a region.
+    /// True if the part is all cells of this region.
     pub(crate) fn is_region(&self, mesh: &Mesh, region: usize) -> bool {
         mesh.named(&self.on).is_none() && self.region(mesh) == Some(region)
     }
 
-    /// The number of the region that it is, if it is one.
+    /// The number of its region, or `None` if it is no region.
     fn region(&self, mesh: &Mesh) -> Option<usize> {
         mesh.regions.iter().position(|region| *region == self.on)
     }
 
-    /// Its nodes, ascending; none where the mesh has no such name.
+    /// Its nodes, ascending; empty if the mesh has no such name.
     #[must_use]
     pub fn nodes(&self, mesh: &Mesh) -> Vec<u32> {
         if let Some(set) = mesh.named(&self.on) {
@@ -58,7 +58,7 @@ impl RigidPart {
         nodes.into_iter().collect()
     }
 
-    /// The centre of its area, its volume, its length or its points; none where the mesh has no such name.
+    /// The centre of its area, volume, length or points, or `None` if the mesh has no such name.
     #[must_use]
     pub fn centre(&self, mesh: &Mesh) -> Option<Point> {
         match mesh.named(&self.on) {
@@ -68,11 +68,11 @@ impl RigidPart {
     }
 }
 
-/// Relative difference of prescribed values of one rigid body that is round-off: digits that are typed.
+/// Relative tolerance for prescribed values of one rigid body, which come from typed digits.
 const SAME: f64 = 1e-6;
 
 impl ProblemData {
-    /// The nodes of rigid parts, as far as these exist and share none with each other.
+    /// The nodes of the rigid parts that exist. A part that shares nodes with an earlier one is left out.
     #[must_use]
     pub fn rigid_nodes(&self) -> Vec<RigidNodes> {
         let mut taken: BTreeSet<u32> = BTreeSet::new();
@@ -87,10 +87,10 @@ impl ProblemData {
         all
     }
 
-    /// Rigid parts exist, are parts of one body each, and share no node; what is prescribed and what acts on them is
-    /// that of a rigid body.
+    /// Checks that rigid parts exist, belong to one body each and share no node, and that their conditions and loads
+    /// fit a rigid body.
     pub(super) fn check_rigid(&self, faults: &mut Vec<Fault>) {
-        // Nodes that are none are told of elsewhere.
+        // Missing nodes are reported elsewhere.
         if self.rigid.is_empty() || self.mesh.check_nodes().is_err() {
             return;
         }
@@ -137,7 +137,7 @@ impl ProblemData {
         }
     }
 
-    /// What acts on a rigid part has its components, does not vary in space, and moves it.
+    /// Checks that the load of a rigid part has the right components, does not vary in space, and moves it.
     fn check_load_of(&self, number: usize, part: &RigidPart, faults: &mut Vec<Fault>) {
         let dim = self.mesh.dim;
         let moments = if self.mesh.axisymmetric { 0 } else { [0, 0, 1, 3].get(dim).copied().unwrap_or(0) };
@@ -159,7 +159,7 @@ impl ProblemData {
         self.check_work_of(number, part, faults);
     }
 
-    /// A force and a moment do work along some motion of the part that they act on.
+    /// Checks that a force and a moment do work along some motion of their part.
     fn check_work_of(&self, number: usize, part: &RigidPart, faults: &mut Vec<Fault>) {
         let dim = self.mesh.dim;
         let body = RigidNodes::new(&self.mesh, part.nodes(&self.mesh), part.turns);
@@ -191,7 +191,7 @@ impl ProblemData {
         }
     }
 
-    /// What is prescribed at the nodes of a rigid part is a motion of a rigid body.
+    /// Checks that the displacements prescribed at the nodes of a rigid part are a rigid motion.
     fn check_prescribed_motion(&self, faults: &mut Vec<Fault>) {
         let space: Space = self.displacement_space();
         let n = self.mesh.dim;

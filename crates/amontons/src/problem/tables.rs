@@ -5,7 +5,7 @@ use crate::element::ShapeTable;
 use crate::material::{Material, TensorLaw};
 use crate::tensor::Point;
 
-/// Share of a temperature by which one may be beyond a table: the accuracy to which a step is solved.
+/// Relative tolerance beyond a table: the accuracy to which a step is solved.
 const SLACK: f64 = 1e-10;
 
 /// A temperature that a coefficient does not cover.
@@ -17,7 +17,7 @@ pub struct Uncovered {
     pub range: [f64; 2],
     /// The temperature, K.
     pub theta: f64,
-    /// Where it is, m.
+    /// Its position, m.
     pub at: Point,
 }
 
@@ -40,8 +40,8 @@ pub(crate) fn first_warm(material: &Material) -> Option<(&'static str, [f64; 2])
 }
 
 impl ProblemData {
-    /// The temperature of the nodes, or between them, that is farthest beyond a table of the materials; none if all of
-    /// them are covered.
+    /// The temperature at or between the nodes that is farthest outside a material table, or `None` if the tables cover
+    /// all.
     pub(crate) fn uncovered(&self, theta: &[f64]) -> Option<Uncovered> {
         let mut worst: Option<(f64, Uncovered)> = None;
         let mut look = |(key, range): (&str, [f64; 2]), theta: f64, at: Point| {
@@ -81,7 +81,7 @@ impl ProblemData {
         worst.map(|(_, found)| found)
     }
 
-    /// The tables of the materials cover the initial temperature.
+    /// Checks that the tables of the materials cover the initial temperature.
     pub(super) fn check_tables(&self, faults: &mut Vec<Fault>) {
         let theta = self.first_temperature();
         if let Some(Uncovered { key, range: [first, last], theta, at }) = self.uncovered(&theta) {

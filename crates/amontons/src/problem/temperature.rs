@@ -1,21 +1,21 @@
-//! A temperature that is given.
+//! Prescribed temperatures of a body without heat equation.
 
 use super::{Datum, ProblemData, Role};
 use crate::field::Field;
 use crate::mesh::Mesh;
 
-/// A temperature in a region, or in all of the body.
+/// A prescribed temperature in a region or in the whole body.
 #[derive(Clone, Debug)]
 pub struct GivenTemperature {
-    /// The number of the region, as [`Mesh::regions`] lists them; none for what other regions have.
+    /// The number of the region, as [`Mesh::regions`] lists them, or `None` for all regions without an entry.
     pub region: Option<usize>,
     /// θ in K.
     pub field: Field,
-    /// Where the case file gives it: for messages.
+    /// Key in the case file, for messages.
     pub key: String,
 }
 
-/// The entry that holds at each node: that of a region before that of the body, of several regions the first.
+/// The number of the entry that counts per node: the first of its regions, else that of the body.
 pub(super) fn entries(mesh: &Mesh, given: &[GivenTemperature]) -> Vec<Option<usize>> {
     let common = given.iter().position(|entry| entry.region.is_none());
     let mut of = vec![common; mesh.points.len()];
@@ -29,7 +29,7 @@ pub(super) fn entries(mesh: &Mesh, given: &[GivenTemperature]) -> Vec<Option<usi
 }
 
 impl ProblemData {
-    /// The temperature that is given, at the nodes at a time, K; zero where none is.
+    /// The prescribed temperature at the nodes at time `t`, K; zero at nodes without one.
     #[must_use]
     pub fn given_temperature(&self, t: f64) -> Vec<f64> {
         let of = entries(&self.mesh, &self.temperature);
@@ -44,7 +44,7 @@ impl ProblemData {
         theta
     }
 
-    /// The temperature at the start: given, or the initial one.
+    /// The temperature at the start: prescribed or initial, K.
     #[must_use]
     pub fn first_temperature(&self) -> Vec<f64> {
         if self.temperature.is_empty() {

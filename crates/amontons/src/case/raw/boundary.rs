@@ -21,8 +21,8 @@ pub(in crate::case) struct Boundary {
     pub displacement: Option<Vec<Component>>,
     /// Prescribed displacement u_ν along the outward normal in m.
     ///
-    /// 0 on a plane of symmetry or on rollers. The side must lie in one plane, of any direction; what a load has along
-    /// its normal goes into what holds the side.
+    /// 0 on a plane of symmetry or on rollers. The side must lie in one plane, of any direction; the support takes the
+    /// normal part of a load on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_displacement: Option<Datum>,
     /// Traction f₁ = σν in Pa, one entry per component.

@@ -17,14 +17,14 @@ pub(in crate::case) enum Contacts {
     Several(Vec<Contact>),
 }
 
-/// A contact from a table: an array without entries is none.
+/// Reads a contact from a table. An array without entries is refused, so that it means no contact.
 fn from_table<'de, D: Deserializer<'de>>(raw: D) -> Result<Box<Contact>, D::Error> {
     let table = toml::Table::deserialize(raw)?;
     Contact::deserialize(table).map(Box::new).map_err(Error::custom)
 }
 
 impl Contacts {
-    /// The contacts with their paths.
+    /// The contacts with their paths in the case file.
     pub fn all(self) -> Vec<(String, Contact)> {
         match self {
             Contacts::One(contact) => vec![("contact".to_owned(), *contact)],
@@ -34,7 +34,7 @@ impl Contacts {
         }
     }
 
-    /// The contacts with their paths, borrowed.
+    /// The contacts with their paths in the case file, borrowed.
     pub fn each(&self) -> Vec<(String, &Contact)> {
         match self {
             Contacts::One(contact) => vec![("contact".to_owned(), &**contact)],
@@ -44,7 +44,7 @@ impl Contacts {
         }
     }
 
-    /// Their sides.
+    /// The names of their sides.
     pub fn sides(&self) -> Vec<&str> {
         let all = self.each().into_iter();
         let named = all.filter(|(_, contact)| contact.automatic.is_none());
@@ -81,10 +81,10 @@ pub(in crate::case) struct Contact {
     /// that is covered more, the finer or the smaller one. The other keys do not change their meaning with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nonmortar: Option<String>,
-    /// When the points of a pair that face each other are found; default: `reference`.
+    /// Configuration in which the facing points of a pair are found; default: `reference`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub geometry: Option<Geometry>,
-    /// Whether sides of a pair that overlap at rest are taken to touch there, without stress.
+    /// Whether sides of a pair that overlap at rest are treated as touching there, without stress.
     #[serde(default)]
     pub close: bool,
     /// Gap g to the foundation along the outward normal, in m.
@@ -223,8 +223,8 @@ pub(in crate::case) enum Normal {
     },
     /// A formula of your own over the penetration.
     Expression {
-        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 where it
-        /// begins, and not falling beyond.
+        /// Pressure (Pa) as a formula in the penetration `r` (m), such as "1e9*r + 2e13*r^2"; 0 where it begins, and
+        /// not decreasing beyond.
         pressure: String,
         /// Penetration in m from which on the formula counts; default: 0. Below 0 the pressure begins in the gap.
         #[serde(default)]
@@ -466,7 +466,7 @@ macro_rules! heat_laws {
                 }
             }
 
-            /// Whether there is a temperature of the foundation.
+            /// True if a foundation temperature is given.
             pub fn has_foundation_temperature(&self) -> bool {
                 match self {
                     Heat::None => false,
@@ -476,7 +476,7 @@ macro_rules! heat_laws {
                 }
             }
 
-            /// Whether it is missing at a foundation.
+            /// True if the foundation temperature is missing.
             pub fn lacks_foundation_temperature(&self) -> bool {
                 !matches!(self, Heat::None) && !self.has_foundation_temperature()
             }

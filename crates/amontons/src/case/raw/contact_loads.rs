@@ -1,4 +1,4 @@
-//! What there is in a contact besides its laws: a foundation that warms up, the preload of a bolt, a fluid.
+//! Parts of a contact besides its laws: a foundation that warms up, the preload of a bolt, a fluid.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ pub(in crate::case) struct Fluid {
     pub pressure: Datum,
     /// Name of the side, edge or points at which it stands before the contact: they meet the side `on` or `with` there.
     pub from: String,
-    /// Name of the side, edge or points that it should not reach: that it leaks through the contact is told.
+    /// Name of the side, edge or points that it should not reach: a leak through the contact to it is reported.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub to: String,
     /// Contact pressure in Pa above which a point keeps it out, as rough faces need it; default: every point that is

@@ -130,7 +130,7 @@ impl Component {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct TableData {
-    // First, because a matrix is read as the fields of this one in their order, which a text refuses.
+    // This field is first: a matrix would be read as the fields of this table in their order, which a text refuses.
     /// Name of data of the cells or the nodes of a mesh file, instead of a table in time: VTU data, or `$ElementData`
     /// and `$NodeData` of Gmsh.
     ///

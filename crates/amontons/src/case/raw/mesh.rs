@@ -128,7 +128,7 @@ pub(in crate::case) enum Mesh {
 }
 
 impl Mesh {
-    /// The file that the mesh is read from, if it is, and the factor of its coordinates.
+    /// The mesh file with the factor of its coordinates, or `None` for a generated mesh.
     pub fn file(&self) -> Option<(&str, f64)> {
         match self {
             Mesh::File { file, scale, .. } => Some((file, *scale)),

@@ -236,7 +236,7 @@ pub(in crate::case) struct Output {
     pub every: usize,
     /// Fields written in addition to displacement, velocity, temperature, von Mises stress and region.
     pub fields: Vec<OutputField>,
-    /// The files in which a run that has ended leaves its fields.
+    /// Format of the fields of a finished run.
     pub format: FieldsFormat,
     /// When checkpoints are written besides those at the start, after the first step and at the end. By default at
     /// least every minute, and more often if that takes less than 1 % of the time.
@@ -264,7 +264,7 @@ impl Default for Output {
     }
 }
 
-/// The files in which a run that has ended leaves its fields.
+/// Format of the fields of a finished run.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum FieldsFormat {

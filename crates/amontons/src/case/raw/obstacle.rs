@@ -21,7 +21,7 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
-        /// Force that presses the obstacle against the body, which says how far it moves.
+        /// Force that presses the obstacle against the body and determines its displacement.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load: Option<ObstacleLoad>,
     },
@@ -41,7 +41,7 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
-        /// Force that presses the obstacle against the body, which says how far it moves.
+        /// Force that presses the obstacle against the body and determines its displacement.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load: Option<ObstacleLoad>,
     },
@@ -64,7 +64,7 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
-        /// Force that presses the obstacle against the body, which says how far it moves.
+        /// Force that presses the obstacle against the body and determines its displacement.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load: Option<ObstacleLoad>,
     },
@@ -87,7 +87,7 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
-        /// Force that presses the obstacle against the body, which says how far it moves.
+        /// Force that presses the obstacle against the body and determines its displacement.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load: Option<ObstacleLoad>,
     },
@@ -115,7 +115,7 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
-        /// Force that presses the obstacle against the body, which says how far it moves.
+        /// Force that presses the obstacle against the body and determines its displacement.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load: Option<ObstacleLoad>,
     },
@@ -130,14 +130,14 @@ pub(in crate::case) enum Obstacle {
         /// Rotation of the obstacle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         turning: Option<Turning>,
-        /// Force that presses the obstacle against the body, which says how far it moves.
+        /// Force that presses the obstacle against the body and determines its displacement.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         load: Option<ObstacleLoad>,
     },
 }
 
 impl Obstacle {
-    /// What every shape has.
+    /// The data common to all shapes.
     pub fn common(&self) -> (Geometry, Option<&Turning>, Option<&ObstacleLoad>) {
         match self {
             Obstacle::Plane { geometry, turning, load, .. }
@@ -150,8 +150,8 @@ impl Obstacle {
     }
 }
 
-/// Rotation of an obstacle. Friction sees the velocity ω × r of its surface, also where the place of the surface does
-/// not change, as of a roller about its axis or a plane about its normal.
+/// Rotation of an obstacle. Friction sees the velocity ω × r of its surface, even if the surface keeps its place, as
+/// for a roller about its axis or a plane about its normal.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Turning {
@@ -161,7 +161,7 @@ pub(in crate::case) struct Turning {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub axis: Vec<f64>,
     /// A point of the axis in m, one entry per component, numbers or expressions in t; default: `point`, `center` or
-    /// `origin` of the obstacle, and with it.
+    /// `origin` of the obstacle, moving with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<Vec<Datum>>,
 }
@@ -175,8 +175,8 @@ pub(in crate::case) struct ObstacleLoad {
     pub force: Datum,
     /// Direction in which the force acts and the obstacle moves, one entry per component.
     pub direction: Vec<f64>,
-    /// Mass of the obstacle in kg, per unit of thickness in two dimensions; without it it is in equilibrium at each
-    /// time.
+    /// Mass of the obstacle in kg, per unit of thickness in two dimensions; 0, the default: the obstacle is in
+    /// equilibrium at each time.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub mass: f64,

@@ -30,8 +30,8 @@ pub(in crate::case) struct Probe {
     /// Reduction of the values on the side, of the contact or in the region.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub take: Option<Over>,
-    /// The point in m about which a moment is taken, one entry per coordinate; without it the place `at` of the rigid
-    /// part that the side is, where one is given, else the centre of the side.
+    /// The point in m about which a moment is taken, one entry per coordinate; default: `at` of the rigid part on this
+    /// side, if given, else the centre of the side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1, max = 3))]
     pub about: Option<Vec<f64>>,

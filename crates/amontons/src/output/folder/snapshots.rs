@@ -1,4 +1,4 @@
-//! The snapshots of a run: written, kept where it goes on, and packed when it has ended.
+//! The snapshots of a run: written, kept when it continues, and packed when it has ended.
 
 use std::collections::BTreeSet;
 
@@ -13,22 +13,22 @@ use crate::problem::Problem;
 /// The list of the snapshots.
 const COLLECTION: &str = "fields.pvd";
 
-/// Whether a snapshot is due at a step.
+/// True if a snapshot is due at a step.
 pub(super) fn is_due(every: usize, step: usize) -> bool {
     every > 0 && step.is_multiple_of(every)
 }
 
-/// The file of the contact points beside the fields at a step, seen from the results folder.
+/// Path in the results folder of the contact points at a step.
 pub(crate) fn contact_file(step: usize) -> String {
     format!("{CONTACT}/step_{step:07}.csv")
 }
 
-/// The file of the sides of contact at a step, seen from the results folder.
+/// Path in the results folder of the sides of contact at a step.
 fn surface_file(step: usize) -> String {
     format!("{CONTACT}/step_{step:07}.vtu")
 }
 
-/// The file of the fields at a step, seen from the results folder.
+/// Path in the results folder of the fields at a step.
 pub(crate) fn fields_file(step: usize) -> String {
     format!("{FIELDS}/step_{step:07}.vtu")
 }
@@ -74,10 +74,10 @@ impl Folder {
         Ok(())
     }
 
-    /// Takes the snapshots up to a step as they are, and removes the others. Those that were packed become files of
-    /// their own; the packed file stays.
+    /// Keeps the snapshots up to a step and removes the others. Packed snapshots become separate files; the packed file
+    /// stays.
     ///
-    /// Those count that were due, or are listed as written; not the one that was written only because the run ended.
+    /// Snapshots that were due or are listed as written are kept, but not one written only because the run ended.
     pub(super) fn keep_snapshots(&mut self, problem: &Problem, step: usize) -> Result<(), OutputError> {
         let (every, passing) = (self.manifest.settings().every, self.manifest.passing());
         let before = self.manifest.clone();
@@ -85,14 +85,14 @@ impl Folder {
         let counts = |n: usize, name: &str| {
             n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
         };
-        // A run that was killed while it packed has not listed the packed file with a hash.
+        // A run killed while packing has not listed the packed file with a hash.
         let is_packed = listed.iter().any(|(name, written)| *name == packed::FILE && written.is_some());
         let was_packed = |n: usize| is_packed && n <= step && passing != Some(n);
         create_folder(&self.path.join(FIELDS))?;
         let unpacked: BTreeSet<usize> =
             packed::unpack(&self.path, |n| was_packed(n) || counts(n, &fields_file(n)))?.into_iter().collect();
         let snapshot = |name: &str| [FIELDS, CONTACT].iter().any(|folder| name.starts_with(&format!("{folder}/")));
-        // The packed file is removed when the manifest lists what was in it.
+        // The packed file is removed when the manifest lists its snapshots.
         self.manifest.retain(|name| !snapshot(name) && name != packed::FILE);
         for (n, name) in owned::snapshots(&self.path) {
             let path = self.path.join(&name);
@@ -121,8 +121,7 @@ impl Folder {
         self.write_collections()
     }
 
-    /// Packs the snapshots of a run that has ended, if that is asked for. Snapshots that do not make one series stay as
-    /// they are, with a note.
+    /// Packs the snapshots of a finished run if requested. Snapshots that do not form one series stay, with a note.
     ///
     /// The files of the snapshots are removed after the packed file is on the disk under its name.
     pub(super) fn pack(&mut self) -> Result<(), OutputError> {

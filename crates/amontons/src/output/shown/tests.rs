@@ -1,4 +1,4 @@
-//! Twelve cases of all kinds: every value that a run writes has one name, one unit and one size, wherever it is shown.
+//! Twelve cases of all kinds: every value that a run writes has the same name, unit and size wherever it is shown.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -15,8 +15,8 @@ use crate::run::{Settings, run};
 use crate::units::Measure;
 use crate::vtu::Grid;
 
-/// In the plane and in space, of revolution, on a line, a sector; heat, mechanics or both; foundations, pairs and
-/// several contacts; linear and quadratic; wear, friction out of the plane, Gauss points.
+/// Cases in the plane and in space, of revolution, on a line, and a sector; heat, mechanics or both; foundations, pairs
+/// and several contacts; linear and quadratic; wear, friction out of the plane, Gauss points.
 const CASES: [(&str, &[&str]); 12] = [
     ("cases/paper.toml", &["mesh.n=8", "time.steps=8"]),
     ("cases/clutch.toml", &["time.steps=4"]),
@@ -32,7 +32,7 @@ const CASES: [(&str, &[&str]); 12] = [
     ("crates/amontons/benchmarks/pair-patch-space-quadratic.toml", &[]),
 ];
 
-/// A run with all that it wrote.
+/// A run with everything it wrote.
 struct Ran {
     case: Case,
     summary: Summary,
@@ -43,7 +43,7 @@ struct Ran {
     sides: Option<Grid>,
 }
 
-/// The columns of a table by name, as words.
+/// The columns of a table by name, as text.
 type Columns = BTreeMap<String, Vec<String>>;
 
 fn columns(path: &Path) -> Columns {
@@ -112,7 +112,7 @@ impl Ran {
         figure.values(&self.summary.last).into_iter().map(|(_, value)| value).collect()
     }
 
-    /// Everything in the files is known, with the unit that the manifest gives it.
+    /// Every name in the files is known, with the unit that the manifest gives it.
     fn has_its_names(&self, all: &[Shown]) {
         let manifest: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(self.folder.join("manifest.json")).unwrap()).unwrap();
@@ -136,7 +136,7 @@ impl Ran {
         }
     }
 
-    /// A figure of the summary is the extreme of what the files have where it lives.
+    /// A figure of the summary is the extreme of the values in the files at its location.
     fn has_its_extremes(&self, all: &[Shown]) {
         let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -209,7 +209,7 @@ impl Ran {
         let energy = serde_json::to_value(&self.summary.energy).unwrap();
         let mut balanced = 0;
         for (name, value) in energy.as_object().unwrap().iter().filter(|(name, _)| !name.ends_with("closing_error")) {
-            // What was turned over has no column, heat through pairs one where there are pairs.
+            // The turnover has no column; heat through pairs has one only if there are pairs.
             let Some(found) = end(name) else { continue };
             self.near(name, found, value.as_f64().unwrap());
             balanced += 1;
@@ -217,8 +217,8 @@ impl Ran {
         assert!(balanced >= 15, "{balanced}");
     }
 
-    /// On both sides of a contact the areas and pressures at the nodes have the sums of the contact points, and no
-    /// mean is beyond the range of the points.
+    /// On both sides of a contact, nodal areas and pressures have the same sums as the contact points, and every mean
+    /// is within the range of the points.
     fn has_its_sums(&self) {
         let Some(grid) = &self.sides else { return };
         let problem = &self.case.problem;
@@ -246,7 +246,7 @@ impl Ran {
         }
     }
 
-    /// The printed summary has each figure in its unit and with the words of where it lives, and so has the report.
+    /// The printed summary and the report show each figure in its unit with the words of its location.
     fn has_its_words(&self) {
         let rows = self.summary.rows();
         let (last, units) = (&self.summary.last, self.summary.units);
@@ -278,7 +278,7 @@ impl Ran {
 }
 
 impl Ran {
-    /// What pictures of a plane body name as the extremes of its fields at the nodes are those of the files.
+    /// Extremes of nodal fields named in pictures of a plane body equal those of the files.
     fn has_its_pictures(&self) {
         let options = Options { times: vec![self.summary.time], ..Options::default() };
         let drawn: Vec<PathBuf> = plot::folder(&self.folder, &options).unwrap();

@@ -1,4 +1,4 @@
-//! The body over the snapshots: its surface, its fields, its foundation.
+//! The body over the snapshots: surface, fields, foundation.
 
 use std::collections::HashMap;
 
@@ -16,25 +16,25 @@ use crate::plot::{Kind, Options, PlotError, axes, ground, plane, sheet};
 use crate::problem::Problem;
 use crate::units::{Extent, Measure, Units};
 
-/// Most vertices of the body.
+/// Largest number of vertices of the body.
 pub(super) const VERTICES: usize = 20_000;
-/// Most points of a foundation in space.
+/// Largest number of points of a foundation in space.
 const FOUNDATION: usize = 4_000;
 
-/// The surface of a body, or a plane body, with where its vertices come from.
+/// The surface of a body, or a plane body, with the origin of its vertices.
 struct Surface {
     shape: Shape,
-    /// The node of each vertex, and a corner of a triangle of the body that it is: three times the triangle and 0 to 2.
+    /// The node of each vertex, and one of its triangle corners in the body: three times the triangle plus 0 to 2.
     nodes: Vec<u32>,
     corners: Vec<usize>,
     /// Triangles of the body.
     triangles: usize,
-    /// Vertices before it was made coarser.
+    /// Number of vertices before coarsening.
     before: usize,
 }
 
 impl Surface {
-    /// The surface of a run: a vertex per node and region, as stresses jump between regions.
+    /// The surface of a run, with one vertex per node and region, because stresses jump between regions.
     fn of(run: &Run) -> Option<Surface> {
         let (points, triangles, owners, regions): (Vec<[f64; 3]>, &[[u32; 3]], &[u32], &[f64]) =
             match (&run.snapshot, &run.solid) {
@@ -109,10 +109,10 @@ fn displacement(run: &Run) -> Vec<[f64; 3]> {
     plane.chain(run.solid.iter().flat_map(|s| s.displacement.iter().copied())).collect()
 }
 
-/// What is kept of the snapshots while they are read.
+/// Data collected while the snapshots are read.
 struct Gathered {
     surface: Surface,
-    /// The plane body.
+    /// The body, if it is plane.
     body: Option<Body>,
     problem: Option<std::sync::Arc<Problem>>,
     factor: f64,
@@ -141,7 +141,7 @@ fn empty(kind: Kind) -> Field {
 }
 
 impl Gathered {
-    /// Nothing yet, of the body of a run; none of a body on a line.
+    /// An empty collection for the body of a run, or `None` for a body on a line.
     fn new(run: &Run) -> Option<Gathered> {
         Some(Gathered {
             surface: Surface::of(run)?,
@@ -187,7 +187,7 @@ impl Gathered {
         Field { components: (0..dim).map(of).collect(), ..empty(Kind::Deformed) }
     }
 
-    /// The plane that holds the body at all times and what is near of its foundation.
+    /// The window that holds the body at all times and the foundation near to it.
     fn window(&self, body: &Body) -> [[f64; 2]; 2] {
         let mut points = body.points.clone();
         for (t, u) in self.times.iter().zip(&self.displacements) {
@@ -201,7 +201,7 @@ impl Gathered {
         sheet::widened(window(&points), 0.06)
     }
 
-    /// The foundation at each time: in the plane lines, in space triangles.
+    /// The foundation at each time: lines in the plane, triangles in space.
     fn foundation(&self, pack: &mut Pack) -> (Option<[[f64; 2]; 2]>, Vec<Value>) {
         let window = self.body.as_ref().map(|body| self.window(body));
         let Some(problem) = &self.problem else { return (window, Vec::new()) };

@@ -17,10 +17,10 @@ use crate::plot::table::CsvTable;
 use crate::plot::{PlotError, axes, history};
 use crate::units::{Measure, Units};
 
-/// Most rows of a history, beside those with an extreme of a column.
+/// Largest number of rows of a history, in addition to rows with an extreme of a column.
 pub(super) const ROWS: usize = 2_000;
 
-/// Which rows of a table the page has: all, or every second, third … and those at which a column is least or largest.
+/// The rows of a table on the page: all, or every second, third … row and those with an extreme of a column.
 fn kept(rows: usize, columns: &mut dyn Iterator<Item = &[f64]>) -> Vec<usize> {
     let each = rows.div_ceil(ROWS).max(1);
     let mut all: BTreeSet<usize> = (0..rows).step_by(each).chain(rows.checked_sub(1)).collect();
@@ -41,15 +41,15 @@ pub(super) fn hexadecimal(color: Color) -> String {
 struct Lines<'a> {
     name: String,
     measure: Measure,
-    /// Whether the lines are parts of a whole, one upon the other.
+    /// True if the lines are stacked parts of a whole.
     stacked: bool,
     all: Vec<(String, Color, &'a [f64], Vec<f64>)>,
 }
 
-/// The rows that a table keeps, with their times.
+/// The kept rows of a table, with their times.
 struct Rows {
     kept: Vec<usize>,
-    /// Array of the times.
+    /// Number of the array of times.
     times: usize,
 }
 
@@ -91,7 +91,7 @@ fn lines(chart: &Chart) -> Lines<'_> {
     let line = |series: &Series| series.pieces.iter().flatten().map(|p| p[1]).collect::<Vec<f64>>();
     let of_series = chart.series.iter();
     let mut all: Vec<_> = of_series.map(|s| (s.label.clone(), s.stroke.color, &s.stroke.dashes[..], line(s))).collect();
-    // An area runs along its lower edge and back along its upper one: its height is the number that it stands for.
+    // An area runs along its lower edge and back along its upper one: its height is the value.
     for area in &chart.areas {
         let edge: Vec<f64> = area.polygons.iter().flatten().map(|p| p[1]).collect();
         let n = edge.len() / 2;
@@ -100,7 +100,7 @@ fn lines(chart: &Chart) -> Lines<'_> {
     Lines { name: chart.quantity.clone(), measure: chart.measure, stacked: !chart.areas.is_empty(), all }
 }
 
-/// The contact force on each side, of a run with several.
+/// The contact force on each side of a run with several.
 fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
     let of_side = |side: String| {
         let line = |c: usize| {
@@ -115,7 +115,7 @@ fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
     sides.filter_map(of_side)
 }
 
-/// The history of a run: the charts of its picture, and each column.
+/// The history of a run: the charts of its picture, and every column.
 pub(super) fn write(run: &Run, units: Units, pack: &mut Pack) -> Value {
     let Some(times) = run.history.get(columns::TIME.name) else { return Value::Null };
     let rows = Rows::new(times, &mut run.history.values().map(Vec::as_slice), pack);
@@ -147,7 +147,7 @@ pub(super) fn probes(dir: &Path, case: &Case, units: Units, pack: &mut Pack) -> 
     for probe in &probes {
         let mut own = Vec::new();
         for (i, ending) in probe.quantity.columns(dim).iter().enumerate() {
-            // What is not known at a time is NaN.
+            // Values unknown at a time are NaN.
             let values: Vec<f64> = table.column(&format!("{}{ending}", probe.name))?;
             let label = ending.trim_start_matches('_').to_owned();
             own.push((label, LINES[i % LINES.len()], &[][..], values));

@@ -1,4 +1,4 @@
-//! A field over the snapshots of a page, in the unit in which it is read.
+//! A field over the snapshots of a page, in its display unit.
 
 use serde_json::{Value, json};
 
@@ -7,21 +7,21 @@ use crate::plot::axes;
 use crate::plot::color::ColorMap;
 use crate::units::{Measure, Units};
 
-/// A number per vertex and snapshot, or the components of a vector.
+/// A field with one number, or the components of a vector, per vertex and snapshot.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
     pub name: String,
-    /// With subscripts, as in pictures; empty for none.
+    /// Symbol with subscripts, as in pictures; empty for none.
     pub symbol: &'static str,
     pub measure: Measure,
     pub map: ColorMap,
-    /// One list per component of a vector, and in it one per snapshot.
+    /// One list per component, which holds one list per snapshot.
     pub components: Vec<Vec<Vec<f64>>>,
-    /// The range that the colours show; none for all of it.
+    /// The colour range, or `None` for the range of all values.
     pub shown: Option<[f64; 2]>,
 }
 
-/// The unit for values up to some size, and the factor that brings them to it.
+/// The unit for values up to this size, and the factor that converts them to it.
 pub(super) fn reading(units: Units, largest: f64, measure: Measure) -> (String, f64) {
     let power = units.power(largest, measure);
     match units.prefixed(power, measure) {
@@ -35,7 +35,7 @@ impl Field {
         self.components.iter().flatten().flatten().copied()
     }
 
-    /// The values, of a vector its magnitudes.
+    /// The values; magnitudes of a vector.
     fn magnitudes(&self) -> Vec<f64> {
         let [first, others @ ..] = &self.components[..] else { return Vec::new() };
         if others.is_empty() {
@@ -46,12 +46,12 @@ impl Field {
         all.map(|(at, i)| square(at, i).sqrt()).collect()
     }
 
-    /// Whether it says something: a value other than zero.
+    /// True if there is a finite value other than zero.
     pub(super) fn is_told(&self) -> bool {
         self.values().any(|v| v != 0.0 && v.is_finite())
     }
 
-    /// The field as the page has it: what it is, and the numbers of its arrays.
+    /// The field on the page: description and numbers of its arrays.
     pub(super) fn write(&self, units: Units, pack: &mut Pack) -> Value {
         let [low, high] = axes::range(self.values()).unwrap_or([0.0, 0.0]);
         let extent = axes::range(self.magnitudes()).unwrap_or([0.0, 0.0]);

@@ -1,7 +1,7 @@
-//! `report.html`: a results folder as one page, which needs no other file, no network and no program but a browser.
+//! `report.html`: a results folder as one page that needs no other file, no network and only a browser.
 //!
-//! The page is text in HTML for what is read, and numbers for what is drawn: the browser draws the body, the sides of
-//! contact and the histories from them. The same folder gives the same bits.
+//! The page holds text as HTML and data as numbers, from which the browser draws the body, the sides of contact and the
+//! histories. The same folder gives the same bits.
 
 mod body;
 mod charts;
@@ -28,28 +28,28 @@ use pack::Pack;
 
 /// Name of the page in a results folder.
 pub(super) const FILE: &str = "report.html";
-/// Most snapshots on a page, and most numbers of the fields of the body at all of them.
+/// Largest number of snapshots on a page, and of values of the fields of the body in all of them.
 const SNAPSHOTS: usize = 100;
 const NUMBERS: usize = 1_500_000;
 
-/// What a page is made of.
+/// The contents of a page.
 struct Contents {
     case: Case,
     text: String,
     summary: Option<Summary>,
     /// Names of columns and rows of a convergence study, and its picture as SVG.
     study: Option<(CsvTable, String)>,
-    /// What is drawn, and its arrays.
+    /// Descriptions of the drawings, and their arrays.
     data: Value,
     arrays: String,
-    /// What the page leaves out of the results.
+    /// Notes on results that the page leaves out.
     notes: Vec<String>,
 }
 
-/// Writes the page of a results folder, of a run or of a convergence study, into it; returns its path.
+/// Writes the page of a results folder of a run or a convergence study into it. Returns its path.
 ///
 /// # Errors
-/// When a file is missing or damaged, or the page cannot be written; the error names the file.
+/// A file is missing or damaged, or the page cannot be written; the error names the file.
 pub fn report(dir: &Path) -> Result<PathBuf, PlotError> {
     let contents = Contents::read(dir)?;
     let path = dir.join(FILE);
@@ -87,7 +87,7 @@ fn study(dir: &Path, units: Units) -> Result<Option<(CsvTable, String)>, PlotErr
     Ok(Some((CsvTable::read(&path)?, picture.svg())))
 }
 
-/// 256 colours of a map, one after the other.
+/// 256 colours of a map, concatenated.
 fn colors(map: ColorMap) -> String {
     (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).map(|c| format!("{c:02x}")).collect()
 }
@@ -109,7 +109,7 @@ impl Contents {
     fn run(&mut self, dir: &Path) -> Result<(), PlotError> {
         self.summary = Some(summary(dir)?);
         let (results, units) = (Results::read(dir)?, self.case.problem.units());
-        // The numbers of all fields at a snapshot: displacement, stress and temperature.
+        // Number of values of all fields in a snapshot: displacement, stress and temperature.
         let nodes = self.case.problem.mesh.points.len().min(body::VERTICES);
         let most = (NUMBERS / (5 * nodes.max(1))).clamp(8, SNAPSHOTS);
         let (all, mut pack) = (results.snapshots.len(), Pack::default());
@@ -140,7 +140,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Notes what is drawn coarser than it was computed.
+    /// Notes data that are drawn coarser than computed.
     fn note_coarser(&mut self, data: &Value) {
         let pair = |value: &Value| Some([value.get(0)?.as_u64()?, value.get(1)?.as_u64()?]);
         let mut note = |what: &str, value: &Value, files: &str| {

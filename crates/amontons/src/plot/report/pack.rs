@@ -1,21 +1,21 @@
-//! Arrays of numbers of a page, compressed as one.
+//! Arrays of numbers of a page, compressed together.
 //!
-//! Each array is a sequence of whole numbers. Its differences from number to number are written byte by byte: first the
-//! lowest bytes of all, then the next. What changes little then compresses well, and nothing is lost.
+//! Each array is a sequence of integers. The differences of successive numbers are written byte by byte: first the
+//! lowest bytes of all, then the next. Slowly varying data then compress well, without loss.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// Share of 1 that a number between two ends is a multiple of; the largest 16-bit number stands for none.
+/// Number of steps between two ends; the largest 16-bit number stands for a missing value.
 pub(super) const PARTS: f64 = 65_534.0;
 pub(super) const NONE: u32 = 65_535;
 const LEVEL: u8 = 8;
 
-/// Arrays of numbers, by their numbers.
+/// Arrays of numbers, referred to by their index.
 #[derive(Debug, Default)]
 pub(super) struct Pack {
     bytes: Vec<u8>,
-    /// Start, length and bytes of a number of each array.
+    /// Start, length and bytes per number of each array.
     places: Vec<[usize; 3]>,
 }
 
@@ -30,17 +30,17 @@ impl Pack {
         self.places.len() - 1
     }
 
-    /// Adds counts.
+    /// Adds integers.
     pub(super) fn counts(&mut self, values: &[u32]) -> usize {
         self.add(values.iter().copied(), 4)
     }
 
-    /// Adds numbers with seven digits.
+    /// Adds numbers in single precision, seven digits.
     pub(super) fn reals(&mut self, values: impl IntoIterator<Item = f64>) -> usize {
         self.add(values.into_iter().map(|v| (v as f32).to_bits()), 4)
     }
 
-    /// Adds numbers between two ends, rounded to a [`PARTS`]th of the distance between these; NaN stays NaN.
+    /// Adds numbers between two ends, rounded to 1/[`PARTS`] of their distance; NaN stays NaN.
     pub(super) fn shares(&mut self, values: impl IntoIterator<Item = f64>, [low, high]: [f64; 2]) -> usize {
         let share = |v: f64| match (v - low) / (high - low) {
             share if share.is_finite() => (share.clamp(0.0, 1.0) * PARTS).round() as u32,
@@ -50,7 +50,7 @@ impl Pack {
         self.add(values.into_iter().map(share), 2)
     }
 
-    /// Start, length and bytes of a number of each array, and the arrays as text.
+    /// Start, length and bytes per number of each array, and the arrays as text.
     pub(super) fn finish(self) -> (Vec<[usize; 3]>, String) {
         (self.places, STANDARD.encode(miniz_oxide::deflate::compress_to_vec_zlib(&self.bytes, LEVEL)))
     }
@@ -60,7 +60,7 @@ impl Pack {
 mod tests {
     use super::*;
 
-    /// The differences, added up again, are the numbers.
+    /// The sums of the differences are the numbers.
     #[test]
     fn arrays_can_be_read_back() {
         let mut pack = Pack::default();

@@ -1,4 +1,4 @@
-//! The page: its text, its style, its script and its data, in one file.
+//! The page with its text, style, script and data in one file.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,7 +21,7 @@ const SCRIPT: [&str; 7] = [
     include_str!("page/main.js"),
 ];
 
-/// Text as it stands between tags and in attributes.
+/// Text escaped for HTML elements and attributes.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -39,7 +39,7 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// The source of a script or style that the browser may run: nothing else on the page is run.
+/// Content-security hash of a script or style that the browser may run: nothing else on the page runs.
 fn allowed(text: &str) -> String {
     format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)))
 }
@@ -53,7 +53,7 @@ pub(super) fn write(contents: &Contents) -> String {
         allowed(STYLE),
         allowed(&script)
     );
-    // Within a script only `<` could end it.
+    // Inside a script only `<` could end it.
     let data = contents.data.to_string().replace('<', "\\u003c");
     let sections = sections(contents);
     let links: String = sections.iter().map(|(id, title, _)| format!("<a href=\"#{id}\">{title}</a>\n")).collect();
@@ -102,7 +102,7 @@ fn sections(contents: &Contents) -> Vec<(&'static str, &'static str, String)> {
     if let Some((table, picture)) = &contents.study {
         all.push(("convergence", "Convergence", self::table(table) + &image(picture, "Errors over the refinement")));
     }
-    // What was asked for comes first; what the theory says of the data is for those who ask for it.
+    // Requested results come first, theory on request last.
     let findings = contents.summary.as_ref().map_or_else(String::new, |summary| findings(&summary.findings));
     if !findings.is_empty() {
         all.push(("verdicts", "Verdicts", findings));
@@ -127,15 +127,15 @@ fn notes(notes: &[String]) -> String {
     notes.iter().map(|note| format!("<p class=\"note\">{}</p>\n", escaped(note))).collect()
 }
 
-/// The titles of the two voices.
+/// The titles of the two kinds of findings.
 const WARNINGS: &str = "What you can act on";
 const THEORY: &str = "What the theory covers";
 
-/// The findings in their two voices, folded.
+/// The findings of both kinds, folded.
 fn findings(all: &[Finding]) -> String {
     let of = |(title, kind): (&str, Kind)| {
         let mut own: Vec<&Finding> = all.iter().filter(|f| f.kind == kind).collect();
-        // What does not hold comes first.
+        // Findings that fail come first.
         own.sort_by_key(|f| std::cmp::Reverse(f.status));
         let fails = own.iter().filter(|f| f.status == FindingStatus::Fails).count();
         let told = format!("{title}: {} looked at, {fails} {}", own.len(), if fails == 1 { "fails" } else { "fail" });

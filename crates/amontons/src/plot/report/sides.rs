@@ -1,4 +1,5 @@
-//! The sides of contact over the snapshots: what `contact.pvd` holds, along a line in the plane, on a surface in space.
+//! The sides of contact over the snapshots: the content of `contact.pvd`, along a line in the plane, on a surface in
+//! space.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -16,25 +17,25 @@ use crate::plot::vtu::{self, Grid};
 use crate::plot::{PlotError, body};
 use crate::units::{Measure, Units};
 
-/// Most vertices of a side.
+/// Largest number of vertices of a side.
 pub(super) const VERTICES: usize = 4_000;
 /// Arrays that the page does not show as fields of a side.
 const LEFT_OUT: [&str; 2] = ["displacement", "weight"];
 
-/// A side as it is drawn.
+/// A side as drawn.
 struct Side {
     name: String,
     number: usize,
     /// The node of each vertex in the grid.
     nodes: Vec<usize>,
-    /// Arc length of each vertex along a line; vertices run along it.
+    /// Arc length of each vertex; the vertices are ordered along the line.
     along: Vec<f64>,
     /// Pieces of the line: the first vertex of each.
     pieces: Vec<usize>,
     /// A surface in space.
     shape: Shape,
     normal: [f64; 3],
-    /// Vertices before it was made coarser.
+    /// Number of vertices before coarsening.
     before: usize,
     fields: Vec<Field>,
 }
@@ -50,11 +51,11 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm([0, 1, 2].map(|d| b[d] - a[d]))
 }
 
-/// The nodes of lines one after the other, piece by piece, each from its left or lower end.
+/// The nodes of lines in order, piece by piece, each from its left or lower end.
 fn chains(points: &[[f64; 3]], cells: &[Vec<u32>]) -> Vec<Vec<usize>> {
     let mut next: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for cell in cells {
-        // A quadratic line has its middle node last.
+        // The middle node of a quadratic line is last.
         let ordered: Vec<u32> = match cell[..] {
             [a, b, middle] => vec![a, middle, b],
             _ => cell.clone(),
@@ -75,7 +76,7 @@ fn chains(points: &[[f64; 3]], cells: &[Vec<u32>]) -> Vec<Vec<usize>> {
     };
     let mut left: Vec<u32> = next.keys().copied().collect();
     left.sort_by(first);
-    // Ends come before other nodes, at which only closed lines begin.
+    // Ends come first; other nodes start closed lines only.
     left.sort_by_key(|n| next[n].len() != 1);
     let (mut done, mut all) = (std::collections::BTreeSet::new(), Vec::new());
     for start in left {
@@ -225,7 +226,7 @@ impl Side {
     }
 }
 
-/// The sides at those of some snapshots that have contact, for the page; null without contact.
+/// The sides at those of the snapshots that have contact, for the page; null without contact.
 pub(super) fn write(
     dir: &Path,
     results: &Results,

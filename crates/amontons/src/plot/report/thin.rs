@@ -1,26 +1,26 @@
-//! A coarser surface of few nodes: those within a small box become one.
+//! A coarser surface with fewer nodes: nodes within a small box are merged.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Triangles and lines between vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Shape {
-    /// Position and part of each vertex; only vertices of the same part are joined.
+    /// Position and part of each vertex; only vertices of the same part are merged.
     pub vertices: Vec<([f64; 3], u64)>,
     pub triangles: Vec<[u32; 3]>,
     /// Lines that are always drawn.
     pub outline: Vec<[u32; 2]>,
-    /// Lines of the mesh; none of a coarser surface.
+    /// Lines of the mesh; empty for a coarser surface.
     pub mesh: Vec<[u32; 2]>,
 }
 
-/// A box of a part: its place along each axis.
+/// A box of a part: its index along each axis.
 type Place = ([i64; 3], u64);
 
 impl Shape {
-    /// The vertices that a coarser shape of at most `most` vertices keeps: their numbers, and for each vertex that of
-    /// the one that stands for it. Each kept vertex is the one nearest to the middle of those that it stands for, or of
-    /// those of them on the outline, if there are any.
+    /// The vertices kept in a coarser shape of at most `most` vertices: their numbers, and for each vertex the index of
+    /// the kept one that represents it. A kept vertex is the one nearest to the mean of those it represents, or of
+    /// those of them on the outline, if any.
     fn kept(&self, most: usize) -> (Vec<usize>, Vec<u32>) {
         let low = [0, 1, 2].map(|d| self.vertices.iter().map(|(p, _)| p[d]).fold(f64::INFINITY, f64::min));
         let high = [0, 1, 2].map(|d| self.vertices.iter().map(|(p, _)| p[d]).fold(f64::NEG_INFINITY, f64::max));
@@ -33,7 +33,7 @@ impl Shape {
             }
             inside
         };
-        // The finest boxes, of which 2, 2.8, 4, 5.7 … lie along the longest side, that are few enough.
+        // The finest boxes, 2, 2.8, 4, 5.7 … along the longest side, whose number is small enough.
         let counts = (1..40).map(|i| 2f64.powf(0.5 * f64::from(i)));
         let groups = counts.map(boxes).take_while(|groups| groups.len() <= most).last().unwrap_or_else(|| boxes(1.0));
         let (mut kept, mut stands_for) = (Vec::new(), vec![0u32; self.vertices.len()]);
@@ -52,7 +52,7 @@ impl Shape {
         (kept, stands_for)
     }
 
-    /// The shape with at most about `most` vertices, and the vertices of the shape before that it keeps.
+    /// The shape with at most about `most` vertices, and the kept vertices of the original shape.
     pub(super) fn thinned(self, most: usize) -> (Shape, Vec<usize>) {
         let all: Vec<usize> = (0..self.vertices.len()).collect();
         if self.vertices.len() <= most {
@@ -84,7 +84,7 @@ impl Shape {
 mod tests {
     use super::*;
 
-    /// A square of 40 × 40 cells keeps its corners' surroundings, its area but for a rim, and both parts apart.
+    /// A square of 40 × 40 cells keeps its corners up to a box, its area up to a rim, and both parts separate.
     #[test]
     fn a_coarser_square_is_a_square() {
         let (n, mut shape) = (40u32, Shape::default());
@@ -113,7 +113,7 @@ mod tests {
             };
             s.triangles.iter().map(|t| 0.5 * twice(t)).sum()
         };
-        // The rim stays, but for corners, which are within a box; there are at least 14 boxes to a side.
+        // The rim stays, except for corners, which are within a box; there are at least 14 boxes per side.
         let corners = 4.0 * (1.0f64 / 14.0).powi(2);
         let found = area(&thin);
         assert!((area(&shape) - 1.0).abs() < 1e-12 && found <= 1.0 + 1e-12 && found >= 1.0 - corners, "{found}");
