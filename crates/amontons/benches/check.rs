@@ -1,6 +1,6 @@
 //! The certificate of the paper's finest case, n = 256 with 256 steps, and what its parts cost.
 //!
-//! `cargo bench -p amontons --bench check` prints seconds. Arguments after `--`: n, steps.
+//! `cargo bench -p amontons-core --bench check` prints seconds. Arguments after `--`: n, steps.
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a program for developers")]
 
 use std::path::Path;

@@ -287,7 +287,7 @@ fn has_tests(named: &str) -> bool {
 fn the_tests_that_documents_name_are_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let (mut named, mut lost) = (0, Vec::new());
-    for folder in [".", "book/src", "docs/adr"] {
+    for folder in [".", "book/src", "docs/adr", "crates/amontons/benches"] {
         let files = fs::read_dir(root.join(folder)).expect("a folder of documents").flatten();
         for file in files.map(|file| file.path()).filter(|file| file.extension().is_some_and(|e| e == "md")) {
             let text = fs::read_to_string(&file).expect("a document");

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod adding;
 mod book;
 mod brake_disc;
 mod brake_pad;

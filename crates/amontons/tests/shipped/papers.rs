@@ -9,7 +9,7 @@ use amontons::case::{self, Source};
 use serde_json::Value;
 
 /// Files below a folder of the repository that end with one of these.
-fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
+pub fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![file(folder)];
     while let Some(folder) = open.pop() {
@@ -30,7 +30,8 @@ fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-fn text(path: &Path) -> String {
+/// What a file holds.
+pub fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
@@ -39,7 +40,7 @@ fn documents() -> Vec<PathBuf> {
 }
 
 /// The parts of a line between pairs of a mark: code in a document, strings in a program.
-fn between(line: &str, mark: char) -> Vec<&str> {
+pub fn between(line: &str, mark: char) -> Vec<&str> {
     line.split(mark).skip(1).step_by(2).collect()
 }
 
