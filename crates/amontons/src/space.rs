@@ -250,14 +250,14 @@ impl Space {
         self.leave(values);
     }
 
-    /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; returns true if that changes them.
-    pub fn prescribe_rates(&self, t: f64, gamma: f64, bar: &[f64], w: &mut [f64]) -> bool {
+    /// Writes the rates (u_D(t) − ū)/k of the prescribed values into velocities; returns true if that changes them.
+    pub fn prescribe_rates(&self, t: f64, k: f64, bar: &[f64], w: &mut [f64]) -> bool {
         let (mut values, mut changes) = (bar.to_vec(), false);
         self.prescribe(t, &mut values);
         let (values, bar) = (self.in_frames(&values), self.in_frames(bar));
         self.enter(w);
         for dof in self.held.iter().map(|&dof| dof as usize) {
-            let rate = (values[dof] - bar[dof]) / gamma;
+            let rate = (values[dof] - bar[dof]) / k;
             changes |= w[dof] - rate != 0.0;
             w[dof] = rate;
         }

@@ -24,7 +24,7 @@ use crate::mesh::{Mesh, Plane, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
-use crate::time::Timeline;
+use crate::time::{TimeScheme, Timeline};
 use crate::units::{System, TemperatureScale};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
@@ -72,6 +72,7 @@ pub(super) fn problem(
         system: system(raw.units),
         temperature_scale: notes.scale,
         timeline: build.timeline,
+        scheme: time_scheme(&raw.time),
         physics,
         materials,
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
@@ -126,6 +127,13 @@ fn workload(problem: &ProblemData) -> Workload {
         joins: problem.contacts.iter().any(joins),
         slenderness: problem.mesh.slenderness(),
         is_plane: problem.mesh.dim < 3,
+    }
+}
+
+fn time_scheme(raw: &raw::Time) -> TimeScheme {
+    match raw.scheme {
+        raw::TimeScheme::Euler => TimeScheme::BackwardEuler,
+        raw::TimeScheme::Theta => TimeScheme::Theta(raw.theta.unwrap_or(0.5)),
     }
 }
 
@@ -337,8 +345,13 @@ impl Build<'_> {
         self.note("thickness", At::Value, found, "one of a plane body", Some("remove it"));
     }
 
-    /// Checks that steps are long enough to divide by.
+    /// Checks that steps are long enough to divide by, and that a level belongs to a scheme.
     fn step(&mut self, time: &raw::Time) {
+        if let (raw::TimeScheme::Euler, Some(theta)) = (time.scheme, time.theta) {
+            let hint = "add `scheme = \"theta\"`, or remove `theta`";
+            let found = format!("{theta:?} with the scheme \"euler\"");
+            self.note("time.theta", At::Value, found, "a level of the scheme \"theta\"", Some(hint));
+        }
         let k = Timeline::equal(time.end, time.steps).longest();
         if !(k.is_normal() && k.recip().is_finite()) {
             self.note(

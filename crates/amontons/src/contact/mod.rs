@@ -39,8 +39,9 @@ pub use heat::{
 pub use means::{Shares, read, read_vector};
 pub use names::{names, names_of_points};
 pub use normal::{
-    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureFormula,
-    PressureFormulaFault, PressureTable, PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,
+    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, MeanPressure, NormalLaw, Power, Pressure,
+    PressureFormula, PressureFormulaFault, PressureTable, PressureTableFault, Signorini, Softening, Stop, Yield,
+    resolvent,
 };
 pub use obstacle::Obstacle;
 pub use pair::{Geometry, Pair, Supports};

@@ -69,7 +69,7 @@ findings! {
     PhiL = "phi-L", Theory, Both;
     /// (2.23) as it is printed.
     Printed = "2.23-printed", Theory, Mechanics;
-    /// What is needed in the place of (2.23).
+    /// The condition that replaces (2.23).
     Needed = "2.23-needed", Theory, Mechanics;
     /// One solution of a step.
     StepUnique = "step-unique", Theory, Mechanics;
@@ -77,13 +77,13 @@ findings! {
     TimeStep = "time-step", Theory, Mechanics;
     /// A rigid foundation that conducts by the penetration.
     ContactHeat = "contact-heat", Warning, Both;
-    /// Contact laws that fall.
+    /// Softening contact laws.
     Softening = "softening", Theory, Mechanics;
     /// The shape of the cells.
     MeshQuality = "mesh-quality", Warning, Any;
-    /// Whether contact can occur.
+    /// Possibility of contact.
     ContactPossible = "contact-possible", Warning, Mechanics;
-    /// Whether the sides of pairs face each other.
+    /// Coverage of the sides of pairs.
     Pairs = "pairs", Warning, Mechanics;
     /// The energy identity of a run.
     Energy = "energy", Warning, Mechanics;
@@ -99,7 +99,7 @@ findings! {
     PointForce = "point-force", Warning, Mechanics;
     /// Contact points whose normal displacement is prescribed.
     ContactHeld = "contact-held", Warning, Mechanics;
-    /// Pairs that overlap at rest, or whose facets are deep beside the gap between them.
+    /// Pairs that overlap at rest, or whose facets are deep compared with the gap.
     PairGap = "pair-gap", Warning, Mechanics;
     /// Sides that are inside an obstacle at the start.
     StartInside = "start-inside", Warning, Mechanics;
@@ -139,7 +139,7 @@ findings! {
     Magnitude = "magnitude", Warning, Mechanics;
     /// Data that results do not depend on.
     NoEffect = "no-effect", Warning, Any;
-    /// Friction that drops when slip starts, where nothing slows the slip.
+    /// Friction that drops when slip starts, if nothing slows the slip.
     StaticFriction = "static-friction", Warning, Mechanics;
     /// Stresses recovered at the nodes that are far from those in the cells.
     NodalStress = "nodal-stress", Warning, Mechanics;

@@ -33,7 +33,6 @@ use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
 use crate::tensor;
-use crate::time::Rule;
 use crate::units::{Measure, Units};
 
 /// Fraction of the diagonal by which a matrix must be positive definite: far above the round-off of a factor.
@@ -103,7 +102,8 @@ struct Step<'a> {
 /// K_u at one step length, minus [`MARGIN`] of its diagonal, and its factored system once needed.
 struct At<'a> {
     step: &'a Step<'a>,
-    k: f64,
+    /// γ of the rule in time, s.
+    gamma: f64,
     less: Arc<BlockMatrix>,
     system: Option<System>,
 }
@@ -140,8 +140,9 @@ impl<'a> Step<'a> {
 
     /// K_u = ρM/k + B + kA at step length k.
     fn at(&self, k: f64) -> At<'_> {
-        let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
-        At { step: self, k, less: Arc::new(less_margin(matrix)), system: None }
+        let rule = self.problem.scheme.rule(k);
+        let matrix = self.discrete.mechanical_matrix(rule);
+        At { step: self, gamma: rule.gamma, less: Arc::new(less_margin(matrix)), system: None }
     }
 
     /// True if the heat equation of a step has one solution: C/k + D is positive definite.
@@ -149,7 +150,7 @@ impl<'a> Step<'a> {
         if !self.problem.physics.has_heat() {
             return Ok(true);
         }
-        is_positive_definite(self.problem, &self.discrete.q, self.discrete.thermal_matrix(Rule::backward_euler(k)))
+        is_positive_definite(self.problem, &self.discrete.q, self.discrete.thermal_matrix(self.problem.scheme.rule(k)))
     }
 
     /// W times a factor, as a tangent on the contact unknowns.
@@ -197,7 +198,7 @@ impl At<'_> {
     fn dominates(&mut self, loss: f64) -> Result<bool, SolveError> {
         let step = self.step;
         let Step { problem, discrete, weights, .. } = step;
-        let lost = loss * self.k;
+        let lost = loss * self.gamma;
         let system = match self.system() {
             Ok(system) => system,
             Err(SolveError::NotPositive { .. }) => return Ok(false),

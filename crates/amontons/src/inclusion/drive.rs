@@ -107,7 +107,7 @@ impl MechanicalStep<'_> {
         let of = |drive: &Drive| {
             let points = self.boundary.points.iter().zip(&term.rho);
             let own = points.filter(|(point, _)| point.contact == drive.contact);
-            drive.inertia[1] + own.map(|(point, rho)| point.weight * rho / self.rule.gamma).sum::<f64>()
+            drive.inertia[1] + own.map(|(point, rho)| point.weight * rho / self.rule.k).sum::<f64>()
         };
         drives.iter().map(of).collect()
     }

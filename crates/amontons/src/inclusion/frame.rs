@@ -25,8 +25,10 @@ pub struct Frame {
 pub struct PointState {
     /// Unit normal ν of the contact, towards the foundation.
     pub normal: Point,
-    /// Penetration r = u_ν − g in m.
+    /// Penetration r = u_ν − g at the end of the step, m.
     pub penetration: f64,
+    /// Penetration at the time of the equations of the step, by which heat flows, m.
+    pub at_level: f64,
     /// Pressure p in Pa.
     pub pressure: f64,
     /// Friction bound s in Pa.

@@ -132,7 +132,7 @@ impl HeatStep<'_> {
         let state = &self.states[i];
         ContactPoint {
             x: self.boundary.points[i].x,
-            penetration: state.penetration,
+            penetration: state.at_level,
             pressure: state.pressure,
             slip_speed: length(&state.slip),
             friction_power: dot(&state.q, &state.slip),

@@ -12,7 +12,7 @@ use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::settle::{Holds, resisting};
 use crate::arrays::per_point;
-use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
+use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, MeanPressure, Status, arrays};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 use crate::pulse::Pulse;
 use crate::space::Space;
@@ -128,7 +128,7 @@ impl<'a> Mechanical<'a> {
         );
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
             false => Response::Function,
-            true if rho > 0.0 => Response::Multiplier { lambda: step.rule.gamma / rho },
+            true if rho > 0.0 => Response::Multiplier { lambda: step.rule.k / rho },
             true => Response::Given,
         });
         let response = response.collect();
@@ -167,12 +167,12 @@ impl<'a> Mechanical<'a> {
 
     fn kinematics(&self, i: usize, w: &[f64]) -> Kinematics {
         let [w_nu, t1, t2] = self.interface.jump(i, w);
-        let (frame, gamma) = (&self.step.frames[i], self.step.rule.gamma);
-        // r = ū_ν + γ w_ν − g.
-        let penetration = self.opening[i][0] + gamma * w_nu;
+        let (frame, k) = (&self.step.frames[i], self.step.rule.k);
+        // r = ū_ν + k w_ν − g, at the end of the step.
+        let penetration = self.opening[i][0] + k * w_nu;
         let rate = w_nu - frame.gap_rate;
         // That of r₊ where r > 0, so that the pressure does not jump where the gap closes within the step.
-        let rate = rate.min(penetration / gamma);
+        let rate = rate.min(penetration / k);
         let [v1, v2] = self.foundation[i];
         let [first, second] = self.held(i);
         let slip = [if first { 0.0 } else { t1 - v1 }, if second { 0.0 } else { t2 - v2 }];
@@ -185,11 +185,16 @@ impl<'a> Mechanical<'a> {
 
     /// The laws at a point, its pressure found in a way of its own.
     pub fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
+        let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
+        let start = self.opening(i) + rule.k * frame.gap_rate;
+        let mean = MeanPressure::new(contact.normal.as_ref(), start, rule.level);
         let site = Site {
-            contact: self.contact(i),
+            contact,
+            normal: if rule.is_at_end() { contact.normal.as_ref() } else { &mean },
+            start,
             row: &self.interface.rows[i],
             x: self.step.boundary.points[i].x,
-            gamma: self.step.rule.gamma,
+            rule,
             response,
             rho: self.rho[i],
             // What never slips has no bound that could be smooth.
@@ -198,7 +203,7 @@ impl<'a> Mechanical<'a> {
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),
             held: self.held(i),
-            opening: self.step.frames[i].opening,
+            opening: frame.opening,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }
@@ -235,7 +240,7 @@ impl<'a> Mechanical<'a> {
             return given;
         }
         let found = self.laws_with(i, w, multiplier, Response::Function);
-        let is_soft = lambda * found.normal.slope <= SHARPEST * self.step.rule.gamma;
+        let is_soft = lambda * found.normal.slope <= SHARPEST * self.step.rule.k;
         let p = found.normal.pressed;
         if is_soft && (p - multiplier.p).abs() <= JUMP * p.abs().max(multiplier.p.abs()) { found } else { given }
     }
@@ -417,8 +422,8 @@ impl Mechanical<'_> {
         let (point, frame, contact) = (&self.step.boundary.points[i], &self.step.frames[i], self.contact(i));
         let [before, after] = [from, to].map(|w| self.laws_at(i, w, multiplier));
         // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
-        let start = before.penetration - self.step.rule.gamma * (self.interface.jump(i, from)[0] - frame.gap_rate);
-        let normal = self.step.rule.gamma
+        let start = before.penetration - self.step.rule.k * (self.interface.jump(i, from)[0] - frame.gap_rate);
+        let normal = self.step.rule.k
             * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
         // The larger of the pressures of both ends: a fall with the slip speed grows with it.
         let at_end = after.normal.pressed;
@@ -469,14 +474,14 @@ impl Term for Mechanical<'_> {
 
     fn round_off(&self, x: &[f64], laws: &Vec<Laws>) -> f64 {
         let mut sizes = vec![0.0; x.len()];
-        let gamma = self.step.rule.gamma;
+        let k = self.step.rule.k;
         for (i, laws) in laws.iter().enumerate() {
             let [w_nu, t1, t2] = self.interface.sizes(i, x);
-            let size = self.opening[i][1] + gamma * w_nu;
+            let size = self.opening[i][1] + k * w_nu;
             // The slip of a point that sticks is a difference of larger numbers; to one that slips it is a direction.
             let [v1, v2] = self.foundation[i];
             let [s1, s2] = if laws.sticks { [t1 + v1.abs(), t2 + v2.abs()].map(|v| self.rho[i] * v) } else { [0.0; 2] };
-            self.interface.scatter_sizes(i, &[laws.normal.slope / gamma * size, s1, s2], &mut sizes);
+            self.interface.scatter_sizes(i, &[laws.normal.slope / k * size, s1, s2], &mut sizes);
         }
         max_abs(&sizes)
     }
@@ -484,8 +489,8 @@ impl Term for Mechanical<'_> {
     fn is_sharp(&self, x: &[f64], laws: &Vec<Laws>, tolerance: f64) -> bool {
         laws.iter().enumerate().all(|(i, laws)| {
             let (normal, weight) = (&laws.normal, self.interface.rows[i].weight);
-            let size = self.opening[i][1] + self.step.rule.gamma * self.interface.sizes(i, x)[0];
-            let round_off = 16.0 * f64::EPSILON * normal.stiffness() / self.step.rule.gamma * size;
+            let size = self.opening[i][1] + self.step.rule.k * self.interface.sizes(i, x)[0];
+            let round_off = 16.0 * f64::EPSILON * normal.stiffness() / self.step.rule.k * size;
             let error = (normal.pressed - normal.pressure).abs() / normal.yielding;
             normal.yielding * SHARPEST < 1.0 || weight * error <= tolerance.max(weight * round_off)
         })

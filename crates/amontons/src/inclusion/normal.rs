@@ -6,8 +6,8 @@ use crate::tensor::Point;
 /// How the pressure of a point is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Response {
-    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p, ż − λ p/γ), ż = ṙ + λ
-    /// p/γ: laws that do not fall, of any stiffness and damping.
+    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p, ż − λ p/k), ż = ṙ + λ
+    /// p/k: laws that do not fall, of any stiffness and damping.
     Multiplier {
         /// λ in m/Pa.
         lambda: f64,
@@ -22,10 +22,10 @@ pub(super) enum Response {
 pub(super) struct Approach<'a> {
     pub law: &'a dyn NormalLaw,
     pub x: &'a Point,
-    /// γ of the rule in time, s.
-    pub gamma: f64,
+    /// Length k of the step, s.
+    pub length: f64,
     pub response: Response,
-    /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
+    /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/k) in m/s.
     pub penetration: f64,
     pub rate: f64,
     /// λ_w in m/Pa: λ_w p₊ is the depth by which the gap opens by wear.
@@ -43,9 +43,9 @@ pub(super) struct Normal {
     pub pressed: f64,
     /// ∂J/∂w_ν at fixed p, Pa s/m.
     pub slope: f64,
-    /// ∂J/∂z + (1/γ) ∂J/∂ż, Pa/m: the slope in a depth that the gap opens by within the step.
+    /// ∂J/∂z + (1/k) ∂J/∂ż, Pa/m: the slope in a depth that the gap opens by within the step.
     pub by_depth: f64,
-    /// 1 − λ ∂J/∂z − λ/γ ∂J/∂ż, but not zero; 1 for a function.
+    /// 1 − λ ∂J/∂z − λ/k ∂J/∂ż, but not zero; 1 for a function.
     pub yielding: f64,
 }
 
@@ -59,15 +59,15 @@ impl Normal {
             Response::Function => 0.0,
             Response::Multiplier { lambda } => lambda,
         };
-        let (lambda_rate, by_wear_rate) = (lambda / at.gamma, at.by_wear / at.gamma);
+        let (lambda_rate, by_wear_rate) = (lambda / at.length, at.by_wear / at.length);
         let by = Yield { lambda, lambda_rate, by_wear: at.by_wear, by_wear_rate };
         let (z, rate) = (at.penetration + lambda * p, at.rate + by.lambda_rate * p);
         let Pressure { value, slope, by_rate } = resolvent(at.law, at.x, z, rate, &by);
         Normal {
             pressure: if at.response == Response::Function { value } else { p },
             pressed: value,
-            slope: at.gamma * slope + by_rate,
-            by_depth: slope + by_rate / at.gamma,
+            slope: at.length * slope + by_rate,
+            by_depth: slope + by_rate / at.length,
             yielding: (1.0 - slope * lambda - by_rate * by.lambda_rate).max(at.stiff.recip()),
         }
     }

@@ -4,8 +4,9 @@ use super::frame::{PointDerivative, PointState};
 use super::friction::{Friction, Shape, Slip, Tangential};
 use super::interface::{Local, LocalTangent, Row};
 use super::normal::{Approach, Normal, Response};
-use crate::contact::{Bound, Contact, ContactPoint, GraphKind, Status};
+use crate::contact::{Bound, Contact, ContactPoint, GraphKind, NormalLaw, Status};
 use crate::tensor::Point;
+use crate::time::Rule;
 
 /// The multipliers of one point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,8 +23,11 @@ pub(super) struct Site<'a> {
     pub contact: &'a Contact,
     pub row: &'a Row,
     pub x: Point,
-    /// γ of the rule in time, s.
-    pub gamma: f64,
+    /// The law of the pressure in this step, and the penetration at its start, m.
+    pub normal: &'a dyn NormalLaw,
+    pub start: f64,
+    /// The rule in time.
+    pub rule: Rule,
     pub response: Response,
     /// ρ of friction in Pa s/m, and how friction is taken.
     pub rho: f64,
@@ -79,8 +83,9 @@ struct Slopes {
 pub(super) struct Laws {
     pub normal: Normal,
     pub friction: Friction,
-    /// r in m, with what wears off in the step.
+    /// r at the end of the step and at the time of its equations, with the wear of the step, m.
     pub penetration: f64,
+    pub at_level: f64,
     /// Depth that wears off in the step, and by how much the gap opens by it, m.
     pub worn: f64,
     pub opened: f64,
@@ -119,15 +124,15 @@ impl Laws {
             ..ContactPoint::default()
         };
         let wear = contact.wear.as_ref().map_or_else(Wear::default, |law| {
-            let depth = site.gamma * law.coefficient(&seen);
-            let by_temperature = site.opening * site.gamma * law.by_temperature(&seen);
+            let depth = site.rule.k * law.coefficient(&seen);
+            let by_temperature = site.opening * site.rule.k * law.by_temperature(&seen);
             Wear { depth, rate: site.opening * depth, by_temperature }
         });
         let by_wear = wear.rate * speed;
         let approach = Approach {
-            law: contact.normal.as_ref(),
+            law: site.normal,
             x: &site.x,
-            gamma: site.gamma,
+            length: site.rule.k,
             response: site.response,
             penetration: at.penetration,
             rate: at.rate,
@@ -139,6 +144,7 @@ impl Laws {
         let pressing = normal.pressure.max(0.0);
         let (worn, opened) = (wear.depth * speed * pressing, by_wear * pressing);
         let penetration = at.penetration - opened;
+        let at_level = site.rule.between([site.start, penetration]);
         let seen = ContactPoint {
             penetration,
             pressure: load,
@@ -162,7 +168,7 @@ impl Laws {
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); the bound follows p + δp.
         let follows = sign * s.by_pressure;
         let slopes = Slopes {
-            bound_by_normal: site.gamma * s.by_penetration + follows * normal.stiffness(),
+            bound_by_normal: site.rule.k * s.by_penetration + follows * normal.stiffness(),
             bound_by_speed: s.by_slip_speed,
             bound_change: follows * (normal.pressed - normal.pressure) * (normal.yielding.recip() - 1.0),
             pressure_by_speed: wear.rate * by_depth,
@@ -171,7 +177,7 @@ impl Laws {
             pressure_by_temperature: wear.by_temperature * speed * by_depth,
         };
         let sticks = if s.value > 0.0 { friction.sticks } else { multiplier.sticks };
-        Laws { normal, friction, penetration, worn, opened, status, sticks, wear, slopes, held: site.held }
+        Laws { normal, friction, penetration, at_level, worn, opened, status, sticks, wear, slopes, held: site.held }
     }
 
     /// Takes the point as sticking.
@@ -250,6 +256,7 @@ impl Laws {
         PointState {
             normal: row.basis[0],
             penetration: self.penetration,
+            at_level: self.at_level,
             pressure: self.normal.pressure,
             bound: self.friction.bound,
             q: row.tangential(&self.friction.q),

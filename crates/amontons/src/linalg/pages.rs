@@ -44,9 +44,16 @@ impl<T: Pod> Numbers<T> {
         numbers
     }
 
-    /// The first of the numbers.
+    /// The first of the numbers. The memory of the others is given back if it is more than that.
     pub fn first(self, count: usize) -> Numbers<T> {
-        Numbers { count: count.min(self.count), ..self }
+        let count = count.min(self.count);
+        if 2 * count < self.count
+            && let Some(mut first) = Numbers::zeros(count)
+        {
+            first.copy_from_slice(&self[..count]);
+            return first;
+        }
+        Numbers { count, ..self }
     }
 }
 

@@ -282,6 +282,7 @@ impl Body {
                     .map(|p| PointState {
                         normal: p.normal,
                         penetration: p.penetration,
+                        at_level: p.penetration,
                         pressure: p.pressure,
                         bound: p.bound,
                         q: p.q,

@@ -13,6 +13,7 @@ impl ProblemData {
     pub fn check(self) -> Result<Problem, Faults> {
         let mut faults = Vec::new();
         self.check_time(&mut faults);
+        self.check_scheme(&mut faults);
         self.check_material(&mut faults);
         if let Err(error) = self.mesh.check_nodes() {
             faults.push(Fault::new("mesh", error.to_string(), "cells and facets whose nodes exist"));

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Coupling, ProblemData};
 use crate::contact::{Contact, Quadrature};
 use crate::material::Dilatation;
+use crate::time::TimeScheme;
 
 /// A choice: its subject, the value taken, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,8 +31,15 @@ impl ProblemData {
     /// contact points.
     #[must_use]
     pub fn choices(&self) -> Vec<Choice> {
-        let scheme =
-            Choice::new("scheme", "backward Euler", "of first order; it damps what oscillates within few steps");
+        let scheme = match self.scheme {
+            TimeScheme::BackwardEuler => {
+                Choice::new("scheme", "backward Euler", "of first order; it damps what oscillates within few steps")
+            }
+            TimeScheme::Theta(theta) => {
+                let why = "of second order at ϑ = 0.5; pressures and friction are means of the step";
+                Choice::new("scheme", format!("ϑ-scheme, ϑ = {theta}"), why)
+            }
+        };
         let mut all = vec![scheme];
         all.extend(self.chosen.iter().cloned());
         if self.physics.has_mechanics() && self.physics.has_heat() {

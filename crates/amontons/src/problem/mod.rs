@@ -12,11 +12,12 @@ mod drive;
 mod fluid;
 mod loads;
 mod pairs;
-use crate::time::Timeline;
+use crate::time::{TimeScheme, Timeline};
 pub use pairs::with_supports;
 mod physics;
 mod range;
 mod rigid;
+mod scheme;
 mod tables;
 mod temperature;
 
@@ -150,6 +151,8 @@ pub struct ProblemData {
     pub mesh: Arc<Mesh>,
     /// The instants t_0 … t_N of the run.
     pub timeline: Timeline,
+    /// The scheme in time.
+    pub scheme: TimeScheme,
     /// The equations that are solved.
     pub physics: Physics,
     /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
@@ -257,6 +260,7 @@ impl ProblemData {
             temperature_scale: TemperatureScale::Kelvin,
             mesh: Arc::new(mesh),
             timeline: Timeline::equal(end, steps),
+            scheme: TimeScheme::default(),
             physics: Physics::Coupled,
             materials: vec![material],
             body_force: Vec::new(),

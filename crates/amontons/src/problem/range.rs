@@ -77,7 +77,7 @@ impl ProblemData {
     /// overflow nor underflow.
     pub(super) fn check_range(&self, faults: &mut Vec<Fault>) {
         // Steps without length are reported elsewhere.
-        if !self.k().is_normal() {
+        if !self.timeline.longest().is_normal() {
             return;
         }
         let Scales { stress, displacement, velocity, temperature, flux, energy, matrices } = self.scales();

@@ -16,7 +16,7 @@ use crate::problem::Physics;
 /// Solves (4.1) without a temperature, or with that which is given at t_n.
 pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let theta: Vec<f64> = match step.problem.physics {
-        Physics::Warmed => step.problem.given_temperature(step.t).into(),
+        Physics::Warmed => step.problem.given_temperature(step.level).into(),
         _ => vec![0.0; step.old.theta.len()],
     };
     Ok(made(Mechanics::solve(step, half, &theta, None, &mut ())?, no_heat(step, theta)))
@@ -31,10 +31,11 @@ pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> 
 
 /// The contact points of bodies at rest: r = −g, and no traction.
 fn across_gaps(step: &Step) -> Vec<PointState> {
-    let frames = frames(step.problem, step.boundary, &step.old.u, (&[], [&[]; 2]), [step.old.t, step.t]);
+    let frames = frames(step.problem, step.boundary, &step.old.u, (&[], [&[]; 2]), step.interval());
     let at_rest = |frame: &Frame| PointState {
         normal: frame.normal,
         penetration: 0.0 - frame.gap,
+        at_level: 0.0 - frame.gap,
         pressure: 0.0,
         bound: 0.0,
         q: [0.0; 3],
@@ -57,7 +58,7 @@ fn no_heat(step: &Step, theta: Vec<f64>) -> Heat {
     Heat {
         mass_theta: zero.clone(),
         d_theta: zero.clone(),
-        supply: step.discrete.q_h.at(step.t),
+        supply: step.discrete.q_h.at(step.level),
         coupling: zero,
         exchange: Exchange {
             temperature: step.boundary.scalars_on(step.contacts, &theta),

@@ -9,6 +9,7 @@ use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
 use crate::linalg::{dot, sum_block};
 use crate::tensor;
+use crate::time::Rule;
 
 /// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
 const TELLING: f64 = 1e-11;
@@ -16,7 +17,8 @@ const TELLING: f64 = 1e-11;
 /// The ledger after a step.
 pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let before = &step.old.ledger;
-    let energy = Energy::of(step, m, &heat.theta);
+    let theta = step.end(&step.old.theta, heat.theta.clone());
+    let energy = Energy::of(step, m, &theta);
     let error = energy.error(before);
     // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its
     // terms closes.
@@ -24,7 +26,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
         let v = m.moving();
         let sizes = absolute(v, &step.discrete.elastic_sizes(&step.sizes(v), &m.theta));
-        turned_over += explained(error, step.k * sizes);
+        turned_over += explained(error, step.rule.k * sizes);
     }
 
     let heat_content = step.discrete.storage().0 * heat.amounts.stored;
@@ -67,7 +69,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
 /// Products of the vectors of the mechanical half-step, summed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Powers {
-    /// w·M w, and that of the change of w in the step.
+    /// w·M w at the end of the step, and that of the change of w in it.
     kinetic: f64,
     inertial: f64,
     /// b(w, w).
@@ -75,7 +77,7 @@ pub(super) struct Powers {
     /// Of m(θ, ·) and of the load.
     thermal: f64,
     load: f64,
-    /// a(u, u), and that of the change of u in the step; zero where a is not linear.
+    /// a(u, u) at the end of the step, and that of the change of u in it; zero where a is not linear.
     elastic: f64,
     strained: f64,
 }
@@ -97,17 +99,22 @@ pub(super) struct PowerTerms<'a> {
 impl Powers {
     /// The sums over a block, those of all blocks to be given to [`Powers::new`].
     pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
-        let Step { discrete, old, products, .. } = *step;
+        let Step { discrete, old, products, rule, .. } = *step;
         let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;
         let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
         let [kinetic, inertial, viscous, thermal, load] =
             sum_block([w, w_old, v, mass_w, mass_old, b_w, thermal, load], |entries| {
                 let [w, w_old, v, mass_w, mass_old, b_w, thermal, load] = entries;
-                [w * mass_w, (w - w_old) * (mass_w - mass_old), v * b_w, v * thermal, w * load]
+                let (w_end, mass_end) = (rule.end([w_old, w]), rule.end([mass_old, mass_w]));
+                let change = (w_end - w_old) * (mass_end - mass_old);
+                [w_end * mass_end, change, v * b_w, v * thermal, w * load]
             });
         let [elastic, strained] = if discrete.is_linear() {
             let [u_old, a_old] = [step.deformation_before(), &products.a_u].map(|v| &v[first..first + u.len()]);
-            sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| [u * a_u, (u - u_old) * (a_u - a_old)])
+            sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| {
+                let (u, a_u) = (rule.end([u_old, u]), rule.end([a_old, a_u]));
+                [u * a_u, (u - u_old) * (a_u - a_old)]
+            })
         } else {
             [0.0; 2]
         };
@@ -138,7 +145,7 @@ struct Energy {
 
 impl Energy {
     fn of(step: &Step, m: &Mechanics, theta: &[f64]) -> Energy {
-        let Step { discrete, old, k, .. } = *step;
+        let Step { discrete, old, rule: Rule { k, .. }, .. } = *step;
         let rho = discrete.inertia().0;
         let stored = stored(step, m, theta);
         let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.powers;
@@ -153,7 +160,7 @@ impl Energy {
             viscous: k * viscous + stored.relaxed + contact.damping,
             friction: contact.friction,
             worn: contact.worn,
-            scheme: 0.5 * rho * inertial + stored.scheme + compliance,
+            scheme: (step.rule.level - 0.5) * rho * inertial + stored.scheme + compliance,
             load_work: contact.load_work,
             thermal_work: k * thermal_work,
             modulus_work: stored.modulus + contact.stiffening,
@@ -193,8 +200,8 @@ struct OnContact {
 
 /// With the work of loads and supports.
 fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
-    let Step { contacts, discrete, boundary, old, k, .. } = *step;
-    let changes = contacts.iter().any(|contact| contact.normal.at_time(step.t).is_some());
+    let Step { contacts, discrete, boundary, old, rule: Rule { k, .. }, .. } = *step;
+    let changes = contacts.iter().any(|contact| contact.normal.at_time(step.level).is_some());
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // The energy of the layer at the start of the step by the laws at its end.
     let mut start = 0.0;
@@ -202,7 +209,8 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         let (point, state) = (&boundary.points[i], &m.states[i]);
         let normal = &contacts[point.contact].normal;
         let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
-        let is_function = normal.graph() == GraphKind::Function;
+        // The pressure of a mean is none of a rate.
+        let is_function = normal.graph() == GraphKind::Function && step.rule.is_at_end();
         (normal.potential(&point.x, state.penetration), is_function.then(at_rest))
     });
     let states = m.states.iter().zip(&asked);
@@ -235,7 +243,7 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
 fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
     let (c, storage) = step.discrete.storage();
     let sum = |sizes: Vec<f64>| sizes.iter().sum::<f64>();
-    step.k * sum(step.discrete.d.magnitude(&heat.theta))
+    step.rule.k * sum(step.discrete.d.magnitude(&heat.theta))
         + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
 }
 
@@ -263,18 +271,24 @@ struct Stored {
 
 /// With the temperature `theta` at the end of the step.
 fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
-    let Step { discrete, old, k, .. } = *step;
+    let Step { discrete, old, rule: Rule { k, .. }, .. } = *step;
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
-        Stored { elastic: 0.5 * m.powers.elastic, relaxed: 0.0, scheme: 0.5 * m.powers.strained, modulus: 0.0 }
+        Stored {
+            elastic: 0.5 * m.powers.elastic,
+            relaxed: 0.0,
+            scheme: (step.rule.level - 0.5) * m.powers.strained,
+            modulus: 0.0,
+        }
     } else if let Some(sum) = softening(step, m, theta) {
         sum
     } else {
         // What the stress works beyond the change of the potential is the scheme's; without a potential the work is
         // taken for stored.
-        let work = dot(&difference(&m.u, &old.u), &m.a_u);
+        let end = step.end(&old.u, m.u.clone());
+        let work = dot(&difference(&end, &old.u), &m.a_u);
         let before = before(step);
-        let elastic = discrete.stored_energy(&m.u, &m.theta).unwrap_or(before + work);
+        let elastic = discrete.stored_energy(&end, &m.theta).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }
     };
     for ((branch, new), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
@@ -304,11 +318,12 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
         return None;
     }
     let energy = |u: &[f64], theta: &[f64]| discrete.stored_energy(u, theta);
-    let [to, elastic] = [energy(&m.u, &m.theta)?, energy(&m.u, theta)?];
+    let end = step.end(&old.u, m.u.clone());
+    let [to, elastic] = [energy(&end, &m.theta)?, energy(&end, theta)?];
     let from = if m.theta == old.theta { before(step) } else { energy(&old.u, &m.theta)? };
-    let change = difference(&m.u, &old.u);
+    let change = difference(&end, &old.u);
     let scheme = if discrete.is_linearly_elastic() {
-        0.5 * dot(&change, &discrete.apply_a(&change, &m.theta))
+        (step.rule.level - 0.5) * dot(&change, &discrete.apply_a(&change, &m.theta))
     } else {
         dot(&change, &m.a_u) - (to - from)
     };
@@ -343,9 +358,11 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
             .zip(&heat.exchange.flux)
             .filter(|((point, _), _)| point.contact == side);
         let received: f64 = points
-            .map(|((point, state), flux)| step.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip)))
+            .map(|((point, state), flux)| {
+                step.rule.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip))
+            })
             .sum();
-        let lost = step.k * foundation.exchange * (after - foundation.surroundings.value(&[0.0; 3], step.t));
+        let lost = step.rule.k * foundation.exchange * (after - foundation.surroundings.value(&[0.0; 3], step.level));
         sum.content += foundation.capacity * after;
         sum.lost += lost;
         sum.error += foundation.capacity * (after - before) - received + lost;

@@ -381,7 +381,7 @@ impl Linearised {
 
     /// δθ − Φ′ δθ, times P⁻¹J.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
+        let Step { discrete, boundary, rule: Rule { gamma, level, .. }, .. } = coupled.step;
         let warmer = boundary.scalars_on(coupled.step.contacts, change);
         let contact = on_degrees(
             boundary,
@@ -408,7 +408,7 @@ impl Linearised {
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                let out = by_penetration * (gamma * w_nu - wear)
+                let out = by_penetration * (gamma * w_nu - level * wear)
                     + by_pressure * pressure
                     + by_slip_speed * in_speed
                     + by_friction_power * power;

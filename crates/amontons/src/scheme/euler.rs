@@ -21,7 +21,7 @@ use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
 use crate::tensor;
-use crate::time::Rule;
+use crate::time::{Interval, Rule};
 
 /// How often a step is halved that does not converge, or in which there may be several solutions.
 const HALVINGS: usize = 5;
@@ -60,7 +60,6 @@ pub struct BackwardEuler {
 /// The systems of the half-steps that a problem has, for one step length.
 #[derive(Debug)]
 struct Systems {
-    k: f64,
     rule: Rule,
     mechanics: Option<HalfStep>,
     heat: Option<HalfStep>,
@@ -79,7 +78,7 @@ impl Systems {
         backend: &Arc<dyn Backend>,
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
-        let rule = Rule::backward_euler(k);
+        let rule = problem.scheme.rule(k);
         let mechanics = || {
             HalfStep::new(
                 discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
@@ -95,7 +94,6 @@ impl Systems {
             || physics.has_heat().then(heat).transpose(),
         );
         Ok(Systems {
-            k,
             rule,
             mechanics: mechanics.map_err(|source| ("mechanical", source))?,
             heat: heat.map_err(|source| ("heat", source))?,
@@ -265,7 +263,7 @@ impl BackwardEuler {
     /// Those of [`Systems::factorize`].
     fn halve(&mut self, halvings: usize) -> Result<(), (&'static str, SolveError)> {
         while self.halved.len() < halvings {
-            let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
+            let k = self.halved.last().unwrap_or(&self.systems).rule.k / 2.0;
             self.halved.push(Systems::factorize(&self.problem, &self.discrete, (k, &self.start), &self.backend)?);
         }
         Ok(())
@@ -274,9 +272,9 @@ impl BackwardEuler {
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
         self.halve(HALVINGS).map_err(|(_, source)| StepError::Singular { step: n, t: end.t, source })?;
-        let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
+        let Some(Systems { rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
-        let contacts = contacts_at(&self.problem, end.t);
+        let contacts = contacts_at(&self.problem, rule.time([old.t, end.t]));
         let boundary = boundary_at(&self.discrete, &self.problem, old);
         let now = Step {
             problem: &self.problem,
@@ -288,7 +286,7 @@ impl BackwardEuler {
             products: &products,
             n,
             t: end.t,
-            k: *k,
+            level: rule.time([old.t, end.t]),
             rule: *rule,
             apart: None,
             may_be_halved: false,
@@ -311,7 +309,7 @@ impl BackwardEuler {
         }
         let made = self.make_step(old, n, t, halvings);
         let Err(error) = made else { return made };
-        if !old.carried.rigid.is_empty() || !is_noise(&error) {
+        if !old.carried.rigid.is_empty() || !self.systems.rule.is_at_end() || !is_noise(&error) {
             return Err(error);
         }
         let is_axisymmetric = self.discrete.mesh.axisymmetric;
@@ -338,9 +336,10 @@ impl BackwardEuler {
         let Self { problem, discrete, systems, halved, bodies, loose, pulse, is_patient, .. } = self;
         let is_patient = *is_patient;
         pulse.begin_part();
-        let Systems { k, rule, mechanics, heat } =
+        let Systems { rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
-        let contacts = contacts_at(problem, t);
+        let level = rule.time([old.t, t]);
+        let contacts = contacts_at(problem, level);
         let boundary = boundary_at(discrete, problem, old);
         let now = Step {
             problem,
@@ -352,7 +351,7 @@ impl BackwardEuler {
             products: &products,
             n,
             t,
-            k: *k,
+            level,
             rule: *rule,
             apart: bodies
                 .get()
@@ -383,8 +382,9 @@ impl BackwardEuler {
         let (mut state, mut report, products) = made.end(&now, ledger);
         state.counts.krylov_iterations += krylov;
         report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
-        // Products of a deformation are made anew, as after a break.
-        self.products = state.carried.rigid.is_empty().then_some(products);
+        // Products of a deformation, and of laws that are not linear before the end of a step, are made anew.
+        let stays = state.carried.rigid.is_empty() && (now.rule.is_at_end() || self.discrete.is_linear());
+        self.products = stays.then_some(products);
         Ok((state, report))
     }
 }
@@ -413,12 +413,16 @@ impl Made {
     fn end(self, step: &Step, ledger: Ledger) -> (State, StepReport, Products) {
         let (old, residual, counts) = (step.old, self.residual(), self.counts(&step.old.counts));
         let Made { mechanics, heat, report: coupling, iterations, .. } = self;
+        let theta = match step.problem.physics {
+            Physics::Warmed => step.problem.given_temperature(step.t),
+            _ => step.end(&old.theta, heat.theta),
+        };
         let state = State {
             step: step.n,
             t: step.t,
-            u: mechanics.u,
-            w: mechanics.w,
-            theta: heat.theta,
+            u: step.end(&old.u, mechanics.u),
+            w: step.end(&old.w, mechanics.w),
+            theta,
             multipliers: mechanics.multipliers,
             branches: mechanics.branches,
             carried: mechanics.carried,
@@ -454,14 +458,15 @@ impl Made {
                 heat_flow: heat.through_contact,
             },
         };
+        let before = step.products;
         let products = Products {
             t: step.t,
-            mass_w: mechanics.mass_w,
-            a_u: mechanics.a_u,
-            a_w: mechanics.a_w,
-            b_w: mechanics.b_w,
-            mass_theta: heat.mass_theta,
-            d_theta: heat.d_theta,
+            mass_w: step.end(&before.mass_w, mechanics.mass_w),
+            a_u: step.end(&before.a_u, mechanics.a_u),
+            a_w: step.end(&before.a_w, mechanics.a_w),
+            b_w: step.end(&before.b_w, mechanics.b_w),
+            mass_theta: step.end(&before.mass_theta, heat.mass_theta),
+            d_theta: step.end(&before.d_theta, heat.d_theta),
         };
         (state, report, products)
     }
@@ -523,7 +528,7 @@ impl Scheme for BackwardEuler {
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, boundary, &u, (&[], [&[]; 2]), [0.0, 0.0]);
+        let foundation = frames(&self.problem, boundary, &u, (&[], [&[]; 2]), Interval::default());
         for (point, frame) in boundary.points.iter().zip(foundation) {
             let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight

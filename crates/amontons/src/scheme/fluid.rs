@@ -40,7 +40,7 @@ impl Step<'_> {
         let points = self.boundary.points.iter().zip(frames).zip(wet);
         let pressed = points.map(|((point, frame), wet)| -> Point {
             let fluid = self.contacts.get(point.contact).and_then(|contact| contact.fluid.as_ref());
-            let pressure = fluid.filter(|_| *wet).map_or(0.0, |fluid| fluid.pressure.value(&point.x, self.t));
+            let pressure = fluid.filter(|_| *wet).map_or(0.0, |fluid| fluid.pressure.value(&point.x, self.level));
             frame.normal.map(|c| pressure * c)
         });
         Arc::new(difference(load, &on_degrees(self.boundary, &self.discrete.v, pressed)))

@@ -11,6 +11,7 @@ use crate::discretization::Discretization;
 use crate::inclusion::{Drive, Exchange, Frame, Passed, PointState};
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
+use crate::time::{Interval, Rule};
 
 /// What Γ_C and the foundation accumulate from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -65,7 +66,7 @@ impl Accumulated {
         exchange: &Exchange,
         (advance, wet): (Vec<f64>, &[bool]),
     ) -> Accumulated {
-        let Step { contacts, discrete, boundary, k, .. } = *step;
+        let Step { contacts, discrete, boundary, rule: Rule { k, .. }, .. } = *step;
         let mut wear: Vec<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
         let depths: Vec<f64> = states.iter().map(|state| state.wear).collect();
         let worn = discrete.worn.after(contacts, boundary, &self.worn, &depths);
@@ -96,7 +97,7 @@ pub(super) fn frames(
     boundary: &ContactBoundary,
     u: &[f64],
     (worn, advance): (&[[f64; 2]], [&[f64]; 2]),
-    [from, to]: [f64; 2],
+    Interval { start: from, end: to, level }: Interval,
 ) -> Vec<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
     let mut frames = Vec::with_capacity(all.len());
@@ -107,7 +108,7 @@ pub(super) fn frames(
         let points = &points[..points.iter().take_while(|point| point.contact == side).count()];
         let x: Vec<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
-        let velocity = velocities(contact, &x, to);
+        let velocity = velocities(contact, &x, level);
         // Where the side `with` bears the points, its own motion is the slip.
         let sign = contact.sign();
         let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| rate(of(to) - of(from))));
@@ -162,7 +163,7 @@ impl Step<'_> {
     /// The contacts that a force drives in the step, with δ as far as it has grown in it: the sections that are
     /// tightened, and the obstacles under a load.
     pub(super) fn drives(&self, given: &Given) -> Vec<Drive> {
-        let k = self.k;
+        let k = self.rule.k;
         let of = |(contact, of): (usize, &Contact)| {
             if let Some(force) = of.preload.as_ref().and_then(|preload| preload.force_in([self.old.t, self.t])) {
                 return Some(Drive { contact, direction: None, force, inertia: [0.0; 2] });
@@ -204,7 +205,7 @@ pub(super) fn temperatures(step: &Step) -> Vec<f64> {
         let points = step.boundary.points.iter().filter(|point| point.contact == side);
         let mut x: Vec<Point> = Vec::with_capacity(step.boundary.points.len());
         x.extend(points.map(|point| point.x));
-        all.extend(contact.foundation_temperature.values(&x, step.t));
+        all.extend(contact.foundation_temperature.values(&x, step.level));
     }
     all
 }
@@ -220,7 +221,7 @@ pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], 
         let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);
         [first.at(x), mean.at(x)]
     };
-    let frames = frames(problem, boundary, u, (&[], [&[]; 2]), [0.0, 0.0]);
+    let frames = frames(problem, boundary, u, (&[], [&[]; 2]), Interval::default());
     let points = boundary.points.iter().zip(&frames);
     points
         .map(|(point, frame)| {

@@ -30,11 +30,11 @@ pub(super) struct Given {
 impl Given {
     /// At the prescribed values in `w`; without a temperature.
     pub fn new(step: &Step, w: &[f64]) -> Given {
-        let Step { problem, discrete, boundary, old, bar, t, .. } = *step;
+        let Step { problem, discrete, boundary, old, bar, .. } = *step;
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: step.on_contact(&Given::prescribed(step, w)),
-            frames: frames(problem, boundary, &old.u, (&step.worn(), [&old.surface.advance; 2]), [old.t, t]),
+            frames: frames(problem, boundary, &old.u, (&step.worn(), [&old.surface.advance; 2]), step.interval()),
             temperature: Vec::new(),
             loads: Vec::new(),
             advance: old.surface.advance.clone(),
@@ -61,9 +61,9 @@ impl Given {
         for (drive, length) in drives.iter().zip(lengths) {
             self.advance.get_mut(drive.contact).into_iter().for_each(|advance| *advance += length);
         }
-        let Step { problem, boundary, old, t, .. } = *step;
+        let Step { problem, boundary, old, .. } = *step;
         let advance = [&old.surface.advance, &self.advance].map(|all| &**all);
-        self.frames = frames(problem, boundary, &old.u, (&step.worn(), advance), [old.t, t]);
+        self.frames = frames(problem, boundary, &old.u, (&step.worn(), advance), step.interval());
     }
 
     /// The same as bodies see it that move with rigid velocities W; `v` has the velocities less W.

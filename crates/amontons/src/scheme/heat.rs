@@ -73,12 +73,13 @@ impl Begun {
         } else {
             let mut theta = copy(&old.theta);
             discrete.q.prescribe(t, &mut theta);
+            step.to_level(&mut theta);
             let [mass_theta, d_theta] = if theta == bar.theta {
                 [copy(&products.mass_theta), copy(&products.d_theta)]
             } else {
                 discrete.thermal_products(&theta)
             };
-            Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
+            Begun { supply: discrete.q_h.at(step.level), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
         begun.reduced = begun.reduce(step, half)?;
         Ok(begun)
@@ -225,7 +226,7 @@ impl Begun {
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Heat, StepError> {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
-        let Step { discrete, k, .. } = *step;
+        let Step { discrete, rule: Rule { k, .. }, .. } = *step;
         let Balance { residual, scale, driven, through_contact, reactions, rubbed, sums } = balance;
         let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
             Rounded::Here => discrete.thermal_round_off(&theta),
@@ -240,7 +241,7 @@ impl Begun {
         })?;
         let [stored, by_motion, sent] = sums;
         let amounts = Amounts {
-            stored,
+            stored: step.rule.end([step.products.mass_theta.iter().sum(), stored]),
             supplied: k * (sent - discrete.convected(&theta)),
             coupling: k * by_motion,
             contact: k * through_contact,
@@ -319,7 +320,7 @@ impl Given {
     fn new(step: &Step, theta: &[f64]) -> Given {
         let lumped = step.problem.contacts.iter().zip(&step.old.surface.foundation).map(|(contact, before)| {
             let (foundation, before) = (contact.foundation_heat.as_ref()?, (*before)?);
-            let surroundings = foundation.surroundings.value(&[0.0; 3], step.t);
+            let surroundings = foundation.surroundings.value(&[0.0; 3], step.level);
             Some(Lumped {
                 storage: foundation.capacity / step.rule.delta,
                 before,

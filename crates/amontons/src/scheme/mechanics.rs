@@ -225,7 +225,7 @@ impl<'a> Equation<'a> {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<Vec<f64>>(), "the foundation")?;
-        let (dry, thermal) = (step.discrete.f.at(step.t), step.discrete.thermal_force(theta));
+        let (dry, thermal) = (step.discrete.f.at(step.level), step.discrete.thermal_force(theta));
         let (load, pools) = (Arc::clone(&dry), Pools::default());
         let mut equation = Equation { step, dry, load, pools, theta, warmed, thermal, given };
         equation.pour(Pools { left: vec![false; wet.len()], wet });
@@ -320,7 +320,7 @@ impl<'a> Equation<'a> {
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
     fn balance(&self, mut v: Vec<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced<'a>, StepError> {
         let Found { multipliers, states, hold } = found;
-        let Step { discrete, k, .. } = *self.step;
+        let Step { discrete, rule: Rule { k, .. }, .. } = *self.step;
         // What the pass has added to the rigid motion is put to it.
         let more = self.step.take(&mut v);
         let rigid: Vec<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
@@ -572,9 +572,9 @@ struct Begun<'a> {
 impl<'a> Begun<'a> {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
     fn new(step: &Step<'a>, warmed: &Warmed) -> Begun<'a> {
-        let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
+        let Step { discrete, old, bar, products, t, rule: Rule { k, gamma, .. }, .. } = *step;
         let mut w = copy(&old.w);
-        let changes = discrete.v.prescribe_rates(t, gamma, bar.u, &mut w);
+        let changes = discrete.v.prescribe_rates(t, k, bar.u, &mut w);
         let given = Given::new(step, &w);
         let mut multipliers = old.multipliers.clone();
         // What no longer faces the other body has let go of it.

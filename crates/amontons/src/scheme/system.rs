@@ -17,7 +17,7 @@ use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
 use crate::tensor::Point;
-use crate::time::Rule;
+use crate::time::{Interval, Rule};
 
 /// Largest relative residual of a step that is accepted.
 pub const ACCEPTED: f64 = 1e-10;
@@ -43,11 +43,10 @@ pub(super) struct Step<'a> {
     pub products: &'a Products,
     /// n.
     pub n: usize,
-    /// t_n in s, and the length k of the step, by which a rate at its end counts in the audit.
-    pub t: f64,
-    pub k: f64,
-    /// The rule in time.
+    /// The rule in time, the end t_n of the step, and the time t_ϑ at which its equations hold, s.
     pub rule: Rule,
+    pub t: f64,
+    pub level: f64,
     /// Where rigid motions of bodies are taken apart from their deformation.
     pub apart: Option<Apart<'a>>,
     /// Told of each iteration on Γ_C.
@@ -122,6 +121,27 @@ impl Step<'_> {
         sum
     }
 
+    /// The times of the step.
+    pub fn interval(&self) -> Interval {
+        Interval { start: self.old.t, end: self.t, level: self.level }
+    }
+
+    /// Takes values of the temperature at the end of the step to the time of its equations.
+    pub fn to_level(&self, theta: &mut [f64]) {
+        if !self.rule.is_at_end() {
+            let start = self.old.theta.iter();
+            theta.iter_mut().zip(start).for_each(|(theta, start)| *theta = self.rule.between([*start, *theta]));
+        }
+    }
+
+    /// The values at the end of the step of an unknown that it has found at the time of its equations.
+    pub fn end(&self, start: &[f64], at_level: Vec<f64>) -> Vec<f64> {
+        if self.rule.is_at_end() {
+            return at_level;
+        }
+        start.iter().zip(&at_level).map(|(start, at)| self.rule.end([*start, *at])).collect()
+    }
+
     /// An error where a value is not finite.
     pub fn finite(&self, values: &[f64], part: &'static str) -> Result<(), StepError> {
         if is_finite(values) { Ok(()) } else { Err(StepError::NotFinite { step: self.n, t: self.t, part }) }
@@ -176,7 +196,7 @@ impl Step<'_> {
 
     /// How many of what is made here a whole step has: 1, or 2, 4, … where the step was halved.
     fn parts(&self) -> usize {
-        (self.problem.timeline.instant(self.n).k / self.k).round() as usize
+        (self.problem.timeline.instant(self.n).k / self.rule.k).round() as usize
     }
 
     /// A problem on Γ_C that was not solved.

@@ -1,7 +1,9 @@
 //! Time: the instants of a run, and the rule by which a step goes from one to the next.
 
 mod rule;
+mod scheme;
 mod timeline;
 
 pub use rule::Rule;
-pub use timeline::{Instant, Timeline};
+pub use scheme::TimeScheme;
+pub use timeline::{Instant, Interval, Timeline};

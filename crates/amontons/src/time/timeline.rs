@@ -28,6 +28,17 @@ pub struct Instant {
     pub k: f64,
 }
 
+/// The times of a step, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Interval {
+    /// t₀.
+    pub start: f64,
+    /// t₁.
+    pub end: f64,
+    /// t_ϑ, at which the equations hold.
+    pub level: f64,
+}
+
 impl Timeline {
     /// N equal steps to T, in s.
     #[must_use]

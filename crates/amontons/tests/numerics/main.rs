@@ -17,3 +17,4 @@ mod newton;
 mod pyramids;
 mod refinement;
 mod revolution;
+mod theta;

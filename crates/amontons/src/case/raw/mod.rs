@@ -140,6 +140,23 @@ pub(in crate::case) struct Time {
     /// left out.
     #[serde(default = "yes")]
     pub inertia: bool,
+    /// Scheme in time.
+    #[serde(default)]
+    pub scheme: TimeScheme,
+    /// Level ϑ of the scheme `theta`: 0.5, the default, is of second order and adds no damping; 1 is backward Euler.
+    #[schemars(range(min = 0.5, max = 1.0))]
+    pub theta: Option<f64>,
+}
+
+/// Scheme in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum TimeScheme {
+    /// Backward Euler: of first order; it damps vibrations and takes every law.
+    #[default]
+    Euler,
+    /// The ϑ-scheme: of second order at ϑ = 0.5, where it keeps the energy of contact layers; for laws of compliance.
+    Theta,
 }
 
 fn yes() -> bool {

@@ -1,0 +1,136 @@
+//! Mean pressure of a step: the discrete gradient of the energy of a layer.
+
+use super::{GraphKind, NormalLaw, Pressure};
+use crate::tensor::Point;
+
+/// The mean pressure of a step of the ϑ-scheme over a law p_ν that is a function of the penetration r alone:
+///
+/// p = (2 − 2ϑ) [Ψ(r₁) − Ψ(r₀)]/(r₁ − r₀) + (2ϑ − 1) p_ν(r₁), Ψ′ = p_ν,
+///
+/// with r₀ at the start and r₁ at the end of the step. At ϑ = ½ its work is the change of the energy Ψ of the layer,
+/// whatever the step; for ϑ > ½ a law that does not soften dissipates. At ϑ = 1 it is p_ν(r₁).
+///
+/// Source: O. Gonzalez, Comput. Methods Appl. Mech. Engrg. 190 (2000) 1763.
+#[derive(Debug)]
+pub struct MeanPressure<'a> {
+    law: &'a dyn NormalLaw,
+    start: f64,
+    theta: f64,
+}
+
+/// Change of the penetration over its size below which the mean is a sum over points: the difference of the energies
+/// would lose more digits than that.
+const NEAR: f64 = 1e-3;
+/// Points and weights of the Gauss rule of three points on (0, 1).
+const GAUSS: [[f64; 2]; 3] = [
+    [0.112_701_665_379_258_31, 0.277_777_777_777_777_8],
+    [0.5, 0.444_444_444_444_444_4],
+    [0.887_298_334_620_741_7, 0.277_777_777_777_777_8],
+];
+
+impl<'a> MeanPressure<'a> {
+    /// Over a law, from the penetration `start` in m.
+    #[must_use]
+    pub fn new(law: &'a dyn NormalLaw, start: f64, theta: f64) -> MeanPressure<'a> {
+        MeanPressure { law, start, theta }
+    }
+
+    /// Mean of p_ν between both penetrations, and its derivative in the second one.
+    fn mean(&self, x: &Point, end: f64) -> [f64; 2] {
+        let change = end - self.start;
+        let at = |r: f64| self.law.pressure(x, r, 0.0, 0.0);
+        if change.abs() <= NEAR * end.abs().max(self.start.abs()) {
+            let sum = |[value, slope]: [f64; 2], [s, weight]: [f64; 2]| {
+                let p = at(self.start + s * change);
+                [value + weight * p.value, slope + weight * s * p.slope]
+            };
+            return GAUSS.into_iter().fold([0.0; 2], sum);
+        }
+        let mean = (self.law.potential(x, end) - self.law.potential(x, self.start)) / change;
+        [mean, (at(end).value - mean) / change]
+    }
+}
+
+impl NormalLaw for MeanPressure<'_> {
+    fn pressure(&self, x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
+        let end = self.law.pressure(x, z, 0.0, 0.0);
+        let [mean, slope] = self.mean(x, z);
+        let [of_mean, of_end] = [2.0 - 2.0 * self.theta, 2.0 * self.theta - 1.0];
+        Pressure {
+            value: of_mean * mean + of_end * end.value,
+            slope: of_mean * slope + of_end * end.slope,
+            by_rate: 0.0,
+        }
+    }
+    /// The energy of the layer, which this pressure raises.
+    fn potential(&self, x: &Point, r: f64) -> f64 {
+        self.law.potential(x, r)
+    }
+    fn lipschitz(&self) -> Option<f64> {
+        self.law.lipschitz().map(|most| self.theta * most)
+    }
+    fn least_slope(&self, x: &Point, from: f64, to: f64) -> f64 {
+        self.law.least_slope(x, from.min(self.start), to.max(self.start))
+    }
+    fn graph(&self) -> GraphKind {
+        self.law.graph()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples;
+    use super::*;
+    use crate::contact::Compliance;
+
+    const THETAS: [f64; 3] = [0.5, 0.6, 1.0];
+
+    /// Linear compliance, with the gap that closes or opens within the step.
+    #[test]
+    fn the_mean_over_a_linear_layer_is_known() {
+        let (law, c) = (Compliance { stiffness: 3.0 }, 3.0);
+        let known = |r0: f64, r1: f64| match (r0 >= 0.0, r1 >= 0.0) {
+            (true, true) => c * (r0 + r1) / 2.0,
+            (false, false) => 0.0,
+            (false, true) => c * r1 * r1 / (2.0 * (r1 - r0)),
+            (true, false) => c * r0 * r0 / (2.0 * (r0 - r1)),
+        };
+        for [r0, r1] in [[0.2, 0.7], [0.7, 0.2], [-0.3, 0.5], [0.5, -0.3], [-0.1, -0.4], [0.4, 0.4], [0.4, 0.400_1]] {
+            for theta in THETAS {
+                let found = MeanPressure::new(&law, r0, theta).pressure(&[0.0; 3], r1, 0.0, 0.0).value;
+                let end = c * r1.max(0.0);
+                let expected = (2.0 - 2.0 * theta) * known(r0, r1) + (2.0 * theta - 1.0) * end;
+                assert!((found - expected).abs() < 1e-13, "{r0} to {r1}, ϑ = {theta}: {found} and {expected}");
+            }
+        }
+    }
+
+    /// At ϑ = ½ the work of the mean pressure is the change of the energy, of every law that is a function; the slope is
+    /// the derivative.
+    #[test]
+    fn the_work_is_the_change_of_the_energy() {
+        let x = [0.1, 0.2, 0.0];
+        for (law, typical) in samples() {
+            let is_function = law.graph() == GraphKind::Function && law.lipschitz_in_rate() == Some(0.0);
+            if !is_function || law.lipschitz().is_none() {
+                continue;
+            }
+            for [from, to] in [[0.2, 1.3], [1.3, 0.2], [-0.4, 0.9], [0.9, -0.4], [0.5, 0.500_01]] {
+                let [r0, r1] = [from, to].map(|r| r * typical);
+                let mean = MeanPressure::new(law.as_ref(), r0, 0.5);
+                let work = mean.pressure(&x, r1, 0.0, 0.0).value * (r1 - r0);
+                let stored = law.potential(&x, r1) - law.potential(&x, r0);
+                let size = law.potential(&x, r1).abs().max(law.potential(&x, r0).abs());
+                assert!((work - stored).abs() <= 1e-9 * size, "{law:?}, {from} to {to}: {work:e} and {stored:e}");
+            }
+            let (r0, r1, h) = (0.3 * typical, 0.8 * typical, 1e-5 * typical);
+            for theta in THETAS {
+                let mean = MeanPressure::new(law.as_ref(), r0, theta);
+                let [below, here, above] = [r1 - h, r1, r1 + h].map(|r| mean.pressure(&x, r, 0.0, 0.0));
+                let slope = (above.value - below.value) / (2.0 * h);
+                let size = law.lipschitz().unwrap_or(0.0);
+                assert!((slope - here.slope).abs() <= 1e-5 * size, "{law:?}: {slope:e} and {:e}", here.slope);
+            }
+        }
+    }
+}

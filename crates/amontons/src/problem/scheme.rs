@@ -1,0 +1,69 @@
+//! Which data a scheme in time takes.
+
+use super::{Fault, ProblemData};
+use crate::contact::{Contact, GraphKind};
+use crate::material::Material;
+use crate::time::TimeScheme;
+
+impl ProblemData {
+    /// Checks that the scheme can take all laws of the problem. Backward Euler takes every law.
+    pub(super) fn check_scheme(&self, faults: &mut Vec<Fault>) {
+        let TimeScheme::Theta(theta) = self.scheme else { return };
+        if !(0.5..=1.0).contains(&theta) {
+            let fault = Fault::new("time.theta", format!("{theta:?}"), "a number from 0.5 to 1");
+            faults.push(fault.hint("0.5 is of second order and adds no damping; 1 is backward Euler"));
+        }
+        let mut refuse = |path: String, found: &str, expected: &str| {
+            let found = format!("{found}, with time.scheme = \"theta\"");
+            faults.push(Fault::new(path, found, expected).hint("use time.scheme = \"euler\""));
+        };
+        for (side, contact) in self.contacts.iter().enumerate() {
+            let path = self.contact_path(side);
+            for (key, found, expected) in of_contact(contact) {
+                refuse(format!("{path}.{key}"), found, expected);
+            }
+        }
+        for material in &self.materials {
+            for (key, found, expected) in of_material(material) {
+                refuse(format!("material.{key}"), found, expected);
+            }
+        }
+    }
+}
+
+/// What of a contact the ϑ-scheme does not take: key, what was found, what was expected.
+fn of_contact(contact: &Contact) -> Vec<(&'static str, &'static str, &'static str)> {
+    let law = &contact.normal;
+    let is_damped = law.lipschitz_in_rate() != Some(0.0);
+    let changes = law.at_time(0.0).is_some();
+    let falls = law.least_slope(&[0.0; 3], f64::NEG_INFINITY, f64::INFINITY) < 0.0;
+    let heat = contact.foundation_heat.is_some();
+    let obstacle = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
+    let function = "a pressure that is a nondecreasing function of the penetration";
+    let all = [
+        (law.graph() != GraphKind::Function, "normal", "a law that is no function of the penetration", function),
+        (is_damped, "normal", "a law that depends on the rate of the penetration", function),
+        (changes, "normal", "a law that changes with time", function),
+        (falls, "normal", "a law that softens", function),
+        (contact.preload.is_some(), "preload", "a preload", "none"),
+        (contact.fluid.is_some(), "fluid", "a fluid", "none"),
+        (heat, "heat", "a foundation that warms up", "a foundation of a given temperature"),
+        (obstacle, "obstacle.load", "an obstacle under a force", "an obstacle whose motion is given"),
+    ];
+    all.into_iter().filter(|(is, ..)| *is).map(|(_, key, found, expected)| (key, found, expected)).collect()
+}
+
+/// What of a material the ϑ-scheme does not take.
+fn of_material(material: &Material) -> Vec<(&'static str, &'static str, &'static str)> {
+    let varies = !material.heat_capacity.temperatures().is_empty() || !material.conductivity.temperatures().is_empty();
+    let all = [
+        (material.prony.is_some(), "prony", "branches that relax", "none"),
+        (
+            varies,
+            "conductivity",
+            "heat laws that depend on the temperature",
+            "a conductivity and a capacity that do not",
+        ),
+    ];
+    all.into_iter().filter(|(is, ..)| *is).map(|(_, key, found, expected)| (key, found, expected)).collect()
+}

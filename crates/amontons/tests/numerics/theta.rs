@@ -1,0 +1,183 @@
+//! The ϑ-scheme: the states of five cases by an independent program, order, energy, and what it shares with backward
+//! Euler.
+
+use amontons::case::{self, Source};
+use amontons::output::Memory;
+use amontons::problem::Problem;
+use amontons::run::{self, Settings};
+use serde_json::Value;
+
+use crate::common;
+
+/// A run without a certificate.
+fn states(problem: &Problem) -> Memory {
+    let mut memory = Memory::new();
+    run::run(problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).expect("a run");
+    memory
+}
+
+/// The numbers of a list of records under a key, one after the other.
+fn numbers(records: &Value, key: &str) -> Vec<f64> {
+    let of = |record: &Value| match &record[key] {
+        Value::Array(all) => all.iter().filter_map(Value::as_f64).collect(),
+        one => one.as_f64().into_iter().collect::<Vec<f64>>(),
+    };
+    records.as_array().expect("records").iter().flat_map(of).collect()
+}
+
+/// Asserts that numbers agree to a fraction of the largest of them.
+fn agree(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len(), "{name}");
+    let size = expected.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let error = (found - expected).abs();
+        assert!(error <= tolerance * size, "{name}, number {i}: {found:e}, expected {expected:e}, off by {error:e}");
+    }
+}
+
+/// u, w, θ at all nodes, p, q, slip and r at all contact points, and the ledger.
+#[test]
+fn states_agree_with_an_independent_program() {
+    for name in [
+        "rod-compliance-midpoint",
+        "block-compliance-midpoint",
+        "thermo-staggered",
+        "thermo-midpoint",
+        "paper-8-midpoint",
+    ] {
+        let at = |end: &str| common::file(&format!("crates/amontons/tests/reference/time/{name}.{end}"));
+        let problem = case::read(&at("toml"), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
+        let text = std::fs::read_to_string(at("json")).expect("the reference numbers");
+        let expected: Value = serde_json::from_str(&text).expect("records");
+        let memory = states(&problem);
+        let (state, report) = (memory.states.last().expect("a state"), memory.reports.last().expect("a report"));
+        agree(&format!("{name}: u"), &state.u, &numbers(&expected["nodes"], "displacement"), 1e-9);
+        agree(&format!("{name}: w"), &state.w, &numbers(&expected["nodes"], "velocity"), 1e-9);
+        let theta = numbers(&expected["nodes"], "temperature");
+        if !theta.is_empty() {
+            agree(&format!("{name}: temperature"), &state.theta, &theta, 1e-9);
+        }
+        let points = &report.contact.states;
+        let of =
+            |value: &dyn Fn(&amontons::inclusion::PointState) -> f64| points.iter().map(value).collect::<Vec<f64>>();
+        let contact = &expected["contact"];
+        agree(&format!("{name}: p"), &of(&|s| s.pressure), &numbers(contact, "pressure"), 1e-9);
+        agree(&format!("{name}: r"), &of(&|s| s.penetration), &numbers(contact, "penetration"), 1e-9);
+        let friction = numbers(contact, "friction");
+        if !friction.is_empty() {
+            agree(&format!("{name}: q"), &of(&|s| s.q[0]), &friction, 1e-8);
+            agree(&format!("{name}: slip"), &of(&|s| s.slip[0]), &numbers(contact, "slip_velocity"), 1e-8);
+        }
+        let ledger = &expected["ledger"];
+        let start = &memory.states[0].ledger;
+        for (key, found) in [
+            ("kinetic", state.ledger.kinetic - start.kinetic),
+            ("elastic", state.ledger.elastic - start.elastic),
+            ("contact", state.ledger.contact_energy - start.contact_energy),
+            ("visc", state.ledger.viscous_dissipation),
+            ("fric", state.ledger.friction_dissipation),
+            ("thermal", state.ledger.thermal_work),
+        ] {
+            let (expected, size) = (ledger[key].as_f64().expect("a number"), state.ledger.turned_over);
+            assert!((found - expected).abs() <= 1e-9 * size, "{name}: {key} {found:e}, expected {expected:e}");
+        }
+        assert!(state.ledger.scheme_dissipation.abs() <= 1e-12 * state.ledger.turned_over, "{name}");
+        assert!(state.ledger.closing_error.abs() <= 1e-11 * state.ledger.turned_over, "{name}");
+        assert!(state.ledger.heat_closing_error.abs() <= 1e-11 * state.ledger.heat_turned_over.max(1.0), "{name}");
+    }
+}
+
+/// A rod that opens and closes on a layer.
+const ROD: &str = r#"
+name = "rod"
+units = "dimensionless"
+[mesh]
+kind = "interval"
+size = 2.0
+n = 8
+[time]
+end = 0.6
+steps = 60
+scheme = "theta"
+[material]
+density = 1.5
+elasticity = { law = "isotropic", young = 300.0, poisson = 0.0 }
+viscosity = { law = "lame", first = 0.0, second = 0.0 }
+[initial]
+velocity = [-1.0]
+[contact]
+on = "left"
+gap = 0.0131
+normal = { law = "compliance", stiffness = 500.0 }
+"#;
+
+fn rod(overrides: &[String]) -> Problem {
+    case::parse(&Source::new("rod.toml", ROD), overrides).unwrap_or_else(|faults| panic!("{faults}")).problem
+}
+
+/// Of a rod that bounces without viscosity: energy to round-off at ϑ = ½, errors of order 2; at ϑ = 0.6 and with
+/// backward Euler energy is lost, and the order is 1.
+#[test]
+fn a_rod_bounces_without_loss_and_to_second_order() {
+    let end = |steps: usize, more: &[&str]| {
+        let mut overrides = vec![format!("time.steps={steps}")];
+        overrides.extend(more.iter().map(|&more| more.to_owned()));
+        states(&rod(&overrides)).states.pop().expect("a state")
+    };
+    let reference = end(40_960, &[]).u;
+    let error = |steps: usize, more: &[&str]| {
+        let u = end(steps, more).u;
+        u.iter().zip(&reference).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()))
+    };
+    let order = |more: &[&str]| (error(640, more) / error(2560, more)).log2() / 2.0;
+    let [middle, above, euler] = [&[][..], &["time.theta=0.6"], &["time.scheme=euler"]].map(order);
+    assert!(middle > 1.8, "order {middle} at ϑ = 1/2");
+    assert!((above - 1.0).abs() < 0.2 && (euler - 1.0).abs() < 0.2, "orders {above} and {euler}");
+    let lost = |more: &[&str]| {
+        let ledger = end(300, more).ledger;
+        assert!(ledger.contact_energy >= 0.0 && ledger.closing_error.abs() <= 1e-11 * ledger.turned_over);
+        1.0 - (ledger.kinetic + ledger.elastic + ledger.contact_energy) / 1.5
+    };
+    let [middle, above, euler] = [&[][..], &["time.theta=0.6"], &["time.scheme=euler"]].map(lost);
+    assert!(middle.abs() < 1e-12, "{middle:e} of the energy");
+    assert!(above > 1e-3 && euler > 2.0 * above, "{above} and {euler} of the energy");
+}
+
+/// ϑ = 1 is backward Euler to the bit.
+#[test]
+fn at_one_it_is_backward_euler() {
+    for overrides in [&["mesh.n=8", "time.steps=8"][..], &["mesh.n=8", "time.steps=8", "scheme.coupling=monolithic"]] {
+        let run = |more: &[&str]| {
+            let problem = common::paper(&[overrides, more].concat()).problem;
+            states(&problem).states.pop().expect("a state")
+        };
+        let (euler, theta) = (run(&[]), run(&["time.scheme=theta", "time.theta=1.0"]));
+        assert!(euler == theta, "{overrides:?}");
+    }
+}
+
+/// Laws that the scheme does not take are refused by name.
+#[test]
+fn laws_that_it_does_not_take_are_refused() {
+    let refused = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+        case::parse(&Source::new("rod.toml", ROD), &overrides)
+            .err()
+            .map(|faults| faults.to_string())
+            .unwrap_or_default()
+    };
+    let expected = "expected a pressure that is a nondecreasing function of the penetration";
+    for (law, found) in [
+        ("{ law = \"signorini\" }", "a law that is no function of the penetration"),
+        ("{ law = \"bilateral\" }", "a law that is no function of the penetration"),
+        ("{ law = \"damped\", stiffness = 500.0, damping = 1.0 }", "a law that depends on the rate"),
+    ] {
+        let told = refused(&[&format!("contact.normal={law}")]);
+        assert!(told.contains("contact.normal: found") && told.contains(found) && told.contains(expected), "{told}");
+        assert!(told.contains("time.scheme = \"euler\""), "{told}");
+    }
+    let told = refused(&["time.theta=0.4"]);
+    assert!(told.contains("time.theta: found 0.4, expected a number"), "{told}");
+    let told = refused(&["time.scheme=euler", "time.theta=0.6"]);
+    assert!(told.contains("time.theta: found 0.6 with the scheme \"euler\""), "{told}");
+}
