@@ -11,7 +11,7 @@ use amontons::case::{self, Source};
 use amontons::hypotheses::{self, FindingId};
 use amontons::mesh::Mesh;
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 
 use crate::random::Random;
 
@@ -121,7 +121,7 @@ fn search(arguments: &Arguments) -> (BTreeMap<String, Class>, u64) {
 
 /// Makes the steps of a case. Returns the number of attempted steps.
 fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
-    let mut scheme = match BackwardEuler::new(problem) {
+    let mut scheme = match March::new(problem) {
         Ok(scheme) => scheme,
         Err(error) => {
             println!("seed {seed}: {error}");

@@ -7,7 +7,7 @@ use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
 use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, StudyTable, Vary};
 use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
-use amontons::scheme::State;
+use amontons::state::State;
 
 use crate::arguments::{Common, Format, StudyArguments};
 use crate::print;

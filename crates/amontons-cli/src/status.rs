@@ -6,12 +6,12 @@ use std::process::ExitCode;
 
 use amontons::case::{CaseError, StudyRequestError};
 use amontons::convergence::StudyError;
+use amontons::equation::SetupError;
 use amontons::linalg::SolveError;
 use amontons::mesh::MeshFileError;
 use amontons::output::{CheckpointError, OutputError, Summary};
 use amontons::plot::PlotError;
 use amontons::run::RunError;
-use amontons::scheme::SetupError;
 use amontons::verify::VerifyError;
 use serde_json::{Value, json};
 

@@ -10,7 +10,7 @@ use amontons::hypotheses;
 use amontons::model::Model;
 use amontons::output::{OutputError, StudyFolder};
 use amontons::run::{Settings, with_threads};
-use amontons::scheme::State;
+use amontons::state::State;
 use amontons::verify::{BENCHMARKS, Recomputed, benchmark, recompute, verify_case};
 use pyo3::prelude::*;
 use serde_json::json;

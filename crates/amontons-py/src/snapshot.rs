@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use amontons::material::VTK_COMPONENTS;
 use amontons::output::{self, ContactValues, PointValues, contact_columns, history_columns, history_values};
 use amontons::problem::Problem;
-use amontons::scheme::State;
+use amontons::state::State;
 use amontons::tensor::Sym;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};

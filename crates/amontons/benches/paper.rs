@@ -11,7 +11,7 @@ use std::time::Instant;
 use amontons::case;
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
-use amontons::scheme::BackwardEuler;
+use amontons::step::March;
 
 /// Bytes read a second, one thread, from an array as large as the factors: the best and the median of nine.
 fn bandwidth(numbers: usize) -> (f64, f64) {
@@ -45,7 +45,7 @@ fn main() {
         format!("contact.heat.foundation_temperature={foundation}"),
     ];
     let problem = case::read(&path, &overrides).expect("the paper's case").problem;
-    let stored = BackwardEuler::new(&problem).expect("a regular system").stored();
+    let stored = March::new(&problem).expect("a regular system").stored();
     let before = bandwidth(stored);
     let summary = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut Memory::default()])
         .expect("a run that ends");

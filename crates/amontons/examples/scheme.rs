@@ -7,33 +7,35 @@ use std::sync::Arc;
 
 use amontons::contact::{Compliance, Contact};
 use amontons::discretization::Discretization;
+use amontons::equation::{SetupError, StepError};
 use amontons::linalg::Backend;
 use amontons::material::{Isotropic, Material, StressState::PlaneStress};
 use amontons::mesh::{Elements, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{Physics, Problem, ProblemData};
 use amontons::run::{RunError, Settings, run};
-use amontons::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, State, StepError, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{MakeScheme, March, Scheme};
 
 /// Shorter steps per step of the run.
 const PARTS: usize = 4;
 
 /// Backward Euler with shorter steps than those of the problem.
 #[derive(Debug)]
-pub struct Substeps(BackwardEuler);
+pub struct Substeps(March);
 
 impl Substeps {
     /// The scheme as the setting of a run.
     ///
     /// # Errors
-    /// Those of [`BackwardEuler::new`].
+    /// Those of [`March::new`].
     pub fn make(
         problem: &Problem,
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
     ) -> Result<Box<dyn Scheme>, SetupError> {
         let finer = problem.with(|data| data.timeline = data.timeline.refined(PARTS))?;
-        Ok(Box::new(Substeps(BackwardEuler::on(&finer, discrete, backend)?)))
+        Ok(Box::new(Substeps(March::on(&finer, discrete, backend)?)))
     }
 }
 

@@ -33,6 +33,7 @@
 #[doc = include_str!("../README.md")]
 pub struct Readme;
 
+mod account;
 pub mod arrays;
 #[cfg(feature = "case")]
 pub mod case;
@@ -41,6 +42,7 @@ pub mod contract;
 pub mod convergence;
 pub mod discretization;
 pub mod element;
+pub mod equation;
 pub mod expression;
 pub mod field;
 pub mod forms;
@@ -59,8 +61,9 @@ pub mod pulse;
 pub mod quadrature;
 pub mod rigid;
 pub mod run;
-pub mod scheme;
 pub mod space;
+pub mod state;
+pub mod step;
 pub mod tensor;
 pub mod time;
 pub mod units;

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::ThreadPool;
 
 use crate::discretization::Discretization;
+use crate::equation::{SetupError, StepError};
 use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
 use crate::machine::Instant;
@@ -18,7 +19,8 @@ use crate::output::{
 };
 use crate::problem::Problem;
 use crate::pulse::Pulse;
-use crate::scheme::{BackwardEuler, Kept, MakeScheme, Scheme, SetupError, State, StepError, StepReport};
+use crate::state::{State, StepReport};
+use crate::step::{Kept, MakeScheme, March, Scheme};
 
 /// Settings of a run. Only the scheme changes results.
 #[derive(Clone, Debug)]
@@ -75,7 +77,7 @@ impl Default for Settings {
             known: None,
             watch: None,
             pulse: Pulse::default(),
-            scheme: BackwardEuler::make,
+            scheme: March::make,
         }
     }
 }

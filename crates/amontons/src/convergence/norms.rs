@@ -7,7 +7,7 @@ use crate::expression::Derivatives;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, dot};
 use crate::mesh::{CellMap, Mesh};
-use crate::scheme::State;
+use crate::state::State;
 
 /// The three errors of (5.2) at one time, and the error of the displacement in H.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -10,11 +10,13 @@ use serde::{Deserialize, Serialize};
 use super::norms::{Errors, Exact, against_exact};
 use super::transfer::{Transfer, TransferError};
 use crate::discretization::Discretization;
+use crate::equation::{SetupError, StepError};
 use crate::forms;
 use crate::machine::Instant;
 use crate::material::{Isotropic, StressState};
 use crate::problem::Problem;
-use crate::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, State, StepError};
+use crate::state::State;
+use crate::step::{MakeScheme, March, Scheme};
 
 /// Quantity refined from level to level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -87,7 +89,7 @@ impl Default for StudySettings<'_> {
             keep: None,
             load_reference: None,
             keep_reference: None,
-            scheme: BackwardEuler::make,
+            scheme: March::make,
         }
     }
 }

@@ -5,12 +5,13 @@
 //! distance of chord and arc. There the coarse function is extended beyond its cell.
 
 use crate::convergence::norms::{Errors, Products, of_difference};
+use crate::discretization::Discretization;
 use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
 use crate::linalg::BlockMatrix;
 use crate::mesh::{At, Locator, OUTSIDE, reference_point};
 use crate::mesh::{CellMap, Mesh};
 use crate::quadrature::{Shape, rule};
-use crate::scheme::{Discretization, State};
+use crate::state::State;
 use crate::tensor::{Point, Sym};
 
 /// Reason why two meshes cannot be compared.

@@ -36,6 +36,7 @@ mod newton;
 mod normal;
 mod passed;
 mod point;
+pub(crate) mod residual;
 
 mod settle;
 mod solve;
@@ -60,11 +61,6 @@ const SHORTEST_STEP: f64 = 1e-4;
 /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ. The error of one iteration is of the order
 /// of its inverse and vanishes with the iterations, because each starts from the multiplier of the one before.
 const STIFF: f64 = (1u64 << 27) as f64;
-
-/// Largest share of what acts on the body that round-off may have.
-pub(crate) const BESIDE: f64 = 1e-4;
-/// Where nothing acts: how many times the round-off of the state before it may be.
-pub(crate) const GROWN: f64 = 10.0;
 
 /// A nonsmooth iteration that ended.
 #[derive(Clone, Debug, Default)]

@@ -5,7 +5,8 @@
 //! residual decreases; where that ends at a kink, a full step leaves it.
 
 use super::loose::Jumps;
-use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
+use super::residual::{grown, is_small};
+use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Spring, Tangent, max_abs};
 use crate::pulse::Pulse;
@@ -110,7 +111,7 @@ impl Right<'_> {
         scale: f64,
         at_guess: impl FnOnce() -> Result<f64, SolveError>,
     ) -> Result<f64, SolveError> {
-        if here <= BESIDE * scale || self.is_repeated { Ok(here) } else { Ok(GROWN * at_guess()?) }
+        if is_small(here, scale) || self.is_repeated { Ok(here) } else { Ok(grown(at_guess()?)) }
     }
 
     /// |x| + |x̂|: x − x̂ is a difference of larger numbers.

@@ -7,7 +7,7 @@ use crate::forms::{self, Load};
 use crate::linalg::BlockMatrix;
 use crate::mesh::FacetSet;
 use crate::problem::ProblemData;
-use crate::scheme::StepReport;
+use crate::state::StepReport;
 use crate::tensor::Point;
 
 /// Everything that acts on a set of facets. `about` is the reference point of the moment, or `None` for the force.

@@ -9,7 +9,7 @@ use crate::material::{Branch, Material, Prony, TensorLaw, material_arrays};
 use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::{self, Rule};
-use crate::scheme::State;
+use crate::state::State;
 use crate::tensor::{Point, Sym, safe_scale};
 
 /// Strain, stress and heat flux of a body at a point.

@@ -21,14 +21,13 @@ use sha2::{Digest, Sha256};
 use super::files::{LONGEST, Written, move_file, sync_folder, write_atomically};
 use super::{Identity, OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
+use crate::discretization::Discretization;
 use crate::inclusion::{Multipliers, PointState};
 use crate::machine;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
-use crate::scheme::{
-    Accumulated, Carried, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Reactions, Scheme,
-    State, StepReport,
-};
+use crate::state::{Accumulated, Carried, ContactReport, Counts, CouplingReport, Ledger, Reactions, State, StepReport};
+use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 
 /// Paths of the newest checkpoint in a results folder, and of the one before.

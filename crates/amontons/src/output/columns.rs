@@ -7,7 +7,7 @@ use super::{ContactSummary, Snapshot};
 use crate::contact::{PointOnBoundary, Quadrature, names, names_of_points};
 use crate::inclusion::PointState;
 use crate::problem::ProblemData;
-use crate::scheme::{Ledger, StepReport};
+use crate::state::{Ledger, StepReport};
 use crate::tensor::Point;
 use crate::units::Measure;
 

@@ -10,9 +10,9 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::files::{LONGEST, Written, write_atomically};
+use crate::equation::{ACCEPTED, REFINE};
 use crate::inclusion::TOLERANCE;
 use crate::machine;
-use crate::scheme::{ACCEPTED, REFINE};
 use crate::units::{Measure, Units};
 
 /// Name of the file in a results folder.

@@ -1,7 +1,7 @@
 //! Results kept in memory.
 
 use super::{OutputError, RunStart, Sink, Snapshot, Summary};
-use crate::scheme::{State, StepReport};
+use crate::state::{State, StepReport};
 
 /// Keeps the requested states and reports, and in any case the summary and the last state.
 #[derive(Debug, Default)]

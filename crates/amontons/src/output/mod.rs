@@ -89,9 +89,11 @@ pub use vtu::OutputField;
 pub use words::{computed_with, unknowns_in_words};
 
 use crate::convergence::StudyTable;
+use crate::discretization::Discretization;
 use crate::hypotheses::Finding;
 use crate::problem::Problem;
-use crate::scheme::{Discretization, Scheme, State, StepReport};
+use crate::state::{State, StepReport};
+use crate::step::Scheme;
 
 /// A receiver of the results of a run. A run calls `start` once, `step` after every step, and at its end, for whatever
 /// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed.

@@ -2,7 +2,7 @@
 
 use super::PointValues;
 use crate::material::VTK_COMPONENTS;
-use crate::scheme::State;
+use crate::state::State;
 use crate::tensor::{Point, Sym, dot, length};
 use crate::units::Measure;
 

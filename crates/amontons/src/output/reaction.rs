@@ -8,7 +8,7 @@ use crate::space::rigid::rigid_of;
 use crate::space::{RigidNodes, Space};
 use crate::tensor::Point;
 
-/// Numbers of the reactions of a set of nodes in the list [`crate::scheme::Reactions`].
+/// Numbers of the reactions of a set of nodes in the list [`crate::state::Reactions`].
 #[derive(Debug)]
 pub(super) struct Held {
     of_heat: bool,

@@ -24,7 +24,7 @@ use crate::material::material_arrays;
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::quadrature::{Rule, Shape, rule};
-use crate::scheme::State;
+use crate::state::State;
 use crate::tensor::{Point, Sym};
 
 /// A sampling point: block, cell of the block, point of the cell.

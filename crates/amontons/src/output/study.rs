@@ -10,7 +10,7 @@ use super::inputs::{Input, write_inputs};
 use super::{FolderLock, OutputError, StudyTable, manifest};
 use crate::convergence::{Level, Reference, ReferenceProgress, Study};
 use crate::machine;
-use crate::scheme::State;
+use crate::state::State;
 
 /// A results folder that holds a study: `convergence.csv`, `convergence.json`, and `levels/` with the states of
 /// finished levels, from which an interrupted study continues.

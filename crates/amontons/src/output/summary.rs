@@ -13,7 +13,7 @@ use crate::inclusion::{Passed, PointState};
 use crate::linalg::max_abs;
 use crate::machine;
 use crate::problem::{Choice, Problem};
-use crate::scheme::{Accumulated, ContactReport, Contraction, Ledger};
+use crate::state::{Accumulated, ContactReport, Contraction, Ledger};
 use crate::tensor::Point;
 use crate::units::Units;
 

@@ -14,7 +14,7 @@ use crate::contact::mortar::{Image, Share};
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports, names_of_points};
 use crate::mesh::{FacetSet, link_of};
 use crate::problem::{Physics, with_supports};
-use crate::scheme::ContactReport;
+use crate::state::ContactReport;
 use crate::tensor::Point;
 use crate::units::Measure;
 use crate::vtu::write::{self as grid, Cells, Written as Array};

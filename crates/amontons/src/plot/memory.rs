@@ -13,7 +13,7 @@ use crate::output::{
     history_values, nodal_stress,
 };
 use crate::problem::Problem;
-use crate::scheme::State;
+use crate::state::State;
 use crate::tensor::Sym;
 
 impl Run {

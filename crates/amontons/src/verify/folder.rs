@@ -22,11 +22,11 @@ use serde_json::Value;
 
 use super::{Verdict, VerifyError, interpolate, verdict};
 use crate::case::{self, Case, Check, Comparison, Take};
+use crate::discretization::Discretization;
 use crate::machine;
 use crate::output::{
     self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, StoredFields, Work, history_columns, history_values,
 };
-use crate::scheme::Discretization;
 use fields::Fields;
 use tables::{Audit, Table};
 

@@ -12,7 +12,7 @@ use amontons::mesh::{Diagonal, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Convection, Support};
 use amontons::run::{Settings, run};
-use amontons::scheme::State;
+use amontons::state::State;
 
 fn expression(text: &str) -> Field {
     Field::Expression(Expression::parse(text).unwrap())

@@ -11,7 +11,8 @@ use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, ProblemData};
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Sym, length};
 
 fn solve(data: &ProblemData) -> Memory {
@@ -204,7 +205,7 @@ fn friction_in_the_tangent_plane() {
         );
         assert!(memory.states.last().unwrap().ledger.relative_closing_error().abs() < 1e-12);
 
-        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+        let mut scheme = March::new(&problem).expect("a regular system");
         let mut random = Random(7);
         for round in 0..20 {
             let mut state = memory.states[round].clone();

@@ -2,7 +2,8 @@
 
 use amontons::case::{self, Source};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{March, Scheme};
 
 use crate::common::{changed, interrupts, solve, told};
 
@@ -149,7 +150,7 @@ fn halved_steps_of_a_rigid_mass_are_whole_or_none() {
     let problem = problem(&block(FALLS, 3, ""));
     let (states, reports) = steps(&problem);
     let halved = reports.iter().position(|report| report.parts > 1).expect("a halved step");
-    let step = |problem: &Problem| BackwardEuler::new(problem).expect("a scheme").step(&states[halved]);
+    let step = |problem: &Problem| March::new(problem).expect("a scheme").step(&states[halved]);
     assert!(step(&problem).expect("a step").0 == states[halved + 1], "another step from the same state");
     let (mut interrupted, mut made) = (0, 0);
     for left in (1..3000).step_by(7) {

@@ -3,7 +3,8 @@
 
 use amontons::case::{self, Source};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::verify::BENCHMARKS;
 
 fn problem(text: &str, overrides: &[&str]) -> Problem {
@@ -12,7 +13,7 @@ fn problem(text: &str, overrides: &[&str]) -> Problem {
 }
 
 fn end(problem: &Problem) -> State {
-    let mut scheme = BackwardEuler::new(problem).unwrap();
+    let mut scheme = March::new(problem).unwrap();
     let mut state = scheme.initial().unwrap();
     for _ in 0..problem.timeline.steps() {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{error}")).0;

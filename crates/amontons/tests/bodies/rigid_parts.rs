@@ -9,7 +9,8 @@ use amontons::field::Field;
 use amontons::linalg::{Backend, Multigrid, Supernodal};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Problem, RigidPart};
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation, Sym, dot, length};
 
 use crate::common::{Random, changed, solve, told};
@@ -475,12 +476,12 @@ fn a_resumed_run_is_the_same() {
         .replace("density = 0", "density = 1e-3")
         .replace("force = [0, -2]", "force = [\"0.4*sin(6*t)\", -2]");
     let problem = problem(&text);
-    let mut scheme = BackwardEuler::new(&problem).expect("a scheme");
+    let mut scheme = March::new(&problem).expect("a scheme");
     let mut state = scheme.initial().expect("a state");
     for _ in 0..4 {
         state = scheme.step(&state).expect("a step").0;
     }
-    let mut other = BackwardEuler::new(&problem).expect("a scheme");
+    let mut other = March::new(&problem).expect("a scheme");
     other.recall(&scheme.kept()).expect("what is kept");
     let mut again = state.clone();
     for _ in 0..4 {

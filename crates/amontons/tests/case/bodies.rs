@@ -12,7 +12,7 @@ use amontons::material::Dilatation;
 use amontons::mesh::FacetSet;
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
-use amontons::scheme::State;
+use amontons::state::State;
 use amontons::tensor::Sym;
 
 /// A bar of two squares, (0, 1) × (0, 1) of the region soft and (1, 2) × (0, 1) of the region stiff.

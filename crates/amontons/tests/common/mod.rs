@@ -10,7 +10,8 @@ use amontons::case::{self, Case, Source};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Problem, ProblemData};
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::verify::{Verdict, verify_case};
 
 /// A square with every term, of few cells, for spoiled data.
@@ -110,7 +111,7 @@ pub fn told(source: &Source, overrides: &[&str]) -> String {
 }
 
 /// A random state in the plane, smooth or rough, with sizes over four orders of magnitude.
-pub fn disturb(state: &mut State, problem: &Problem, scheme: &BackwardEuler, random: &mut Random, smooth: bool) {
+pub fn disturb(state: &mut State, problem: &Problem, scheme: &March, random: &mut Random, smooth: bool) {
     let size = [-2.5, -1.0, 1.0].map(|centre: f64| 10f64.powf(centre + 2.0 * random.number()));
     let wave = [0; 4].map(|_: i32| 20.0 * random.number());
     for (i, p) in problem.mesh.points.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::common::paper;
 use amontons::linalg::dot;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 
 /// Ψ = ½ c_ν Σ ω r₊² and ψₙ = c_ν Σ ω (½(r₊ⁿ − r₊ⁿ⁻¹)² + r₊ⁿ r₋ⁿ⁻¹), the part of the contact that the scheme
 /// dissipates.
@@ -13,7 +13,7 @@ fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
         let problem =
             paper(&["mesh.n=16", "time.steps=32", &format!("contact.heat.foundation_temperature={foundation}")])
                 .problem;
-        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+        let mut scheme = March::new(&problem).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         let weights: Vec<f64> = scheme.discretization().boundary.points.iter().map(|p| p.weight).collect();
         let mut before = vec![0.0f64; weights.len()];
@@ -64,7 +64,7 @@ fn wear_under_a_damped_layer_is_counted_once() {
             "contact={on='bottom', gap=0, normal={law='damped', stiffness=10, damping=50}, friction={law='coulomb', coefficient=0.2}, foundation_velocity=[5, 0], wear={law='archard', coefficient=0.02}, heat={law='none'}}",
         ])
         .problem;
-        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+        let mut scheme = March::new(&problem).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         for _ in 0..steps {
             let next = scheme.step(&state).expect("a step").0;

@@ -21,10 +21,12 @@ use std::sync::Arc;
 
 use crate::common::{self, changed, interrupts};
 use amontons::case::{self, Source};
+use amontons::equation::StepError;
 use amontons::linalg::Multigrid;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Kept, Scheme, State, StepError, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{Kept, March, Scheme};
 
 const FEATURES: [&str; 9] = ["mean", "expansion", "monolithic", "prony", "warm", "sector", "pair", "wear", "falling"];
 const STEPS: usize = 6;
@@ -165,7 +167,7 @@ fn problem(features: &[&str], finer: usize, angle: f64) -> Problem {
 
 /// All states of a run with what is kept beside each, and its reports.
 fn states(problem: &Problem) -> (Vec<(State, Kept)>, Vec<StepReport>) {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     let initial = scheme.initial().expect("finite initial data");
     let (mut states, mut reports) = (vec![(initial, scheme.kept())], Vec::new());
     while reports.len() < problem.timeline.steps() {
@@ -179,7 +181,7 @@ fn states(problem: &Problem) -> (Vec<(State, Kept)>, Vec<StepReport>) {
 
 /// The next step of a run that goes on.
 fn taken_up(problem: &Problem, (from, kept): &(State, Kept)) -> Result<State, StepError> {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     scheme.recall(kept).expect("a regular system");
     scheme.step(from).map(|(state, _)| state)
 }

@@ -8,7 +8,7 @@ use amontons::linalg::{Backend, Multigrid, Supernodal};
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation};
 
 use crate::common::{Random, changed, solve, spoil, told};
@@ -209,12 +209,12 @@ fn a_resumed_run_is_the_same() {
     let text =
         seal(2, 40, 0.6, "fluid = { pressure = \"0.3*t\", from = \"right\" }").replace("steps = 4", "steps = 16");
     let problem = problem(&text);
-    let mut scheme = BackwardEuler::new(&problem).expect("a scheme");
+    let mut scheme = March::new(&problem).expect("a scheme");
     let mut state = scheme.initial().expect("a state");
     for _ in 0..9 {
         state = scheme.step(&state).expect("a step").0;
     }
-    let mut other = BackwardEuler::new(&problem).expect("a scheme");
+    let mut other = March::new(&problem).expect("a scheme");
     other.recall(&scheme.kept()).expect("what is kept");
     let mut again = state.clone();
     for _ in 0..6 {

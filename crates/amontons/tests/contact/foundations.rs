@@ -6,12 +6,14 @@ use std::sync::Arc;
 
 use crate::common::{checked, largest, solve};
 use amontons::case::{self, Source};
+use amontons::equation::StepError;
 use amontons::linalg::dot;
 use amontons::mesh::{FacetBlock, FacetSet};
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::with_threads;
-use amontons::scheme::{BackwardEuler, Scheme, State, StepError, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{self, Point};
 use amontons::verify::BENCHMARKS;
 
@@ -130,7 +132,7 @@ fn what_a_step_satisfies_with_everything_at_once() {
         [(2, "staggered"), (2, "fixed-point"), (2, "monolithic"), (3, "staggered"), (3, "monolithic")]
     {
         let problem = problem(&everything(dim, SI, 24), &[format!("scheme.coupling=\"{coupling}\"")]);
-        let scheme = BackwardEuler::new(&problem).expect("a regular system");
+        let scheme = March::new(&problem).expect("a regular system");
         let discrete = scheme.discretization();
         let memory = solve(&problem);
         let (mut pressed, mut slipped, mut worst) = ([0; 2], [0; 2], [0.0f64; 6]);
@@ -257,7 +259,7 @@ fn unit(e: usize) -> Point {
 
 fn temperature(
     theta: &[f64],
-    discrete: &amontons::scheme::Discretization,
+    discrete: &amontons::discretization::Discretization,
     point: &amontons::contact::PointOnBoundary,
 ) -> f64 {
     point.nodes.iter().map(|&(node, share)| share * theta[discrete.boundary.nodes[node] as usize]).sum()
@@ -524,7 +526,7 @@ fn an_obstacle_that_is_not_defined_is_told() {
         .replace("TOP", "[0, 0]")
         .replace("WHERE", "obstacle = { shape = \"surface\", level = \"y + 0.1*sqrt(0.5 - t)\" }");
     let problem = problem(&text, &[]);
-    let mut scheme = BackwardEuler::new(&problem).unwrap();
+    let mut scheme = March::new(&problem).unwrap();
     let mut state = scheme.initial().unwrap();
     let error = loop {
         match scheme.step(&state) {

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use crate::column::column;
 use amontons::contact::{Bound, ContactPoint, FrictionLaw};
 use amontons::problem::{Coupling, Problem};
-use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{March, Scheme};
 
 /// s = μ₀ e^{θ/θ₀} p; with its slope in θ, or with none.
 #[derive(Debug)]
@@ -33,7 +34,7 @@ const H: f64 = 1.0 / K + 1.0;
 
 fn step(problem: &Problem, coupling: Coupling) -> (State, StepReport) {
     let problem = problem.with(|data| data.coupling = coupling).expect("valid data");
-    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let mut scheme = March::new(&problem).expect("a regular system");
     let start = scheme.initial().expect("finite initial data");
     scheme.step(&start).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use amontons::case::{self, Source};
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::verify::BENCHMARKS;
 
 /// The mean pressure over the contact, 1 < t < 2, of `bouncing-bar-signorini` is 1/2 − √(k/π): the front that ends the
@@ -20,7 +20,7 @@ fn the_mean_pressure_of_a_bounce_lacks_the_root_of_the_step() {
         .unwrap_or_else(|error| panic!("{error}"))
         .problem;
         let (k, h) = (problem.timeline.longest(), 1.0 / 256.0);
-        let mut scheme = BackwardEuler::new(&problem).unwrap();
+        let mut scheme = March::new(&problem).unwrap();
         let mut state = scheme.initial().unwrap();
         let mut impulse = 0.0;
         for _ in 0..problem.timeline.steps() {

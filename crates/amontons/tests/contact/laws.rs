@@ -10,21 +10,22 @@ use amontons::field::{Coefficient, Field};
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Elements, Mesh};
 use amontons::problem::{BoundaryCondition, Initial, Problem};
-use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation, Sym, dot, length};
 use amontons::time::Rule;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-fn scheme(overrides: &[&str]) -> (Problem, BackwardEuler) {
+fn scheme(overrides: &[&str]) -> (Problem, March) {
     let problem = paper(overrides).problem;
-    let scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let scheme = March::new(&problem).expect("a regular system");
     (problem, scheme)
 }
 
 /// The last state and all reports of a run.
 fn run(problem: &Problem) -> (State, Vec<StepReport>) {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut reports = Vec::new();
     for _ in 0..problem.timeline.steps() {
@@ -387,7 +388,7 @@ impl FrictionLaw for Elliptic {
 }
 
 /// A block on a rigid foundation with given friction, from a state with random velocities.
-fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler, State) {
+fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, March, State) {
     let mut problem = paper(&["time.steps=10", "mesh.n=5"]).problem.into_data();
     if dim == 3 {
         problem.mesh = Arc::new(Mesh::box_([1.0; 3], [3, 2, 3], Elements::P1).unwrap());
@@ -405,7 +406,7 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
     let contact = &mut problem.contacts[0];
     (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
     let problem = checked(problem);
-    let scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let scheme = March::new(&problem).expect("a regular system");
     let mut state = scheme.initial().unwrap();
     let mut random = Random(1234 + dim as u64);
     for (i, w) in state.w.iter_mut().enumerate() {
@@ -442,7 +443,7 @@ fn given_friction_agrees_with_a_cone_program() {
 
 fn minimum(
     problem: &Problem,
-    scheme: &BackwardEuler,
+    scheme: &March,
     state: &State,
     friction: &Arc<dyn FrictionLaw>,
     bound: f64,

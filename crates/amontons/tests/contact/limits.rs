@@ -1,12 +1,13 @@
 //! Rigid foundations and perfect thermal contact are the limits of stiff and of conducting ones, up to any number.
 
 use crate::common::{largest, paper};
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 
 /// The last state of the paper's example on a coarse mesh, with identities that close.
 fn end(overrides: &[&str]) -> State {
     let problem = paper(&[&["mesh.n=8", "time.steps=8"], overrides].concat()).problem;
-    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let mut scheme = March::new(&problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     for _ in 0..problem.timeline.steps() {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{overrides:?}: {error}")).0;

@@ -12,7 +12,7 @@ use amontons::linalg::{Backend, Multigrid, Supernodal};
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation, dot};
 
 use crate::common::{Random, changed, solve, spoil, told};
@@ -99,7 +99,7 @@ fn moved(memory: &Memory, contact: usize) -> Vec<f64> {
 fn borne(memory: &Memory, problem: &Problem, contact: usize) -> Vec<f64> {
     let load = problem.contacts[contact].obstacle.as_ref().and_then(|of| of.load.clone()).expect("a load");
     let points = &problem.contact_boundary().points;
-    let of_step = |report: &amontons::scheme::StepReport| -> f64 {
+    let of_step = |report: &amontons::state::StepReport| -> f64 {
         let own = points.iter().zip(&report.contact.states).filter(|(point, _)| point.contact == contact);
         own.map(|(point, state)| {
             let force: Point = std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]);
@@ -296,12 +296,12 @@ fn a_mass_flies_presses_and_rebounds() {
 fn a_resumed_run_is_the_same() {
     let text = block(2, "\"60*sin(2*t)^2 + 1\"", ", mass = 0.01").replace("steps = 4", "steps = 12");
     let problem = problem(&text);
-    let mut scheme = BackwardEuler::new(&problem).expect("a scheme");
+    let mut scheme = March::new(&problem).expect("a scheme");
     let mut state = scheme.initial().expect("a state");
     for _ in 0..5 {
         state = scheme.step(&state).expect("a step").0;
     }
-    let mut other = BackwardEuler::new(&problem).expect("a scheme");
+    let mut other = March::new(&problem).expect("a scheme");
     other.recall(&scheme.kept()).expect("what is kept");
     let mut again = state.clone();
     for _ in 5..12 {

@@ -9,7 +9,7 @@ use amontons::output::{
     ContactSummary, ContactValues, Memory, ProbeSet, Snapshot, Work, contact_columns, history_columns,
 };
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation, dot, length};
 
 fn problem(text: &str) -> Problem {
@@ -240,7 +240,7 @@ fn two_moving_tools_on_one_side() {
             (problem, memory)
         };
         let (problem, memory) = run(tools.concat());
-        let boundary = &BackwardEuler::new(&problem).expect("a system").discretization().boundary.clone();
+        let boundary = &March::new(&problem).expect("a system").discretization().boundary.clone();
         let (mut pressed, mut worst) = ([0; 2], [0.0f64; 2]);
         for (states, report) in memory.states.windows(2).zip(&memory.reports) {
             let [old, new] = states else { continue };
@@ -319,7 +319,7 @@ fn names_and_probes() {
     let case = case::parse(&Source::new("two.toml", text), &[]).unwrap_or_else(|error| panic!("{error}"));
     let memory = solve(&case.problem);
     let (state, report) = (memory.states.last().expect("a state"), memory.reports.last());
-    let scheme = BackwardEuler::new(&case.problem).expect("a system");
+    let scheme = March::new(&case.problem).expect("a system");
     let discretization = scheme.discretization();
     let now = Snapshot { problem: &case.problem, discretization, state, report, work: Work::default(), scheme: None };
     let values = ProbeSet::new(&case.problem, &case.probes).expect("probes").values(&now);
@@ -371,7 +371,7 @@ fn a_pair_and_an_obstacle_on_one_side() {
         let memory = solve(&problem);
         let closing = memory.states.iter().map(|state| state.ledger.relative_closing_error().abs()).fold(0.0, f64::max);
         assert!(closing < 1e-12, "{closing:e}");
-        let boundary = BackwardEuler::new(&problem).expect("a system").discretization().boundary.clone();
+        let boundary = March::new(&problem).expect("a system").discretization().boundary.clone();
         let states = &memory.reports.last().expect("a step").contact.states;
         // Of the low body: the pair presses at x < 1, the roller about x = 1.5.
         for (point, _) in boundary.points.iter().zip(states).filter(|(_, state)| state.pressure > 1e-9) {

@@ -2,7 +2,7 @@
 
 use amontons::case::{self, Source};
 use amontons::pulse::Pulse;
-use amontons::scheme::Scheme;
+use amontons::step::Scheme;
 
 use crate::softening::{run, scheme};
 

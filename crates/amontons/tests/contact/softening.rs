@@ -8,11 +8,13 @@ use crate::column::column;
 use crate::common::{changed, interrupts, paper};
 use amontons::case::{self, Source};
 use amontons::contact::{Compliance, NormalLaw, Pressure, Status};
+use amontons::equation::StepError;
 use amontons::hypotheses::{self, Finding};
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self as driver, Settings};
-use amontons::scheme::{BackwardEuler, Scheme, State, StepError, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, length};
 
 /// A rod of length and section 1 whose left end moves by U(t) = t towards a layer at its right end.
@@ -42,8 +44,8 @@ fn rod(overrides: &[&str]) -> Problem {
     case::parse(&Source::new("rod", ROD), &overrides).unwrap_or_else(|error| panic!("{error}")).problem
 }
 
-pub fn scheme(problem: &Problem) -> (BackwardEuler, State) {
-    let scheme = BackwardEuler::new(problem).expect("a regular system");
+pub fn scheme(problem: &Problem) -> (March, State) {
+    let scheme = March::new(problem).expect("a regular system");
     let start = scheme.initial().expect("finite initial data");
     (scheme, start)
 }

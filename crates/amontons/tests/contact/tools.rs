@@ -16,7 +16,7 @@ use amontons::field::Field;
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::Memory;
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation, dot, length};
 
 fn cross(a: &Point, b: &Point) -> Point {
@@ -220,7 +220,7 @@ fn a_plane_that_turns_under_a_body() {
 }
 
 fn boundary_of(problem: &Problem) -> Vec<PointOnBoundary> {
-    BackwardEuler::new(problem).expect("a system").discretization().boundary.points.clone()
+    March::new(problem).expect("a system").discretization().boundary.points.clone()
 }
 
 /// A roller turns under a block that is pressed on it: Coulomb's limit at every point that touches, in the direction in

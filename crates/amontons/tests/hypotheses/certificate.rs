@@ -10,7 +10,7 @@ use amontons::hypotheses::{Certificate, Finding, certificate, findings, full, mo
 use amontons::linalg::{Backend, Dense, Graph, Layout, System};
 use amontons::material::{Constants, Isotropic, StressState, TensorLaw};
 use amontons::problem::{Coupling, Problem};
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Sym, SymMap};
 
 /// The paper's case on 8 × 8 squares, 32 steps.
@@ -426,7 +426,7 @@ fn the_quality_of_slender_cells_is_named() {
 
 /// Largest u_ν on Γ_C over all steps of a run whose gap it never closes.
 fn farthest(problem: &Problem) -> f64 {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = f64::NEG_INFINITY;
     for _ in 0..problem.timeline.steps() {

@@ -5,7 +5,7 @@
 use crate::common::{Random, paper};
 use amontons::hypotheses::{Finding, full, monotonicity_loss};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 
 type Matrix = Vec<Vec<f64>>;
 
@@ -527,7 +527,7 @@ fn steps_of_the_program_against_all_their_solutions() {
         );
         held += usize::from(unique.holds());
         several += usize::from(all.len() > 1);
-        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+        let mut scheme = March::new(&problem).expect("a regular system");
         let start = scheme.initial().expect("finite initial data");
         let Ok((state, report)) = scheme.step(&start) else {
             assert!(!unique.holds(), "sample {sample}: a step with one solution is not solved");

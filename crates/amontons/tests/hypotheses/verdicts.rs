@@ -6,7 +6,7 @@ use crate::common::paper;
 use amontons::case::{self, Source};
 use amontons::hypotheses::{Certificate, Finding, advice, findings, full};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 
 fn find(problem: &Problem, id: &str) -> Finding {
     full(problem).findings.into_iter().find(|f| f.id.as_str() == id).unwrap_or_else(|| panic!("no finding {id}"))
@@ -28,7 +28,7 @@ fn over_a_gap(overrides: &[&str]) -> Problem {
 
 /// Largest force of contact and largest |θ| over a run, and the largest u_ν of a side.
 fn effect(problem: &Problem) -> [f64; 3] {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = [0.0, 0.0, f64::NEG_INFINITY];
     for _ in 0..problem.timeline.steps() {

@@ -18,7 +18,7 @@ use amontons::contact::ContactBoundary;
 use amontons::mesh::Mesh;
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
-use amontons::scheme::StepReport;
+use amontons::state::StepReport;
 use amontons::tensor::Point;
 use cases::{Case, STEPS};
 use frame::{Frame, Random, STEP};

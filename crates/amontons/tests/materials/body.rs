@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::common::{changed, checked, largest, paper, rod, solve};
 use amontons::material::{Carreau, Hencky, Isotropic, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
-use amontons::scheme::State;
+use amontons::state::State;
 
 fn hencky(bulk: f64, shear: impl ShearLaw + 'static, state: StressState) -> Arc<dyn TensorLaw> {
     reduced(Hencky::new(bulk, shear).expect("constants"), 2, state)

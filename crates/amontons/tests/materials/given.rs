@@ -5,12 +5,14 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use amontons::case::{self, Case, Source};
+use amontons::equation::StepError;
 use amontons::hypotheses::{FindingId, findings};
 use amontons::mesh::Mesh;
 use amontons::output::{Memory, Probe, ProbePlace, ProbeSet, Quantity, Take, cell_values};
 use amontons::problem::{Physics, Problem};
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme, State, StepError};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation};
 
 use crate::common::{Random, changed, told};
@@ -284,12 +286,12 @@ fn a_bar_that_grows_presses() {
 #[test]
 fn a_run_goes_on_to_the_bit() {
     let problem = pressed(true);
-    let mut scheme = BackwardEuler::new(&problem).expect("a scheme");
+    let mut scheme = March::new(&problem).expect("a scheme");
     let mut state = scheme.initial().expect("a state");
     for _ in 0..2 {
         state = scheme.step(&state).expect("a step").0;
     }
-    let mut other = BackwardEuler::new(&problem).expect("a scheme");
+    let mut other = March::new(&problem).expect("a scheme");
     other.recall(&scheme.kept()).expect("what is kept");
     let mut again = state.clone();
     for _ in 0..3 {
@@ -383,7 +385,7 @@ fn temperatures_that_do_nothing_or_too_much_are_told() {
         "expansion_coefficient = { temperature = [0, 60], value = [1e-4, 1e-4] }",
     );
     let error = |text: &str| {
-        let mut scheme = BackwardEuler::new(&parse(text).problem).expect("a scheme");
+        let mut scheme = March::new(&parse(text).problem).expect("a scheme");
         let mut state = scheme.initial().expect("a state");
         loop {
             match scheme.step(&state) {

@@ -13,12 +13,13 @@ use amontons::hypotheses::{FindingId, certificate, findings};
 use amontons::material::{Isotropic, Orthotropic, Prony, StressState, TensorLaw};
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation, Sym};
 
 /// The last state of a run.
 fn run(problem: &Problem) -> State {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     for _ in 0..problem.timeline.steps() {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{error}")).0;
@@ -459,7 +460,7 @@ fn a_friction_coefficient_in_space_and_time() {
         "contact.foundation_velocity=[3, 0]",
     ])
     .problem;
-    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let mut scheme = March::new(&problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut slipping = 0;
     for n in 1..=8 {

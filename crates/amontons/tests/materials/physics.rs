@@ -7,7 +7,7 @@ use crate::common::told;
 use amontons::case::{self, Source};
 use amontons::output::{Folder, FolderOptions, Memory, Summary};
 use amontons::run::{self, Settings};
-use amontons::scheme::State;
+use amontons::state::State;
 
 fn solved(text: &str, overrides: &[&str]) -> (State, Summary) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();

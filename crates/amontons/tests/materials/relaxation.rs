@@ -9,7 +9,7 @@ use amontons::material::{Dilatation, Isotropic, Prony, StressState, TensorLaw};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::{cell_values, nodal_stress};
 use amontons::problem::{BoundaryCondition, Problem};
-use amontons::scheme::State;
+use amontons::state::State;
 use amontons::tensor::{Point, Sym};
 
 fn last(problem: &Problem) -> State {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::common::{Random, case as shipped, changed, largest, paper};
 use amontons::case::{self, Source};
 use amontons::contract;
+use amontons::equation::StepError;
 use amontons::field::{Coefficient, Graded, TemperatureTable};
 use amontons::hypotheses::{FindingId, FindingStatus, certificate};
 use amontons::linalg::BlockMatrix;
@@ -14,7 +15,8 @@ use amontons::mesh::{Block, Mesh};
 use amontons::output::{Memory, cell_values};
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme, State, StepError};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Sym};
 use amontons::time::Rule;
 
@@ -140,7 +142,7 @@ fn identities_close_in_all_couplings() {
     for coupling in COUPLINGS {
         let problem = manufactured(coupling);
         let (_, memory) = solve(&problem);
-        let scheme = BackwardEuler::new(&problem).expect("a system");
+        let scheme = March::new(&problem).expect("a system");
         for state in &memory.states[1..] {
             let (energy, heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
             assert!(energy.abs() < 1e-12 && heat.abs() < 1e-12, "{coupling}: {energy:e} {heat:e}");
@@ -166,7 +168,7 @@ fn the_monolithic_step_is_the_limit_of_the_fixed_point() {
 #[test]
 fn derivatives_are_those_of_the_forms() {
     let problem = manufactured("staggered");
-    let scheme = BackwardEuler::new(&problem).expect("a system");
+    let scheme = March::new(&problem).expect("a system");
     let discrete = scheme.discretization();
     let mut random = Random(0x1234_5678_9abc_def1);
     let mut field = |size: usize| (0..size).map(|_| 0.5 * random.number()).collect::<Vec<f64>>();
@@ -342,7 +344,7 @@ fn a_table_that_does_not_cover_a_step_ends_the_run() {
     let case = ROD.replace("n = 5", "n = 1").replace("[[boundary]]\non = \"left\"\ntemperature = \"5*t\"\n", "");
     let case = case.replace("temperature = \"x\"", "temperature = 3.5").replace("end = 0.3", "end = 6.0");
     let problem = case::parse(&Source::new("rod.toml", &case), &[]).expect("a case").problem;
-    let mut scheme = BackwardEuler::new(&problem).expect("a system");
+    let mut scheme = March::new(&problem).expect("a system");
     let state = scheme.initial().expect("a state");
     // θ + θ²/4 grows by 4 per step, from 6.5625 to 10.5625. It is 8 at the end of the table, where c = 3.
     match scheme.step(&state) {

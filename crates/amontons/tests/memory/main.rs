@@ -10,7 +10,7 @@ mod common;
 
 use amontons::case::{self, Source};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::verify::{BENCHMARKS, benchmark};
 
 /// A box on a layer with friction and heat, held at its top.
@@ -59,7 +59,7 @@ const KEPT: i64 = 64;
 
 /// The bytes that each step keeps beyond the state that it replaces. On one thread, so that all of a step is counted.
 fn kept(problem: &Problem) -> Vec<i64> {
-    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
+    let mut scheme = March::new(problem).expect("a regular system");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut state = Some(scheme.initial().expect("finite initial data"));
     let step = |_| {

@@ -15,7 +15,8 @@ use amontons::mesh::Block;
 use amontons::output::{Checkpoint, Memory, Work};
 use amontons::problem::{Coupling, Problem};
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Kept, Scheme, State};
+use amontons::state::State;
+use amontons::step::{Kept, March, Scheme};
 use amontons::time::Rule;
 use amontons::verify::{BENCHMARKS, benchmark};
 
@@ -42,7 +43,7 @@ const STEPS: usize = 6;
 /// The state after some steps, or none where a step fails.
 fn state(problem: &Problem, backend: Arc<dyn Backend>) -> State {
     let problem = problem.with(|data| data.backend = backend).expect("valid data");
-    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let mut scheme = March::new(&problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     for _ in 0..STEPS.min(problem.timeline.steps()) {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{}: {error}", problem.name)).0;
@@ -507,7 +508,7 @@ fn a_run_goes_on_with_the_solver_that_it_began_with() {
     assert_eq!(summary.solver.backend, "direct");
     let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned(), may_change: false };
     let kept = Kept { solvers: vec![decided(2), decided(1)], ..Kept::default() };
-    let state = BackwardEuler::new(&problem).expect("a regular system").initial().expect("finite data");
+    let state = March::new(&problem).expect("a regular system").initial().expect("finite data");
     let from =
         Checkpoint { state, report: None, work: Work::default(), kept, k: problem.timeline.longest(), fallback: None };
     let mut resumed = Memory::new().states_every(1);
@@ -589,7 +590,7 @@ fn an_iteration_that_lags_is_left_for_a_factor() {
         problem.with(|data| data.backend = backend).expect("valid data")
     };
     let (changing, staying) = (begun(true), begun(false));
-    let mut scheme = BackwardEuler::new(&changing).expect("a regular system");
+    let mut scheme = March::new(&changing).expect("a regular system");
     let mut states = vec![scheme.initial().expect("finite data")];
     let mut kept = vec![scheme.kept()];
     for _ in 0..problem.timeline.steps() {
@@ -607,7 +608,7 @@ fn an_iteration_that_lags_is_left_for_a_factor() {
     let products = [last, &iterative].map(|state| state.counts.krylov_iterations);
     assert!(products[0] > 0 && 4 * products[0] < products[1], "{products:?}");
     for from in 0..problem.timeline.steps() {
-        let mut scheme = BackwardEuler::new(&changing).expect("a regular system");
+        let mut scheme = March::new(&changing).expect("a regular system");
         scheme.recall(&kept[from]).expect("the same factors");
         let mut state = states[from].clone();
         for expected in &states[from + 1..] {

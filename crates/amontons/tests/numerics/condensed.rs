@@ -4,7 +4,8 @@
 
 use crate::common::paper;
 use amontons::linalg::BlockMatrix;
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::state::State;
+use amontons::step::{March, Scheme};
 use amontons::time::Rule;
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -40,7 +41,7 @@ fn solve(size: usize, entries: &[Triplet<usize, usize, f64>], right: &[f64]) -> 
 ///
 /// The plain iteration has no globalisation: it cycles for some ρ, so several are tried.
 fn plain_step(
-    scheme: &BackwardEuler,
+    scheme: &March,
     old: &State,
     multiplier: &mut Vec<f64>,
     k: f64,
@@ -56,7 +57,7 @@ fn plain_step(
 }
 
 fn plain_mechanics(
-    scheme: &BackwardEuler,
+    scheme: &March,
     old: &State,
     multiplier: &[f64],
     k: f64,
@@ -120,7 +121,7 @@ fn plain_mechanics(
 }
 
 fn plain_heat(
-    scheme: &BackwardEuler,
+    scheme: &March,
     old: &State,
     w: Vec<f64>,
     k: f64,
@@ -153,7 +154,7 @@ fn condensed_and_plain_solutions_agree_to_1e_9() {
             &format!("contact.heat.foundation_temperature={foundation:?}"),
         ]);
         let problem = case.problem;
-        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+        let mut scheme = March::new(&problem).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         let mut plain = state.clone();
         let mut multiplier = vec![0.0; n + 1];

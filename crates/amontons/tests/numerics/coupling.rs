@@ -1,10 +1,11 @@
 //! The fixed point of Theorem 3.1 within a step, and the monolithic step that is its limit.
 
 use crate::common::{case, largest, paper};
+use amontons::equation::StepError;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, RunError, Settings};
-use amontons::scheme::{State, StepError};
+use amontons::state::State;
 
 fn solve(problem: &Problem) -> (State, Memory) {
     let mut memory = Memory::new().states_every(1).reports();
@@ -61,7 +62,7 @@ fn the_limit_of_the_fixed_point_is_the_monolithic_step() {
 fn the_coupled_step_satisfies_both_equations_with_their_own_arguments() {
     let (_, memory) = coupled("monolithic", 8, 10.0);
     let (_, staggered) = coupled("staggered", 8, 10.0);
-    let discrete = amontons::scheme::Discretization::new(&paper(&["mesh.n=16", "time.steps=8"]).problem);
+    let discrete = amontons::discretization::Discretization::new(&paper(&["mesh.n=16", "time.steps=8"]).problem);
     let k = 1.0 / 8.0;
     let defect = |memory: &Memory| {
         let mut worst = 0.0f64;

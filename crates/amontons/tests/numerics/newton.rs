@@ -5,12 +5,13 @@
 use crate::common::{self, Random, disturb, paper, reading};
 use amontons::case::{self, Source};
 use amontons::contact::Status;
-use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
+use amontons::state::{State, StepReport};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{dot, length};
 
-fn scheme(overrides: &[&str]) -> (amontons::problem::Problem, BackwardEuler) {
+fn scheme(overrides: &[&str]) -> (amontons::problem::Problem, March) {
     let problem = paper(overrides).problem;
-    let scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let scheme = March::new(&problem).expect("a regular system");
     (problem, scheme)
 }
 
@@ -71,7 +72,7 @@ fn steps_converge_from_any_state() {
 }
 
 /// A block pushed along a compliant foundation, with Coulomb friction at Gauss points of its bottom.
-fn block(elements: &str) -> (amontons::problem::Problem, BackwardEuler) {
+fn block(elements: &str) -> (amontons::problem::Problem, March) {
     let text = format!(
         r#"
 name = "block"
@@ -105,7 +106,7 @@ heat = {{ law = "ramp", conductance = 1.0, width = 1e-3, foundation_temperature 
 "#
     );
     let problem = case::parse(&Source::new("block.toml", text), &[]).expect("a case without faults").problem;
-    let scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let scheme = March::new(&problem).expect("a regular system");
     (problem, scheme)
 }
 
@@ -248,7 +249,7 @@ fn steps_without_friction_take_few_iterations() {
                 let overrides =
                     [format!("material.elasticity.young={young}"), format!("contact.quadrature=\"{quadrature}\"")];
                 let problem = common::case(&format!("crates/amontons/benchmarks/{name}.toml"), &overrides).problem;
-                let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+                let mut scheme = March::new(&problem).expect("a regular system");
                 let start = scheme.initial().expect("finite initial data");
                 let (_, report) =
                     scheme.step(&start).unwrap_or_else(|error| panic!("{name}, {quadrature}, E = {young}: {error}"));

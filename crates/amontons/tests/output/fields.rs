@@ -13,7 +13,7 @@ use amontons::material::StressState;
 use amontons::mesh::{Block, CellMap};
 use amontons::output::{Folder, Memory, NodalStress, ProbePlace, Take, cell_values, nodal_stress};
 use amontons::run::run;
-use amontons::scheme::State;
+use amontons::state::State;
 use amontons::tensor::{Point, Sym};
 
 /// The state at t = 0.

@@ -4,7 +4,7 @@
 use amontons::case::{self, Case, Source};
 use amontons::output::{Memory, OutputError, ProbeSet, RunStart, Sink, Snapshot, Summary};
 use amontons::run::{self, Settings};
-use amontons::scheme::State;
+use amontons::state::State;
 
 fn case(text: &str) -> Case {
     case::parse(&Source::new("pair.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))

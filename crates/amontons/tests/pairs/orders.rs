@@ -11,7 +11,7 @@ use amontons::mesh::CellMap;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::scheme::{State, StepReport};
+use amontons::state::{State, StepReport};
 
 /// λ and 2G of both bodies, conductivities of the lower and the upper one, conductance of the joint.
 const LAME: [f64; 2] = [1.2, 1.6];

@@ -3,11 +3,11 @@
 use crate::common;
 use amontons::case::{self, Source};
 use amontons::contact::Status;
+use amontons::discretization::Discretization;
 use amontons::inclusion::PointState;
 use amontons::output::Memory;
 use amontons::problem::{Problem, with_supports};
 use amontons::run::{self, Settings};
-use amontons::scheme::Discretization;
 
 fn problem(text: &str) -> Problem {
     case::parse(&Source::new("pair.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).problem

@@ -10,7 +10,7 @@ use amontons::linalg::{Backend, Multigrid, Supernodal};
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Rotation};
 
 use crate::common::{Random, changed, solve, spoil, told};
@@ -247,12 +247,12 @@ fn a_resumed_run_is_the_same() {
     let text = joint(2, &bolts, &drawn_up(2)).replace("steps = 4", "steps = 12").replace("density = 0", "density = 1");
     let problem = problem(&text);
     for stop in [2, 5] {
-        let mut scheme = BackwardEuler::new(&problem).expect("a scheme");
+        let mut scheme = March::new(&problem).expect("a scheme");
         let mut state = scheme.initial().expect("a state");
         for _ in 0..stop {
             state = scheme.step(&state).expect("a step").0;
         }
-        let mut other = BackwardEuler::new(&problem).expect("a scheme");
+        let mut other = March::new(&problem).expect("a scheme");
         other.recall(&scheme.kept()).expect("what is kept");
         let mut again = state.clone();
         for _ in stop..9 {

@@ -7,7 +7,7 @@ use crate::common;
 use amontons::case::{self, Source};
 use amontons::contact::Status;
 use amontons::problem::{BoundaryCondition, Problem};
-use amontons::scheme::StepReport;
+use amontons::state::StepReport;
 use amontons::time::Timeline;
 
 /// What both have: the laws, the steel, and a puller that moves the shaft by 0.1 mm from the second step on.

@@ -8,11 +8,11 @@
 use crate::common::{self, Random};
 use amontons::case::{self, Source};
 use amontons::contact::PointOnBoundary;
+use amontons::equation::StepError;
 use amontons::inclusion::PointState;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, RunError, Settings};
-use amontons::scheme::StepError;
 
 /// What joins a body to the one below.
 #[derive(Clone, Copy, Debug, PartialEq)]

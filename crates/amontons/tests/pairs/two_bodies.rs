@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use crate::common;
 use amontons::case::Case;
 use amontons::contact::{ContactPoint, Status};
+use amontons::discretization::Discretization;
 use amontons::output::{Memory, Outcome, Summary};
 use amontons::run::{self, Settings};
-use amontons::scheme::{Discretization, Ledger, State, StepReport};
+use amontons::state::{Ledger, State, StepReport};
 use amontons::tensor::length;
 
 /// Deviation allowed, relative to the scale of a group of quantities.

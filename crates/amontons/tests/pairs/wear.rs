@@ -123,7 +123,7 @@ fn a_rail_keeps_what_two_pins_have_taken_off_it() {
     assert!((0.88..0.97).contains(&ratio), "{ratio}");
     let volume = first.wear_volume + second.wear_volume;
     let mesh = case::parse(&Source::new("wear.toml", text), &[]).expect("a case").problem;
-    let discrete = amontons::scheme::Discretization::new(&mesh);
+    let discrete = amontons::discretization::Discretization::new(&mesh);
     let held: f64 = discrete.worn.of_side("rail_top", &last.depths).expect("a side").map(|(area, h)| area * h).sum();
     assert!((held / volume - 1.0).abs() < 1e-12, "{held:e} of {volume:e}");
 }

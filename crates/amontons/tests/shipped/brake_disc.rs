@@ -12,7 +12,7 @@ use amontons::mesh::CellMap;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{Settings, run};
-use amontons::scheme::State;
+use amontons::state::State;
 
 /// A run that keeps all.
 fn solved(problem: &Problem) -> Memory {

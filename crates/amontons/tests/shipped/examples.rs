@@ -62,11 +62,11 @@ fn a_sink_of_one_s_own_sees_every_step() {
 #[test]
 fn a_scheme_of_one_s_own_makes_the_steps_of_a_run() {
     let coarse = scheme::states(10, scheme::Substeps::make).expect("a run");
-    let fine = scheme::states(40, amontons::scheme::BackwardEuler::make).expect("a run");
+    let fine = scheme::states(40, amontons::step::March::make).expect("a run");
     assert_eq!((coarse.len(), fine.len()), (11, 41));
     for (coarse, fine) in coarse.iter().zip(fine.iter().step_by(4)) {
         assert_eq!((&coarse.w, &coarse.u), (&fine.w, &fine.u), "t = {}", fine.t);
     }
-    let thrown = |states: &[amontons::scheme::State]| states.last().and_then(|s| s.w.last().copied()).expect("a state");
+    let thrown = |states: &[amontons::state::State]| states.last().and_then(|s| s.w.last().copied()).expect("a state");
     assert!(thrown(&coarse) < 0.0, "{}", thrown(&coarse));
 }

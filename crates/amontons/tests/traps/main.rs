@@ -17,12 +17,12 @@ mod model;
 use std::sync::Arc;
 
 use amontons::case::{self, Source};
+use amontons::equation::StepError;
 use amontons::hypotheses::{Finding, FindingId, FindingStatus, Kind, findings};
 use amontons::material::{Constants, TensorLaw};
 use amontons::output::{Memory, Outcome, Summary};
 use amontons::problem::Problem;
 use amontons::run::{RunError, Settings, run};
-use amontons::scheme::StepError;
 use amontons::tensor::{Point, Sym, SymMap};
 
 /// A plane block on a foundation, held at its top; bodies of other cases are set by overrides.

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use amontons::linalg::{Estimate, Graph, Layout};
 use amontons::mesh::{Elements, Mesh};
 use amontons::model::Model;
-use amontons::scheme::{BackwardEuler, Scheme};
+use amontons::step::{March, Scheme};
 
 use super::{BAR, BLOCK, doubled, near, problem};
 
@@ -65,7 +65,7 @@ fn sizes_of_a_body() {
 #[test]
 fn the_cost_is_that_of_the_factors() {
     let varying = ["material.density=\"1 + x*y\"", "material.heat_capacity=\"1 + x*y\""];
-    let even = |n: &str| BackwardEuler::new(&problem(BLOCK, &[n])).expect("factors").stored() as f64;
+    let even = |n: &str| March::new(&problem(BLOCK, &[n])).expect("factors").stored() as f64;
     let counted = |n: &str| Model::new(&problem(BLOCK, &[n])).cost.factors.iter().sum::<usize>() as f64;
     let share = |n: &str| even(n) / counted(n);
     // What repeats is stored once: the more the finer the mesh.
@@ -77,7 +77,7 @@ fn the_cost_is_that_of_the_factors() {
     ] {
         let problem = problem(BLOCK, &[overrides, &varying].concat());
         let cost = Model::new(&problem).cost;
-        let scheme = BackwardEuler::new(&problem).expect("factors");
+        let scheme = March::new(&problem).expect("factors");
         // S is not stored with the factor: the triangles of u and θ on Γ_C.
         let triangle = |n: usize| n * (n + 1) / 2;
         let condensed = triangle(cost.unknowns[2]) + triangle(cost.unknowns[2].div_ceil(2));

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::tables::Table;
+use crate::discretization::Discretization;
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
 use crate::material::VTK_COMPONENTS;
 use crate::mesh::Block;
 use crate::output::{PointValues, StoredFields, cell_values, columns};
 use crate::problem::Problem;
-use crate::scheme::{Accumulated, Carried, Counts, Discretization, Ledger, State};
+use crate::state::{Accumulated, Carried, Counts, Ledger, State};
 use crate::tensor::Sym;
 use crate::vtu::{Array, Grid};
 

@@ -2,18 +2,18 @@
 
 use std::borrow::Cow;
 
-use super::apart::Rigid;
 use super::foundation::frames;
 use super::system::{HalfStep, Step};
 use crate::inclusion::{Drive, Frame, MechanicalStep, Multipliers, PointState};
 use crate::linalg::SolveError;
+use crate::state::Rigid;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
 const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 
 /// What is known on Γ_C before the half-step is solved.
 #[derive(Clone, Default)]
-pub(super) struct Given {
+pub(crate) struct Given {
     u_bar: Vec<f64>,
     w_prescribed: Vec<f64>,
     /// The foundation at the contact points.

@@ -11,13 +11,13 @@ use crate::tensor::Point;
 
 /// The contact points that fluids wet in a step, and those that they have left in it; empty without a fluid.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pools {
+pub(crate) struct Pools {
     pub wet: Vec<bool>,
     pub left: Vec<bool>,
 }
 
 /// No point is wet before the first step.
-pub(super) fn dry(problem: &Problem, discrete: &Discretization) -> Wet {
+pub(crate) fn dry(problem: &Problem, discrete: &Discretization) -> Wet {
     if discrete.ways.is_empty() {
         return Wet::default();
     }
@@ -33,7 +33,7 @@ fn passes(step: &Step, i: usize, states: &[PointState]) -> bool {
 
 impl Step<'_> {
     /// The loads with the pressure of fluids at the points that are wet: −Σ ω Nᵀ p_f ν besides.
-    pub(super) fn with_fluid(&self, load: &Arc<Vec<f64>>, wet: &[bool], frames: &[Frame]) -> Arc<Vec<f64>> {
+    pub(crate) fn with_fluid(&self, load: &Arc<Vec<f64>>, wet: &[bool], frames: &[Frame]) -> Arc<Vec<f64>> {
         if !wet.contains(&true) {
             return Arc::clone(load);
         }
@@ -49,7 +49,7 @@ impl Step<'_> {
     /// Where fluids go on from the points that are wet, in the states that these are in: to those that they reach, else
     /// out of those that have closed, and of what is cut off behind these. A point is left once in a step; none if
     /// nothing changes.
-    pub(super) fn spread(&self, pools: &Pools, states: &[PointState]) -> Option<Pools> {
+    pub(crate) fn spread(&self, pools: &Pools, states: &[PointState]) -> Option<Pools> {
         let ways = &self.discrete.ways;
         if ways.is_empty() {
             return None;
@@ -71,7 +71,7 @@ impl Step<'_> {
 }
 
 /// What is wet after a step in which these points were: those that have closed hold no fluid in the next one.
-pub(super) fn after(step: &Step, before: &Wet, wet: &[bool], states: &[PointState]) -> Wet {
+pub(crate) fn after(step: &Step, before: &Wet, wet: &[bool], states: &[PointState]) -> Wet {
     let ways = &step.discrete.ways;
     if ways.is_empty() {
         return Wet::default();

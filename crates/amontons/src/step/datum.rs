@@ -1,15 +1,16 @@
 //! Which datum is not finite where a step failed.
 
-use super::{State, StepError};
 use crate::element::{Element, ShapeTable};
+use crate::equation::StepError;
 use crate::forms;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{Datum, Problem};
+use crate::state::State;
 use crate::tensor::Point;
 
 /// The error of a step with values that are not finite, with the datum that is the cause, if one is; other errors as
 /// they are.
-pub(super) fn named(problem: &Problem, old: &State, error: StepError) -> StepError {
+pub(crate) fn named(problem: &Problem, old: &State, error: StepError) -> StepError {
     let StepError::NotFinite { step, t, .. } = error else { return error };
     // The foundation is asked at both ends of a step.
     let found = [t, old.t].into_iter().find_map(|t| Some((t, culprit(problem, old, t)?)));

@@ -6,14 +6,15 @@
 //! with the mechanical half-step eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with
 //! θ_n in m and u_n in e.
 
-use super::heat::{self, Heat};
-use super::mechanics::{Beside, Mechanics};
-use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
-use super::{Contraction, CouplingReport, StepError, tried};
+use crate::equation::heat::{self, Heat};
+use crate::equation::mechanics::{Beside, Mechanics};
+use crate::equation::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
+use crate::equation::{StepError, tried};
 use crate::inclusion::{PointDerivative, PointState};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
+use crate::state::{Contraction, CouplingReport};
 use crate::tensor::{self, Point, length};
 use crate::time::Rule;
 
@@ -32,7 +33,7 @@ const LINEAR: f64 = 1e-10;
 const PRODUCTS: usize = 200;
 
 /// A step that was made.
-pub(super) struct Made {
+pub(crate) struct Made {
     pub mechanics: Mechanics,
     pub heat: Heat,
     pub report: CouplingReport,
@@ -48,7 +49,7 @@ struct Pass {
 }
 
 /// The systems of both half-steps, and what was done with them.
-pub(super) struct Coupled<'a> {
+pub(crate) struct Coupled<'a> {
     pub step: Step<'a>,
     pub mechanics: &'a mut HalfStep,
     pub heat: &'a mut HalfStep,

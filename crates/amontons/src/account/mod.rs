@@ -1,13 +1,14 @@
 //! The ledger after a step: every term of the energy and heat identities.
 
-use super::Ledger;
-use super::heat::{Amounts, Heat};
-use super::mechanics::Mechanics;
-use super::system::{Step, difference};
 use crate::arrays::per_point;
 use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
-use crate::linalg::{dot, sum_block};
+use crate::equation::heat::{Amounts, Heat};
+use crate::equation::mechanics::Mechanics;
+use crate::equation::power::Powers;
+use crate::equation::system::{Step, difference};
+use crate::linalg::dot;
+use crate::state::Ledger;
 use crate::tensor;
 use crate::time::Rule;
 
@@ -15,7 +16,7 @@ use crate::time::Rule;
 const TELLING: f64 = 1e-11;
 
 /// The ledger after a step.
-pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
+pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let before = &step.old.ledger;
     let theta = step.end(&step.old.theta, heat.theta.clone());
     let energy = Energy::of(step, m, &theta);
@@ -63,66 +64,6 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
         heat_turned_over: before.heat_turned_over + heat_moved,
-    }
-}
-
-/// Products of the vectors of the mechanical half-step, summed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Powers {
-    /// w·M w at the end of the step, and that of the change of w in it.
-    kinetic: f64,
-    inertial: f64,
-    /// b(w, w).
-    viscous: f64,
-    /// Of m(θ, ·) and of the load.
-    thermal: f64,
-    load: f64,
-    /// a(u, u) at the end of the step, and that of the change of u in it; zero where a is not linear.
-    elastic: f64,
-    strained: f64,
-}
-
-/// Blocks of the vectors that [`Powers`] are sums of, from an entry on.
-pub(super) struct PowerTerms<'a> {
-    pub first: usize,
-    /// The displacement that strains see, the velocity, and its part that strains see.
-    pub u: &'a [f64],
-    pub w: &'a [f64],
-    pub v: &'a [f64],
-    pub mass_w: &'a [f64],
-    pub a_u: &'a [f64],
-    pub b_w: &'a [f64],
-    pub thermal: &'a [f64],
-    pub load: &'a [f64],
-}
-
-impl Powers {
-    /// The sums over a block, those of all blocks to be given to [`Powers::new`].
-    pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
-        let Step { discrete, old, products, rule, .. } = *step;
-        let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;
-        let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
-        let [kinetic, inertial, viscous, thermal, load] =
-            sum_block([w, w_old, v, mass_w, mass_old, b_w, thermal, load], |entries| {
-                let [w, w_old, v, mass_w, mass_old, b_w, thermal, load] = entries;
-                let (w_end, mass_end) = (rule.end([w_old, w]), rule.end([mass_old, mass_w]));
-                let change = (w_end - w_old) * (mass_end - mass_old);
-                [w_end * mass_end, change, v * b_w, v * thermal, w * load]
-            });
-        let [elastic, strained] = if discrete.is_linear() {
-            let [u_old, a_old] = [step.deformation_before(), &products.a_u].map(|v| &v[first..first + u.len()]);
-            sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| {
-                let (u, a_u) = (rule.end([u_old, u]), rule.end([a_old, a_u]));
-                [u * a_u, (u - u_old) * (a_u - a_old)]
-            })
-        } else {
-            [0.0; 2]
-        };
-        [kinetic, inertial, viscous, thermal, load, elastic, strained]
-    }
-
-    pub fn new([kinetic, inertial, viscous, thermal, load, elastic, strained]: [f64; 7]) -> Powers {
-        Powers { kinetic, inertial, viscous, thermal, load, elastic, strained }
     }
 }
 

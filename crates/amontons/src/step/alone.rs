@@ -1,20 +1,21 @@
 //! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero, or
 //! at the temperature that is given.
 
-use super::audit::Powers;
 use super::coupling::Made;
-use super::foundation::frames;
-use super::given::Given;
-use super::heat::{Amounts, Begun, Heat};
-use super::mechanics::{Hold, Mechanics};
-use super::system::{HalfStep, Step};
-use super::{CouplingReport, StepError};
 use crate::contact::{Flux, Status};
+use crate::equation::StepError;
+use crate::equation::foundation::frames;
+use crate::equation::given::Given;
+use crate::equation::heat::{Amounts, Begun, Heat};
+use crate::equation::mechanics::{Hold, Mechanics};
+use crate::equation::power::Powers;
+use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::{Exchange, Frame, PointState};
 use crate::problem::Physics;
+use crate::state::CouplingReport;
 
 /// Solves (4.1) without a temperature, or with that which is given at t_n.
-pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
+pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let theta: Vec<f64> = match step.problem.physics {
         Physics::Warmed => step.problem.given_temperature(step.level).into(),
         _ => vec![0.0; step.old.theta.len()],
@@ -23,7 +24,7 @@ pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepEr
 }
 
 /// Solves (4.2) of bodies that do not move. They exchange heat across their gaps at rest, and nothing presses.
-pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
+pub(crate) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let states = across_gaps(step);
     let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &states)?;
     Ok(made(Mechanics { states, ..no_mechanics(step) }, heat))

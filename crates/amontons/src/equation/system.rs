@@ -3,10 +3,12 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::StepError;
 use super::apart::Apart;
-use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, PointState, Undetermined};
+use crate::discretization::Discretization;
+use crate::inclusion::residual::{Residual, grown, is_small};
+use crate::inclusion::{Failure, Loose, NotConverged, PointState, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
@@ -16,6 +18,7 @@ use crate::problem::Problem;
 use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
+use crate::state::State;
 use crate::tensor::Point;
 use crate::time::{Interval, Rule};
 
@@ -29,7 +32,7 @@ pub const REFINE: f64 = 1e-11;
 
 /// What is known when a step is made.
 #[derive(Clone, Copy)]
-pub(super) struct Step<'a> {
+pub(crate) struct Step<'a> {
     pub problem: &'a Problem,
     /// The contacts of the problem with their laws at t_n.
     pub contacts: &'a [Contact],
@@ -59,7 +62,7 @@ pub(super) struct Step<'a> {
 
 /// What the rule in time adds to: with backward Euler the state before.
 #[derive(Clone, Copy)]
-pub(super) struct Bar<'a> {
+pub(crate) struct Bar<'a> {
     pub u: &'a [f64],
     pub w: &'a [f64],
     pub theta: &'a [f64],
@@ -74,7 +77,7 @@ impl<'a> From<&'a State> for Bar<'a> {
 
 /// Of which state the round-off is asked for.
 #[derive(Clone, Copy)]
-pub(super) enum Rounded {
+pub(crate) enum Rounded {
     Here,
     /// The state before.
     Before,
@@ -154,14 +157,14 @@ impl Step<'_> {
     }
 
     /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the
-    /// last bits of the state make of it, as long as that is small beside what acts on the body (`driven`). A contact
+    /// last bits of the state make of it, as long as that is small beside what acts on the body. A contact
     /// force that is no more than that round-off is none. Where nothing acts, the round-off of the state must be small
     /// beside the motion that is prescribed, or hardly be more than that of the state before, or the motion no more
     /// than the last bits of the places of the nodes. What is round-off is given relative to the sizes of the numbers
     /// that the terms are sums of.
     pub fn accept(
         &self,
-        [residual, scale, driven, contact]: [f64; 4],
+        Residual { value: residual, scale, acting, contact }: Residual,
         part: &'static str,
         round_off: impl Fn(Rounded) -> f64,
     ) -> Result<f64, StepError> {
@@ -169,16 +172,16 @@ impl Step<'_> {
             return Ok(residual);
         }
         let here = round_off(Rounded::Here);
-        let driven = if contact > ROUNDINGS * here { driven.max(contact) } else { driven };
-        let is_small = || {
+        let acting = if contact > ROUNDINGS * here { acting.max(contact) } else { acting };
+        let may_be_left = || {
             let prescribed = || round_off(Rounded::Prescribed) / f64::EPSILON;
-            here <= BESIDE * driven
-                || (driven == 0.0
-                    && (here <= GROWN * round_off(Rounded::Before)
-                        || here <= BESIDE * prescribed()
+            is_small(here, acting)
+                || (acting == 0.0
+                    && (here <= grown(round_off(Rounded::Before))
+                        || is_small(here, prescribed())
                         || here <= ROUNDINGS * f64::EPSILON * round_off(Rounded::Places)))
         };
-        if residual * scale <= ROUNDINGS * here && is_small() {
+        if residual * scale <= ROUNDINGS * here && may_be_left() {
             return Ok(f64::EPSILON * (residual * scale / here));
         }
         Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED })
@@ -268,7 +271,7 @@ impl Step<'_> {
 /// A factor costs as much as many passes with it, and the matrix changes little from step to step: it is kept as long
 /// as the residual falls fast. A new one may not help, as where a law bends: the passes between two of them double.
 #[derive(Default)]
-pub(super) struct Renewal {
+pub(crate) struct Renewal {
     passes: usize,
     wait: usize,
 }
@@ -296,7 +299,7 @@ impl Renewal {
 
 /// Products of a state with the forms, which one step computes and the next one needs.
 #[derive(Debug)]
-pub(super) struct Products {
+pub(crate) struct Products {
     /// t_n of the state.
     pub t: f64,
     /// (ρ·, ·), or (·, ·) where the density is the same everywhere.
@@ -321,7 +324,7 @@ impl Products {
 
 /// A matrix of a half-step with the unknowns of its contact nodes.
 #[derive(Debug)]
-pub(super) struct HalfStep {
+pub(crate) struct HalfStep {
     pub system: System,
     /// Unknown of each degree of freedom of the contact nodes, and of the motions of rigid bodies after them, among
     /// those that are kept, none where prescribed.
@@ -365,7 +368,7 @@ impl HalfStep {
 }
 
 /// The increment over the guess of a problem without contact, the guess added: a backend may keep unknowns of the body.
-pub(super) fn without_contact(
+pub(crate) fn without_contact(
     condensed: &mut dyn Condensed,
     r: &[f64],
     guess: &[f64],
@@ -379,14 +382,14 @@ pub(super) fn without_contact(
 }
 
 /// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
-pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
+pub(crate) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
     let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
     sum
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
-pub(super) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
+pub(crate) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
     let Step { discrete, boundary, .. } = *step;
     let force =
         |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
@@ -401,12 +404,12 @@ pub(super) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<
 }
 
 /// Of numbers for each block of the vectors, the largest of the first and the sums of the others.
-pub(super) fn over_blocks<const N: usize, const M: usize>(blocks: &[([f64; N], [f64; M])]) -> ([f64; N], [f64; M]) {
+pub(crate) fn over_blocks<const N: usize, const M: usize>(blocks: &[([f64; N], [f64; M])]) -> ([f64; N], [f64; M]) {
     let most = |i: usize| blocks.iter().fold(0.0, |most, (largest, _)| larger(most, largest[i]));
     (std::array::from_fn(most), std::array::from_fn(|i| blocks.iter().map(|(_, sums)| sums[i]).sum()))
 }
 
 /// a − b.
-pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(crate) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     map([a, b], |[a, b]| a - b)
 }

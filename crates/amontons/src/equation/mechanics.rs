@@ -3,22 +3,25 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::apart::{Carried, Rigid, Whole};
-use super::audit::{PowerTerms, Powers};
+use super::StepError;
+use super::apart::Whole;
 use super::fluid::Pools;
 use super::given::Given;
+use super::power::{PowerTerms, Powers};
 use super::system::{
     ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, contact_forces, on_degrees, over_blocks, without_contact,
 };
-use super::{State, StepError};
 use crate::discretization::Warmed;
+use crate::inclusion::residual::Residual;
 use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Solved, Undetermined};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
+use crate::state::State;
+use crate::state::{Carried, Rigid};
 use crate::tensor::Point;
 use crate::time::Rule;
 
 /// What the mechanical half-step found.
-pub(super) struct Mechanics {
+pub(crate) struct Mechanics {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     /// Where rigid motions are taken apart: w − W, W, and what the contact points are given relative to it; and u by
@@ -63,7 +66,7 @@ pub(super) struct Mechanics {
 }
 
 /// What is made on the other threads while the mechanical half-step is solved.
-pub(super) trait Beside: Send {
+pub(crate) trait Beside: Send {
     /// Beside the contact, which takes one thread.
     fn with_contact(&mut self) {}
 
@@ -132,7 +135,7 @@ impl Mechanics {
                 let next = equation.expand(half, &now, settled)?;
                 equation.shortened(half, &now, next, previous)?
             };
-            let (residual, ratio) = (next.residual, next.residual / previous);
+            let (residual, ratio) = (next.residual.value, next.residual.value / previous);
             let goes_on =
                 if is_linear { ratio < 0.5 } else { passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED) };
             let has_ended = if softens { Renewal::has_ended(residual, ratio) } else { residual <= REFINE };
@@ -361,18 +364,15 @@ impl<'a> Equation<'a> {
         let support_work = reaction_work.sum::<f64>() + held_work;
         discrete.v.mask(&mut rest);
         let known = self.step.drives(&self.given).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
-        let driven = (inertia * mass_w.max(bar)).max(thermal).max(known);
+        let acting = (inertia * mass_w.max(bar)).max(thermal).max(known);
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
-        let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(driven.max(contact), f64::max);
-        let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
+        let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(acting.max(contact), f64::max);
+        let value = self.step.relative(max_abs(&rest), scale, "mechanics")?;
         Ok(Balanced {
             iterate,
             u,
             states,
-            residual,
-            scale,
-            driven,
-            contact,
+            residual: Residual { value, scale, acting, contact },
             force,
             reactions,
             support_work,
@@ -390,14 +390,14 @@ impl<'a> Equation<'a> {
         previous: f64,
     ) -> Result<Balanced<'a>, StepError> {
         let mut alpha = 0.5;
-        while next.residual > previous && alpha >= SHORTEST_STEP {
+        while next.residual.value > previous && alpha >= SHORTEST_STEP {
             let part = |old: f64, new: f64| old + alpha * (new - old);
             let w: Vec<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
             let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
             let states = self.given.states(self.step, half, &w, &multipliers);
             let hold = now.hold.towards(&next.iterate.hold, alpha);
             let shorter = self.balance(w, &now.rigid, Found { multipliers, states, hold })?;
-            if shorter.residual < next.residual {
+            if shorter.residual.value < next.residual.value {
                 next = shorter;
             }
             alpha *= 0.5;
@@ -413,10 +413,10 @@ impl<'a> Equation<'a> {
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
         let Equation { step, pools, theta, thermal, given, .. } = self;
-        let Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work, powers } =
-            end;
+        let Balanced { iterate, u, states, residual, force, reactions, support_work, powers } = end;
+        let scale = residual.scale;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
-        let residual = step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
+        let residual = step.accept(residual, "mechanics", |of| match of {
             Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
             Rounded::Before => round_off(step.bar.w, &step.sizes(step.bar.w)),
             Rounded::Prescribed => {
@@ -492,7 +492,7 @@ struct Iterate<'a> {
 
 /// What holds the rigid motions that nothing determines.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Hold {
+pub(crate) struct Hold {
     pub loose: Vec<Undetermined>,
     /// The forces of the springs over all degrees of freedom, N; empty if there are none.
     pub forces: Vec<f64>,
@@ -542,11 +542,8 @@ struct Balanced<'a> {
     /// ū + γ w of it.
     u: Vec<f64>,
     states: Vec<PointState>,
-    residual: f64,
-    scale: f64,
-    /// The largest of the terms that are known: loads, what drives contacts, heat, inertia; and of the contact forces.
-    driven: f64,
-    contact: f64,
+    /// Loads, what drives contacts, heat and inertia act.
+    residual: Residual,
     force: Point,
     reactions: Vec<f64>,
     support_work: f64,

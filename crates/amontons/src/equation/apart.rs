@@ -7,9 +7,6 @@
 //! body the rigid part of v is put to W, so that the deformation has all its digits in the next one, whatever the
 //! acceleration.
 
-use serde::{Deserialize, Serialize};
-
-use super::State;
 use super::system::Step;
 use crate::contact::Status;
 use crate::inclusion::{Frame, PointState};
@@ -17,6 +14,7 @@ use crate::linalg::map;
 use crate::mesh::Mesh;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
+use crate::state::{Carried, Rigid};
 use crate::tensor::{Point, dot, length};
 
 /// Share of the moments of a body below which its nodes lie on a line, about which they do not turn.
@@ -24,46 +22,9 @@ const FLAT: f64 = 1e-9;
 /// Sine of the angle between two normals that are those of one plane.
 const ACROSS: f64 = 1e-6;
 
-/// A rigid motion of small angles about the centre c of a body: a + b × (x − c).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Rigid {
-    /// a, m or m/s.
-    pub translation: Point,
-    /// b, in radians or per second.
-    pub rotation: Point,
-}
-
-impl Rigid {
-    /// The sum of two motions.
-    pub(super) fn and(&self, other: &Rigid) -> Rigid {
-        let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + b[c]);
-        Rigid {
-            translation: sum(&self.translation, &other.translation),
-            rotation: sum(&self.rotation, &other.rotation),
-        }
-    }
-}
-
-/// The displacement of a state with the rigid motion of each body taken apart; empty where it is not.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Carried {
-    /// R of each body, in the order of the lowest nodes.
-    pub rigid: Vec<Rigid>,
-    /// d = u − R, m, node-major.
-    pub deformation: Vec<f64>,
-}
-
-impl State {
-    /// The displacement whose strains are those of the body: u, or d where a rigid motion is taken apart.
-    #[must_use]
-    pub fn deformation(&self) -> &[f64] {
-        if self.carried.rigid.is_empty() { &self.u } else { &self.carried.deformation }
-    }
-}
-
 /// The bodies of a mesh, whose rigid motions have no strain.
 #[derive(Debug)]
-pub(super) struct Bodies {
+pub(crate) struct Bodies {
     dim: usize,
     all: Vec<Body>,
     /// The body of each node; none of a node without cells.
@@ -142,7 +103,7 @@ impl Bodies {
 }
 
 /// The motion at the end of a step: u and w, and where rigid motions are taken apart v = w − W and u by its parts.
-pub(super) struct Whole {
+pub(crate) struct Whole {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     pub v: Vec<f64>,
@@ -151,7 +112,7 @@ pub(super) struct Whole {
 
 /// Where a step takes rigid motions apart.
 #[derive(Clone, Copy)]
-pub(super) struct Apart<'a> {
+pub(crate) struct Apart<'a> {
     pub bodies: &'a Bodies,
     pub carried: &'a Carried,
 }

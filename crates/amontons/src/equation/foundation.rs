@@ -1,43 +1,20 @@
 //! The foundation in a step: where it is, how it moves, and what stays on Γ_C from step to step.
 
-use serde::{Deserialize, Serialize};
-
 use super::fluid;
 use super::given::Given;
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Wet, Worn};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
 use crate::discretization::Discretization;
 use crate::inclusion::{Drive, Exchange, Frame, Passed, PointState};
 use crate::problem::Problem;
+use crate::state::Accumulated;
 use crate::tensor::{self, Point, dot};
 use crate::time::{Interval, Rule};
 
-/// What Γ_C and the foundation accumulate from step to step.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Accumulated {
-    /// Depth worn off at each contact point, m; of a pair that of both bodies where they face each other now.
-    pub wear: Vec<f64>,
-    /// What has come off the sides of pairs.
-    pub worn: Worn,
-    /// Work of friction at each contact point since the start, J/m².
-    pub friction_work: Vec<f64>,
-    /// θ_F of each contact whose foundation has a heat capacity, K; none where it is prescribed.
-    pub foundation: Vec<Option<f64>>,
-    /// Heat that has passed each contact since the start, J.
-    pub passed: Vec<Passed>,
-    /// δ of each contact, m: by how much the sides of a section are drawn together, or an obstacle under a load has
-    /// moved along its direction; zero elsewhere.
-    pub advance: Vec<f64>,
-    /// The mean rate of δ in the last step, m/s.
-    pub advance_rate: Vec<f64>,
-    /// Where fluids are.
-    pub wet: Wet,
-}
-
 impl Accumulated {
     /// At t = 0.
-    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
+    pub(crate) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
         let boundary = &discrete.boundary;
         let n = boundary.points.len();
         let first =
@@ -59,7 +36,7 @@ impl Accumulated {
     }
 
     /// After a step at whose end δ is as given, with the points that were wet.
-    pub(super) fn after(
+    pub(crate) fn after(
         &self,
         step: &Step,
         states: &[PointState],
@@ -92,7 +69,7 @@ impl Accumulated {
 /// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` has the depth worn off at each point
 /// and by how much the gap opens per depth that wears off, `advance` δ of each contact at the start and at the end of
 /// the step; they are empty where nothing wears or δ is zero.
-pub(super) fn frames(
+pub(crate) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
     u: &[f64],
@@ -162,7 +139,7 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
 impl Step<'_> {
     /// The contacts that a force drives in the step, with δ as far as it has grown in it: the sections that are
     /// tightened, and the obstacles under a load.
-    pub(super) fn drives(&self, given: &Given) -> Vec<Drive> {
+    pub(crate) fn drives(&self, given: &Given) -> Vec<Drive> {
         let k = self.rule.k;
         let of = |(contact, of): (usize, &Contact)| {
             if let Some(force) = of.preload.as_ref().and_then(|preload| preload.force_in([self.old.t, self.t])) {
@@ -179,27 +156,27 @@ impl Step<'_> {
     }
 
     /// The mean force at a contact point of what drives a contact, N.
-    pub(super) fn at_points(&self, drive: &Drive) -> f64 {
+    pub(crate) fn at_points(&self, drive: &Drive) -> f64 {
         let points = self.boundary.points.iter().filter(|point| point.contact == drive.contact).count();
         drive.force.abs() / points.max(1) as f64
     }
 
     /// The depth worn off at each contact point, and by how much its gap opens per depth that wears off; empty where
     /// nothing wears.
-    pub(super) fn worn(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn worn(&self) -> Vec<[f64; 2]> {
         let Accumulated { wear, worn, .. } = &self.old.surface;
         self.discrete.worn.at_points(self.contacts, self.boundary, wear, &worn.depths)
     }
 
     /// The moment of the forces on both bodies of each contact.
-    pub(super) fn moments(&self, states: &[PointState]) -> Vec<Point> {
+    pub(crate) fn moments(&self, states: &[PointState]) -> Vec<Point> {
         let lambda = states.iter().map(|s| std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]));
         self.boundary.moments(&self.problem.contacts, &self.discrete.mesh, &self.old.u, lambda)
     }
 }
 
 /// θ_F(t_n) at the contact points where it is prescribed, K.
-pub(super) fn temperatures(step: &Step) -> Vec<f64> {
+pub(crate) fn temperatures(step: &Step) -> Vec<f64> {
     let mut all = Vec::with_capacity(step.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let points = step.boundary.points.iter().filter(|point| point.contact == side);
@@ -212,7 +189,7 @@ pub(super) fn temperatures(step: &Step) -> Vec<f64> {
 
 /// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static
 /// one there.
-pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
+pub(crate) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
     // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
     // cancel but for round-off.
     let k = problem.timeline.instant(1).k;

@@ -6,6 +6,7 @@ use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, over_blocks, without_contact};
+use crate::inclusion::residual::Residual;
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState};
 use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, sum_block, zeros};
 use crate::time::Rule;
@@ -14,7 +15,7 @@ use crate::time::Rule;
 const PASSES: usize = 100;
 
 /// What the heat half-step found.
-pub(super) struct Heat {
+pub(crate) struct Heat {
     pub theta: Vec<f64>,
     pub mass_theta: Vec<f64>,
     pub d_theta: Vec<f64>,
@@ -38,7 +39,7 @@ pub(super) struct Heat {
 
 /// Heat moved in one step, J.
 #[derive(Default)]
-pub(super) struct Amounts {
+pub(crate) struct Amounts {
     /// Stored at its end, less the factor of the form of storage.
     pub stored: f64,
     pub supplied: f64,
@@ -50,7 +51,7 @@ pub(super) struct Amounts {
 }
 
 /// A heat half-step before the contact is known.
-pub(super) struct Begun {
+pub(crate) struct Begun {
     supply: Arc<Vec<f64>>,
     coupling: Vec<f64>,
     /// Where the half-step starts, with the prescribed values of t_n, and its products with the forms.
@@ -114,10 +115,10 @@ impl Begun {
             iterations += newton;
             sweeps += 2;
             let balance = self.balance(step, &exchange)?;
-            if balance.residual <= REFINE || balance.residual >= 0.5 * previous {
+            if balance.residual.value <= REFINE || balance.residual.value >= 0.5 * previous {
                 return self.found(step, exchange, balance, [iterations, sweeps]);
             }
-            previous = balance.residual;
+            previous = balance.residual.value;
             self.reduced = self.reduce(step, half)?;
         }
     }
@@ -165,8 +166,8 @@ impl Begun {
             iterations += newton;
             sweeps += 2;
             let balance = self.balance(step, &exchange)?;
-            let ratio = balance.residual / previous;
-            if Renewal::has_ended(balance.residual, ratio) || passes == PASSES {
+            let ratio = balance.residual.value / previous;
+            if Renewal::has_ended(balance.residual.value, ratio) || passes == PASSES {
                 return self.found(step, exchange, balance, [iterations, sweeps]);
             }
             if renewal.is_due(ratio) {
@@ -177,7 +178,7 @@ impl Begun {
                 self.theta = mixing.next(&start, &self.theta);
                 [self.mass_theta, self.d_theta] = step.discrete.thermal_products(&self.theta);
             }
-            previous = balance.residual;
+            previous = balance.residual.value;
             self.reduced = self.reduce(step, half)?;
         }
         Err(StepError::NotFinite { step: step.n, t: step.t, part: "heat" })
@@ -210,11 +211,12 @@ impl Begun {
         discrete.q.mask(&mut rest);
         let storage = c / delta * mass_theta.max(bar);
         // A flux into a prescribed temperature may be of any size and is no term of an equation.
-        let driven = coupling.max(supply).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
-        let scale = driven.max(d_theta);
-        let residual = step.relative(max_abs(&rest), scale, "heat")?;
+        let acting = coupling.max(supply).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
+        let scale = acting.max(d_theta);
+        let value = step.relative(max_abs(&rest), scale, "heat")?;
         [self.mass_theta, self.d_theta] = made;
-        Ok(Balance { residual, scale, driven, through_contact, reactions, rubbed, sums })
+        let residual = Residual { value, scale, acting, contact: 0.0 };
+        Ok(Balance { residual, through_contact, reactions, rubbed, sums })
     }
 
     /// The solution, if its residual is accepted.
@@ -227,8 +229,9 @@ impl Begun {
     ) -> Result<Heat, StepError> {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, rule: Rule { k, .. }, .. } = *step;
-        let Balance { residual, scale, driven, through_contact, reactions, rubbed, sums } = balance;
-        let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
+        let Balance { residual, through_contact, reactions, rubbed, sums } = balance;
+        let scale = residual.scale;
+        let residual = step.accept(residual, "heat", |of| match of {
             Rounded::Here => discrete.thermal_round_off(&theta),
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
             // No gap depends on it.
@@ -268,11 +271,8 @@ impl Begun {
 
 /// How far (4.2) is from holding.
 struct Balance {
-    /// Relative to `scale`, the largest term of the equation.
-    residual: f64,
-    scale: f64,
-    /// The largest of the terms besides conduction.
-    driven: f64,
+    /// All terms but conduction act.
+    residual: Residual,
     /// Heat that leaves through Γ_C, and what enters where the temperature is prescribed, W.
     through_contact: f64,
     reactions: Vec<f64>,

@@ -11,7 +11,7 @@ const INDEPENDENT: f64 = 1e-8;
 /// residual g − x is least (Anderson, J. ACM 12 (1965) 547; in the form of Walker and Ni, SIAM J. Numer. Anal. 49
 /// (2011) 1715). On a linear problem it is equivalent to GMRES.
 #[derive(Default)]
-pub(super) struct Mixing {
+pub(crate) struct Mixing {
     last: Option<[Vec<f64>; 2]>,
     /// Changes of the value and of the residual, an orthonormal basis of the latter, newest last.
     values: Vec<Vec<f64>>,

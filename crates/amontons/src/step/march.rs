@@ -3,25 +3,24 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::alone;
-use super::apart::{Apart, Bodies};
-use super::audit::audit;
 use super::coupling::{Coupled, Made};
-use super::datum;
-use super::foundation::{at_rest, frames};
-use super::mechanics::Mechanics;
-use super::system::{HalfStep, Products, Step};
-use super::{
-    Accumulated, Carried, ContactReport, Counts, Discretization, Kept, Ledger, Reactions, Scheme, SetupError, State,
-    StepError, StepReport, tried,
-};
+use super::{Kept, Scheme, alone, datum};
+use crate::account::audit;
 use crate::contact::{Contact, ContactBoundary, Supports};
+use crate::discretization::Discretization;
+use crate::equation::apart::{Apart, Bodies};
+use crate::equation::foundation::{at_rest, frames};
+use crate::equation::mechanics::Mechanics;
+use crate::equation::system::{HalfStep, Products, Step};
+use crate::equation::systems::Systems;
+use crate::equation::{SetupError, StepError, tried};
 use crate::inclusion::{Loose, Multipliers, PointState};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
+use crate::state::{Accumulated, Carried, ContactReport, Counts, Ledger, Reactions, State, StepReport};
 use crate::tensor;
-use crate::time::{Interval, Rule};
+use crate::time::Interval;
 
 /// How often a step is halved that does not converge, or in which there may be several solutions.
 const HALVINGS: usize = 5;
@@ -34,7 +33,7 @@ const NOISE: f64 = 1e-2;
 /// fall may have several solutions between the state before and the one that was found: the shorter the step, the
 /// nearer the solution is to the branch before.
 #[derive(Debug)]
-pub struct BackwardEuler {
+pub struct March {
     problem: Problem,
     discrete: Arc<Discretization>,
     backend: Arc<dyn Backend>,
@@ -57,126 +56,42 @@ pub struct BackwardEuler {
     is_patient: bool,
 }
 
-/// The systems of the half-steps that a problem has, for one step length.
-#[derive(Debug)]
-struct Systems {
-    rule: Rule,
-    mechanics: Option<HalfStep>,
-    heat: Option<HalfStep>,
-}
-
-impl Systems {
-    /// Factorizes K_u and K_θ for step length `k`, at the temperature `theta`. For nonlinear laws K_u is the tangent at
-    /// rest; each step replaces it.
-    ///
-    /// # Errors
-    /// The name of the system that cannot be factorized, and why.
-    fn factorize(
-        problem: &Problem,
-        discrete: &Discretization,
-        (k, theta): (f64, &[f64]),
-        backend: &Arc<dyn Backend>,
-    ) -> Result<Systems, (&'static str, SolveError)> {
-        let rest = vec![0.0; discrete.v.free.len()];
-        let rule = problem.scheme.rule(k);
-        let mechanics = || {
-            HalfStep::new(
-                discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
-                discrete,
-                &discrete.v,
-                backend,
-            )
-        };
-        let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
-        let physics = problem.physics;
-        let (mechanics, heat) = rayon::join(
-            || physics.has_mechanics().then(mechanics).transpose(),
-            || physics.has_heat().then(heat).transpose(),
-        );
-        Ok(Systems {
-            rule,
-            mechanics: mechanics.map_err(|source| ("mechanical", source))?,
-            heat: heat.map_err(|source| ("heat", source))?,
-        })
-    }
-
-    fn all(&self) -> impl Iterator<Item = &System> {
-        self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
-    }
-
-    fn halves(&self) -> impl Iterator<Item = &HalfStep> {
-        self.mechanics.iter().chain(&self.heat)
-    }
-
-    fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
-        self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
-    }
-
-    /// Factorizes the matrices of these temperatures, one for each half-step, empty for those that stay.
-    fn recall<'a>(
-        &mut self,
-        discrete: &Discretization,
-        mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
-    ) -> Result<(), (&'static str, SolveError)> {
-        let rest = vec![0.0; discrete.v.free.len()];
-        if let Some(half) = &mut self.mechanics
-            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
-        {
-            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, &discrete.warmed(theta));
-            half.replace(tangent, theta).map_err(|source| ("mechanical", source))?;
-        }
-        if let Some(half) = &mut self.heat
-            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
-        {
-            half.replace(discrete.thermal_tangent(self.rule, theta), theta).map_err(|source| ("heat", source))?;
-        }
-        Ok(())
-    }
-
-    fn factorizations(&self) -> (usize, usize) {
-        self.all().fold((0, 0), |(matrices, contacts), system| {
-            let (matrix, contact) = system.factorizations();
-            (matrices + matrix, contacts + contact)
-        })
-    }
-}
-
-impl BackwardEuler {
+impl March {
     /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear and no step is
     /// halved.
     ///
     /// # Errors
     /// When a system is singular or does not fit into memory.
-    pub fn new(problem: &Problem) -> Result<BackwardEuler, SetupError> {
-        BackwardEuler::on(problem, &Arc::new(Discretization::new(problem)), &problem.backend)
+    pub fn new(problem: &Problem) -> Result<March, SetupError> {
+        March::on(problem, &Arc::new(Discretization::new(problem)), &problem.backend)
     }
 
     /// The scheme as the setting of a run or a study.
     ///
     /// # Errors
-    /// Those of [`BackwardEuler::new`].
+    /// Those of [`March::new`].
     pub fn make(
         problem: &Problem,
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
     ) -> Result<Box<dyn Scheme>, SetupError> {
-        Ok(Box::new(BackwardEuler::on(problem, discrete, backend)?))
+        Ok(Box::new(March::on(problem, discrete, backend)?))
     }
 
     /// The scheme with the forms of the problem, which do not depend on its steps, and with a backend, which may be
     /// another than that of the problem.
     ///
     /// # Errors
-    /// Those of [`BackwardEuler::new`].
+    /// Those of [`March::new`].
     pub fn on(
         problem: &Problem,
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
-    ) -> Result<BackwardEuler, SetupError> {
+    ) -> Result<March, SetupError> {
         let (k, start) = (problem.timeline.longest(), first_temperature(problem, discrete));
         let systems = Systems::factorize(problem, discrete, (k, &start), backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
-        Ok(BackwardEuler {
+        Ok(March {
             problem: problem.clone(),
             discrete: Arc::clone(discrete),
             backend: Arc::clone(backend),
@@ -505,7 +420,7 @@ fn contacts_at(problem: &Problem, t: f64) -> Cow<'_, [Contact]> {
     Cow::Owned(problem.contacts.iter().map(|contact| contact.at_time(t).unwrap_or_else(|| contact.clone())).collect())
 }
 
-impl Scheme for BackwardEuler {
+impl Scheme for March {
     fn discretization(&self) -> &Discretization {
         &self.discrete
     }

@@ -1,0 +1,222 @@
+//! Why a step could not be made, or a scheme not be set up.
+
+use crate::contact::Status;
+use crate::inclusion::NotConverged;
+use crate::linalg::SolveError;
+use crate::problem::{Coupling, Faults, Uncovered};
+use crate::state::Contraction;
+use crate::tensor::Point;
+
+/// Why a step could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The iteration on Γ_C did not end.
+    #[error(
+        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations{}; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
+        .why.iterations,
+        if *.parts > 1 { format!(", not even in a part of 1/{} of the step: the step and its longer parts were tried before", .parts) } else { String::new() },
+        .why.residual, .why.count(Status::Open), .why.count(Status::Stick), .why.count(Status::Slip)
+    )]
+    NotConverged {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// `mechanics` or `heat`.
+        part: &'static str,
+        /// Parts of the step, of which one was tried: more than one where the step was halved.
+        parts: usize,
+        /// Iterations, residual and contact pattern.
+        why: Box<NotConverged>,
+        /// The contact points whose states did not settle, in words; empty if all did.
+        unsettled: String,
+        /// Whether no point of a body without inertia that contact alone holds sticks: it may slide away.
+        slides: bool,
+    },
+    /// Loads drive motions without strain that nothing resists.
+    #[error("step {step} (t = {t:.6e}): a load drives what no support and no contact holds: {motions}")]
+    Driven {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The motions in words.
+        motions: String,
+    },
+    /// A section bears no such tension however far its sides are drawn together, or a body no such force however far an
+    /// obstacle is pressed in.
+    #[error(
+        "step {step} (t = {t:.6e}): {at}: {}{reached:.6e} N, expected {force:.6e} N: {}",
+        if at.ends_with("preload") { "the section bears " } else { "the body bears " },
+        if at.ends_with("preload") {
+            "nothing holds its sides apart as they are drawn together"
+        } else {
+            "nothing resists the obstacle as it moves along the force"
+        }
+    )]
+    Unborne {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// Dotted path of the force in the case file.
+        at: String,
+        /// The force asked for, N per unit of thickness in two dimensions.
+        force: f64,
+        /// That reached.
+        reached: f64,
+    },
+    /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
+    #[error(
+        "step {step} (t = {t:.6e}): {part} leaves a relative residual of {residual:.3e}, expected below {accepted:.0e}"
+    )]
+    Residual {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// `mechanics` or `heat`.
+        part: &'static str,
+        /// The residual.
+        residual: f64,
+        /// The residual that is accepted.
+        accepted: f64,
+    },
+    /// A linear system of the step could not be solved.
+    #[error("step {step} (t = {t:.6e}): {part}: {source}")]
+    Linear {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// `mechanics` or `heat`.
+        part: &'static str,
+        /// Why.
+        source: SolveError,
+    },
+    /// The tangent of laws that are not linear could not be factorized.
+    #[error("step {step} (t = {t:.6e}): the tangent of the body: {source}")]
+    Singular {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// Why.
+        source: SolveError,
+    },
+    /// The half-steps could not be brought together.
+    #[error(
+        "step {step} (t = {t:.6e}): the {coupling} coupling of mechanics and heat did not converge in {passes} passes: defect {defect:.3e}{}; {}",
+        .contraction.map(|c| format!(", mean contraction factor {:.3}, largest {:.3}", c.mean, c.largest)).unwrap_or_default(),
+        match .coupling { Coupling::FixedPoint => "take scheme.coupling = \"monolithic\" or more steps", _ => "take more steps" }
+    )]
+    Coupling {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The coupling asked for.
+        coupling: Coupling,
+        /// Passes over both half-steps.
+        passes: usize,
+        /// What is left of the defect.
+        defect: f64,
+        /// Contraction factors seen.
+        contraction: Option<Contraction>,
+    },
+    /// A datum has no finite value where a step needs it.
+    #[error("step {step} (t = {t:.6e}): {key} is {value} at ({}, {}, {}), t = {t:?}: data must be finite wherever they act and at all times of the run", .at[0], .at[1], .at[2])]
+    Data {
+        /// The step n that failed.
+        step: usize,
+        /// The time at which the datum was evaluated, s.
+        t: f64,
+        /// Its dotted path in the case file.
+        key: String,
+        /// The value.
+        value: f64,
+        /// Where, m.
+        at: Point,
+    },
+    /// A table of a material does not cover a temperature of the step.
+    #[error(
+        "step {step} (t = {t:.6e}): the temperature is {:?} at ({}, {}, {}), but the table of {} covers the temperatures from {:?} to {:?} only",
+        .found.theta, .found.at[0], .found.at[1], .found.at[2], .found.key, .found.range[0], .found.range[1]
+    )]
+    Uncovered {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The table and the temperature.
+        found: Box<Uncovered>,
+    },
+    /// A number is infinite or not a number.
+    #[error("step {step} (t = {t:.6e}): {part} has values that are not finite: data overflow or are not defined there")]
+    NotFinite {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// `mechanics`, `heat`, `the data`, or `the foundation`: its gap, velocity, or nearest point.
+        part: &'static str,
+    },
+}
+
+impl StepError {
+    /// Whether the step was not made because it was asked to stop.
+    #[must_use]
+    pub fn is_interruption(&self) -> bool {
+        matches!(
+            self,
+            StepError::Linear { source: SolveError::Interrupted, .. }
+                | StepError::Singular { source: SolveError::Interrupted, .. }
+        )
+    }
+
+    /// Whether the equations of the step were not solved, or what was tried left the range of its data: a shorter step
+    /// or another way may do. Everything else, an interruption, data without a value, a lack of memory, stays whatever
+    /// is tried.
+    #[must_use]
+    pub fn is_unsolved(&self) -> bool {
+        match self {
+            StepError::NotConverged { .. }
+            | StepError::Driven { .. }
+            | StepError::Unborne { .. }
+            | StepError::Residual { .. }
+            | StepError::Coupling { .. }
+            | StepError::Uncovered { .. }
+            | StepError::NotFinite { .. } => true,
+            StepError::Linear { source, .. } | StepError::Singular { source, .. } => source.is_unsolved(),
+            StepError::Data { .. } => false,
+        }
+    }
+}
+
+/// What was tried, none where its equations were not solved; any other error goes up.
+pub(crate) fn tried<T>(made: Result<T, StepError>) -> Result<Option<T>, StepError> {
+    match made {
+        Ok(made) => Ok(Some(made)),
+        Err(error) if error.is_unsolved() => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Why a scheme could not be set up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A system could not be factorized.
+    #[error("the system of the {part} step: {source}")]
+    Factor {
+        /// `mechanical` or `heat`.
+        part: &'static str,
+        /// Why.
+        source: SolveError,
+    },
+    /// Initial data are not finite.
+    #[error("the initial {0} is not finite at every node")]
+    Initial(&'static str),
+    /// The problem that a scheme makes of its own has faults.
+    #[error(transparent)]
+    Data(#[from] Faults),
+}

@@ -1,0 +1,18 @@
+//! The equations of a step: (4.1) and (4.2) with what is known of them, their systems, their residuals and the powers of
+//! their terms.
+
+pub(crate) mod apart;
+mod error;
+mod fluid;
+pub(crate) mod foundation;
+pub(crate) mod given;
+pub(crate) mod heat;
+pub(crate) mod mechanics;
+mod mixing;
+pub(crate) mod power;
+pub(crate) mod system;
+pub(crate) mod systems;
+
+pub(crate) use error::tried;
+pub use error::{SetupError, StepError};
+pub use system::{ACCEPTED, REFINE};

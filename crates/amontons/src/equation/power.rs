@@ -1,0 +1,64 @@
+//! Powers of the terms of (4.1) in a step, for the audit of energy.
+
+use super::system::Step;
+use crate::linalg::sum_block;
+
+/// Products of the vectors of the mechanical half-step, summed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Powers {
+    /// w·M w at the end of the step, and that of the change of w in it.
+    pub kinetic: f64,
+    pub inertial: f64,
+    /// b(w, w).
+    pub viscous: f64,
+    /// Of m(θ, ·) and of the load.
+    pub thermal: f64,
+    pub load: f64,
+    /// a(u, u) at the end of the step, and that of the change of u in it; zero where a is not linear.
+    pub elastic: f64,
+    pub strained: f64,
+}
+
+/// Blocks of the vectors that [`Powers`] are sums of, from an entry on.
+pub(crate) struct PowerTerms<'a> {
+    pub first: usize,
+    /// The displacement that strains see, the velocity, and its part that strains see.
+    pub u: &'a [f64],
+    pub w: &'a [f64],
+    pub v: &'a [f64],
+    pub mass_w: &'a [f64],
+    pub a_u: &'a [f64],
+    pub b_w: &'a [f64],
+    pub thermal: &'a [f64],
+    pub load: &'a [f64],
+}
+
+impl Powers {
+    /// The sums over a block, those of all blocks to be given to [`Powers::new`].
+    pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
+        let Step { discrete, old, products, rule, .. } = *step;
+        let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;
+        let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
+        let [kinetic, inertial, viscous, thermal, load] =
+            sum_block([w, w_old, v, mass_w, mass_old, b_w, thermal, load], |entries| {
+                let [w, w_old, v, mass_w, mass_old, b_w, thermal, load] = entries;
+                let (w_end, mass_end) = (rule.end([w_old, w]), rule.end([mass_old, mass_w]));
+                let change = (w_end - w_old) * (mass_end - mass_old);
+                [w_end * mass_end, change, v * b_w, v * thermal, w * load]
+            });
+        let [elastic, strained] = if discrete.is_linear() {
+            let [u_old, a_old] = [step.deformation_before(), &products.a_u].map(|v| &v[first..first + u.len()]);
+            sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| {
+                let (u, a_u) = (rule.end([u_old, u]), rule.end([a_old, a_u]));
+                [u * a_u, (u - u_old) * (a_u - a_old)]
+            })
+        } else {
+            [0.0; 2]
+        };
+        [kinetic, inertial, viscous, thermal, load, elastic, strained]
+    }
+
+    pub fn new([kinetic, inertial, viscous, thermal, load, elastic, strained]: [f64; 7]) -> Powers {
+        Powers { kinetic, inertial, viscous, thermal, load, elastic, strained }
+    }
+}

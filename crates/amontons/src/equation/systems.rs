@@ -1,0 +1,93 @@
+//! The systems K(rule) of both half-steps, for one step length.
+
+use std::sync::Arc;
+
+use super::system::HalfStep;
+use crate::discretization::Discretization;
+use crate::linalg::{Backend, SolveError, System};
+use crate::problem::Problem;
+use crate::time::Rule;
+
+/// The systems of the half-steps that a problem has, for one step length.
+#[derive(Debug)]
+pub(crate) struct Systems {
+    pub rule: Rule,
+    pub mechanics: Option<HalfStep>,
+    pub heat: Option<HalfStep>,
+}
+
+impl Systems {
+    /// Factorizes K_u and K_θ for step length `k`, at the temperature `theta`. For nonlinear laws K_u is the tangent at
+    /// rest; each step replaces it.
+    ///
+    /// # Errors
+    /// The name of the system that cannot be factorized, and why.
+    pub(crate) fn factorize(
+        problem: &Problem,
+        discrete: &Discretization,
+        (k, theta): (f64, &[f64]),
+        backend: &Arc<dyn Backend>,
+    ) -> Result<Systems, (&'static str, SolveError)> {
+        let rest = vec![0.0; discrete.v.free.len()];
+        let rule = problem.scheme.rule(k);
+        let mechanics = || {
+            HalfStep::new(
+                discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
+                discrete,
+                &discrete.v,
+                backend,
+            )
+        };
+        let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
+        let physics = problem.physics;
+        let (mechanics, heat) = rayon::join(
+            || physics.has_mechanics().then(mechanics).transpose(),
+            || physics.has_heat().then(heat).transpose(),
+        );
+        Ok(Systems {
+            rule,
+            mechanics: mechanics.map_err(|source| ("mechanical", source))?,
+            heat: heat.map_err(|source| ("heat", source))?,
+        })
+    }
+
+    pub(crate) fn all(&self) -> impl Iterator<Item = &System> {
+        self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
+    }
+
+    pub(crate) fn halves(&self) -> impl Iterator<Item = &HalfStep> {
+        self.mechanics.iter().chain(&self.heat)
+    }
+
+    pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
+        self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
+    }
+
+    /// Factorizes the matrices of these temperatures, one for each half-step, empty for those that stay.
+    pub(crate) fn recall<'a>(
+        &mut self,
+        discrete: &Discretization,
+        mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
+    ) -> Result<(), (&'static str, SolveError)> {
+        let rest = vec![0.0; discrete.v.free.len()];
+        if let Some(half) = &mut self.mechanics
+            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
+        {
+            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, &discrete.warmed(theta));
+            half.replace(tangent, theta).map_err(|source| ("mechanical", source))?;
+        }
+        if let Some(half) = &mut self.heat
+            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
+        {
+            half.replace(discrete.thermal_tangent(self.rule, theta), theta).map_err(|source| ("heat", source))?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn factorizations(&self) -> (usize, usize) {
+        self.all().fold((0, 0), |(matrices, contacts), system| {
+            let (matrix, contact) = system.factorizations();
+            (matrices + matrix, contacts + contact)
+        })
+    }
+}

@@ -1,0 +1,43 @@
+//! Displacements of bodies that have moved far: their rigid motion apart from their deformation.
+
+use serde::{Deserialize, Serialize};
+
+use super::State;
+use crate::tensor::Point;
+
+/// A rigid motion of small angles about the centre c of a body: a + b × (x − c).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rigid {
+    /// a, m or m/s.
+    pub translation: Point,
+    /// b, in radians or per second.
+    pub rotation: Point,
+}
+
+impl Rigid {
+    /// The sum of two motions.
+    pub(crate) fn and(&self, other: &Rigid) -> Rigid {
+        let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + b[c]);
+        Rigid {
+            translation: sum(&self.translation, &other.translation),
+            rotation: sum(&self.rotation, &other.rotation),
+        }
+    }
+}
+
+/// The displacement of a state with the rigid motion of each body taken apart; empty where it is not.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Carried {
+    /// R of each body, in the order of the lowest nodes.
+    pub rigid: Vec<Rigid>,
+    /// d = u − R, m, node-major.
+    pub deformation: Vec<f64>,
+}
+
+impl State {
+    /// The displacement whose strains are those of the body: u, or d where a rigid motion is taken apart.
+    #[must_use]
+    pub fn deformation(&self) -> &[f64] {
+        if self.carried.rigid.is_empty() { &self.u } else { &self.carried.deformation }
+    }
+}
