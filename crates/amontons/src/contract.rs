@@ -1,4 +1,4 @@
-//! Contracts of laws, elements and backends: assertions to run on your own ones.
+//! Contracts of laws, elements, backends, schemes and sinks: assertions to run on your own ones.
 //!
 //! Each function panics with the value found and the value expected if its contract is violated. The library runs them
 //! on all that it ships; run them on yours in a test:
@@ -11,9 +11,15 @@
 
 mod backend;
 mod contact;
+mod pencil;
+mod scheme;
+mod sink;
 
 pub use backend::assert_backend;
 pub use contact::{assert_friction_law, assert_heat_law, assert_normal_law};
+pub use pencil::assert_pencil;
+pub use scheme::assert_scheme;
+pub use sink::assert_sink;
 
 use crate::contact::obstacle::Shape;
 use crate::contact::{ContactPoint, WearLaw};

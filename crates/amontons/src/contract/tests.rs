@@ -4,15 +4,94 @@ use super::*;
 use crate::contact::obstacle::{Nearest, Shape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
 use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
+use crate::linalg::{Pencil, SolveError};
 use crate::material::Constants;
 use crate::material::{Isotropic, StressState};
+use crate::output::{Memory, OutputError, RunStart, Sink, Snapshot, Summary};
+use crate::step::March;
 use crate::tensor::{Point, SymMap};
+use crate::time::TimeScheme;
 
 #[test]
 fn every_element_keeps_its_contract() {
     for element in crate::element::ALL {
         assert_element(element);
     }
+}
+
+#[test]
+fn every_scheme_keeps_its_contract() {
+    assert_scheme(March::make, TimeScheme::BackwardEuler, 1.0);
+    assert_scheme(March::make, TimeScheme::Theta(0.6), 1.0);
+    assert_scheme(March::make, TimeScheme::Theta(0.5), 2.0);
+}
+
+/// Backward Euler is not of second order.
+#[test]
+#[should_panic(expected = "expected 2")]
+fn a_scheme_of_first_order_is_not_of_second_order() {
+    assert_scheme(March::make, TimeScheme::BackwardEuler, 2.0);
+}
+
+#[test]
+fn a_sink_in_memory_keeps_its_contract() {
+    assert_sink(Memory::new);
+}
+
+/// A sink that takes no results.
+struct Full;
+
+impl Sink for Full {
+    fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
+        Ok(())
+    }
+    fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+        Err(OutputError::Io { doing: "write", path: "a full disk".into(), source: std::io::Error::other("no space") })
+    }
+    fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+        Ok(())
+    }
+    fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+#[test]
+#[should_panic(expected = "does not take a run")]
+fn a_sink_that_fails_is_caught() {
+    assert_sink(|| Full);
+}
+
+/// B = diag(1, 2, …) and K = diag(2, 3, …), whose entry (0, 1) makes K unsymmetric if it is not zero.
+struct Numbers(f64);
+
+impl Pencil for Numbers {
+    fn size(&self) -> usize {
+        5
+    }
+    fn numerator(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().enumerate().map(|(i, x)| (i + 1) as f64 * x).collect()
+    }
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut y: Vec<f64> = x.iter().enumerate().map(|(i, x)| (i + 2) as f64 * x).collect();
+        y[0] += self.0 * x[1];
+        Ok(y)
+    }
+    fn solve(&mut self, r: &mut [f64], _: f64) -> Result<(), SolveError> {
+        r.iter_mut().enumerate().for_each(|(i, r)| *r /= (i + 2) as f64);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_pencil_keeps_its_contract() {
+    assert_pencil(&mut Numbers(0.0));
+}
+
+#[test]
+#[should_panic(expected = "K of a pencil is not symmetric")]
+fn a_pencil_without_symmetry_is_caught() {
+    assert_pencil(&mut Numbers(1e-3));
 }
 
 #[test]

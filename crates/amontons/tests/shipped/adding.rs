@@ -12,8 +12,11 @@ const SOURCES: [&str; 2] = ["crates/amontons/src", "crates/amontons-cli/src"];
 /// Folders that paths of the table are below.
 const ROOTS: [&str; 5] =
     ["crates/amontons/src", "crates/amontons-cli/src", "crates/amontons", "crates/amontons-cli", ""];
-/// Names of examples in files that an addition need not touch: words of messages.
-const BESIDE: [(&str, &str); 4] = [
+/// Names of examples in files that an addition need not touch: words of messages, and types in use.
+const BESIDE: [(&str, &str); 7] = [
+    ("TimeScheme", "crates/amontons/src/time/mod.rs"),
+    ("TimeScheme", "crates/amontons/src/problem/mod.rs"),
+    ("TimeScheme", "crates/amontons/src/contract/scheme.rs"),
     ("radiation", "crates/amontons/src/problem/range.rs"),
     ("radiation", "crates/amontons-cli/src/import/notes.rs"),
     ("reaction_heat", "crates/amontons-cli/src/import/write.rs"),
