@@ -1,8 +1,8 @@
 //! Assembly of a, of constant coefficients and of a modulus by an expression, and of other forms: cells a second, with
 //! the scatter into the block matrix.
 //!
-//! `cargo bench -p amontons-core --bench assembly` prints a row per element, on one thread (`RAYON_NUM_THREADS=1`) or on
-//! all.
+//! `cargo bench -p amontons-core --bench assembly` prints a row per element, on one thread (`RAYON_NUM_THREADS=1`) or
+//! on all.
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a program for developers")]
 
 use std::sync::Arc;

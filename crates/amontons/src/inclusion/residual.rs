@@ -1,6 +1,7 @@
 //! What is left of an equation, and the rule by which the round-off of its terms may be what is left.
 
-/// What is left of an equation, with the sizes that it is measured by. All are the largest entries of vectors, in N or W.
+/// What is left of an equation, with the sizes that it is measured by. All are the largest entries of vectors, in N or
+/// W.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     /// What is left, relative to `scale`.
@@ -18,8 +19,8 @@ const BESIDE: f64 = 1e-4;
 /// Growth of the round-off over that of the state before up to which it is that of the same motion.
 const GROWN: f64 = 10.0;
 
-/// True if the round-off of the terms is small compared with what acts on the body: then a residual may be round-off. An
-/// iterate that runs away, as where nothing holds a body, has a round-off that exceeds everything that acts on it.
+/// True if the round-off of the terms is small compared with what acts on the body: then a residual may be round-off.
+/// An iterate that runs away, as where nothing holds a body, has a round-off that exceeds everything that acts on it.
 pub(crate) fn is_small(round_off: f64, acting: f64) -> bool {
     round_off <= BESIDE * acting
 }

@@ -22,8 +22,8 @@ const LATEST: usize = 32;
 const DIFFERENT: f64 = 0.25;
 const AHEAD: usize = 4096;
 
-/// Stores equal rows once: where each row begins, and the numbers. `None` if too many rows differ. Rows are equal to the
-/// bit, because the audit of energy relies on the symmetry of the matrix.
+/// Stores equal rows once: where each row begins, and the numbers. `None` if too many rows differ. Rows are equal to
+/// the bit, because the audit of energy relies on the symmetry of the matrix.
 pub(super) fn rows<'a>(count: usize, row: impl Fn(usize) -> &'a [f64]) -> Option<(Vec<u32>, Vec<f64>)> {
     let (mut starts, mut values) = (Vec::with_capacity(count), Vec::new());
     let (mut repeats, mut different) = (Repeats::new(0.0), 0.0);

@@ -21,9 +21,9 @@ use crate::tensor::{Point, Sym, SymMap};
 /// energy:
 ///
 /// ```text
-/// q_i^n:(ε_n − ε_{n−1}) = [½ e_i:𝓖_i e_i]_{n−1}^n + (k/τ_i) e_i^n:𝓖_i e_i^n + ½ (e_i^n − e_i^{n−1}):𝓖_i (e_i^n − e_i^{n−1})
-///        work                    stored                   dissipated                      dissipated by the scheme
-/// ```
+/// q_i^n:(ε_n − ε_{n−1}) = [½ e_i:𝓖_i e_i]_{n−1}^n + (k/τ_i) e_i^n:𝓖_i e_i^n + ½ (e_i^n − e_i^{n−1}):𝓖_i (e_i^n −
+///        e_i^{n−1}) work                    stored                   dissipated                      dissipated by the
+/// scheme ```
 ///
 /// Both 𝓖_i and τ_i may vary in space.
 ///

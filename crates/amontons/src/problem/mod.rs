@@ -129,12 +129,12 @@ impl fmt::Display for Coupling {
 /// use amontons::problem::{BoundaryCondition, Physics, ProblemData};
 ///
 /// let mesh = Mesh::rectangle([0.2, 0.1], [16, 8], Diagonal::Right)?;
-/// let rubber = Material::new(2, Isotropic::elastic(2, 5e6, 0.4, PlaneStrain)).viscosity(Isotropic::lame(2, 0.0, 2e4, PlaneStrain));
-/// let mut block = ProblemData::new("block", mesh, rubber, 1.0, 20);
+/// let rubber = Material::new(2, Isotropic::elastic(2, 5e6, 0.4, PlaneStrain)).viscosity(Isotropic::lame(2, 0.0, 2e4,
+/// PlaneStrain)); let mut block = ProblemData::new("block", mesh, rubber, 1.0, 20);
 /// block.physics = Physics::Mechanics;
 /// block.boundary = vec![BoundaryCondition::on("top").displacement([0.0, -1e-3])];
-/// block.contacts = vec![Contact::new("bottom", Compliance { stiffness: 1e10 }).friction(Coulomb { coefficient: 0.3 })];
-/// let block = block.check()?;
+/// block.contacts = vec![Contact::new("bottom", Compliance { stiffness: 1e10 }).friction(Coulomb { coefficient: 0.3
+/// })]; let block = block.check()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use crate::common;
 
 /// A run without a certificate.
 fn states(problem: &Problem) -> Memory {
-    let mut memory = Memory::new();
+    let mut memory = Memory::new().states_every(1).reports();
     run::run(problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).expect("a run");
     memory
 }

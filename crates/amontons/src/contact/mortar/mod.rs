@@ -16,8 +16,8 @@
 //!   nearest counts.
 //! - `sight`: facets with a body between them do not face each other.
 //! - `candidate`: nodes with *hats* H, the linear functions of the parts, on *patches* without a kink.
-//! - `join`: a node that is covered too little for a law of its own, or at which two laws would meet, gives its function
-//!   to its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
+//! - `join`: a node that is covered too little for a law of its own, or at which two laws would meet, gives its
+//!   function to its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
 //! - `dual`: the functions ψ, dual to the hats.
 //! - The gap of a point, −ν·(B X), is limited to the range of the distances on the support of φ_k: dual functions have
 //!   negative weights on a part of the wedge next to a corner, and bodies that touch would overlap.
