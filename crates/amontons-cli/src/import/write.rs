@@ -1,7 +1,7 @@
 //! The case of a deck as text.
 
-use amontons::mesh::Plane;
-use amontons::mesh::Read;
+use amontons::mesh::MeshFile;
+use amontons::mesh::PlaneState;
 
 use crate::arguments::DeckUnits;
 
@@ -43,14 +43,14 @@ pub fn assumed(units: DeckUnits) -> &'static str {
 /// Data needed by all parts of a case.
 struct Writing<'a> {
     model: &'a Model,
-    read: &'a Read,
+    read: &'a MeshFile,
     context: Context,
 }
 
 /// The case.
 pub fn case(
     model: &Model,
-    read: &Read,
+    read: &MeshFile,
     units: DeckUnits,
     (names, notes): (&Names, &mut Notes),
 ) -> Result<String, Fault> {
@@ -123,7 +123,7 @@ fn one_line(text: &str) -> String {
 }
 
 impl<'a> Writing<'a> {
-    fn new(model: &'a Model, read: &'a Read, units: DeckUnits) -> Writing<'a> {
+    fn new(model: &'a Model, read: &'a MeshFile, units: DeckUnits) -> Writing<'a> {
         let expands = model.materials.iter().any(super::material::Material::expands);
         let heat = model.physics.heat;
         let sees = model.materials.iter().any(super::material::Material::sees_temperature);
@@ -132,7 +132,7 @@ impl<'a> Writing<'a> {
         let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
         let stress_state = match read.plane {
             _ if !plane => None,
-            Some(Plane::Strain) => Some("plane-strain"),
+            Some(PlaneState::Strain) => Some("plane-strain"),
             _ => Some("plane-stress"),
         };
         let context = Context {

@@ -7,7 +7,7 @@ use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
 use crate::machine::Memory;
-use crate::mesh::{Mesh, MeshError, Plane};
+use crate::mesh::{Mesh, MeshError, PlaneState};
 use crate::tensor::Rotation;
 
 /// The source of the mesh of a block.
@@ -31,7 +31,7 @@ struct Body {
     mesh: Origin,
     size: Size,
     /// Stress state of a plane body by the elements of its file, if they say it.
-    plane: Option<Plane>,
+    plane: Option<PlaneState>,
 }
 
 impl Build<'_> {

@@ -20,7 +20,7 @@ use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::Material;
-use crate::mesh::{Mesh, Plane, Skipped};
+use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
@@ -219,7 +219,7 @@ pub(super) struct Notes<'d> {
 #[derive(Default)]
 pub(super) struct OfFile {
     /// Stress state of a plane body, if the elements say it.
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
     /// Content that is not used.
     pub skipped: Vec<Skipped>,
 }

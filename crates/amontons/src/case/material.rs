@@ -10,7 +10,7 @@ use super::place::At;
 use super::raw::{self, Coefficient, Elasticity, Expansion, ExpansionKind, Orientation, Tensor};
 use crate::field::{self, Field, Graded};
 use crate::material::{Dilatation, Isotropic, Material, Prony, StressState, TensorLaw};
-use crate::mesh::{Mesh, Plane};
+use crate::mesh::{Mesh, PlaneState};
 use crate::problem::Choice;
 use crate::tensor::{Point, Rotation, Sym, mandel_len};
 
@@ -180,8 +180,8 @@ impl Builder<'_, '_, '_> {
             );
         }
         let of_file = match self.build.of_file.plane {
-            Some(Plane::Stress) => Some(StressState::PlaneStress),
-            Some(Plane::Strain) => Some(StressState::PlaneStrain),
+            Some(PlaneState::Stress) => Some(StressState::PlaneStress),
+            Some(PlaneState::Strain) => Some(StressState::PlaneStrain),
             None => None,
         };
         let given = stress_state.map(|given| match given {

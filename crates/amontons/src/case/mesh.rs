@@ -10,7 +10,7 @@ use super::raw;
 use super::side_names::SideNames;
 use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
-use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, Plane};
+use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, PlaneState};
 use crate::quadrature::Shape;
 
 /// The key of a mesh file.
@@ -27,7 +27,7 @@ pub(super) struct FileOf<'c> {
 /// A mesh from a file, with the stress state that its elements say, if any.
 pub(super) struct FromFile {
     pub mesh: Mesh,
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
 }
 
 /// Cells per direction of a generated mesh, empty for several blocks; for a mesh file the parts of each edge.

@@ -7,8 +7,8 @@
 use crate::convergence::norms::{Errors, Products, of_difference};
 use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
 use crate::linalg::BlockMatrix;
-use crate::mesh::{At, Locator, OUTSIDE, reference_point};
 use crate::mesh::{CellMap, Mesh};
+use crate::mesh::{CellPlace, Locator, OUTSIDE, reference_point};
 use crate::quadrature::{Shape, rule};
 use crate::scheme::{Discretization, State};
 use crate::tensor::{Point, Sym};
@@ -52,8 +52,8 @@ enum Way {
 
 /// A triangle inside one cell of each mesh.
 struct Piece {
-    fine: At,
-    coarse: At,
+    fine: CellPlace,
+    coarse: CellPlace,
     corners: [Point; 3],
 }
 
@@ -74,7 +74,7 @@ impl<'a> Transfer<'a> {
         let located = nested(fine, &locator).or_else(|| outside().and_then(|_| rounded(fine, &locator)));
         let way = if let Some(located) = located {
             let mut values = [0.0; MAX_NODES];
-            let mut entry = |&(at, x): &(At, Point)| -> Vec<(u32, f64)> {
+            let mut entry = |&(at, x): &(CellPlace, Point)| -> Vec<(u32, f64)> {
                 let (element, nodes) = locator.cell(at);
                 (element.shape_functions)(&x, &mut values[..nodes.len()]);
                 nodes.iter().copied().zip(values).collect()
@@ -136,7 +136,7 @@ impl<'a> Transfer<'a> {
         // The squared difference of two linear functions is quadratic.
         let quadrature = rule(Shape::Triangle, 2);
         let table = ShapeTable::new(&P1_TRIANGLE, 0);
-        let nodes_of = |mesh: &'a Mesh, at: At| -> &'a [u32] {
+        let nodes_of = |mesh: &'a Mesh, at: CellPlace| -> &'a [u32] {
             let block = &mesh.blocks[at.0 as usize];
             let n = block.element.nodes.len();
             &block.nodes[at.1 as usize * n..(at.1 as usize + 1) * n]
@@ -181,7 +181,7 @@ impl<'a> Transfer<'a> {
 /// Positions of the nodes of the fine mesh in the coarse one; `None` unless every cell of the fine mesh lies in a
 /// coarse cell whose functions its own ones contain. A node on the faces of two bodies is located in the coarse cell of
 /// its own cell.
-fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
+fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(CellPlace, Point)>> {
     let mut located = vec![None; fine.points.len()];
     for block in &fine.blocks {
         for cell in block.cells() {
@@ -208,7 +208,7 @@ fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
 /// imply that it divides coarse edges into equal parts. Each node is in a cell of its region that contains it or is
 /// next to it. The corners of coarse cells lie on the arcs, so functions extended from neighbouring cells to an arc
 /// differ little.
-fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
+fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(CellPlace, Point)>> {
     let parts = (fine.cell_count() as f64 / coarse.mesh().cell_count() as f64).powf(1.0 / fine.dim as f64);
     if (parts - parts.round()).abs() > 1e-6 {
         return None;
@@ -231,7 +231,7 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
     for (b, block) in fine.blocks.iter().enumerate() {
         for (c, cell) in block.cells().enumerate() {
             let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
-            let mut candidates: Vec<At> = coarse
+            let mut candidates: Vec<CellPlace> = coarse
                 .range(corners.iter().copied(), 0.0)
                 .into_iter()
                 .flat_map(|i| coarse.bucket(i).iter().copied())
