@@ -15,7 +15,7 @@ mod contact;
 pub use backend::assert_backend;
 pub use contact::{assert_friction_law, assert_heat_law, assert_normal_law};
 
-use crate::contact::obstacle::Shape;
+use crate::contact::obstacle::ObstacleShape;
 use crate::contact::{ContactPoint, WearLaw};
 use crate::element::{Element, MAX_NODES, ShapeTable};
 use crate::hypotheses::Samples;
@@ -310,7 +310,7 @@ pub fn assert_wear_law(law: &dyn WearLaw) {
 ///
 /// # Panics
 /// Panics if the shape violates the contract.
-pub fn assert_shape(shape: &dyn Shape, about: &Point, size: f64, dim: usize) {
+pub fn assert_shape(shape: &dyn ObstacleShape, about: &Point, size: f64, dim: usize) {
     let mut random = samples();
     let (mut kinks, points) = (0, 100);
     for _ in 0..points {

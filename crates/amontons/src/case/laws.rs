@@ -6,10 +6,10 @@ use super::coefficient::Refusal;
 use super::raw::{Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
     Adhesion, Archard, Bilateral, Capped, Compliance, ConductanceFormula, ConstantConductance, Coulomb, Damped,
-    FrictionFormula, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip,
-    NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureFormula,
-    PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening, StaticKinetic,
-    Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
+    FrictionFormula, FrictionLaw, FrictionVariable, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley,
+    NoSlip, NormalLaw, OrthotropicFriction, PiecewiseLinear, Power, PowerConductance, PressureConductance,
+    PressureFormula, PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening,
+    StaticKinetic, Stop, TableFault, Tabulated, Tresca, WearLaw,
 };
 use crate::expression::ExpressionError;
 
@@ -161,13 +161,13 @@ pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
             static_kinetic(at_rest, kinetic, decay_speed.as_ref(), cap.as_ref())
         }
         Friction::SlipRate { speed, coefficient, factor, cap } => {
-            tabulated(Variable::SlipSpeed, "speed", (speed, coefficient), factor, cap.as_ref())
+            tabulated(FrictionVariable::SlipSpeed, "speed", (speed, coefficient), factor, cap.as_ref())
         }
         Friction::Temperature { temperature, coefficient, factor, cap } => {
-            tabulated(Variable::Temperature, "temperature", (temperature, coefficient), factor, cap.as_ref())
+            tabulated(FrictionVariable::Temperature, "temperature", (temperature, coefficient), factor, cap.as_ref())
         }
         Friction::Pressure { pressure, coefficient, factor, cap } => {
-            tabulated(Variable::Pressure, "pressure", (pressure, coefficient), factor, cap.as_ref())
+            tabulated(FrictionVariable::Pressure, "pressure", (pressure, coefficient), factor, cap.as_ref())
         }
         Friction::Expression { coefficient, factor, cap } => {
             let coefficient = coefficient.clone();
@@ -217,11 +217,11 @@ fn orthotropic(v: &[f64]) -> Result<Arc<dyn FrictionLaw>, Refusal> {
         }
     }
     let direction = std::array::from_fn(|c| direction.get(c).copied().unwrap_or(0.0));
-    Ok(Arc::new(Orthotropic { coefficients, direction }))
+    Ok(Arc::new(OrthotropicFriction { coefficients, direction }))
 }
 
 fn tabulated<'a>(
-    variable: Variable,
+    variable: FrictionVariable,
     key: &'static str,
     (arguments, values): (&[f64], &[f64]),
     factor: &'a Datum,

@@ -4,7 +4,7 @@
 use std::cell::OnceCell;
 
 use crate::contact::Supports;
-use crate::contact::mortar::{Sides, bearing_nodes, covered_shares, mean_facet};
+use crate::contact::mortar::{FacingSides, bearing_nodes, covered_shares, mean_facet};
 use crate::element::{Element, ShapeTable};
 use crate::material::{Constants, Material};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -120,9 +120,9 @@ impl<'m> SideFacts<'m> {
         self.mesh.check_nodes().is_err() || bearing_nodes(&self.pair(nonmortar, mortar)) >= self.mesh.dim
     }
 
-    fn pair(&self, nonmortar: &'m FacetSet, mortar: &'m FacetSet) -> Sides<'m> {
+    fn pair(&self, nonmortar: &'m FacetSet, mortar: &'m FacetSet) -> FacingSides<'m> {
         let (mesh, supports) = (self.mesh, Supports::NONE);
-        Sides { mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false }
+        FacingSides { mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false }
     }
 
     /// Size of a facet along the side in m, and measure of the side, in m^(d−1).

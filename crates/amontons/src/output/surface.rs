@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::files::{Written, write_atomically};
 use super::shown::{Lives, Shown, Table};
 use super::{OutputError, Snapshot};
-use crate::contact::mortar::{Image, Share};
+use crate::contact::mortar::{NodeShare, SectorImage};
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports, names_of_points};
 use crate::mesh::{FacetSet, link_of};
 use crate::problem::{Physics, with_supports};
@@ -174,7 +174,7 @@ fn on_side(
             points.get_mut(place.unwrap_or(usize::MAX)).into_iter().for_each(|points| points.push(of_point.clone()));
         };
         if is_pair {
-            for Share { node, part, turn } in &point.shares[usize::from(!side.bears)] {
+            for NodeShare { node, part, turn } in &point.shares[usize::from(!side.bears)] {
                 let values = turn.map_or(values, |turn| values.turned(&turn));
                 add(Some(node), OfPoint { values, status, weight: weight * part, is_own: false });
             }
@@ -250,7 +250,7 @@ impl Values {
     }
 
     /// The results rotated back from an image to the sector of its node.
-    fn turned(self, turn: &Image) -> Values {
+    fn turned(self, turn: &SectorImage) -> Values {
         Values { traction: turn.back(&self.traction), slip: turn.back(&self.slip), ..self }
     }
 
