@@ -9,7 +9,7 @@ use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
-use amontons::units::{Measure, System, Units};
+use amontons::units::{Measure, UnitSystem, Units};
 use clap::CommandFactory;
 
 use crate::after::{self, After};
@@ -118,7 +118,7 @@ fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), fo
     } else {
         // The unit of the coordinates of a mesh file is unknown.
         let read = if confine { mesh::read_confined(file)? } else { mesh::read_all(file)? };
-        (read.mesh, Units { system: System::Dimensionless, ..Units::SPACE }, read.skipped)
+        (read.mesh, Units { system: UnitSystem::Dimensionless, ..Units::SPACE }, read.skipped)
     };
     let mesh = mesh.scaled(scale);
     let model = MeshModel::new(&mesh);

@@ -25,7 +25,7 @@ use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe}
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::time::{TimeScheme, Timeline};
-use crate::units::{System, TemperatureScale};
+use crate::units::{TemperatureScale, UnitSystem};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
 ///
@@ -99,10 +99,10 @@ pub(super) fn problem(
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
-fn system(raw: raw::Units) -> System {
+fn system(raw: raw::Units) -> UnitSystem {
     match raw {
-        raw::Units::Si => System::Si,
-        raw::Units::Dimensionless => System::Dimensionless,
+        raw::Units::Si => UnitSystem::Si,
+        raw::Units::Dimensionless => UnitSystem::Dimensionless,
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::coefficient::Refusal;
 use super::raw::{Coefficient, Elasticity, Orientation, Viscosity};
 use crate::material::{
-    Carreau, Hencky, Isotropic, LawError, Linear, Orthotropic, ShearLaw, StressState, TensorLaw, VonMisesProjection,
-    reduced,
+    Carreau, Hencky, Isotropic, LawError, Linear, OrthotropicConstants, ShearLaw, StressState, TensorLaw,
+    VonMisesProjection, reduced,
 };
 use crate::tensor::Rotation;
 
@@ -110,7 +110,7 @@ pub(super) fn elastic_law(raw: &Elasticity, shape: Shape) -> Make {
             Ok(Arc::new(Isotropic::elastic(dim, v[0], v[1], state)))
         }),
         Elasticity::Orthotropic { .. } => Box::new(move |v| {
-            let constants = Orthotropic { young: three(v), poisson: three(&v[3..]), shear: three(&v[6..]) };
+            let constants = OrthotropicConstants { young: three(v), poisson: three(&v[3..]), shear: three(&v[6..]) };
             shared(Linear::orthotropic(&constants, &rotation(&v[9..]), dim, state))
         }),
         Elasticity::Anisotropic { .. } => {

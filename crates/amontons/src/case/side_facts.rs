@@ -6,7 +6,7 @@ use std::cell::OnceCell;
 use crate::contact::Supports;
 use crate::contact::mortar::{FacingSides, bearing_nodes, covered_shares, mean_facet};
 use crate::element::{Element, ShapeTable};
-use crate::material::{Constants, Material};
+use crate::material::{Material, OperatorConstants};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::BoundaryCondition;
 use crate::space::Space;
@@ -103,7 +103,7 @@ impl<'m> SideFacts<'m> {
     fn stiffness(&self, side: &str) -> Option<f64> {
         self.mean(side, |material, map| {
             let tangent = material.elasticity.tangent(&map.position, &Sym::ZERO);
-            Constants::of_linear(&tangent, self.mesh.dim).lipschitz
+            OperatorConstants::of_linear(&tangent, self.mesh.dim).lipschitz
         })
     }
 

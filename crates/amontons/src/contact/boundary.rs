@@ -10,7 +10,7 @@ use super::{
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
-use crate::quadrature::{Rule, Shape};
+use crate::quadrature::{QuadratureRule, Shape};
 use crate::tensor::Point;
 
 #[cfg(test)]
@@ -491,7 +491,7 @@ impl Lumping {
             // The integral of a vertex function over the triangle is zero up to round-off.
             if sum.abs() < 1e-12 * element.shape.measure() { 0.0 } else { sum }
         };
-        let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
+        let nodes = QuadratureRule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
         Lumping {
             table: ShapeTable::of_rule(element, nodes),
             shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect(),

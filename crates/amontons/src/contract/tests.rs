@@ -4,7 +4,7 @@ use super::*;
 use crate::contact::obstacle::{Nearest, ObstacleShape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
 use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
-use crate::material::Constants;
+use crate::material::OperatorConstants;
 use crate::material::{Isotropic, StressState};
 use crate::tensor::{Point, SymMap};
 
@@ -108,9 +108,9 @@ impl TensorLaw for Boastful {
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
         self.0.tangent(x, xi)
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         let c = self.0.constants();
-        Constants { monotonicity: 2.0 * c.monotonicity, ..c }
+        OperatorConstants { monotonicity: 2.0 * c.monotonicity, ..c }
     }
 }
 

@@ -14,7 +14,7 @@ use super::pages::PagedNumbers;
 use super::repeats;
 use super::vectors::{max_abs, zeros};
 use crate::mesh::Link;
-use crate::space::{Frame, RigidNodes};
+use crate::space::{NodeFrame, RigidNodes};
 use crate::tensor::Point;
 
 /// A matrix of R × C blocks, one for each pair of nodes that share a cell; the entry of components
@@ -173,13 +173,13 @@ impl BlockMatrix {
 
     /// The matrix Q A Qᵀ of the components in the directions of the nodes, Q their rows; A itself without directions.
     #[must_use]
-    pub fn in_frames(self: &Arc<BlockMatrix>, frames: &[Frame]) -> Arc<BlockMatrix> {
+    pub fn in_frames(self: &Arc<BlockMatrix>, frames: &[NodeFrame]) -> Arc<BlockMatrix> {
         if frames.is_empty() {
             return Arc::clone(self);
         }
         let (mut turned, n) =
             (BlockMatrix { repeated: None, of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
-        for Frame { node, axes } in frames {
+        for NodeFrame { node, axes } in frames {
             let own = self.graph.start[*node as usize];
             for (k, &j) in self.graph.row(*node as usize).iter().enumerate() {
                 let block = &mut turned.values[(own + k) * n * n..][..n * n];

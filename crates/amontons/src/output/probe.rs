@@ -14,7 +14,7 @@ use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{Problem, ProblemData};
-use crate::quadrature::{Rule, rule};
+use crate::quadrature::{QuadratureRule, rule};
 use crate::tensor::{Point, length};
 
 /// Probes of a problem, prepared: weights of nodes and of sampling points.
@@ -174,7 +174,7 @@ impl Prepared {
 
 /// The points of a cell: first those of the recovery, then those of a rule for integrals of expressions linear in the
 /// gradients.
-fn points(element: &Element) -> Rule {
+fn points(element: &Element) -> QuadratureRule {
     let (mut all, integral) = (sampling(element), rule(element.shape, integral_degree(element)));
     all.points.extend(integral.points);
     all.weights.extend(integral.weights);

@@ -23,7 +23,7 @@ use crate::element::Element;
 use crate::material::material_arrays;
 use crate::mesh::Mesh;
 use crate::problem::Problem;
-use crate::quadrature::{Rule, Shape, rule};
+use crate::quadrature::{QuadratureRule, Shape, rule};
 use crate::scheme::State;
 use crate::tensor::{Point, Sym};
 
@@ -146,7 +146,7 @@ pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, sample
 }
 
 /// The points of a cell at which its stress is most accurate.
-pub(super) fn sampling(element: &Element) -> Rule {
+pub(super) fn sampling(element: &Element) -> QuadratureRule {
     // Three symmetric points; those of the collapsed square are not.
     const TRIANGLE: [[f64; 2]; 3] = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
     let quadratic = element.degree > 1;
@@ -159,7 +159,7 @@ pub(super) fn sampling(element: &Element) -> Rule {
         Shape::Tetrahedron => rule(Shape::Tetrahedron, 2).points,
         shape => rule(shape, 3).points,
     };
-    Rule { weights: vec![1.0; points.len()], points }
+    QuadratureRule { weights: vec![1.0; points.len()], points }
 }
 
 /// The patches of a mesh.
@@ -173,7 +173,7 @@ pub(super) struct Recovery<'m> {
     /// Nodes on the boundary of each region, ascending.
     boundary: Vec<Vec<u32>>,
     /// Sampling points of the blocks.
-    points: Vec<Rule>,
+    points: Vec<QuadratureRule>,
     /// Exponents of the polynomials of each degree from 0 on.
     exponents: Vec<Vec<[i32; 3]>>,
 }

@@ -54,7 +54,7 @@ mod zoom;
 
 use std::path::{Path, PathBuf};
 
-use crate::units::{Measure, System, Units};
+use crate::units::{Measure, UnitSystem, Units};
 
 pub use animation::animation;
 pub use body::Body;
@@ -324,7 +324,7 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     let study = dir.join("convergence.csv");
     let is_study = study.exists();
     if is_study {
-        let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == System::Dimensionless;
+        let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == UnitSystem::Dimensionless;
         let plot = ConvergencePlot::read(
             &study,
             &Options { dimensionless: options.dimensionless || has_none, ..options.clone() },

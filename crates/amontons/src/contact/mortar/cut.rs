@@ -6,7 +6,7 @@ use super::part::{FlatPiece, SideFacets};
 use super::sight::{Sight, SightLine};
 use super::tree::SphereTree;
 use crate::mesh::cross;
-use crate::quadrature::{Rule, Shape, rule};
+use crate::quadrature::{QuadratureRule, Shape, rule};
 use crate::tensor::{Point, dot, length};
 
 /// Fraction of a part below which a piece of it is round-off.
@@ -371,14 +371,14 @@ fn fan(polygon: &[Flat]) -> impl Iterator<Item = [Flat; 3]> + use<'_> {
 }
 
 /// The quadrature rule of a degree on triangles, built once.
-fn on_triangles(degree: usize) -> &'static Rule {
-    static RULES: [OnceLock<Rule>; MOST + DEGREES] = [const { OnceLock::new() }; MOST + DEGREES];
+fn on_triangles(degree: usize) -> &'static QuadratureRule {
+    static RULES: [OnceLock<QuadratureRule>; MOST + DEGREES] = [const { OnceLock::new() }; MOST + DEGREES];
     let degree = degree.min(MOST + DEGREES - 1);
     RULES[degree].get_or_init(|| rule(Shape::Triangle, degree))
 }
 
 /// The points of a rule on a triangle, with their weights.
-fn placed(triangle: &[Flat; 3], rule: &Rule) -> Vec<(Flat, f64)> {
+fn placed(triangle: &[Flat; 3], rule: &QuadratureRule) -> Vec<(Flat, f64)> {
     let doubled = 2.0 * area(triangle).abs();
     let place = |at: &Point, c: usize| {
         let [from, s, t] = triangle.map(|corner| corner[c]);

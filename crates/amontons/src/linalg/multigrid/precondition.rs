@@ -13,7 +13,7 @@ use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::StopFlag;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
-use crate::space::{Frame, RigidNodes};
+use crate::space::{NodeFrame, RigidNodes};
 use crate::tensor::{Point, Sym};
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
@@ -30,7 +30,7 @@ pub(super) struct MaskedMatrix<'a> {
     pub points: &'a [Point],
     pub free: &'a [bool],
     /// Directions of the unknowns of nodes where they are not the axes.
-    pub frames: &'a [Frame],
+    pub frames: &'a [NodeFrame],
     /// Nodes that move as rigid bodies.
     pub rigid: &'a [RigidNodes],
     /// Degrees of freedom that are motions of these without stiffness, with that of their bodies.
