@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::case::{self, Case};
 use amontons::output::{
-    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, RunStart, Shown, Sink, Snapshot,
-    Summary, Table as Kept,
+    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, ResultTable as Kept, RunStart, Shown,
+    Sink, Snapshot, Summary,
 };
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::run::{self, RunError, Settings};

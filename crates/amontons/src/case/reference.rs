@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::schema::{View, schema};
 use crate::hypotheses::FindingId;
-use crate::output::{Table, quantities, shown};
+use crate::output::{ResultTable, quantities, shown};
 use crate::units::{Measure, Units};
 
 /// The kind of a word.
@@ -42,11 +42,11 @@ pub struct Entry {
 const VALUES: &str = "a table in the place of a value";
 
 /// The name of a value in a file.
-fn of_table(table: Table) -> &'static str {
+fn of_table(table: ResultTable) -> &'static str {
     match table {
-        Table::Summary => "key",
-        Table::History | Table::Contact => "column",
-        Table::Fields | Table::Surface => "array",
+        ResultTable::Summary => "key",
+        ResultTable::History | ResultTable::Contact => "column",
+        ResultTable::Fields | ResultTable::Surface => "array",
     }
 }
 

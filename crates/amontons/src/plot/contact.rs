@@ -5,7 +5,7 @@ use super::run::{ContactRow, SolidContact};
 use super::table::CsvTable;
 use crate::contact::{NoSlip, Status, read, read_vector};
 use crate::output::ContactValues;
-use crate::output::columns::{self, Column, OnContact};
+use crate::output::columns::{self, Column, ContactColumns};
 use crate::problem::Problem;
 
 /// A table with the columns of `contact.csv`.
@@ -135,7 +135,7 @@ impl Tractions for SolidContact {
 
 /// The contact points of a body in space.
 pub(super) fn in_space(table: &impl Columns, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
-    let triple = |of: &Column<OnContact>| -> Result<[Vec<f64>; 3], PlotError> {
+    let triple = |of: &Column<ContactColumns>| -> Result<[Vec<f64>; 3], PlotError> {
         Ok([table.numbers(&of.component(0))?, table.numbers(&of.component(1))?, table.numbers(&of.component(2))?])
     };
     let ([x, y, z], slip) = (triple(&columns::POSITION)?, triple(&columns::SLIP_VELOCITY)?);
@@ -182,12 +182,12 @@ fn statuses(table: &impl Columns) -> Result<Vec<Status>, PlotError> {
 
 /// The contact points of a plane body.
 pub(super) fn in_plane(table: &impl Columns, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
-    let pairs = |of: &Column<OnContact>| -> Result<Vec<[f64; 2]>, PlotError> {
+    let pairs = |of: &Column<ContactColumns>| -> Result<Vec<[f64; 2]>, PlotError> {
         let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
     };
     // Components out of the plane exist only if a foundation slides that way.
-    let triples = |of: &Column<OnContact>| -> Result<Vec<[f64; 3]>, PlotError> {
+    let triples = |of: &Column<ContactColumns>| -> Result<Vec<[f64; 3]>, PlotError> {
         let (plane, out) = (pairs(of)?, of.component(2));
         let out = if table.has(&out) { table.numbers(&out)? } else { vec![0.0; plane.len()] };
         Ok(plane.into_iter().zip(out).map(|([x, y], z)| [x, y, z]).collect())
