@@ -1,6 +1,6 @@
 //! `amontons explain`: the meaning of a word of the case file, the tables or the messages.
 
-use amontons::case::{self, Entry, Word};
+use amontons::case::{self, GlossaryEntry, Word};
 
 use crate::arguments::Format;
 use crate::print;
@@ -28,8 +28,8 @@ pub fn execute(word: Option<&str>, format: Format) -> Result<(), Failure> {
     Ok(())
 }
 
-fn told(entry: &Entry) -> String {
-    let Entry { word, place, name, meaning, expected, is_required } = entry;
+fn told(entry: &GlossaryEntry) -> String {
+    let GlossaryEntry { word, place, name, meaning, expected, is_required } = entry;
     let mut text = format!("{name}, {}{place}\n", if *word == Word::Key { "key of " } else { "" });
     if !meaning.is_empty() {
         text += &format!("  {meaning}\n");

@@ -4,7 +4,8 @@
 //! not compute.
 
 use crate::case::{
-    self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take,
+    self, Case, CaseError, Check, ColumnTake, Comparison, ErrorName, Expected, Files, Source, StudyRequest,
+    StudyRequestError,
 };
 use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
 use crate::output::{
@@ -129,9 +130,9 @@ fn title(check: &Check) -> String {
         Check::Probe { probe, time, .. } => format!("{}, t = {time}", probe.name),
         Check::History { column, time, take, .. } => match (time, take) {
             (Some(t), _) => format!("{column} at t = {t}"),
-            (None, Take::Last) => format!("{column} at the end"),
-            (None, Take::Min) => format!("smallest {column}"),
-            (None, Take::Max) => format!("largest {column}"),
+            (None, ColumnTake::Last) => format!("{column} at the end"),
+            (None, ColumnTake::Min) => format!("smallest {column}"),
+            (None, ColumnTake::Max) => format!("largest {column}"),
         },
         Check::Order { study, error, .. } => {
             let vary = match (study.vary, study.power) {
@@ -286,14 +287,14 @@ impl Recorder {
         interpolate(&self.times, values, time)
     }
 
-    fn column(&self, name: &str, time: Option<f64>, take: Take) -> Option<f64> {
+    fn column(&self, name: &str, time: Option<f64>, take: ColumnTake) -> Option<f64> {
         let column = self.columns.iter().position(|c| c == name)?;
         let values: Vec<f64> = self.history.iter().map(|row| row[column]).collect();
         match (time, take) {
             (Some(t), _) => interpolate(self.times.get(1..)?, &values, t),
-            (None, Take::Last) => values.last().copied(),
-            (None, Take::Min) => values.iter().copied().reduce(f64::min),
-            (None, Take::Max) => values.iter().copied().reduce(f64::max),
+            (None, ColumnTake::Last) => values.last().copied(),
+            (None, ColumnTake::Min) => values.iter().copied().reduce(f64::min),
+            (None, ColumnTake::Max) => values.iter().copied().reduce(f64::max),
         }
     }
 }

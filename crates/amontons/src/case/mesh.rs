@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::build::Build;
-use super::memory::{self, Demand, Size, neighbours};
+use super::memory::{self, MeshDemand, MeshSize, neighbours};
 use super::path::Path;
 use super::place::At;
 use super::raw;
@@ -25,7 +25,7 @@ pub(super) struct FileOf<'c> {
 }
 
 /// A mesh from a file, with the stress state that its elements say, if any.
-pub(super) struct FromFile {
+pub(super) struct MeshFromFile {
     pub mesh: Mesh,
     pub plane: Option<PlaneState>,
 }
@@ -112,15 +112,16 @@ impl Build<'_> {
         let made = match raw {
             raw::Mesh::File { file, scale, axisymmetric, refine } => {
                 let of = FileOf { name: file, scale: *scale, axisymmetric: *axisymmetric };
-                let read = self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|FromFile { mesh, plane }| {
-                    self.of_file.plane = plane;
-                    self.with_named_sides(mesh, sides.named)
-                });
+                let read =
+                    self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|MeshFromFile { mesh, plane }| {
+                        self.of_file.plane = plane;
+                        self.with_named_sides(mesh, sides.named)
+                    });
                 let read = read.filter(|mesh| {
                     let size = measured(mesh, &sides.contact, *refine);
                     // Each refinement doubles the cells along every direction.
                     let cells = mesh.cell_count() as f64 * f64::from(1 << refine).powi(mesh.dim as i32);
-                    let demand = Demand::of(&size, self.solver);
+                    let demand = MeshDemand::of(&size, self.solver);
                     self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
                 });
                 read.and_then(|mesh| self.refined(mesh, *refine))
@@ -157,7 +158,7 @@ impl Build<'_> {
                 Some("remove one of them"),
             );
         }
-        let demand = Demand::of(&size(raw, &cells, contact_on), self.solver);
+        let demand = MeshDemand::of(&size(raw, &cells, contact_on), self.solver);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
         let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
         // A case with faults is not run: a few cells are enough to find its sides.
@@ -170,7 +171,7 @@ impl Build<'_> {
     }
 
     /// The mesh of a file, if it is sound; `is_used` selects the sides in use, `key` names the file.
-    pub(super) fn file(&mut self, key: &str, of: &FileOf, is_used: &dyn Fn(&str) -> bool) -> Option<FromFile> {
+    pub(super) fn file(&mut self, key: &str, of: &FileOf, is_used: &dyn Fn(&str) -> bool) -> Option<MeshFromFile> {
         let name = of.name;
         let bytes = match self.loader.get(&Path::parse(key).unwrap_or_default(), name) {
             Ok(bytes) => bytes,
@@ -186,7 +187,7 @@ impl Build<'_> {
                 if let Some(whole) = read.whole {
                     self.loader.complete(name, whole);
                 }
-                FromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane }
+                MeshFromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane }
             }
             Err(error) => {
                 let place = error.place();
@@ -234,7 +235,7 @@ impl Build<'_> {
         path: &str,
         what: &str,
         hint: &str,
-        demand: &Demand,
+        demand: &MeshDemand,
         available: Option<Memory>,
     ) -> bool {
         let count =
@@ -256,13 +257,13 @@ impl Build<'_> {
 }
 
 /// The size of a mesh file after `refine` refinements.
-pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> Size {
+pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> MeshSize {
     let contact_nodes: usize =
         contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
     // Each refinement doubles the nodes along every direction.
     let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
     let of_block = |block: &Block| neighbours(block.element.shape, block.element.degree);
-    Size {
+    MeshSize {
         dim: mesh.dim,
         nodes: mesh.points.len() as f64 * times(mesh.dim),
         contact_nodes: contact_nodes as f64 * times(mesh.dim.saturating_sub(1)),
@@ -277,7 +278,7 @@ fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
 }
 
 /// The size of a generated mesh.
-pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Size {
+pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> MeshSize {
     let sum = |of: &dyn Fn(&str) -> f64| contact_on.iter().map(|side| of(side)).sum::<f64>();
     let degree = |e: raw::Elements| elements(e).degree() as f64;
     let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
@@ -315,7 +316,7 @@ pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Siz
         }
         _ => (2, 0.0, 0.0),
     };
-    Size {
+    MeshSize {
         dim,
         nodes,
         contact_nodes,

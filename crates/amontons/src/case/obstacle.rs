@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::build::Build;
 use super::place::At;
 use super::raw::{self, Datum};
-use super::solid::FromFile;
+use super::solid::SolidFromFile;
 use crate::contact::obstacle::{
     Cylinder, FacetedSolid, LevelSet, Obstacle, ObstacleLoad, ObstacleShape, Plane, Point3, ShapeFaults, Sphere,
     Turning, Wave,
@@ -64,7 +64,7 @@ impl Build<'_> {
             }
             raw::Obstacle::File { file, scale, turn, origin, inside, .. } => {
                 let origin = if origin.is_empty() { Point3::default() } else { self.moving(path, "origin", origin) };
-                let surface = self.facets(path, &FromFile { file, scale: *scale, turn: turn.as_ref() })?;
+                let surface = self.facets(path, &SolidFromFile { file, scale: *scale, turn: turn.as_ref() })?;
                 self.shape(path, FacetedSolid::new(Arc::new(surface), origin, *inside))
             }
             raw::Obstacle::Surface { level, .. } => self.surface(path, level, points),

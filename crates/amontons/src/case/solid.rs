@@ -11,7 +11,7 @@ use crate::mesh::{self, stl};
 use crate::tensor::{Point, Rotation};
 
 /// A solid in a file, with its scale and rotation.
-pub(super) struct FromFile<'r> {
+pub(super) struct SolidFromFile<'r> {
     pub file: &'r str,
     pub scale: f64,
     pub turn: Option<&'r raw::Turn>,
@@ -19,7 +19,7 @@ pub(super) struct FromFile<'r> {
 
 impl Build<'_> {
     /// The surface of the solid in a file, scaled and rotated, or `None`, with a note, if it has a fault.
-    pub(super) fn facets(&mut self, path: &str, from: &FromFile) -> Option<ClosedSurface> {
+    pub(super) fn facets(&mut self, path: &str, from: &SolidFromFile) -> Option<ClosedSurface> {
         let (key, name) = (format!("{path}.file"), from.file);
         let bytes = match self.loader.get(&Path::parse(&key).unwrap_or_default(), name) {
             Ok(bytes) => bytes,

@@ -47,7 +47,7 @@ pub enum Check {
         /// The time in s, or `None` for an extreme or the last value.
         time: Option<f64>,
         /// Value taken if no time is given.
-        take: Take,
+        take: ColumnTake,
         /// The reference value.
         is: Comparison,
     },
@@ -81,7 +81,7 @@ impl Check {
 
 /// The value taken from a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Take {
+pub enum ColumnTake {
     /// The last.
     Last,
     /// The smallest.
