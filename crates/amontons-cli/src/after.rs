@@ -43,9 +43,9 @@ pub fn report(dir: &Path, quiet: bool) -> Result<(), Failure> {
 /// Writes an animation of the results in a folder and prints its path.
 pub fn animate(dir: &Path, field: FieldArgument, options: &plot::Options) -> Result<(), Failure> {
     let kind = match field {
-        FieldArgument::Displacement => plot::Kind::Deformed,
-        FieldArgument::VonMises => plot::Kind::VonMises,
-        FieldArgument::Temperature => plot::Kind::Temperature,
+        FieldArgument::Displacement => plot::PictureKind::Deformed,
+        FieldArgument::VonMises => plot::PictureKind::VonMises,
+        FieldArgument::Temperature => plot::PictureKind::Temperature,
     };
     Ok(print::text(&format!("{}\n", plot::animation(dir, kind, options)?.display()))?)
 }

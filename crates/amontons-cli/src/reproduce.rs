@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
 use amontons::convergence::{StudyTable, Vary};
 use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, StudyFolder, Summary};
-use amontons::plot::{self, Kind};
+use amontons::plot::{self, PictureKind};
 use amontons::run::{self, RunError, Settings};
 
 use crate::arguments::{Common, Format};
@@ -153,11 +153,11 @@ fn figures(folder: &Path, reference: usize) -> Result<(), Failure> {
     let runs = FOUNDATION.map(|f| (format!("θ_{{F}} = {f}"), folder.join(format!("run-{f}"))));
     let panels: Vec<(&str, &Path)> = runs.iter().map(|(title, dir)| (title.as_str(), dir.as_path())).collect();
     let kinds = [
-        (Kind::Deformed, "figure-2-deformed"),
-        (Kind::Temperature, "figure-3-temperature"),
-        (Kind::VonMises, "figure-4-von-mises"),
-        (Kind::Contact, "contact"),
-        (Kind::History, "history"),
+        (PictureKind::Deformed, "figure-2-deformed"),
+        (PictureKind::Temperature, "figure-3-temperature"),
+        (PictureKind::VonMises, "figure-4-von-mises"),
+        (PictureKind::Contact, "contact"),
+        (PictureKind::History, "history"),
     ];
     for (kind, name) in kinds {
         plot::side_by_side(kind, &panels, &folder.join(name), &options)?;

@@ -330,7 +330,7 @@ fn results(folder: &Path, files: &[PathBuf], sound: &[Vec<u8>], bytes: &[u8]) ->
         Ok(found) => [found.faults, found.unchecked].concat().join(" "),
         Err(error) => error.to_string(),
     };
-    let drawn = told(plot::Run::read(folder));
+    let drawn = told(plot::DrawnRun::read(folder));
     let restored = told(fs::write(file, before));
     found + &drawn + &restored
 }

@@ -10,7 +10,7 @@ use super::{FIGURES, Lives, ResultTable, Shown, shown};
 use crate::case::{self, Case};
 use crate::contact::Contact;
 use crate::output::{Folder, FolderOptions, Summary, surface};
-use crate::plot::{self, Kind, Options};
+use crate::plot::{self, Options, PictureKind};
 use crate::run::{Settings, run};
 use crate::units::Measure;
 use crate::vtu::Grid;
@@ -286,7 +286,7 @@ impl Ran {
     fn has_its_pictures(&self) {
         let options = Options { times: vec![self.summary.time], ..Options::default() };
         let drawn: Vec<PathBuf> = plot::folder(&self.folder, &options).unwrap();
-        let text = |kind: Kind| {
+        let text = |kind: PictureKind| {
             let of_kind = drawn.iter().find(|path| path.ends_with(format!("{}.svg", kind.file_name())));
             of_kind.map(|path| fs::read_to_string(path).unwrap())
         };
@@ -295,7 +295,7 @@ impl Ran {
         let lengths: Vec<f64> = (0..u.first().map_or(0, Vec::len)).map(|i| length(i, &u)).collect();
         let theta = self.array("temperature").into_iter().next().unwrap_or_default();
         for (kind, values, measure) in
-            [(Kind::Deformed, lengths, Measure::Length), (Kind::Temperature, theta, Measure::Temperature)]
+            [(PictureKind::Deformed, lengths, Measure::Length), (PictureKind::Temperature, theta, Measure::Temperature)]
         {
             let Some(picture) = text(kind) else { continue };
             let ends = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
