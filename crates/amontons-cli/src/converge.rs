@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, StudyTable, Vary};
+use amontons::convergence::{ReferenceProgress, Study, StudyLevel, StudySettings, StudyTable, Vary};
 use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
 use amontons::scheme::State;
@@ -83,9 +83,9 @@ pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<S
             *failed = Some(error);
         }
     };
-    let keep = |level: &Level, states: &[State]| note(folder.keep(level, states));
+    let keep = |level: &StudyLevel, states: &[State]| note(folder.keep(level, states));
     let keep_reference = |progress: &ReferenceProgress| note(folder.keep_reference(study, progress));
-    let (load, load_reference) = (|level: &Level| folder.load(level), || folder.load_reference(study));
+    let (load, load_reference) = (|level: &StudyLevel| folder.load(level), || folder.load_reference(study));
     running.progress.part(running.part, study.steps());
     running.progress.begin_steps();
     let made = AtomicUsize::new(0);

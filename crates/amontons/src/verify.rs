@@ -7,7 +7,7 @@ use crate::case::{
     self, Case, CaseError, Check, ColumnTake, Comparison, ErrorName, Expected, Files, Source, StudyRequest,
     StudyRequestError,
 };
-use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
+use crate::convergence::{ErrorRow, Reference, Study, StudyError, StudyLevel, StudySettings, Vary, slope};
 use crate::output::{
     OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values,
 };
@@ -189,9 +189,9 @@ struct Studies<'a> {
     source: &'a Source,
     overrides: &'a [String],
     case: &'a Case,
-    done: Vec<(StudyRequest, Vec<Row>)>,
+    done: Vec<(StudyRequest, Vec<ErrorRow>)>,
     /// Errors with the mesh and steps of the case.
-    own: Option<Row>,
+    own: Option<ErrorRow>,
 }
 
 impl Studies<'_> {
@@ -202,7 +202,7 @@ impl Studies<'_> {
             self.done.push((request.clone(), table.rows));
         }
         let rows = self.done.iter().find(|(done, _)| done == request).map_or(&[][..], |(_, rows)| rows);
-        let size = |row: &Row| if request.vary == Vary::Time { row.k } else { row.h };
+        let size = |row: &ErrorRow| if request.vary == Vary::Time { row.k } else { row.h };
         Ok(slope(&rows.iter().map(|row| (size(row), error.of(row))).collect::<Vec<_>>()))
     }
 
@@ -232,9 +232,9 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
 }
 
 /// Errors against the exact solution with the mesh and steps of the case.
-fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
+fn own_errors(name: &str, case: &Case) -> Result<ErrorRow, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
-    let level = Level {
+    let level = StudyLevel {
         level: case.cells.first().copied().unwrap_or_default(),
         problem: case.problem.clone(),
         text: case.fingerprint(),

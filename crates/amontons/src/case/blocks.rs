@@ -6,7 +6,7 @@ use super::mesh::{FileOf, MeshFromFile, generate, measured, size};
 use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
-use crate::machine::Memory;
+use crate::machine::FreeMemory;
 use crate::mesh::{Mesh, MeshError, PlaneState};
 use crate::tensor::Rotation;
 
@@ -41,7 +41,7 @@ impl Build<'_> {
         blocks: &[raw::Block],
         axisymmetric: bool,
         sides: &SideNames,
-        available: Option<Memory>,
+        available: Option<FreeMemory>,
     ) -> Option<Mesh> {
         let (mut bodies, mut all, mut said) = (Vec::new(), MeshSize::default(), Vec::new());
         for (i, block) in blocks.iter().enumerate() {

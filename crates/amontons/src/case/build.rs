@@ -18,7 +18,7 @@ use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
 use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
-use crate::machine::Memory;
+use crate::machine::FreeMemory;
 use crate::material::Material;
 use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
@@ -34,7 +34,7 @@ use crate::units::{TemperatureScale, UnitSystem};
 pub(super) fn problem(
     mut raw: raw::Case,
     files: &Files,
-    available: Option<Memory>,
+    available: Option<FreeMemory>,
     notes: SchemaNotes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<PathFault>) {
@@ -467,7 +467,7 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (doubtful, memory) = (Doubtful::default(), Memory { bytes: 2e6, limit: None });
+        let (doubtful, memory) = (Doubtful::default(), FreeMemory { bytes: 2e6, limit: None });
         let notes = SchemaNotes { doubtful: &doubtful, limits: &[], scale: TemperatureScale::Kelvin };
         let (problem, findings) = problem(raw, &Files::None, Some(memory), notes, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();

@@ -8,7 +8,7 @@ use super::path::Path;
 use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
-use crate::machine::Memory;
+use crate::machine::FreeMemory;
 use crate::mesh::defects::{Defects, defects};
 use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, PlaneState};
 use crate::quadrature::Shape;
@@ -108,7 +108,7 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
 
 impl Build<'_> {
     /// The mesh, or a placeholder with few cells if it has a fault.
-    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<Memory>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<FreeMemory>) -> Mesh {
         let made = match raw {
             raw::Mesh::File { file, scale, axisymmetric, refine } => {
                 let of = FileOf { name: file, scale: *scale, axisymmetric: *axisymmetric };
@@ -147,7 +147,7 @@ impl Build<'_> {
     }
 
     /// The generated mesh, or `None` if it does not exist in this size.
-    fn generated(&mut self, raw: &raw::Mesh, contact_on: &[&str], available: Option<Memory>) -> Option<Mesh> {
+    fn generated(&mut self, raw: &raw::Mesh, contact_on: &[&str], available: Option<FreeMemory>) -> Option<Mesh> {
         let cells = cells(raw);
         if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
             self.note(
@@ -236,12 +236,12 @@ impl Build<'_> {
         what: &str,
         hint: &str,
         demand: &MeshDemand,
-        available: Option<Memory>,
+        available: Option<FreeMemory>,
     ) -> bool {
         let count =
             if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
-        if let Some(Memory { bytes, limit }) = available.filter(|available| demand.bytes > available.bytes) {
+        if let Some(FreeMemory { bytes, limit }) = available.filter(|available| demand.bytes > available.bytes) {
             let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
             let by = limit.map_or_else(String::new, |limit| format!(" below {limit}"));
             let expected = format!("a mesh for the {} of memory that are free{by}", memory::bytes(bytes));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::request::StudyRequest;
-use crate::convergence::Row;
+use crate::convergence::ErrorRow;
 use crate::output::Probe;
 
 /// The reference values of a benchmark.
@@ -120,7 +120,7 @@ impl ErrorName {
 
     /// The error in a row.
     #[must_use]
-    pub fn of(self, row: &Row) -> f64 {
+    pub fn of(self, row: &ErrorRow) -> f64 {
         match self {
             ErrorName::W => row.error_w,
             ErrorName::U => row.error_u,

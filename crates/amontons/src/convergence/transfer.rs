@@ -4,7 +4,7 @@
 //! A rounded body differs from mesh to mesh: the cells of the finer mesh extend beyond those of the coarser one by the
 //! distance of chord and arc. There the coarse function is extended beyond its cell.
 
-use crate::convergence::norms::{Errors, Products, of_difference};
+use crate::convergence::norms::{Errors, InnerProducts, of_difference};
 use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
 use crate::linalg::BlockMatrix;
 use crate::mesh::{CellMap, Mesh};
@@ -47,11 +47,11 @@ enum Way {
     /// Nested: the coarse function is interpolated at the nodes of the reference, exactly if edges are straight.
     Interpolate(Vec<Vec<(u32, f64)>>),
     /// Not nested: squares are integrated over the intersections of the cells.
-    Intersect(Vec<Piece>),
+    Intersect(Vec<CommonTriangle>),
 }
 
 /// A triangle inside one cell of each mesh.
-struct Piece {
+struct CommonTriangle {
     fine: CellPlace,
     coarse: CellPlace,
     corners: [Point; 3],
@@ -118,7 +118,7 @@ impl<'a> Transfer<'a> {
                     }
                     out
                 };
-                let products = Products { mass: &self.reference.mass, strain: self.strain };
+                let products = InnerProducts { mass: &self.reference.mass, strain: self.strain };
                 of_difference(
                     &products,
                     &difference(dim, &coarse.u, &reference.u),
@@ -130,7 +130,7 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    fn over_pieces(&self, pieces: &[Piece], coarse: &State, reference: &State) -> Errors {
+    fn over_pieces(&self, pieces: &[CommonTriangle], coarse: &State, reference: &State) -> Errors {
         let fine = &*self.reference.mesh;
         let dim = fine.dim;
         // The squared difference of two linear functions is quadratic.
@@ -226,7 +226,7 @@ fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(CellPlace, Point)>> {
 }
 
 /// Triangles that make up the intersections of the cells of two meshes.
-fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
+fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<CommonTriangle> {
     let mut pieces = Vec::new();
     for (b, block) in fine.blocks.iter().enumerate() {
         for (c, cell) in block.cells().enumerate() {
@@ -245,7 +245,7 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
                     polygon = clip(&polygon, &points[nodes[k] as usize], &points[nodes[(k + 1) % 3] as usize]);
                 }
                 for k in 1..polygon.len().saturating_sub(1) {
-                    pieces.push(Piece {
+                    pieces.push(CommonTriangle {
                         fine: (b as u32, c as u32),
                         coarse: at,
                         corners: [polygon[0], polygon[k], polygon[k + 1]],

@@ -29,7 +29,7 @@ use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub use choices::Choice;
-pub(crate) use data::{Datum, Role, Sample};
+pub(crate) use data::{Datum, DatumRole, MaterialSample};
 pub use loads::RegionLoad;
 pub use physics::Physics;
 pub use rigid::RigidPart;
