@@ -53,7 +53,7 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
         }
     }
     let cards = deck::read(deck)?;
-    let (model, mut notes) = model::Model::of(&cards).map_err(|fault| fault.of(deck))?;
+    let (model, mut notes) = model::DeckModel::of(&cards).map_err(|fault| fault.of(deck))?;
     // The mesh of a deck with included files is written out, too.
     let includes = cards.iter().any(|card| card.place.is_included());
     let needs_sides = includes || !model.sides.text().is_empty();
@@ -89,7 +89,7 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
 }
 
 /// The mesh of a deck, with names for items that the deck refers to by number.
-fn with_names(cards: &[deck::Card], model: &model::Model, deck: &Path) -> String {
+fn with_names(cards: &[deck::Card], model: &model::DeckModel, deck: &Path) -> String {
     let head = format!(
         "** The mesh of {}, and below names for sides and points that it does not name, by amontons import.\n",
         name_of(deck).replace(char::is_control, " ")
