@@ -2,16 +2,16 @@
 
 use amontons::case::{self, GlossaryEntry, Word};
 
-use crate::arguments::Format;
+use crate::arguments::OutputFormat;
 use crate::print;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Prints the entries of a word, or the chapter of all words.
-pub fn execute(word: Option<&str>, format: Format) -> Result<(), Failure> {
+pub fn execute(word: Option<&str>, format: OutputFormat) -> Result<(), CommandFailure> {
     let Some(word) = word else {
         match format {
-            Format::Json => print::json(&case::reference_json(&case::reference()))?,
-            Format::Text => print::text(&case::reference_markdown())?,
+            OutputFormat::Json => print::json(&case::reference_json(&case::reference()))?,
+            OutputFormat::Text => print::text(&case::reference_markdown())?,
         }
         return Ok(());
     };
@@ -19,11 +19,11 @@ pub fn execute(word: Option<&str>, format: Format) -> Result<(), Failure> {
     if entries.is_empty() {
         let near = case::similar(word).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
         let expected = "expected a key of the case file, a quantity of a probe, a value of the results or a finding";
-        return Err(Failure::Usage(format!("found \"{}\", {expected}{near}", word.escape_debug())));
+        return Err(CommandFailure::Usage(format!("found \"{}\", {expected}{near}", word.escape_debug())));
     }
     match format {
-        Format::Json => print::json(&case::reference_json(&entries))?,
-        Format::Text => print::text(&entries.iter().map(told).collect::<Vec<_>>().join("\n"))?,
+        OutputFormat::Json => print::json(&case::reference_json(&entries))?,
+        OutputFormat::Text => print::text(&entries.iter().map(told).collect::<Vec<_>>().join("\n"))?,
     }
     Ok(())
 }

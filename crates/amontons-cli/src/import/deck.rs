@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use amontons::mesh::inp;
 
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Largest depth of nested included files.
 const DEEPEST: usize = 16;
@@ -59,9 +59,9 @@ impl DeckFault {
     }
 
     /// The fault of a deck as the program reports it.
-    pub fn of(self, deck: &Path) -> Failure {
+    pub fn of(self, deck: &Path) -> CommandFailure {
         let DeckFault { place, found, expected } = self;
-        Failure::Usage(format!("{}, {place}: found {found}, expected {expected}", deck.display()))
+        CommandFailure::Usage(format!("{}, {place}: found {found}, expected {expected}", deck.display()))
     }
 }
 
@@ -185,7 +185,7 @@ fn bytes(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Reads a deck with all files that it includes.
-pub fn read(path: &Path) -> Result<Vec<Card>, Failure> {
+pub fn read(path: &Path) -> Result<Vec<Card>, CommandFailure> {
     let mut cards = Vec::new();
     let mut open = Vec::new();
     let mut room = LONGEST;
@@ -199,10 +199,10 @@ fn append(
     name: Option<&Rc<str>>,
     (open, room): (&mut Vec<PathBuf>, &mut u64),
     cards: &mut Vec<Card>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let bytes = bytes(path, *room).map_err(|source| {
         let (doing, path) = ("read", path.to_owned());
-        Failure::Output(amontons::output::OutputError::Io { doing, path, source })
+        CommandFailure::Output(amontons::output::OutputError::Io { doing, path, source })
     })?;
     *room -= bytes.len() as u64;
     let text = String::from_utf8_lossy(&bytes);
