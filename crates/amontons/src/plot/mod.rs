@@ -321,8 +321,8 @@ fn heading(panels: &[RunPanel], what: &str) -> String {
 /// Draws all pictures of the run and of the convergence study in a results folder into its folder `plots`. Returns
 /// their paths.
 ///
-/// Pictures of the body and of Γ_C show the times of the options, or those that [`DrawnRun::frames`] chooses. A body in one
-/// dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no temperature
+/// Pictures of the body and of Γ_C show the times of the options, or those that [`DrawnRun::frames`] chooses. A body in
+/// one dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no temperature
 /// without heat, no wear without wear.
 ///
 /// # Errors
