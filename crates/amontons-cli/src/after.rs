@@ -6,7 +6,7 @@ use amontons::plot;
 
 use crate::arguments::FieldArgument;
 use crate::print;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// The output to make when a run has ended.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub struct After {
 
 impl After {
     /// Makes the requested output from the results in a folder, and prints the paths.
-    pub fn make(self, dir: &Path, quiet: bool) -> Result<(), Failure> {
+    pub fn make(self, dir: &Path, quiet: bool) -> Result<(), CommandFailure> {
         if self.pictures {
             draw(dir, &plot::Options::default(), quiet)?;
         }
@@ -26,7 +26,7 @@ impl After {
 }
 
 /// Draws the contents of a folder and prints the paths of the pictures.
-pub fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure> {
+pub fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), CommandFailure> {
     let paths = plot::folder(dir, options)?;
     if quiet {
         return Ok(());
@@ -35,17 +35,17 @@ pub fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Fail
 }
 
 /// Writes the report of a folder and prints its path.
-pub fn report(dir: &Path, quiet: bool) -> Result<(), Failure> {
+pub fn report(dir: &Path, quiet: bool) -> Result<(), CommandFailure> {
     let path = plot::report(dir)?;
     if quiet { Ok(()) } else { Ok(print::text(&format!("{}\n", path.display()))?) }
 }
 
 /// Writes an animation of the results in a folder and prints its path.
-pub fn animate(dir: &Path, field: FieldArgument, options: &plot::Options) -> Result<(), Failure> {
+pub fn animate(dir: &Path, field: FieldArgument, options: &plot::Options) -> Result<(), CommandFailure> {
     let kind = match field {
-        FieldArgument::Displacement => plot::Kind::Deformed,
-        FieldArgument::VonMises => plot::Kind::VonMises,
-        FieldArgument::Temperature => plot::Kind::Temperature,
+        FieldArgument::Displacement => plot::PictureKind::Deformed,
+        FieldArgument::VonMises => plot::PictureKind::VonMises,
+        FieldArgument::Temperature => plot::PictureKind::Temperature,
     };
     Ok(print::text(&format!("{}\n", plot::animation(dir, kind, options)?.display()))?)
 }

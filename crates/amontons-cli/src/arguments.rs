@@ -137,8 +137,8 @@ pub enum Command {
         /// them, as the chapter "Reference" of the guide]
         word: Option<String>,
         /// Form of what is printed on standard output
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
+        #[arg(long, value_enum, default_value_t = OutputFormat::Text)]
+        format: OutputFormat,
     },
     /// Show what a mesh has: regions, sides, sizes, the quality of its cells
     Mesh {
@@ -155,8 +155,8 @@ pub enum Command {
         #[arg(long)]
         confine: bool,
         /// Form of what is printed on standard output
-        #[arg(long, value_enum, default_value_t = Format::Text)]
-        format: Format,
+        #[arg(long, value_enum, default_value_t = OutputFormat::Text)]
+        format: OutputFormat,
     },
     /// Write a case from an input deck of Abaqus or CalculiX
     Import {
@@ -293,8 +293,8 @@ pub struct Common {
     #[arg(long)]
     pub quiet: bool,
     /// Form of what is printed on standard output
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    pub format: Format,
+    #[arg(long, value_enum, default_value_t = OutputFormat::Text)]
+    pub format: OutputFormat,
     /// Refuse meshes and tables outside the folder of the case
     #[arg(long)]
     pub confine: bool,
@@ -327,7 +327,7 @@ impl CertificateChoice {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum OutputFormat {
     /// For reading
     Text,
     /// For programs
@@ -359,10 +359,10 @@ impl Common {
 
 impl Command {
     /// In what form messages are printed.
-    pub fn format(&self) -> Format {
+    pub fn format(&self) -> OutputFormat {
         match self {
             Command::Mesh { format, .. } | Command::Explain { format, .. } => *format,
-            _ => self.common().map_or(Format::Text, |common| common.format),
+            _ => self.common().map_or(OutputFormat::Text, |common| common.format),
         }
     }
 

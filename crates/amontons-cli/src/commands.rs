@@ -9,18 +9,18 @@ use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
-use amontons::units::{Measure, System, Units};
+use amontons::units::{Measure, UnitSystem, Units};
 use clap::CommandFactory;
 
 use crate::after::{self, After};
-use crate::arguments::{Arguments, CertificateChoice, Command, Common, Format};
+use crate::arguments::{Arguments, CertificateChoice, Command, Common, OutputFormat};
 use crate::print;
 use crate::progress::{Progress, StepSink};
-use crate::status::Failure;
+use crate::status::CommandFailure;
 use crate::{constants, converge, explain, import, materials, new, reproduce, sweep, verify};
 
 /// Executes a command.
-pub fn execute(command: Command) -> Result<(), Failure> {
+pub fn execute(command: Command) -> Result<(), CommandFailure> {
     match command {
         Command::Run { case, plot, report, certificate, each, jobs, common, .. } if !each.is_empty() => {
             let after = After { pictures: plot, report };
@@ -68,49 +68,58 @@ pub fn execute(command: Command) -> Result<(), Failure> {
 }
 
 /// Prints the manual page of the program or of a command.
-fn show_manual(command: Option<&str>) -> Result<(), Failure> {
+fn show_manual(command: Option<&str>) -> Result<(), CommandFailure> {
     let mut program = Arguments::command();
     program.build();
     let page = match command {
         None => &program,
         Some(name) => program.find_subcommand(name).ok_or_else(|| {
             let known: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
-            Failure::Usage(format!("found \"{}\", expected one of {}", name.escape_debug(), known.join(", ")))
+            CommandFailure::Usage(format!("found \"{}\", expected one of {}", name.escape_debug(), known.join(", ")))
         })?,
     };
     let mut text = Vec::new();
-    clap_mangen::Man::new(page.clone()).render(&mut text).map_err(|source| Failure::Request(source.to_string()))?;
+    clap_mangen::Man::new(page.clone())
+        .render(&mut text)
+        .map_err(|source| CommandFailure::Request(source.to_string()))?;
     Ok(print::text(&String::from_utf8_lossy(&text))?)
 }
 
 /// Prints the materials that a case may name, or one.
-fn show_materials(name: Option<&str>) -> Result<(), Failure> {
+fn show_materials(name: Option<&str>) -> Result<(), CommandFailure> {
     let Some(name) = name else { return Ok(print::text(&materials::all())?) };
     let known = case::materials().get_key_value(name);
     let (name, material) = known.ok_or_else(|| {
         let found = name.escape_debug();
-        Failure::Usage(format!("found \"{found}\", expected the name of a material; `amontons materials` lists them"))
+        CommandFailure::Usage(format!(
+            "found \"{found}\", expected the name of a material; `amontons materials` lists them"
+        ))
     })?;
     Ok(print::text(&materials::one(name, material))?)
 }
 
 /// Checks that the file, after links, is in the folder of its name.
-fn check_confined(file: &Path) -> Result<(), Failure> {
+fn check_confined(file: &Path) -> Result<(), CommandFailure> {
     let named = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let inside = file.canonicalize().ok().zip(named.canonicalize().ok());
     match inside {
         Some((real, folder)) if !real.starts_with(&folder) => {
             let message = format!("{}: found a link out of its folder, which --confine refuses", file.display());
-            Err(Failure::Usage(message))
+            Err(CommandFailure::Usage(message))
         }
         _ => Ok(()),
     }
 }
 
 /// Prints the content of a mesh. A defect of its cells or sides is a failed check.
-fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), format: Format) -> Result<(), Failure> {
+fn show_mesh(
+    file: &Path,
+    plot: Option<&Path>,
+    (scale, confine): (f64, bool),
+    format: OutputFormat,
+) -> Result<(), CommandFailure> {
     if !(scale.is_finite() && scale > 0.0) {
-        return Err(Failure::Usage(format!("--scale: found {scale}, expected a positive number")));
+        return Err(CommandFailure::Usage(format!("--scale: found {scale}, expected a positive number")));
     }
     let (mesh, units, skipped) = if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
         let case = case::read(file, &[])?;
@@ -118,26 +127,26 @@ fn show_mesh(file: &Path, plot: Option<&Path>, (scale, confine): (f64, bool), fo
     } else {
         // The unit of the coordinates of a mesh file is unknown.
         let read = if confine { mesh::read_confined(file)? } else { mesh::read_all(file)? };
-        (read.mesh, Units { system: System::Dimensionless, ..Units::SPACE }, read.skipped)
+        (read.mesh, Units { system: UnitSystem::Dimensionless, ..Units::SPACE }, read.skipped)
     };
     let mesh = mesh.scaled(scale);
     let model = MeshModel::new(&mesh);
     let table = serde_json::json!({ "mesh": model, "skipped": skipped });
-    if format == Format::Text {
+    if format == OutputFormat::Text {
         print::text(&crate::model::mesh(&file.display().to_string(), &model, &skipped))?;
     }
     if let Some(stem) = plot {
         let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        draw_sides((&mesh, &name, units), stem, format == Format::Json)?;
+        draw_sides((&mesh, &name, units), stem, format == OutputFormat::Json)?;
     }
     if !model.defects.is_empty() {
-        return Err(Failure::Verification { message: model.defects.join("\n"), table });
+        return Err(CommandFailure::Verification { message: model.defects.join("\n"), table });
     }
-    if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
+    if format == OutputFormat::Json { Ok(print::json(&table)?) } else { Ok(()) }
 }
 
 /// Draws the sides of a mesh into two files and prints their names.
-fn draw_sides((mesh, name, units): (&Mesh, &str, Units), stem: &Path, quiet: bool) -> Result<(), Failure> {
+fn draw_sides((mesh, name, units): (&Mesh, &str, Units), stem: &Path, quiet: bool) -> Result<(), CommandFailure> {
     let written = plot::sides(mesh, name, units)?.save(stem, 2.0)?;
     if quiet {
         return Ok(());
@@ -150,7 +159,7 @@ fn start(
     after: After,
     (choice, again): (CertificateChoice, bool),
     common: &Common,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let progress = Progress::new(common);
     let case = common.case(file)?;
     let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
@@ -173,7 +182,7 @@ fn free(named: PathBuf) -> PathBuf {
     if is_taken(&named) { (2..=9999).map(numbered).find(|path| !is_taken(path)).unwrap_or(named) } else { named }
 }
 
-fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Common) -> Result<(), Failure> {
+fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Common) -> Result<(), CommandFailure> {
     let progress = Progress::new(common);
     let case = common.case(&dir.join("case.toml"))?;
     let out = common.out.as_deref().unwrap_or(dir);
@@ -228,7 +237,7 @@ fn drive(
     settings: &Settings,
     progress: Progress,
     common: &Common,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let mut steps = StepSink(&progress);
     let mut sinks: Vec<&mut dyn Sink> = vec![&mut folder, &mut steps];
     let result = match from {
@@ -238,7 +247,7 @@ fn drive(
     // The progress bar is removed before the summary is printed.
     drop(progress);
     folder.notes().iter().for_each(|text| note(text, common));
-    let quiet = common.quiet || common.format == Format::Json;
+    let quiet = common.quiet || common.format == OutputFormat::Json;
     match result {
         Ok(summary) => {
             done(&summary, &case.skipped, out, common)?;
@@ -250,16 +259,16 @@ fn drive(
             if is_written && let Err(failure) = after.make(out, quiet) {
                 note(&failure.message(), common);
             }
-            Err(Failure::Run { error, hint })
+            Err(CommandFailure::Run { error, hint })
         }
     }
 }
 
-fn done(summary: &Summary, skipped: &[Skipped], out: &Path, common: &Common) -> Result<(), Failure> {
+fn done(summary: &Summary, skipped: &[Skipped], out: &Path, common: &Common) -> Result<(), CommandFailure> {
     match common.format {
-        Format::Json => print::json(&serde_json::json!(summary))?,
-        Format::Text if common.quiet => {}
-        Format::Text => print::text(&print::summary(summary, skipped, out))?,
+        OutputFormat::Json => print::json(&serde_json::json!(summary))?,
+        OutputFormat::Text if common.quiet => {}
+        OutputFormat::Text => print::text(&print::summary(summary, skipped, out))?,
     }
     Ok(())
 }
@@ -289,25 +298,25 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     })
 }
 
-fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) -> Result<(), Failure> {
+fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) -> Result<(), CommandFailure> {
     let case = common.case(file)?;
     let problem = &case.problem;
     if let Some(stem) = plot {
         let drawn = (&*problem.mesh, problem.name.as_str(), problem.units());
-        draw_sides(drawn, stem, common.quiet || common.format == Format::Json)?;
+        draw_sides(drawn, stem, common.quiet || common.format == OutputFormat::Json)?;
     }
     let (certificate, model) = (hypotheses::full(problem), Model::new(problem));
     let table = constants::table(file, levels, common)?;
     match common.format {
-        Format::Json => {
+        OutputFormat::Json => {
             let mut value = print::valid_json(&case, &model, &certificate);
             if let Some(table) = &table {
                 constants::add_json(table, &mut value);
             }
             print::json(&value)?;
         }
-        Format::Text if common.quiet => {}
-        Format::Text => {
+        OutputFormat::Text if common.quiet => {}
+        OutputFormat::Text => {
             let constants = table.as_ref().map(constants::text).unwrap_or_default();
             print::text(&(print::valid(&file.display().to_string(), &case, &model, &certificate) + &constants))?;
         }

@@ -8,10 +8,10 @@ use amontons::hypotheses::{Constant, DomainConstants, domain_constants};
 use serde_json::{Map, Value, json};
 
 use crate::arguments::Common;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Computes the constants on each of the meshes, or returns `None` without levels.
-pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<ConstantsTable>, Failure> {
+pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<ConstantsTable>, CommandFailure> {
     if levels.is_empty() {
         return Ok(None);
     }
@@ -19,7 +19,7 @@ pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<Co
     let meshes = levels
         .iter()
         .map(|level| Ok((level.level, level.problem.mesh.spacing(), domain_constants(&level.problem)?)))
-        .collect::<Result<Vec<_>, Failure>>()?;
+        .collect::<Result<Vec<_>, CommandFailure>>()?;
     Ok(Some(ConstantsTable::new(&meshes)))
 }
 

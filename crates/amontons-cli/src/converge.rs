@@ -4,19 +4,19 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, StudyTable, Vary};
+use amontons::convergence::{ReferenceProgress, Study, StudyLevel, StudySettings, StudyTable, Vary};
 use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
 use amontons::state::State;
 
-use crate::arguments::{Common, Format, StudyArguments};
+use crate::arguments::{Common, OutputFormat, StudyArguments};
 use crate::print;
 use crate::progress::Progress;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 use crate::variants::variants;
 
 /// Makes the requested studies and prints their tables.
-pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), Failure> {
+pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), CommandFailure> {
     let source = common.source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-convergence")));
@@ -34,13 +34,13 @@ pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Resu
         let folder = StudyFolder::create(&out, common.force)?;
         let table = study(&made, &folder, &running)?;
         write(&source, &overrides, &table, &folder)?;
-        if common.format == Format::Text && !common.quiet {
+        if common.format == OutputFormat::Text && !common.quiet {
             let title = if values.is_empty() { name.clone() } else { format!("{name}, {}", values.join(", ")) };
             print::text(&text(&title, &table, &out))?;
         }
         tables.push(serde_json::json!({ "set": values, "folder": out, "study": table }));
     }
-    if common.format == Format::Json {
+    if common.format == OutputFormat::Json {
         print::json(&serde_json::json!({ "studies": tables }))?;
     }
     Ok(())
@@ -75,7 +75,7 @@ pub struct Running<'a> {
 
 /// Makes one study in its own folder. Finished levels of an interrupted one are reused, and the reference continues
 /// where it stopped.
-pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<StudyTable, Failure> {
+pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<StudyTable, CommandFailure> {
     let failed = std::sync::Mutex::new(None);
     // The study does not depend on the stored levels: a failure is reported at the end.
     let note = |result: Result<(), OutputError>| {
@@ -83,9 +83,9 @@ pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<S
             *failed = Some(error);
         }
     };
-    let keep = |level: &Level, states: &[State]| note(folder.keep(level, states));
+    let keep = |level: &StudyLevel, states: &[State]| note(folder.keep(level, states));
     let keep_reference = |progress: &ReferenceProgress| note(folder.keep_reference(study, progress));
-    let (load, load_reference) = (|level: &Level| folder.load(level), || folder.load_reference(study));
+    let (load, load_reference) = (|level: &StudyLevel| folder.load(level), || folder.load_reference(study));
     running.progress.part(running.part, study.steps());
     running.progress.begin_steps();
     let made = AtomicUsize::new(0);
@@ -100,7 +100,8 @@ pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<S
         keep_reference: Some(&keep_reference),
         ..StudySettings::default()
     };
-    let table = study.run(&settings).map_err(|error| Failure::Study { error, folder: folder.path().to_owned() })?;
+    let table =
+        study.run(&settings).map_err(|error| CommandFailure::Study { error, folder: folder.path().to_owned() })?;
     match failed.into_inner() {
         Ok(Some(error)) => Err(error.into()),
         _ => Ok(table),
@@ -108,7 +109,12 @@ pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<S
 }
 
 /// Writes the table of a study, and draws it.
-pub fn write(source: &Source, overrides: &[String], table: &StudyTable, folder: &StudyFolder) -> Result<(), Failure> {
+pub fn write(
+    source: &Source,
+    overrides: &[String],
+    table: &StudyTable,
+    folder: &StudyFolder,
+) -> Result<(), CommandFailure> {
     let case = case::parse(source, overrides)?;
     let out = folder.path();
     folder.finish(table, &case.text, &case.inputs)?;

@@ -1,17 +1,17 @@
 //! `amontons explain`: the meaning of a word of the case file, the tables or the messages.
 
-use amontons::case::{self, Entry, Word};
+use amontons::case::{self, GlossaryEntry, Word};
 
-use crate::arguments::Format;
+use crate::arguments::OutputFormat;
 use crate::print;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Prints the entries of a word, or the chapter of all words.
-pub fn execute(word: Option<&str>, format: Format) -> Result<(), Failure> {
+pub fn execute(word: Option<&str>, format: OutputFormat) -> Result<(), CommandFailure> {
     let Some(word) = word else {
         match format {
-            Format::Json => print::json(&case::reference_json(&case::reference()))?,
-            Format::Text => print::text(&case::reference_markdown())?,
+            OutputFormat::Json => print::json(&case::reference_json(&case::reference()))?,
+            OutputFormat::Text => print::text(&case::reference_markdown())?,
         }
         return Ok(());
     };
@@ -19,17 +19,17 @@ pub fn execute(word: Option<&str>, format: Format) -> Result<(), Failure> {
     if entries.is_empty() {
         let near = case::similar(word).map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
         let expected = "expected a key of the case file, a quantity of a probe, a value of the results or a finding";
-        return Err(Failure::Usage(format!("found \"{}\", {expected}{near}", word.escape_debug())));
+        return Err(CommandFailure::Usage(format!("found \"{}\", {expected}{near}", word.escape_debug())));
     }
     match format {
-        Format::Json => print::json(&case::reference_json(&entries))?,
-        Format::Text => print::text(&entries.iter().map(told).collect::<Vec<_>>().join("\n"))?,
+        OutputFormat::Json => print::json(&case::reference_json(&entries))?,
+        OutputFormat::Text => print::text(&entries.iter().map(told).collect::<Vec<_>>().join("\n"))?,
     }
     Ok(())
 }
 
-fn told(entry: &Entry) -> String {
-    let Entry { word, place, name, meaning, expected, is_required } = entry;
+fn told(entry: &GlossaryEntry) -> String {
+    let GlossaryEntry { word, place, name, meaning, expected, is_required } = entry;
     let mut text = format!("{name}, {}{place}\n", if *word == Word::Key { "key of " } else { "" });
     if !meaning.is_empty() {
         text += &format!("  {meaning}\n");

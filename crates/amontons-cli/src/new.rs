@@ -14,10 +14,10 @@ use amontons::output::OutputError;
 use crate::arguments::Template;
 use crate::model::figure;
 use crate::print;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Writes a case; an existing file is kept.
-pub fn execute(file: &Path, template: Template, mesh: Option<&Path>) -> Result<(), Failure> {
+pub fn execute(file: &Path, template: Template, mesh: Option<&Path>) -> Result<(), CommandFailure> {
     let (what, text) = match template {
         Template::Starter => ("a starter case", case::STARTER.to_owned()),
         Template::Paper => ("the example of the paper", include_str!("paper.toml").to_owned()),
@@ -27,7 +27,7 @@ pub fn execute(file: &Path, template: Template, mesh: Option<&Path>) -> Result<(
         Template::FromMesh => ("a case with the mesh", from_mesh(file, mesh.unwrap_or(Path::new("")))?),
     };
     let failed = |source: io::Error| match source.kind() {
-        io::ErrorKind::AlreadyExists => Failure::Exists(file.to_owned()),
+        io::ErrorKind::AlreadyExists => CommandFailure::Exists(file.to_owned()),
         _ => OutputError::Io { doing: "create", path: file.to_owned(), source }.into(),
     };
     let mut out = OpenOptions::new().write(true).create_new(true).open(file).map_err(failed)?;
@@ -36,7 +36,7 @@ pub fn execute(file: &Path, template: Template, mesh: Option<&Path>) -> Result<(
 }
 
 /// A case with the sides and regions of a mesh file: the first side is held, the second is loaded.
-fn from_mesh(file: &Path, mesh: &Path) -> Result<String, Failure> {
+fn from_mesh(file: &Path, mesh: &Path) -> Result<String, CommandFailure> {
     let read = mesh::read(mesh)?;
     let model = MeshModel::new(&read);
     let sides: Vec<String> = model.sides.iter().map(|side| quoted(&side.name)).collect();
@@ -44,7 +44,7 @@ fn from_mesh(file: &Path, mesh: &Path) -> Result<String, Failure> {
         let found = format!("{}: found no sides", mesh.display());
         let advice =
             "expected named parts of the boundary; name them in the mesh program, as physical groups or surfaces";
-        return Err(Failure::Usage(format!("{found}, {advice}")));
+        return Err(CommandFailure::Usage(format!("{found}, {advice}")));
     };
     let extents = |d: usize| model.bounds[1].get(d).unwrap_or(&0.0) - model.bounds[0].get(d).unwrap_or(&0.0);
     let size: Vec<String> = (0..model.dimension).map(|d| figure(extents(d))).collect();

@@ -33,7 +33,7 @@ const JSON: Duration = Duration::from_secs(1);
 
 /// Form of the progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mode {
+enum ProgressMode {
     Bar,
     Lines,
     Json,
@@ -42,7 +42,7 @@ enum Mode {
 
 /// Progress of the work.
 #[derive(Clone, Debug)]
-struct Place {
+struct ProgressPlace {
     /// The part of the command, such as `study 3 of 6`; empty if there is one part.
     part: String,
     /// One of `mesh`, `assembly`, `certificate`, `factor`, `steps`, `results`.
@@ -64,7 +64,7 @@ struct Place {
     ended: bool,
 }
 
-impl Place {
+impl ProgressPlace {
     /// Estimated seconds for the remaining steps, or `None` before the first step.
     fn left(&self) -> Option<f64> {
         let done = self.step.checked_sub(self.first).filter(|&done| done > 0 && self.phase == "steps")?;
@@ -170,20 +170,20 @@ fn duration(seconds: f64) -> String {
 /// Data shared by the work and the reporting thread.
 #[derive(Debug)]
 struct Shared {
-    mode: Mode,
-    place: Mutex<Place>,
+    mode: ProgressMode,
+    place: Mutex<ProgressPlace>,
     wake: Condvar,
 }
 
 impl Shared {
-    fn place(&self) -> MutexGuard<'_, Place> {
+    fn place(&self) -> MutexGuard<'_, ProgressPlace> {
         self.place.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn phase(&self, phase: &'static str) {
         let mut place = self.place();
         (place.phase, place.phase_begin, place.first, place.told) = (phase, Instant::now(), place.step, None);
-        if self.mode == Mode::Json {
+        if self.mode == ProgressMode::Json {
             tell(&place.json().to_string());
             place.told = Some(Instant::now());
         }
@@ -193,7 +193,7 @@ impl Shared {
         let mut place = self.place();
         (place.step, place.t, place.contact) = (step, t, contact);
         let due = place.told.is_none_or(|told| told.elapsed() >= JSON) || step == place.steps;
-        if self.mode == Mode::Json && due {
+        if self.mode == ProgressMode::Json && due {
             tell(&place.json().to_string());
             place.told = Some(Instant::now());
         }
@@ -215,18 +215,18 @@ impl Progress {
     /// Progress reports as requested by the arguments, starting with the phase `mesh`.
     pub fn new(common: &Common) -> Progress {
         let mode = match common.progress {
-            ProgressArgument::Json => Mode::Json,
-            ProgressArgument::None => Mode::Silent,
-            ProgressArgument::Auto if common.quiet => Mode::Silent,
-            ProgressArgument::Auto if std::io::stderr().is_terminal() => Mode::Bar,
-            ProgressArgument::Auto => Mode::Lines,
+            ProgressArgument::Json => ProgressMode::Json,
+            ProgressArgument::None => ProgressMode::Silent,
+            ProgressArgument::Auto if common.quiet => ProgressMode::Silent,
+            ProgressArgument::Auto if std::io::stderr().is_terminal() => ProgressMode::Bar,
+            ProgressArgument::Auto => ProgressMode::Lines,
         };
         Progress::with(mode, MINUTE)
     }
 
-    fn with(mode: Mode, interval: Duration) -> Progress {
+    fn with(mode: ProgressMode, interval: Duration) -> Progress {
         let now = Instant::now();
-        let place = Place {
+        let place = ProgressPlace {
             part: String::new(),
             phase: "mesh",
             begin: now,
@@ -242,12 +242,12 @@ impl Progress {
             ended: false,
         };
         let shared = Arc::new(Shared { mode, place: Mutex::new(place), wake: Condvar::new() });
-        if mode == Mode::Json {
+        if mode == ProgressMode::Json {
             shared.phase("mesh");
         }
-        let reporter = matches!(mode, Mode::Bar | Mode::Lines).then(|| {
+        let reporter = matches!(mode, ProgressMode::Bar | ProgressMode::Lines).then(|| {
             let shared = Arc::clone(&shared);
-            let report = move || report(&shared, if shared.mode == Mode::Bar { REDRAW } else { interval });
+            let report = move || report(&shared, if shared.mode == ProgressMode::Bar { REDRAW } else { interval });
             // Without a reporting thread there are no reports.
             std::thread::Builder::new().spawn(report).ok()
         });
@@ -298,10 +298,10 @@ impl Progress {
             let place = shared.place().clone();
             let message = place.after_interrupt(signal);
             match shared.mode {
-                Mode::Json => tell(&json!({ "interrupted": message }).to_string()),
+                ProgressMode::Json => tell(&json!({ "interrupted": message }).to_string()),
                 // The reason why a program ends is always reported.
-                Mode::Silent if !place.has_nothing() => {}
-                Mode::Silent | Mode::Bar | Mode::Lines => tell(&message),
+                ProgressMode::Silent if !place.has_nothing() => {}
+                ProgressMode::Silent | ProgressMode::Bar | ProgressMode::Lines => tell(&message),
             }
             if place.has_nothing() {
                 std::process::exit(i32::from(INTERRUPTED.1));
@@ -331,7 +331,7 @@ fn report(shared: &Shared, interval: Duration) {
         if place.ended {
             break;
         }
-        if shared.mode == Mode::Lines {
+        if shared.mode == ProgressMode::Lines {
             tell(&format!("amontons: {}", place.line()));
         } else if place.begin.elapsed() > PATIENCE {
             draw(bar.get_or_insert_with(new_bar), &place);
@@ -350,7 +350,7 @@ fn new_bar() -> ProgressBar {
     }
 }
 
-fn draw(bar: &ProgressBar, place: &Place) {
+fn draw(bar: &ProgressBar, place: &ProgressPlace) {
     bar.set_length(place.steps.max(1) as u64);
     bar.set_position(place.step as u64);
     bar.set_message(place.short());
@@ -391,7 +391,7 @@ mod tests {
 
     #[test]
     fn a_line_tells_phase_step_contact_and_time_left() {
-        let progress = Progress::with(Mode::Silent, MINUTE);
+        let progress = Progress::with(ProgressMode::Silent, MINUTE);
         progress.shared.phase("certificate");
         assert_eq!(progress.shared.place().line(), "certificate, 0 s in this phase; 0 s gone");
         let told = progress.shared.place().after_interrupt("SIGTERM");

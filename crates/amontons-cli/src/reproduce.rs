@@ -8,14 +8,14 @@ use std::sync::atomic::AtomicBool;
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
 use amontons::convergence::{StudyTable, Vary};
 use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, StudyFolder, Summary};
-use amontons::plot::{self, Kind};
+use amontons::plot::{self, PictureKind};
 use amontons::run::{self, RunError, Settings};
 
-use crate::arguments::{Common, Format};
+use crate::arguments::{Common, OutputFormat};
 use crate::converge::{self, Running};
 use crate::print;
 use crate::progress::{Progress, StepSink};
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// The paper's example.
 const PAPER: &str = include_str!("paper.toml");
@@ -40,7 +40,7 @@ struct Reproduced {
 }
 
 /// Makes runs, studies, figures and report in one folder. Results of an interrupted attempt are reused.
-pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<(), Failure> {
+pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<(), CommandFailure> {
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join("reproduce"));
     let report = out.join("report.md");
     if report.exists() && !common.force {
@@ -55,7 +55,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
         reference: ReferenceRequest::Level(reference),
         power: 1,
     };
-    let work = Work { source: Source::new("paper.toml", PAPER), request, progress: &progress, flag };
+    let work = ReproduceContext { source: Source::new("paper.toml", PAPER), request, progress: &progress, flag };
     let mut all = Vec::new();
     for reading in READINGS {
         let folder = out.join(reading.0);
@@ -80,25 +80,25 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
         source,
     })?;
     match common.format {
-        Format::Json => print::json(&serde_json::json!({ "report": report, "folder": out }))?,
-        Format::Text if common.quiet => {}
-        Format::Text => print::text(&text)?,
+        OutputFormat::Json => print::json(&serde_json::json!({ "report": report, "folder": out }))?,
+        OutputFormat::Text if common.quiet => {}
+        OutputFormat::Text => print::text(&text)?,
     }
     Ok(())
 }
 
 /// Data common to the runs and studies.
-struct Work<'a> {
+struct ReproduceContext<'a> {
     source: Source,
     request: StudyRequest,
     progress: &'a Progress,
     flag: Arc<AtomicBool>,
 }
 
-impl Work<'_> {
+impl ReproduceContext<'_> {
     /// Makes a run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise
     /// started.
-    fn run(&self, overrides: &[String], folder: &Path, of: &str) -> Result<Summary, Failure> {
+    fn run(&self, overrides: &[String], folder: &Path, of: &str) -> Result<Summary, CommandFailure> {
         let case = case::parse(&self.source, overrides)?;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()) {
             return Ok(summary);
@@ -125,13 +125,13 @@ impl Work<'_> {
         result.map_err(|error| {
             let hint = matches!(error, RunError::Interrupted(_) | RunError::Unstarted { .. })
                 .then(|| "the same command goes on where it stopped".to_owned());
-            Failure::Run { error, hint }
+            CommandFailure::Run { error, hint }
         })
     }
 
     /// Makes a study in its own folder: reused if it is finished, else continued from its stored levels, which are then
     /// removed.
-    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<StudyTable, Failure> {
+    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<StudyTable, CommandFailure> {
         let study = case::study(&self.source, overrides, &self.request)?;
         if let Some(table) = StudyFolder::finished(path, &study) {
             return Ok(table);
@@ -148,16 +148,16 @@ impl Work<'_> {
 }
 
 /// Figures 2–5, left θ_F = 0, right θ_F = 10.
-fn figures(folder: &Path, reference: usize) -> Result<(), Failure> {
+fn figures(folder: &Path, reference: usize) -> Result<(), CommandFailure> {
     let options = plot::Options { dimensionless: true, ..plot::Options::default() };
     let runs = FOUNDATION.map(|f| (format!("θ_{{F}} = {f}"), folder.join(format!("run-{f}"))));
     let panels: Vec<(&str, &Path)> = runs.iter().map(|(title, dir)| (title.as_str(), dir.as_path())).collect();
     let kinds = [
-        (Kind::Deformed, "figure-2-deformed"),
-        (Kind::Temperature, "figure-3-temperature"),
-        (Kind::VonMises, "figure-4-von-mises"),
-        (Kind::Contact, "contact"),
-        (Kind::History, "history"),
+        (PictureKind::Deformed, "figure-2-deformed"),
+        (PictureKind::Temperature, "figure-3-temperature"),
+        (PictureKind::VonMises, "figure-4-von-mises"),
+        (PictureKind::Contact, "contact"),
+        (PictureKind::History, "history"),
     ];
     for (kind, name) in kinds {
         plot::side_by_side(kind, &panels, &folder.join(name), &options)?;

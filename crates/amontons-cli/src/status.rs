@@ -15,12 +15,12 @@ use amontons::run::RunError;
 use amontons::verify::VerifyError;
 use serde_json::{Value, json};
 
-use crate::arguments::Format;
+use crate::arguments::OutputFormat;
 use crate::{faults, print};
 
 /// The reason why a command failed.
 #[derive(Debug)]
-pub enum Failure {
+pub enum CommandFailure {
     Case(CaseError),
     Run {
         error: RunError,
@@ -54,67 +54,67 @@ pub enum Failure {
     Print(io::Error),
 }
 
-impl From<CaseError> for Failure {
-    fn from(error: CaseError) -> Failure {
-        Failure::Case(error)
+impl From<CaseError> for CommandFailure {
+    fn from(error: CaseError) -> CommandFailure {
+        CommandFailure::Case(error)
     }
 }
 
-impl From<StudyRequestError> for Failure {
-    fn from(error: StudyRequestError) -> Failure {
+impl From<StudyRequestError> for CommandFailure {
+    fn from(error: StudyRequestError) -> CommandFailure {
         match error {
-            StudyRequestError::Case(error) => Failure::Case(error),
-            StudyRequestError::Request { .. } => Failure::Request(error.to_string()),
+            StudyRequestError::Case(error) => CommandFailure::Case(error),
+            StudyRequestError::Request { .. } => CommandFailure::Request(error.to_string()),
         }
     }
 }
 
-impl From<VerifyError> for Failure {
-    fn from(error: VerifyError) -> Failure {
+impl From<VerifyError> for CommandFailure {
+    fn from(error: VerifyError) -> CommandFailure {
         match error {
             VerifyError::Case(error) => error.into(),
-            VerifyError::Run(error) => Failure::Run { error, hint: None },
+            VerifyError::Run(error) => CommandFailure::Run { error, hint: None },
             VerifyError::Request(error) => error.into(),
             VerifyError::Files(error) => error.into(),
-            VerifyError::Study(error) => Failure::Study { error, folder: PathBuf::new() },
-            error @ (VerifyError::Nothing(_) | VerifyError::Check(_)) => Failure::Request(error.to_string()),
+            VerifyError::Study(error) => CommandFailure::Study { error, folder: PathBuf::new() },
+            error @ (VerifyError::Nothing(_) | VerifyError::Check(_)) => CommandFailure::Request(error.to_string()),
         }
     }
 }
 
-impl From<MeshFileError> for Failure {
-    fn from(error: MeshFileError) -> Failure {
-        Failure::Mesh(error)
+impl From<MeshFileError> for CommandFailure {
+    fn from(error: MeshFileError) -> CommandFailure {
+        CommandFailure::Mesh(error)
     }
 }
 
-impl From<SolveError> for Failure {
-    fn from(error: SolveError) -> Failure {
-        Failure::Constants(error)
+impl From<SolveError> for CommandFailure {
+    fn from(error: SolveError) -> CommandFailure {
+        CommandFailure::Constants(error)
     }
 }
 
-impl From<PlotError> for Failure {
-    fn from(error: PlotError) -> Failure {
-        Failure::Plot(error)
+impl From<PlotError> for CommandFailure {
+    fn from(error: PlotError) -> CommandFailure {
+        CommandFailure::Plot(error)
     }
 }
 
-impl From<OutputError> for Failure {
-    fn from(error: OutputError) -> Failure {
-        Failure::Output(error)
+impl From<OutputError> for CommandFailure {
+    fn from(error: OutputError) -> CommandFailure {
+        CommandFailure::Output(error)
     }
 }
 
-impl From<CheckpointError> for Failure {
-    fn from(error: CheckpointError) -> Failure {
-        Failure::Checkpoint(error)
+impl From<CheckpointError> for CommandFailure {
+    fn from(error: CheckpointError) -> CommandFailure {
+        CommandFailure::Checkpoint(error)
     }
 }
 
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Failure {
-        Failure::Print(error)
+impl From<io::Error> for CommandFailure {
+    fn from(error: io::Error) -> CommandFailure {
+        CommandFailure::Print(error)
     }
 }
 
@@ -128,26 +128,26 @@ const SOLVER: Class = ("solver", 3);
 const FILE: Class = ("file", 4);
 pub(crate) const INTERRUPTED: Class = ("interrupted", 130);
 
-impl Failure {
+impl CommandFailure {
     fn class(&self) -> Class {
         match self {
-            Failure::Case(CaseError::Faults { .. }) => CASE,
-            Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
-            Failure::Verification { .. } => CHECK,
-            Failure::Mesh(error) if error.is_unreadable() => FILE,
-            Failure::Mesh(_) => MESH,
-            Failure::Constants(_) => SOLVER,
-            Failure::Plot(_) => FILE,
-            Failure::Study { error, .. } => match error {
+            CommandFailure::Case(CaseError::Faults { .. }) => CASE,
+            CommandFailure::Exists(_) | CommandFailure::Request(_) | CommandFailure::Usage(_) => USAGE,
+            CommandFailure::Verification { .. } => CHECK,
+            CommandFailure::Mesh(error) if error.is_unreadable() => FILE,
+            CommandFailure::Mesh(_) => MESH,
+            CommandFailure::Constants(_) => SOLVER,
+            CommandFailure::Plot(_) => FILE,
+            CommandFailure::Study { error, .. } => match error {
                 StudyError::Interrupted => INTERRUPTED,
                 StudyError::Setup { source: SetupError::Initial(_) | SetupError::Data(_), .. } => CASE,
                 StudyError::Times { .. } | StudyError::Transfer { .. } => USAGE,
                 StudyError::Setup { .. } | StudyError::Step { .. } => SOLVER,
             },
-            Failure::Case(CaseError::Read { .. }) | Failure::Print(_) => FILE,
-            Failure::Output(error) => of_output(error),
-            Failure::Checkpoint(error) => of_checkpoint(error),
-            Failure::Run { error, .. } => match error {
+            CommandFailure::Case(CaseError::Read { .. }) | CommandFailure::Print(_) => FILE,
+            CommandFailure::Output(error) => of_output(error),
+            CommandFailure::Checkpoint(error) => of_checkpoint(error),
+            CommandFailure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_) | SetupError::Data(_)) => CASE,
                 RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
@@ -160,32 +160,32 @@ impl Failure {
 
     pub fn message(&self) -> String {
         match self {
-            Failure::Case(error) => error.to_string(),
-            Failure::Run { error, .. } => error.to_string(),
-            Failure::Output(error) => error.to_string(),
-            Failure::Checkpoint(error) => error.to_string(),
-            Failure::Study { error: StudyError::Interrupted, folder } => {
+            CommandFailure::Case(error) => error.to_string(),
+            CommandFailure::Run { error, .. } => error.to_string(),
+            CommandFailure::Output(error) => error.to_string(),
+            CommandFailure::Checkpoint(error) => error.to_string(),
+            CommandFailure::Study { error: StudyError::Interrupted, folder } => {
                 format!(
                     "interrupted; finished levels and the progress of the reference are kept in {}; the same command goes on",
                     folder.display()
                 )
             }
-            Failure::Study { error, .. } => error.to_string(),
-            Failure::Request(message) | Failure::Usage(message) | Failure::Verification { message, .. } => {
-                message.clone()
-            }
-            Failure::Mesh(error) => error.to_string(),
-            Failure::Constants(error) => format!("the constants of the domain: {error}"),
-            Failure::Plot(error) => error.to_string(),
-            Failure::Exists(path) => format!("{} already exists; give another name", path.display()),
-            Failure::Print(error) => format!("cannot write to standard output: {error}"),
+            CommandFailure::Study { error, .. } => error.to_string(),
+            CommandFailure::Request(message)
+            | CommandFailure::Usage(message)
+            | CommandFailure::Verification { message, .. } => message.clone(),
+            CommandFailure::Mesh(error) => error.to_string(),
+            CommandFailure::Constants(error) => format!("the constants of the domain: {error}"),
+            CommandFailure::Plot(error) => error.to_string(),
+            CommandFailure::Exists(path) => format!("{} already exists; give another name", path.display()),
+            CommandFailure::Print(error) => format!("cannot write to standard output: {error}"),
         }
     }
 
     fn hint(&self) -> Option<&str> {
         match self {
-            Failure::Run { hint, .. } => hint.as_deref(),
-            Failure::Checkpoint(CheckpointError::Damaged { .. }) => {
+            CommandFailure::Run { hint, .. } => hint.as_deref(),
+            CommandFailure::Checkpoint(CheckpointError::Damaged { .. }) => {
                 Some("both checkpoints cannot be used; start the run anew with --force")
             }
             _ => None,
@@ -195,7 +195,7 @@ impl Failure {
     /// The summary of the run until it failed.
     fn summary(&self) -> Option<&Summary> {
         match self {
-            Failure::Run {
+            CommandFailure::Run {
                 error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary),
                 ..
             } => Some(summary),
@@ -209,11 +209,11 @@ impl Failure {
         if let Some(hint) = self.hint() {
             error["hint"] = json!(hint);
         }
-        if let Failure::Case(CaseError::Faults { file, faults, more }) = self {
+        if let CommandFailure::Case(CaseError::Faults { file, faults, more }) = self {
             error["faults"] = faults::json(file, faults);
             error["more_faults"] = json!(more);
         }
-        if let Failure::Verification { table, .. } = self {
+        if let CommandFailure::Verification { table, .. } = self {
             let mut table = table.clone();
             table["error"] = error;
             return table;
@@ -225,20 +225,20 @@ impl Failure {
     }
 
     /// Prints the failure and returns its exit code.
-    pub fn report(&self, format: Format) -> ExitCode {
+    pub fn report(&self, format: OutputFormat) -> ExitCode {
         let (_, code) = self.class();
         // A reader that closes the pipe has seen what it wanted.
-        if let Failure::Print(error) = self
+        if let CommandFailure::Print(error) = self
             && error.kind() == io::ErrorKind::BrokenPipe
         {
             return ExitCode::SUCCESS;
         }
-        if format == Format::Json && !matches!(self, Failure::Print(_)) {
+        if format == OutputFormat::Json && !matches!(self, CommandFailure::Print(_)) {
             // If standard output fails, the exit code still shows the failure.
             let _ = print::json(&self.json());
         } else {
             match self {
-                Failure::Case(CaseError::Faults { file, faults, more }) => faults::print(file, faults, *more),
+                CommandFailure::Case(CaseError::Faults { file, faults, more }) => faults::print(file, faults, *more),
                 _ => print::error(&self.message(), self.hint()),
             }
         }

@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::case::{self, Case};
 use amontons::output::{
-    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, RunStart, Shown, Sink, Snapshot,
-    Summary, Table as Kept,
+    self, Checkpoint, Folder, FolderLock, FolderOptions, Outcome, OutputError, ResultTable as Kept, RunStart, Shown,
+    Sink, Snapshot, Summary,
 };
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::run::{self, RunError, Settings};
@@ -17,10 +17,10 @@ use amontons::units::{Measure, Units};
 use serde_json::Value;
 
 use crate::after::After;
-use crate::arguments::{CertificateChoice, Common, Format};
+use crate::arguments::{CertificateChoice, Common, OutputFormat};
 use crate::print;
 use crate::progress::Progress;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 use crate::variants::{Variant, variants};
 
 /// Request for a sweep.
@@ -34,14 +34,14 @@ pub struct Request<'a> {
 }
 
 /// A run of the sweep.
-struct Part {
+struct SweepRun {
     variant: Variant,
     case: Case,
     folder: PathBuf,
 }
 
 /// Data common to the runs.
-struct Sweep<'a> {
+struct ParameterSweep<'a> {
     request: &'a Request<'a>,
     common: &'a Common,
     progress: &'a Progress,
@@ -52,7 +52,7 @@ struct Sweep<'a> {
 }
 
 /// Makes the runs of all combinations. Results of an earlier sweep are reused, and its unfinished runs are continued.
-pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Failure> {
+pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), CommandFailure> {
     let source = common.source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-sweep")));
@@ -60,9 +60,9 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     let parts = variants(request.each)?.into_iter().map(|variant| {
         let overrides: Vec<String> = common.set.iter().cloned().chain(variant.overrides()).collect();
         let case = case::parse(&source, &overrides)?;
-        Ok(Part { folder: out.join(&variant.folder), variant, case })
+        Ok(SweepRun { folder: out.join(&variant.folder), variant, case })
     });
-    let parts = parts.collect::<Result<Vec<Part>, Failure>>()?;
+    let parts = parts.collect::<Result<Vec<SweepRun>, CommandFailure>>()?;
     fs::create_dir_all(&out).map_err(|source| OutputError::Io { doing: "create", path: out.clone(), source })?;
     // Two sweeps would mistake the runs of each other for failed ones.
     let _lock = FolderLock::take(&out)?;
@@ -70,7 +70,7 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     progress.part(&format!("{} runs", parts.len()), parts.iter().map(|part| part.case.problem.timeline.steps()).sum());
     progress.begin_steps();
     let jobs = request.jobs.clamp(1, parts.len().max(1));
-    let sweep = Sweep {
+    let sweep = ParameterSweep {
         request,
         common,
         progress: &progress,
@@ -80,11 +80,11 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     };
     let results = sweep.all(&parts, jobs);
     drop(progress);
-    let rows: Vec<Row> = parts.iter().zip(&results).map(|(part, result)| Row::new(part, result)).collect();
-    let table = Table::new(&rows, parts.first().map(|part| &part.case));
+    let rows: Vec<SweepRow> = parts.iter().zip(&results).map(|(part, result)| SweepRow::new(part, result)).collect();
+    let table = SweepTable::new(&rows, parts.first().map(|part| &part.case));
     table.write(&out)?;
     picture(&name, &rows, &table, &out)?;
-    if common.format == Format::Json {
+    if common.format == OutputFormat::Json {
         print::json(&table.json(&out))?;
     } else if !common.quiet {
         print::text(&table.text(&name, &out))?;
@@ -92,11 +92,11 @@ pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Fa
     results.into_iter().find_map(Result::err).map_or(Ok(()), Err)
 }
 
-impl Sweep<'_> {
+impl ParameterSweep<'_> {
     /// The results of all parts, `jobs` at a time; each run has a share of the threads.
-    fn all(&self, parts: &[Part], jobs: usize) -> Vec<Result<Summary, Failure>> {
+    fn all(&self, parts: &[SweepRun], jobs: usize) -> Vec<Result<Summary, CommandFailure>> {
         let next = AtomicUsize::new(0);
-        let results: Mutex<BTreeMap<usize, Result<Summary, Failure>>> = Mutex::default();
+        let results: Mutex<BTreeMap<usize, Result<Summary, CommandFailure>>> = Mutex::default();
         let work = || {
             while let Some((number, part)) = {
                 let number = next.fetch_add(1, Ordering::Relaxed);
@@ -117,8 +117,8 @@ impl Sweep<'_> {
 
     /// Makes a run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise
     /// started.
-    fn one(&self, part: &Part) -> Result<Summary, Failure> {
-        let Part { case, folder, .. } = part;
+    fn one(&self, part: &SweepRun) -> Result<Summary, CommandFailure> {
+        let SweepRun { case, folder, .. } = part;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()).filter(|_| !self.common.force) {
             self.made.fetch_add(case.problem.timeline.steps(), Ordering::Relaxed);
             return Ok(summary);
@@ -151,7 +151,7 @@ impl Sweep<'_> {
                 RunError::Interrupted(_) | RunError::Unstarted { .. } => again.to_owned(),
                 _ => format!("{}: results up to the step before are in {}", part.variant.folder, folder.display()),
             };
-            Failure::Run { error, hint: Some(hint) }
+            CommandFailure::Run { error, hint: Some(hint) }
         })?;
         self.request.after.make(folder, true)?;
         Ok(result)
@@ -159,7 +159,7 @@ impl Sweep<'_> {
 }
 
 /// Counts the steps of all runs.
-struct Count<'a, 'b>(&'a Sweep<'b>);
+struct Count<'a, 'b>(&'a ParameterSweep<'b>);
 
 impl Sink for Count<'_, '_> {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
@@ -182,7 +182,7 @@ impl Sink for Count<'_, '_> {
 }
 
 /// A row of the table.
-struct Row {
+struct SweepRow {
     folder: String,
     values: Vec<(String, String)>,
     outcome: String,
@@ -191,11 +191,11 @@ struct Row {
     summary: Option<Summary>,
 }
 
-impl Row {
-    fn new(part: &Part, result: &Result<Summary, Failure>) -> Row {
+impl SweepRow {
+    fn new(part: &SweepRun, result: &Result<Summary, CommandFailure>) -> SweepRow {
         let summary = match result {
             Ok(summary) => Some(summary),
-            Err(Failure::Run {
+            Err(CommandFailure::Run {
                 error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary),
                 ..
             }) => Some(&**summary),
@@ -217,7 +217,7 @@ impl Row {
             (None, Err(failure)) => format!("failed: {}", failure.message()),
             (None, Ok(_)) => String::new(),
         };
-        Row {
+        SweepRow {
             folder: part.variant.folder.clone(),
             values: part.variant.values.clone(),
             outcome,
@@ -262,8 +262,8 @@ fn probes(folder: &Path) -> Vec<(String, f64)> {
 }
 
 /// The table of a sweep.
-struct Table<'a> {
-    rows: &'a [Row],
+struct SweepTable<'a> {
+    rows: &'a [SweepRow],
     /// Names of the figures that at least one run has.
     figures: Vec<String>,
     /// The measured quantities of figures with a unit, and the units of the case.
@@ -271,13 +271,13 @@ struct Table<'a> {
     units: Units,
 }
 
-impl<'a> Table<'a> {
-    fn new(rows: &'a [Row], case: Option<&Case>) -> Table<'a> {
+impl<'a> SweepTable<'a> {
+    fn new(rows: &'a [SweepRow], case: Option<&Case>) -> SweepTable<'a> {
         let mut figures: Vec<String> = rows.iter().flat_map(|row| row.figures.keys().cloned()).collect();
         figures.sort();
         figures.dedup();
         let units = case.map_or_else(Units::default, |case| case.problem.units());
-        Table { rows, figures, measures: case.map(measures).unwrap_or_default(), units }
+        SweepTable { rows, figures, measures: case.map(measures).unwrap_or_default(), units }
     }
 
     /// A figure with its unit.
@@ -301,7 +301,7 @@ impl<'a> Table<'a> {
     }
 
     /// Writes `sweep.csv`.
-    fn write(&self, out: &Path) -> Result<(), Failure> {
+    fn write(&self, out: &Path) -> Result<(), CommandFailure> {
         let quote = |text: &str| {
             if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
         };
@@ -403,8 +403,8 @@ const SHOWN: [(&str, &str); 8] = [
 ];
 
 /// Draws the figures over the first key with numeric values; without such a key there is no picture.
-fn picture(name: &str, rows: &[Row], table: &Table, out: &Path) -> Result<(), Failure> {
-    let number = |row: &Row, key: usize| row.values.get(key).and_then(|(_, value)| value.parse::<f64>().ok());
+fn picture(name: &str, rows: &[SweepRow], table: &SweepTable, out: &Path) -> Result<(), CommandFailure> {
+    let number = |row: &SweepRow, key: usize| row.values.get(key).and_then(|(_, value)| value.parse::<f64>().ok());
     let keys = table.keys().count();
     let Some(key) = (0..keys).find(|&key| rows.iter().all(|row| number(row, key).is_some())) else { return Ok(()) };
     let mut series: Vec<SweepSeries> = Vec::new();

@@ -1,6 +1,6 @@
 //! Combinations of the values that `--each` gives to keys of a case.
 
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// One combination.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -19,16 +19,16 @@ impl Variant {
 }
 
 /// All combinations of the values of arguments `KEY=VALUE,VALUE,…`; the last key varies fastest.
-pub fn variants(each: &[String]) -> Result<Vec<Variant>, Failure> {
+pub fn variants(each: &[String]) -> Result<Vec<Variant>, CommandFailure> {
     let mut variants = vec![Variant::default()];
     for argument in each {
         let parts = argument.split_once('=').map(|(key, values)| (key.trim(), split(values)));
         let Some((key, values)) = parts.filter(|(key, values)| !key.is_empty() && values.iter().all(|v| !v.is_empty()))
         else {
-            return Err(Failure::Usage(format!("--each {argument}: expected KEY=VALUE,VALUE,…")));
+            return Err(CommandFailure::Usage(format!("--each {argument}: expected KEY=VALUE,VALUE,…")));
         };
         if variants.iter().any(|variant| variant.values.iter().any(|(known, _)| known == key)) {
-            return Err(Failure::Usage(format!("--each {argument}: found {key} twice, expected each key once")));
+            return Err(CommandFailure::Usage(format!("--each {argument}: found {key} twice, expected each key once")));
         }
         let short = key.rsplit('.').next().unwrap_or(key);
         variants = variants

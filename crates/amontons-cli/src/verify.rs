@@ -6,17 +6,17 @@ use amontons::case::Source;
 use amontons::run::Settings;
 use amontons::verify::{BENCHMARKS, Recomputed, Verdict, VerifyError, benchmark, recompute, verify_case};
 
-use crate::arguments::{Common, Format};
+use crate::arguments::{Common, OutputFormat};
 use crate::print;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Evaluates the named benchmarks, case files and results folders, or all benchmarks without names.
-pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
+pub fn execute(names: &[String], common: &Common) -> Result<(), CommandFailure> {
     let settings = Settings { certificate: false, ..Settings::default() };
     let mut verdicts: Vec<Verdict> = Vec::new();
     let (mut failures, mut unchecked): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
     let wanted = chosen(names, common)?;
-    let speaks = common.format == Format::Text && !common.quiet;
+    let speaks = common.format == OutputFormat::Text && !common.quiet;
     if speaks {
         print::text(&header())?;
     }
@@ -46,52 +46,52 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
         "verdicts": verdicts, "failures": failures, "unchecked": unchecked, "holds": all_hold,
     });
     if all_hold {
-        return if common.format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) };
+        return if common.format == OutputFormat::Json { Ok(print::json(&table)?) } else { Ok(()) };
     }
     failures.extend(verdicts.iter().filter(|v| !v.holds).map(|v| format!("{}: {} does not hold", v.benchmark, v.what)));
-    Err(Failure::Verification { message: failures.join("\n"), table })
+    Err(CommandFailure::Verification { message: failures.join("\n"), table })
 }
 
 /// The item that is evaluated.
-enum Target<'a> {
+enum VerifyTarget<'a> {
     /// A shipped benchmark or a case file.
     Case(Source),
     Folder(&'a str),
 }
 
-impl Target<'_> {
+impl VerifyTarget<'_> {
     fn name(&self) -> &str {
         match self {
-            Target::Case(source) => &source.name,
-            Target::Folder(folder) => folder,
+            VerifyTarget::Case(source) => &source.name,
+            VerifyTarget::Folder(folder) => folder,
         }
     }
 
     fn verify(&self, overrides: &[String], settings: &Settings) -> Result<Recomputed, VerifyError> {
         match self {
-            Target::Case(source) => {
+            VerifyTarget::Case(source) => {
                 let verdicts = verify_case(source, overrides, settings)?;
                 Ok(Recomputed { verdicts, ..Recomputed::default() })
             }
-            Target::Folder(folder) => recompute(Path::new(folder)),
+            VerifyTarget::Folder(folder) => recompute(Path::new(folder)),
         }
     }
 }
 
-fn chosen<'a>(names: &'a [String], common: &Common) -> Result<Vec<Target<'a>>, Failure> {
+fn chosen<'a>(names: &'a [String], common: &Common) -> Result<Vec<VerifyTarget<'a>>, CommandFailure> {
     if names.is_empty() {
-        return Ok(BENCHMARKS.iter().map(|(name, text)| Target::Case(benchmark(name, text))).collect());
+        return Ok(BENCHMARKS.iter().map(|(name, text)| VerifyTarget::Case(benchmark(name, text))).collect());
     }
     let target = |name: &'a String| match BENCHMARKS.iter().find(|(known, _)| known == name) {
-        Some((name, text)) => Ok(Target::Case(benchmark(name, text))),
-        None if Path::new(name).is_dir() && common.set.is_empty() => Ok(Target::Folder(name)),
-        None if Path::new(name).is_dir() => Err(Failure::Usage(format!(
+        Some((name, text)) => Ok(VerifyTarget::Case(benchmark(name, text))),
+        None if Path::new(name).is_dir() && common.set.is_empty() => Ok(VerifyTarget::Folder(name)),
+        None if Path::new(name).is_dir() => Err(CommandFailure::Usage(format!(
             "{name} is a results folder, whose figures are recomputed from its files: --set has no meaning there; verify the case file instead"
         ))),
-        None if Path::new(name).is_file() => Ok(Target::Case(common.source(Path::new(name))?)),
+        None if Path::new(name).is_file() => Ok(VerifyTarget::Case(common.source(Path::new(name))?)),
         None => {
             let known: Vec<&str> = BENCHMARKS.iter().map(|(known, _)| *known).collect();
-            Err(Failure::Usage(format!(
+            Err(CommandFailure::Usage(format!(
                 "{name} is no case file, no results folder and no benchmark; the benchmarks are {}",
                 known.join(", ")
             )))

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::case::{self, Files, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{self, Level, ReferenceProgress, StudyError, StudySettings, StudyTable, Vary};
+use amontons::convergence::{self, ReferenceProgress, StudyError, StudyLevel, StudySettings, StudyTable, Vary};
 use amontons::hypotheses;
 use amontons::model::Model;
 use amontons::output::{OutputError, StudyFolder};
@@ -170,10 +170,10 @@ fn solved(
             *written.lock().unwrap_or_else(PoisonError::into_inner) = result;
         }
     };
-    let keep = |level: &Level, states: &[State]| note(folder.map_or(Ok(()), |folder| folder.keep(level, states)));
+    let keep = |level: &StudyLevel, states: &[State]| note(folder.map_or(Ok(()), |folder| folder.keep(level, states)));
     let keep_reference =
         |progress: &ReferenceProgress| note(folder.map_or(Ok(()), |folder| folder.keep_reference(study, progress)));
-    let load = |level: &Level| folder?.load(level);
+    let load = |level: &StudyLevel| folder?.load(level);
     let load_reference = || folder?.load_reference(study);
     let table = study.run(&StudySettings {
         interrupt: Some(flag),

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use amontons::arrays::{ArrayFunction, Arrays, INPUTS, Inputs};
 use amontons::contact::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, Contact, names};
 use amontons::contract;
-use amontons::material::{ArrayTensor, Constants};
+use amontons::material::{ArrayTensor, OperatorConstants};
 use amontons::problem::{Problem, ProblemData};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -148,7 +148,7 @@ impl Law {
             value: self.arrays(0, 6, alarm)?,
             tangent: self.arrays(1, 36, alarm)?,
             potential: self.arrays(2, 1, alarm),
-            constants: Constants {
+            constants: OperatorConstants {
                 monotonicity: self.constant(0).unwrap_or(0.0),
                 lipschitz: self.constant(1).unwrap_or(f64::INFINITY),
             },

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use amontons::plot::{self, Kind, Options, Panel};
+use amontons::plot::{self, Options, PictureKind, RunPanel};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -19,8 +19,8 @@ pub fn picture<'py>(
     pixels: f64,
 ) -> PyResult<(String, Bound<'py, PyBytes>)> {
     let py = run.py();
-    let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.file_name() == name) else {
-        let known: Vec<String> = Kind::ALL.iter().map(|kind| format!("\"{}\"", kind.file_name())).collect();
+    let Some(kind) = PictureKind::ALL.into_iter().find(|kind| kind.file_name() == name) else {
+        let known: Vec<String> = PictureKind::ALL.iter().map(|kind| format!("\"{}\"", kind.file_name())).collect();
         return Err(errors::request(
             py,
             &format!("found the picture \"{name}\", expected one of {}", known.join(", ")),
@@ -29,8 +29,8 @@ pub fn picture<'py>(
     let draw = || {
         let (run, at) = (run.get(), snapshot.get());
         let history = run.history().map(|(name, values)| (name.clone(), values)).collect();
-        let drawn = py.detach(|| plot::Run::of_state(run.problem(), &at.state, &at.contact, history))?;
-        let picture = plot::picture(kind, &[Panel { title: "", run: &drawn }], &Options::default())?;
+        let drawn = py.detach(|| plot::DrawnRun::of_state(run.problem(), &at.state, &at.contact, history))?;
+        let picture = plot::picture(kind, &[RunPanel { title: "", run: &drawn }], &Options::default())?;
         Ok((picture.svg(), picture.png(picture.density(pixels))?))
     };
     let (svg, png) = draw().map_err(|error| errors::of_plot(py, &error))?;

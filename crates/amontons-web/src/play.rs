@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::hypotheses::{Finding, Kind as Voice};
-use amontons::plot::{self, Film, Kind, Options, Panel};
+use amontons::plot::{self, Film, Options, PictureKind, RunPanel};
 use amontons::run::{Settings, run};
 use serde_json::{Value, json};
 
@@ -49,7 +49,7 @@ impl Play {
         let last = self.film.times().len().saturating_sub(1);
         let pictures: Vec<&str> = self.film.frame(last).map_or_else(
             |_| Vec::new(),
-            |run| Kind::ALL.into_iter().filter(|kind| shows(*kind, &run)).map(Kind::file_name).collect(),
+            |run| PictureKind::ALL.into_iter().filter(|kind| shows(*kind, &run)).map(PictureKind::file_name).collect(),
         );
         let mut findings: Vec<&Finding> = summary.map(|s| s.findings.iter().collect()).unwrap_or_default();
         findings.sort_by_key(|finding| (finding.kind != Voice::Warning, std::cmp::Reverse(finding.status)));
@@ -71,19 +71,19 @@ impl Play {
     /// # Errors
     /// The run has no such picture or no such time.
     pub fn picture(&self, name: &str, frame: usize) -> Result<String, String> {
-        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.file_name() == name) else {
-            let known: Vec<&str> = Kind::ALL.iter().map(|kind| kind.file_name()).collect();
+        let Some(kind) = PictureKind::ALL.into_iter().find(|kind| kind.file_name() == name) else {
+            let known: Vec<&str> = PictureKind::ALL.iter().map(|kind| kind.file_name()).collect();
             return Err(format!("found the picture \"{name}\", expected one of {}", known.join(", ")));
         };
         let run = self.film.frame(frame).map_err(|error| error.to_string())?;
-        let picture = plot::picture(kind, &[Panel { title: "", run: &run }], &Options::default());
+        let picture = plot::picture(kind, &[RunPanel { title: "", run: &run }], &Options::default());
         picture.map(|picture| picture.svg()).map_err(|error| error.to_string())
     }
 }
 
 /// True if a picture of a run can be drawn and is not trivial.
-fn shows(kind: Kind, run: &plot::Run) -> bool {
-    kind.is_told_by(run) && (run.dimension > 1 || kind == Kind::History)
+fn shows(kind: PictureKind, run: &plot::DrawnRun) -> bool {
+    kind.is_told_by(run) && (run.dimension > 1 || kind == PictureKind::History)
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ struct Known {
 
 /// State of a thread: true in `takes` if missing values are collected and the computation is repeated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Part {
+struct ThreadState {
     takes: bool,
     /// True if a value was missing.
     lacks: bool,
@@ -64,7 +64,7 @@ struct Part {
 }
 
 thread_local! {
-    static PART: Cell<Part> = const { Cell::new(Part { takes: false, lacks: false, is_point: false }) };
+    static PART: Cell<ThreadState> = const { Cell::new(ThreadState { takes: false, lacks: false, is_point: false }) };
 }
 
 impl Arrays {
@@ -100,7 +100,7 @@ impl Arrays {
             known.wanted.push(*inputs);
         }
         known.misses += 1;
-        PART.set(Part { lacks: true, ..part });
+        PART.set(ThreadState { lacks: true, ..part });
         out
     }
 
@@ -155,11 +155,11 @@ impl Drop for Collecting<'_> {
 }
 
 /// Takes part in a collection while it exists.
-struct TakingPart(Part);
+struct TakingPart(ThreadState);
 
 impl TakingPart {
     fn begin(is_point: bool) -> TakingPart {
-        TakingPart(PART.replace(Part { takes: true, lacks: false, is_point }))
+        TakingPart(PART.replace(ThreadState { takes: true, lacks: false, is_point }))
     }
 
     /// Ends the participation; returns true if a value was missing.

@@ -21,7 +21,7 @@ pub use pencil::assert_pencil;
 pub use scheme::assert_scheme;
 pub use sink::assert_sink;
 
-use crate::contact::obstacle::Shape;
+use crate::contact::obstacle::ObstacleShape;
 use crate::contact::{ContactPoint, WearLaw};
 use crate::element::{Element, MAX_NODES, ShapeTable};
 use crate::hypotheses::Samples;
@@ -316,7 +316,7 @@ pub fn assert_wear_law(law: &dyn WearLaw) {
 ///
 /// # Panics
 /// Panics if the shape violates the contract.
-pub fn assert_shape(shape: &dyn Shape, about: &Point, size: f64, dim: usize) {
+pub fn assert_shape(shape: &dyn ObstacleShape, about: &Point, size: f64, dim: usize) {
     let mut random = samples();
     let (mut kinks, points) = (0, 100);
     for _ in 0..points {

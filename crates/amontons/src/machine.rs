@@ -16,7 +16,7 @@ const PER_THREAD: f64 = 2.0 * 67_108_864.0;
 
 /// Available memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Memory {
+pub(crate) struct FreeMemory {
     /// Bytes.
     pub bytes: f64,
     /// The limiting resource; `None` if it is the memory of the machine.
@@ -24,21 +24,21 @@ pub(crate) struct Memory {
 }
 
 /// Available memory by the tightest limit; `None` if the system does not report it.
-pub(crate) fn memory() -> Option<Memory> {
+pub(crate) fn memory() -> Option<FreeMemory> {
     let limit = if cfg!(unix) { "the limit of the address space, `ulimit -v`" } else { "the address space" };
-    let space = address_space().map(|bytes| Memory { bytes, limit: Some(limit) });
+    let space = address_space().map(|bytes| FreeMemory { bytes, limit: Some(limit) });
     least(physical_memory().into_iter().chain(space))
 }
 
 /// Available memory without the limit of the address space: beyond that limit an allocation fails, while memory that
 /// the machine or the control group lacks is promised, and writing to it kills the program.
-pub(crate) fn physical_memory() -> Option<Memory> {
-    let machine = machine_memory().map(|bytes| Memory { bytes, limit: None });
-    let group = cgroup().map(|bytes| Memory { bytes, limit: Some("the memory limit of the control group") });
+pub(crate) fn physical_memory() -> Option<FreeMemory> {
+    let machine = machine_memory().map(|bytes| FreeMemory { bytes, limit: None });
+    let group = cgroup().map(|bytes| FreeMemory { bytes, limit: Some("the memory limit of the control group") });
     least(machine.into_iter().chain(group))
 }
 
-fn least(all: impl Iterator<Item = Memory>) -> Option<Memory> {
+fn least(all: impl Iterator<Item = FreeMemory>) -> Option<FreeMemory> {
     all.min_by(|a, b| a.bytes.total_cmp(&b.bytes))
 }
 

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Counts within the present step. Clones share them.
 #[derive(Clone, Debug, Default)]
-pub struct Pulse(Arc<Counts>);
+pub struct Pulse(Arc<PulseCounts>);
 
 #[derive(Debug, Default)]
-struct Counts {
+struct PulseCounts {
     iterations: AtomicUsize,
     parts: AtomicUsize,
 }

@@ -8,14 +8,14 @@ use crate::tensor::Point;
 
 /// Points of a reference cell with their weights; the weights sum to its measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rule {
+pub struct QuadratureRule {
     /// Reference coordinates.
     pub points: Vec<Point>,
     /// Weights, one per point.
     pub weights: Vec<f64>,
 }
 
-impl Rule {
+impl QuadratureRule {
     /// Points with their weights.
     pub fn iter(&self) -> impl Iterator<Item = (&Point, f64)> {
         self.points.iter().zip(self.weights.iter().copied())
@@ -157,10 +157,10 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
 /// Every rule has the symmetries of its shape, so an integral over a cell does not depend on the vertex with which its
 /// numbering starts.
 #[must_use]
-pub fn rule(shape: Shape, degree: usize) -> Rule {
+pub fn rule(shape: Shape, degree: usize) -> QuadratureRule {
     // n Gauss points reach degree 2n − 1; each collapse of a direction multiplies by a distance to the vertex.
     let line = |extra: usize| gauss_legendre(usize::midpoint(degree, extra) + 1);
-    let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
+    let mut rule = QuadratureRule { points: Vec::new(), weights: Vec::new() };
     let mut push = |x: Point, w: f64| {
         rule.points.push(x);
         rule.weights.push(w);
@@ -329,7 +329,7 @@ mod tests {
         }
     }
 
-    fn computed(rule: &Rule, [a, b, c]: [usize; 3]) -> f64 {
+    fn computed(rule: &QuadratureRule, [a, b, c]: [usize; 3]) -> f64 {
         rule.iter().map(|(x, w)| w * x[0].powi(a as i32) * x[1].powi(b as i32) * x[2].powi(c as i32)).sum()
     }
 

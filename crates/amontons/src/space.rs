@@ -7,7 +7,7 @@ pub(crate) mod rigid;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-pub use frame::Frame;
+pub use frame::NodeFrame;
 pub use rigid::RigidNodes;
 
 use crate::field::Field;
@@ -18,7 +18,7 @@ use rigid::rigid_of;
 /// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
 ///
 /// A degree of freedom is a component of the value at a node, along an axis or, at a node with an oblique prescribed
-/// direction, in the [`Frame`] of the node. Vectors passed to the methods always have components along the axes.
+/// direction, in the [`NodeFrame`] of the node. Vectors passed to the methods always have components along the axes.
 ///
 /// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of its leader. The
 /// nodes of a rigid body ([`RigidNodes`]) have the degrees of freedom of its motions, stored in those of its first
@@ -30,7 +30,7 @@ pub struct Space {
     /// For each degree of freedom, true if it is unknown.
     pub free: Vec<bool>,
     /// Directions of the degrees of freedom of nodes where they differ from the axes, by node.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<NodeFrame>,
     /// Nodes that follow others.
     pub links: Vec<Link>,
     /// Nodes that move as rigid bodies.
@@ -129,8 +129,8 @@ impl Space {
             }
             prescribed.push(part);
         }
-        let mut frames: Vec<Frame> =
-            axes.into_iter().map(|(node, axes)| Frame { node, axes: completed(axes, components) }).collect();
+        let mut frames: Vec<NodeFrame> =
+            axes.into_iter().map(|(node, axes)| NodeFrame { node, axes: completed(axes, components) }).collect();
         let held: Vec<u32> = (0u32..).zip(&free).filter_map(|(dof, free)| (!free).then_some(dof)).collect();
         links::add_frames(&links.nodes, components, &mut frames);
         for link in &links.nodes {
@@ -377,7 +377,7 @@ impl Space {
 }
 
 /// Converts components along the axes to those in frames, and for rigid bodies to those of their motions.
-pub(crate) fn enter(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
+pub(crate) fn enter(frames: &[NodeFrame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
     frame::enter(frames, components, values);
     for body in rigid {
         body.enter(values);
@@ -385,7 +385,7 @@ pub(crate) fn enter(frames: &[Frame], rigid: &[RigidNodes], components: usize, v
 }
 
 /// Converts these components back to those along the axes.
-pub(crate) fn leave(frames: &[Frame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
+pub(crate) fn leave(frames: &[NodeFrame], rigid: &[RigidNodes], components: usize, values: &mut [f64]) {
     frame::leave(frames, components, values);
     for body in rigid {
         body.leave(values);

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// The system of units of a case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum System {
+pub enum UnitSystem {
     /// SI units.
     #[default]
     #[serde(rename = "SI")]
@@ -61,7 +61,7 @@ pub enum Extent {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Units {
     /// SI or none.
-    pub system: System,
+    pub system: UnitSystem,
     /// Domain of forces, energies, powers, areas and volumes.
     pub extent: Extent,
     /// The temperature scale; omitted from files if it is kelvin.
@@ -131,14 +131,15 @@ fn prefixes(symbol: &str) -> [i32; 2] {
 
 impl Units {
     /// SI units of a body in the plane.
-    pub const PLANE: Units = Units { system: System::Si, extent: Extent::Plane, temperature: TemperatureScale::Kelvin };
+    pub const PLANE: Units =
+        Units { system: UnitSystem::Si, extent: Extent::Plane, temperature: TemperatureScale::Kelvin };
     /// SI units of a body in space.
     pub const SPACE: Units = Units { extent: Extent::Space, ..Units::PLANE };
 
     /// Makes the numbers dimensionless.
     #[must_use]
     pub fn without(self) -> Units {
-        Units { system: System::Dimensionless, ..self }
+        Units { system: UnitSystem::Dimensionless, ..self }
     }
 
     /// The unit of a quantity without prefix; empty for counts, ratios and dimensionless cases.
@@ -149,7 +150,7 @@ impl Units {
             Extent::Plane => all[1],
             Extent::Sheet | Extent::Revolution | Extent::Space => all[2],
         };
-        if self.system == System::Dimensionless {
+        if self.system == UnitSystem::Dimensionless {
             return "";
         }
         match measure {

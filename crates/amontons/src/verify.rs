@@ -4,9 +4,10 @@
 //! not compute.
 
 use crate::case::{
-    self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take,
+    self, Case, CaseError, Check, ColumnTake, Comparison, ErrorName, Expected, Files, Source, StudyRequest,
+    StudyRequestError,
 };
-use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
+use crate::convergence::{ErrorRow, Reference, Study, StudyError, StudyLevel, StudySettings, Vary, slope};
 use crate::output::{
     OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values,
 };
@@ -129,9 +130,9 @@ fn title(check: &Check) -> String {
         Check::Probe { probe, time, .. } => format!("{}, t = {time}", probe.name),
         Check::History { column, time, take, .. } => match (time, take) {
             (Some(t), _) => format!("{column} at t = {t}"),
-            (None, Take::Last) => format!("{column} at the end"),
-            (None, Take::Min) => format!("smallest {column}"),
-            (None, Take::Max) => format!("largest {column}"),
+            (None, ColumnTake::Last) => format!("{column} at the end"),
+            (None, ColumnTake::Min) => format!("smallest {column}"),
+            (None, ColumnTake::Max) => format!("largest {column}"),
         },
         Check::Order { study, error, .. } => {
             let vary = match (study.vary, study.power) {
@@ -188,9 +189,9 @@ struct Studies<'a> {
     source: &'a Source,
     overrides: &'a [String],
     case: &'a Case,
-    done: Vec<(StudyRequest, Vec<Row>)>,
+    done: Vec<(StudyRequest, Vec<ErrorRow>)>,
     /// Errors with the mesh and steps of the case.
-    own: Option<Row>,
+    own: Option<ErrorRow>,
 }
 
 impl Studies<'_> {
@@ -201,7 +202,7 @@ impl Studies<'_> {
             self.done.push((request.clone(), table.rows));
         }
         let rows = self.done.iter().find(|(done, _)| done == request).map_or(&[][..], |(_, rows)| rows);
-        let size = |row: &Row| if request.vary == Vary::Time { row.k } else { row.h };
+        let size = |row: &ErrorRow| if request.vary == Vary::Time { row.k } else { row.h };
         Ok(slope(&rows.iter().map(|row| (size(row), error.of(row))).collect::<Vec<_>>()))
     }
 
@@ -231,9 +232,9 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
 }
 
 /// Errors against the exact solution with the mesh and steps of the case.
-fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
+fn own_errors(name: &str, case: &Case) -> Result<ErrorRow, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
-    let level = Level {
+    let level = StudyLevel {
         level: case.cells.first().copied().unwrap_or_default(),
         problem: case.problem.clone(),
         text: case.fingerprint(),
@@ -286,14 +287,14 @@ impl Recorder {
         interpolate(&self.times, values, time)
     }
 
-    fn column(&self, name: &str, time: Option<f64>, take: Take) -> Option<f64> {
+    fn column(&self, name: &str, time: Option<f64>, take: ColumnTake) -> Option<f64> {
         let column = self.columns.iter().position(|c| c == name)?;
         let values: Vec<f64> = self.history.iter().map(|row| row[column]).collect();
         match (time, take) {
             (Some(t), _) => interpolate(self.times.get(1..)?, &values, t),
-            (None, Take::Last) => values.last().copied(),
-            (None, Take::Min) => values.iter().copied().reduce(f64::min),
-            (None, Take::Max) => values.iter().copied().reduce(f64::max),
+            (None, ColumnTake::Last) => values.last().copied(),
+            (None, ColumnTake::Min) => values.iter().copied().reduce(f64::min),
+            (None, ColumnTake::Max) => values.iter().copied().reduce(f64::max),
         }
     }
 }

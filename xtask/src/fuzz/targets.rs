@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
 use amontons::expression::Expression;
-use amontons::mesh::{self, MeshFileError, Read, exodus, gmsh, mail, med, vtu};
+use amontons::mesh::{self, MeshFile, MeshFileError, exodus, gmsh, mail, med, vtu};
 use amontons::output::{Checkpoint, Folder, FolderOptions};
 use amontons::plot;
 use amontons::run::{self, Settings};
@@ -330,7 +330,7 @@ fn results(folder: &Path, files: &[PathBuf], sound: &[Vec<u8>], bytes: &[u8]) ->
         Ok(found) => [found.faults, found.unchecked].concat().join(" "),
         Err(error) => error.to_string(),
     };
-    let drawn = told(plot::Run::read(folder));
+    let drawn = told(plot::DrawnRun::read(folder));
     let restored = told(fs::write(file, before));
     found + &drawn + &restored
 }
@@ -369,7 +369,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Parses a mesh file in which every included file is the file itself without its first line.
-fn including(name: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
+fn including(name: &str, bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     let rest: Arc<[u8]> = bytes.iter().position(|byte| *byte == b'\n').map_or(&[][..], |at| &bytes[at + 1..]).into();
     mesh::parse_file(name, bytes, Some(&mut |_: &str| Ok(Arc::clone(&rest))))
 }

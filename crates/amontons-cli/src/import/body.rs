@@ -1,25 +1,25 @@
 //! Loads of the whole body: gravity, centrifugal force, force and heat per volume.
 
 use super::conditions::Volume;
-use super::deck::{Fault, Place};
-use super::model::Model;
+use super::deck::{DeckFault, DeckPlace};
+use super::model::DeckModel;
 use super::notes::{Matter, Notes};
-use super::time::History;
-use super::units::{Units, number};
+use super::time::DeckAmplitude;
+use super::units::{UnitFactors, number};
 
 /// A term of a body force: its value over time, and its factor in space by component.
-struct Term {
-    history: History,
+struct ForceTerm {
+    history: DeckAmplitude,
     factors: [Option<(f64, Option<String>)>; 3],
 }
 
 /// The table `[load]` of the case, with the given temperature; empty without loads.
 pub fn load(
-    model: &Model,
-    units: Units,
+    model: &DeckModel,
+    units: UnitFactors,
     (dim, temperature): (usize, Option<String>),
     notes: &mut Notes,
-) -> Result<String, Fault> {
+) -> Result<String, DeckFault> {
     let mut terms = Vec::new();
     let (mut heat, mut from) = (None, Vec::new());
     for (volume, track, source) in &model.conditions.volume {
@@ -45,7 +45,7 @@ pub fn load(
                 std::array::from_fn(|d| of(d).map(|d| (size, Some(away(&point, along, (d, dim))))))
             }
         };
-        terms.push(Term { history, factors });
+        terms.push(ForceTerm { history, factors });
     }
     let mut text = String::new();
     if !terms.is_empty() {
@@ -63,7 +63,7 @@ pub fn load(
 }
 
 /// The density of all materials of the deck.
-fn density(model: &Model, notes: &mut Notes) -> Result<f64, Fault> {
+fn density(model: &DeckModel, notes: &mut Notes) -> Result<f64, DeckFault> {
     let used = model
         .materials
         .iter()
@@ -71,7 +71,7 @@ fn density(model: &Model, notes: &mut Notes) -> Result<f64, Fault> {
     let mut densities = Vec::new();
     for material in used {
         let found = format!("the material {} without *DENSITY", material.name.escape_debug());
-        let missing = || Fault::new(&material.place, found, "*DENSITY below *MATERIAL, which *DLOAD needs");
+        let missing = || DeckFault::new(&material.place, found, "*DENSITY below *MATERIAL, which *DLOAD needs");
         densities.push((material.density().ok_or_else(missing)?, &material.place));
     }
     let first = densities.first().map_or(0.0, |first| first.0);
@@ -97,12 +97,12 @@ fn away(point: &[f64; 3], along: &[f64; 3], (d, dim): (usize, usize)) -> String 
 }
 
 /// A component of the sum of all terms.
-fn component(terms: &[Term], d: usize, time: f64) -> Result<String, Fault> {
-    let own: Vec<(&History, f64, Option<&String>)> = terms
+fn component(terms: &[ForceTerm], d: usize, time: f64) -> Result<String, DeckFault> {
+    let own: Vec<(&DeckAmplitude, f64, Option<&String>)> = terms
         .iter()
         .filter_map(|term| term.factors[d].as_ref().map(|(size, space)| (&term.history, *size, space.as_ref())))
         .collect();
-    let largest = |history: &History| history.0.iter().map(|p| p.1).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let largest = |history: &DeckAmplitude| history.0.iter().map(|p| p.1).max_by(|a, b| a.abs().total_cmp(&b.abs()));
     let Some((first, ..)) = own.first() else { return Ok("0.0".to_owned()) };
     let peak = largest(first).filter(|peak| *peak != 0.0).unwrap_or(1.0);
     let shape = first.mapped(1.0 / peak, 0.0);
@@ -117,7 +117,7 @@ fn component(terms: &[Term], d: usize, time: f64) -> Result<String, Fault> {
                 .all(|(a, b)| a.0.total_cmp(&b.0).is_eq() && (a.1 / peak - b.1).abs() < 1e-12);
         if !alike {
             let found = "loads of the whole body that vary in time in different ways";
-            return Err(Fault::new(&Place::start(), found, "loads of the body with one amplitude"));
+            return Err(DeckFault::new(&DeckPlace::start(), found, "loads of the body with one amplitude"));
         }
         match space {
             None => constant += size * peak,

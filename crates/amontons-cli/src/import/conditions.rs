@@ -2,18 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::deck::{Card, Fault, Line};
-use super::mesh::{Element, Mesh, Node, integer};
+use super::deck::{Card, DataLine, DeckFault};
+use super::mesh::{DeckElementId, DeckMesh, DeckNodeId, integer};
 use super::notes::{Matter, Notes};
 use super::rigid::Rigids;
-use super::sides::Sides;
+use super::sides::DeckSides;
 use super::time::{Event, Track};
-use super::transform::{Local, Transforms};
+use super::transform::{NodeAxes, Transforms};
 use super::units::number;
 
 /// The quantity prescribed on a side or at points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Quantity {
+pub enum PrescribedQuantity {
     Displacement(usize),
     Normal,
     Temperature,
@@ -25,12 +25,12 @@ pub enum Quantity {
 
 /// The conditions on one side or at points.
 #[derive(Clone, Debug, Default)]
-pub struct Entry {
+pub struct DeckPrescription {
     pub on: String,
     /// The keywords with their lines.
     pub from: Vec<String>,
     /// Tracks, each with its keyword.
-    pub tracks: BTreeMap<Quantity, (Track, String)>,
+    pub tracks: BTreeMap<PrescribedQuantity, (Track, String)>,
     /// Film coefficient.
     pub film: Option<f64>,
 }
@@ -51,12 +51,12 @@ pub enum Volume {
 /// All conditions and loads of a deck.
 #[derive(Debug, Default)]
 pub struct Conditions {
-    pub entries: Vec<Entry>,
+    pub entries: Vec<DeckPrescription>,
     by_name: HashMap<String, usize>,
     /// Forces at nodes by component.
-    pub forces: BTreeMap<Node, [Track; 3]>,
+    pub forces: BTreeMap<DeckNodeId, [Track; 3]>,
     /// Name and line of the keyword of each force at a node.
-    pub force_from: BTreeMap<Node, (String, String)>,
+    pub force_from: BTreeMap<DeckNodeId, (String, String)>,
     pub volume: Vec<(Volume, Track, String)>,
     /// `*TEMPERATURE` of all nodes.
     pub field: Track,
@@ -64,9 +64,9 @@ pub struct Conditions {
 }
 
 /// The data needed to read a condition.
-pub struct Scene<'a> {
-    pub mesh: &'a Mesh,
-    pub sides: &'a mut Sides,
+pub struct ConditionContext<'a> {
+    pub mesh: &'a DeckMesh,
+    pub sides: &'a mut DeckSides,
     pub notes: &'a mut Notes,
     pub transforms: &'a Transforms,
     pub rigid: &'a mut Rigids,
@@ -77,7 +77,7 @@ pub struct Scene<'a> {
     pub step: usize,
 }
 
-impl Scene<'_> {
+impl ConditionContext<'_> {
     fn event(&self, card: &Card, value: f64) -> Event {
         Event { step: self.step, value: Some(value), amplitude: card.word("AMPLITUDE") }
     }
@@ -94,9 +94,9 @@ fn is_number(text: &str) -> bool {
 
 impl Conditions {
     /// The entry of a side or of points, made if missing.
-    fn entry(&mut self, on: &str, card: &Card) -> &mut Entry {
+    fn entry(&mut self, on: &str, card: &Card) -> &mut DeckPrescription {
         let place = *self.by_name.entry(on.to_owned()).or_insert_with(|| {
-            self.entries.push(Entry { on: on.to_owned(), ..Entry::default() });
+            self.entries.push(DeckPrescription { on: on.to_owned(), ..DeckPrescription::default() });
             self.entries.len() - 1
         });
         let entry = &mut self.entries[place];
@@ -107,7 +107,7 @@ impl Conditions {
         entry
     }
 
-    fn set(&mut self, on: &str, card: &Card, quantity: Quantity, event: Event) {
+    fn set(&mut self, on: &str, card: &Card, quantity: PrescribedQuantity, event: Event) {
         let (track, _) =
             self.entry(on, card).tracks.entry(quantity).or_insert_with(|| (Track::default(), card.name.clone()));
         track.set(event, false);
@@ -131,7 +131,7 @@ impl Conditions {
     }
 
     /// Reads a keyword that prescribes something. Returns false for other keywords.
-    pub fn take(&mut self, card: &Card, scene: &mut Scene) -> Result<bool, Fault> {
+    pub fn take(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<bool, DeckFault> {
         match card.name.as_str() {
             "BOUNDARY" | "CLOAD" | "DLOAD" | "DSLOAD" | "FILM" | "SFILM" | "DFLUX" | "DSFLUX" | "CFLUX" => {
                 self.renew(card, scene.step);
@@ -156,10 +156,10 @@ impl Conditions {
         Ok(true)
     }
 
-    fn boundary(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+    fn boundary(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<(), DeckFault> {
         if card.has("USER") || card.word("TYPE").is_some_and(|kind| kind != "DISPLACEMENT") {
             let found = "*BOUNDARY of velocities, accelerations or a subroutine";
-            return Err(Fault::new(&card.place, found, "prescribed displacements and temperatures"));
+            return Err(DeckFault::new(&card.place, found, "prescribed displacements and temperatures"));
         }
         for lines in alike(&card.data, |line| line.entries.get(1..).map(<[String]>::to_vec)) {
             let Some(line) = lines.first() else { continue };
@@ -183,10 +183,10 @@ impl Conditions {
                 Some(local) if dofs.iter().any(|dof| *dof <= 3) => turned(&local, &dofs, (line, value), scene.dim)?,
                 _ => dofs.iter().filter_map(|&dof| quantity(dof, scene.dim)).map(|q| (q, value)).collect(),
             };
-            let along = quantities.iter().any(|(quantity, _)| *quantity == Quantity::Normal);
+            let along = quantities.iter().any(|(quantity, _)| *quantity == PrescribedQuantity::Normal);
             if along && scene.mesh.on_facets(&nodes) != nodes {
                 let found = "nodes that are held along one axis of a *TRANSFORM and are no side";
-                return Err(Fault::new(&line.place, found, "a node set of whole facets, or axes along x, y or z"));
+                return Err(DeckFault::new(&line.place, found, "a node set of whole facets, or axes along x, y or z"));
             }
             for target in targets {
                 for &(quantity, value) in &quantities {
@@ -198,7 +198,7 @@ impl Conditions {
         Ok(())
     }
 
-    fn forces(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+    fn forces(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<(), DeckFault> {
         for line in &card.data {
             let name = line.need(0, "a node or a node set")?;
             let (dof, value) = (integer(line, 1)?, line.value(2, "a node, a direction and a force")?);
@@ -231,7 +231,7 @@ impl Conditions {
     }
 
     /// Loads of elements and sets of elements: on faces, or of the whole body.
-    fn on_elements(&mut self, card: &Card, scene: &mut Scene, letter: char) -> Result<(), Fault> {
+    fn on_elements(&mut self, card: &Card, scene: &mut ConditionContext, letter: char) -> Result<(), DeckFault> {
         for lines in alike(&card.data, |line| line.entries.get(1..).map(<[String]>::to_vec)) {
             let Some(line) = lines.first() else { continue };
             let label = line.need(1, "an element, a label and a value")?.to_uppercase();
@@ -240,7 +240,7 @@ impl Conditions {
             }
             let face = label.strip_prefix(letter).and_then(|number| number.parse::<usize>().ok());
             let mut faces = Vec::new();
-            let mut elements: BTreeSet<Element> = BTreeSet::new();
+            let mut elements: BTreeSet<DeckElementId> = BTreeSet::new();
             for line in &lines {
                 let name = line.need(0, "an element or an element set")?;
                 elements.extend(scene.mesh.elements(&line.place, name)?);
@@ -253,11 +253,11 @@ impl Conditions {
             };
             if elements.is_empty() {
                 let found = format!("\"{}\" without a solid element", faces[0].0.escape_debug());
-                return Err(Fault::new(&line.place, found, "a set of elements of the body"));
+                return Err(DeckFault::new(&line.place, found, "a set of elements of the body"));
             }
             if !scene.mesh.has_face(&elements, face) {
                 let found = format!("the face {label} of an element without it");
-                return Err(Fault::new(
+                return Err(DeckFault::new(
                     &line.place,
                     found,
                     format!("{letter}1, {letter}2, … up to its number of faces"),
@@ -275,7 +275,7 @@ impl Conditions {
     }
 
     /// Heat flows into nodes, spread evenly over the side formed by them.
-    fn heat_at_nodes(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+    fn heat_at_nodes(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<(), DeckFault> {
         for lines in alike(&card.data, |line| line.entries.get(1..).map(<[String]>::to_vec)) {
             let Some(line) = lines.first() else { continue };
             let value = line.value(2, "a node, the degree of freedom 11 and a heat flow")?;
@@ -296,13 +296,13 @@ impl Conditions {
             scene.notes.add(&line.place, "*CFLUX", why, Matter::Perhaps);
             for target in targets {
                 let event = scene.event(card, value * nodes.len() as f64 / area);
-                self.set(&target, card, Quantity::HeatInflow, event);
+                self.set(&target, card, PrescribedQuantity::HeatInflow, event);
             }
         }
         Ok(())
     }
 
-    fn on_surfaces(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+    fn on_surfaces(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<(), DeckFault> {
         for line in &card.data {
             let name = scene.mesh.surface(&line.place, line.need(0, "a surface")?)?;
             let label = line.need(1, "a surface, a label and a value")?.to_uppercase();
@@ -311,7 +311,7 @@ impl Conditions {
                     let size = line.value(2, "a traction and its direction")?;
                     let along = direction(line, 3)?;
                     for (d, along) in along.iter().enumerate().take(scene.dim) {
-                        self.set(&name, card, Quantity::Traction(d), scene.event(card, size * along));
+                        self.set(&name, card, PrescribedQuantity::Traction(d), scene.event(card, size * along));
                     }
                 }
                 ("DSLOAD", "P") | ("SFILM", "F") | ("DSFLUX", "S") => self.on_side(&name, (card, line), 2, scene)?,
@@ -325,15 +325,21 @@ impl Conditions {
     }
 
     /// Sets pressure, heat flux or exchange of a side from the entries of a line, starting at an index.
-    fn on_side(&mut self, on: &str, (card, line): (&Card, &Line), at: usize, scene: &mut Scene) -> Result<(), Fault> {
+    fn on_side(
+        &mut self,
+        on: &str,
+        (card, line): (&Card, &DataLine),
+        at: usize,
+        scene: &mut ConditionContext,
+    ) -> Result<(), DeckFault> {
         let value = line.value(at, "a value")?;
         let quantity = match card.name.as_str() {
-            "DLOAD" | "DSLOAD" => Quantity::Pressure,
-            "DFLUX" | "DSFLUX" => Quantity::HeatInflow,
-            _ => Quantity::Ambient,
+            "DLOAD" | "DSLOAD" => PrescribedQuantity::Pressure,
+            "DFLUX" | "DSFLUX" => PrescribedQuantity::HeatInflow,
+            _ => PrescribedQuantity::Ambient,
         };
         self.set(on, card, quantity, scene.event(card, value));
-        if quantity != Quantity::Ambient {
+        if quantity != PrescribedQuantity::Ambient {
             return Ok(());
         }
         let film = line.value(at + 1, "a temperature of the surroundings and a film coefficient")?;
@@ -351,7 +357,12 @@ impl Conditions {
     }
 
     /// Reads gravity, centrifugal force, force or heat per volume. Returns false for other labels.
-    fn of_volume(&mut self, card: &Card, (line, label): (&Line, &str), scene: &mut Scene) -> Result<bool, Fault> {
+    fn of_volume(
+        &mut self,
+        card: &Card,
+        (line, label): (&DataLine, &str),
+        scene: &mut ConditionContext,
+    ) -> Result<bool, DeckFault> {
         let (volume, value) = match (card.name.as_str(), label) {
             ("DLOAD", "GRAV") => (Volume::Gravity(direction(line, 3)?), line.value(2, "an acceleration")?),
             ("DLOAD", "CENTRIF") => {
@@ -383,7 +394,7 @@ impl Conditions {
 
     /// `*TEMPERATURE`: one temperature of all nodes. Temperatures per node cannot be expressed as a function of
     /// position.
-    fn temperature(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+    fn temperature(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<(), DeckFault> {
         if let Some(value) = whole_field(card, scene.mesh, 1)? {
             self.field.set(scene.event(card, value), false);
         } else {
@@ -393,7 +404,7 @@ impl Conditions {
         Ok(())
     }
 
-    fn initial(&mut self, card: &Card, scene: &mut Scene) -> Result<(), Fault> {
+    fn initial(&mut self, card: &Card, scene: &mut ConditionContext) -> Result<(), DeckFault> {
         if card.word("TYPE").as_deref() != Some("TEMPERATURE") {
             let what = format!("*INITIAL CONDITIONS, TYPE={}", card.word("TYPE").unwrap_or_default().escape_debug());
             scene.notes.add(&card.place, what, "see `[initial]` of the case", Matter::Answer);
@@ -402,7 +413,7 @@ impl Conditions {
         let found = whole_field(card, scene.mesh, 1)?;
         if found.is_none() || self.initial.is_some_and(|before| found != Some(before)) {
             let expected = "one initial temperature of all nodes";
-            return Err(Fault::new(&card.place, "initial temperatures that differ, or not of all nodes", expected));
+            return Err(DeckFault::new(&card.place, "initial temperatures that differ, or not of all nodes", expected));
         }
         self.initial = found;
         Ok(())
@@ -410,8 +421,8 @@ impl Conditions {
 }
 
 /// The common value of all nodes, given by lines with a node or a set and a value, or `None` if there is no common one.
-fn whole_field(card: &Card, mesh: &Mesh, at: usize) -> Result<Option<f64>, Fault> {
-    let mut covered: BTreeSet<Node> = BTreeSet::new();
+fn whole_field(card: &Card, mesh: &DeckMesh, at: usize) -> Result<Option<f64>, DeckFault> {
+    let mut covered: BTreeSet<DeckNodeId> = BTreeSet::new();
     let mut value = None;
     for line in &card.data {
         covered.extend(mesh.nodes(&line.place, line.need(0, "a node or a node set")?)?);
@@ -425,11 +436,11 @@ fn whole_field(card: &Card, mesh: &Mesh, at: usize) -> Result<Option<f64>, Fault
 }
 
 /// Groups consecutive lines that name nodes or elements by number and are otherwise equal; other lines stay single.
-fn alike<T: PartialEq>(lines: &[Line], rest: impl Fn(&Line) -> T) -> Vec<Vec<&Line>> {
-    let mut groups: Vec<Vec<&Line>> = Vec::new();
+fn alike<T: PartialEq>(lines: &[DataLine], rest: impl Fn(&DataLine) -> T) -> Vec<Vec<&DataLine>> {
+    let mut groups: Vec<Vec<&DataLine>> = Vec::new();
     for line in lines {
-        let by_number = |line: &Line| line.text(0).is_some_and(is_number);
-        let joins = |group: &&mut Vec<&Line>| {
+        let by_number = |line: &DataLine| line.text(0).is_some_and(is_number);
+        let joins = |group: &&mut Vec<&DataLine>| {
             group.first().is_some_and(|first| by_number(first) && by_number(line) && rest(first) == rest(line))
         };
         match groups.last_mut().filter(joins) {
@@ -440,7 +451,7 @@ fn alike<T: PartialEq>(lines: &[Line], rest: impl Fn(&Line) -> T) -> Vec<Vec<&Li
     groups
 }
 
-fn nodes_of(lines: &[&Line], mesh: &Mesh) -> Result<BTreeSet<Node>, Fault> {
+fn nodes_of(lines: &[&DataLine], mesh: &DeckMesh) -> Result<BTreeSet<DeckNodeId>, DeckFault> {
     let mut nodes = BTreeSet::new();
     for line in lines {
         nodes.extend(mesh.nodes(&line.place, line.need(0, "a node or a node set")?)?);
@@ -450,11 +461,11 @@ fn nodes_of(lines: &[&Line], mesh: &Mesh) -> Result<BTreeSet<Node>, Fault> {
 
 /// Applies a line to the rigid parts of its reference nodes. Returns the remaining nodes, which belong to bodies.
 fn of_bodies(
-    (card, line): (&Card, &Line),
-    nodes: &BTreeSet<Node>,
+    (card, line): (&Card, &DataLine),
+    nodes: &BTreeSet<DeckNodeId>,
     (dofs, value): (&[usize], f64),
-    scene: &mut Scene,
-) -> BTreeSet<Node> {
+    scene: &mut ConditionContext,
+) -> BTreeSet<DeckNodeId> {
     let controls = scene.rigid.controls(nodes);
     if controls.is_empty() {
         return nodes.clone();
@@ -471,13 +482,13 @@ fn of_bodies(
             scene.notes.add(&line.place, format!("*{} in direction {dof}", card.name), why, Matter::Answer);
         }
     }
-    let is_apart = |node: &&Node| dofs.iter().all(|dof| scene.rigid.is_apart(node, *dof));
-    let apart: BTreeSet<Node> = controls.iter().filter(is_apart).copied().collect();
+    let is_apart = |node: &&DeckNodeId| dofs.iter().all(|dof| scene.rigid.is_apart(node, *dof));
+    let apart: BTreeSet<DeckNodeId> = controls.iter().filter(is_apart).copied().collect();
     nodes.difference(&apart).copied().collect()
 }
 
 /// Degrees of freedom and the value that a line of `*BOUNDARY` prescribes.
-fn freedoms(line: &Line, scene: &mut Scene) -> Result<Option<(Vec<usize>, f64)>, Fault> {
+fn freedoms(line: &DataLine, scene: &mut ConditionContext) -> Result<Option<(Vec<usize>, f64)>, DeckFault> {
     let word = line.need(1, "a node or a node set and a degree of freedom")?.to_uppercase();
     let fixed = match word.as_str() {
         "ENCASTRE" => Some(vec![1, 2, 3, 4, 5, 6]),
@@ -495,7 +506,7 @@ fn freedoms(line: &Line, scene: &mut Scene) -> Result<Option<(Vec<usize>, f64)>,
     let value = line.number(3)?.unwrap_or(0.0);
     if first < 1 || last < first || last > 32 {
         let found = format!("degrees of freedom {first} to {last}");
-        return Err(Fault::new(&line.place, found, "a first one and a last one that is not smaller, 1 to 3 or 11"));
+        return Err(DeckFault::new(&line.place, found, "a first one and a last one that is not smaller, 1 to 3 or 11"));
     }
     let dofs: Vec<usize> = (first..=last).filter_map(|dof| usize::try_from(dof).ok()).collect();
     let strange = |dof: &&usize| !(1..=6).contains(*dof) && **dof != 11;
@@ -506,35 +517,37 @@ fn freedoms(line: &Line, scene: &mut Scene) -> Result<Option<(Vec<usize>, f64)>,
     Ok(Some((dofs, value)))
 }
 
-fn quantity(dof: usize, dim: usize) -> Option<Quantity> {
+fn quantity(dof: usize, dim: usize) -> Option<PrescribedQuantity> {
     match dof {
-        1..=3 if dof <= dim => Some(Quantity::Displacement(dof - 1)),
-        11 => Some(Quantity::Temperature),
+        1..=3 if dof <= dim => Some(PrescribedQuantity::Displacement(dof - 1)),
+        11 => Some(PrescribedQuantity::Temperature),
         _ => None,
     }
 }
 
 /// Degrees of freedom in local axes, converted to the axes of the case.
 fn turned(
-    local: &Local,
+    local: &NodeAxes,
     dofs: &[usize],
-    (line, value): (&Line, f64),
+    (line, value): (&DataLine, f64),
     dim: usize,
-) -> Result<Vec<(Quantity, f64)>, Fault> {
-    let heat = dofs.iter().filter(|dof| **dof == 11).map(|_| (Quantity::Temperature, value));
+) -> Result<Vec<(PrescribedQuantity, f64)>, DeckFault> {
+    let heat = dofs.iter().filter(|dof| **dof == 11).map(|_| (PrescribedQuantity::Temperature, value));
     let moved: Vec<usize> = dofs.iter().copied().filter(|dof| *dof <= dim.min(3)).collect();
     if moved.len() == dim && value == 0.0 {
-        return Ok((0..dim).map(|d| (Quantity::Displacement(d), 0.0)).chain(heat).collect());
+        return Ok((0..dim).map(|d| (PrescribedQuantity::Displacement(d), 0.0)).chain(heat).collect());
     }
-    let mut all: Vec<(Quantity, f64)> = heat.collect();
+    let mut all: Vec<(PrescribedQuantity, f64)> = heat.collect();
     for dof in &moved {
         match local.along(dof - 1) {
-            Some((axis, sign)) if axis < dim => all.push((Quantity::Displacement(axis), sign * value)),
-            _ if moved.len() == 1 && value == 0.0 && !local.is_radial(dof - 1) => all.push((Quantity::Normal, 0.0)),
+            Some((axis, sign)) if axis < dim => all.push((PrescribedQuantity::Displacement(axis), sign * value)),
+            _ if moved.len() == 1 && value == 0.0 && !local.is_radial(dof - 1) => {
+                all.push((PrescribedQuantity::Normal, 0.0))
+            }
             _ => {
                 let found = format!("the degree of freedom {dof} in the axes of a *TRANSFORM, {}", number(value));
                 let expected = "axes along x, y or z, or a plane side that is held along its normal with 0";
-                return Err(Fault::new(&line.place, found, expected));
+                return Err(DeckFault::new(&line.place, found, expected));
             }
         }
     }
@@ -542,7 +555,7 @@ fn turned(
 }
 
 /// A unit vector.
-fn direction(line: &Line, at: usize) -> Result<[f64; 3], Fault> {
+fn direction(line: &DataLine, at: usize) -> Result<[f64; 3], DeckFault> {
     let mut along = [0.0; 3];
     for (d, along) in along.iter_mut().enumerate() {
         *along = line.number(at + d)?.unwrap_or(0.0);
@@ -551,7 +564,7 @@ fn direction(line: &Line, at: usize) -> Result<[f64; 3], Fault> {
     if length > 0.0 && length.is_finite() {
         return Ok(along.map(|x| x / length));
     }
-    Err(Fault::new(
+    Err(DeckFault::new(
         &line.place,
         format!("\"{}\"", line.whole().escape_debug()),
         "a value and a direction that is not zero",

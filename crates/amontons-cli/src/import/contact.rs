@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::deck::{Card, Fault};
-use super::mesh::Mesh;
+use super::deck::{Card, DeckFault};
+use super::mesh::DeckMesh;
 use super::notes::{Matter, Notes};
-use super::units::{Units, number, numbers, quoted};
+use super::units::{UnitFactors, number, numbers, quoted};
 
 /// Clearance at which the exponential pressure of CalculiX is one per cent of that at contact.
 const HUNDRED: f64 = 100.0;
@@ -13,8 +13,8 @@ const HUNDRED: f64 = 100.0;
 /// The laws of a `*SURFACE INTERACTION`.
 #[derive(Clone, Debug, Default)]
 struct Interaction {
-    normal: Option<Normal>,
-    friction: Option<Friction>,
+    normal: Option<PressureOverclosure>,
+    friction: Option<DeckFriction>,
     heat: Option<Conductance>,
     /// Fraction of the friction power that enters the slave side.
     share: Option<f64>,
@@ -23,7 +23,7 @@ struct Interaction {
 
 /// Friction of two sides.
 #[derive(Clone, Copy, Debug)]
-enum Friction {
+enum DeckFriction {
     /// A coefficient, and a shear strength if it has one.
     Coulomb(f64, Option<f64>),
     Rough,
@@ -31,7 +31,7 @@ enum Friction {
 
 /// A law of pressure over overclosure.
 #[derive(Clone, Debug)]
-enum Normal {
+enum PressureOverclosure {
     Hard,
     Linear(f64),
     /// Clearance at which the pressure begins, and pressure at contact.
@@ -51,7 +51,7 @@ struct Conductance {
 
 /// A pair or a tie.
 #[derive(Clone, Debug)]
-struct Pair {
+struct DeckPair {
     from: String,
     slave: String,
     master: String,
@@ -67,13 +67,13 @@ struct Pair {
 pub struct Contacts {
     interactions: HashMap<String, Interaction>,
     present: Option<String>,
-    pairs: Vec<Pair>,
+    pairs: Vec<DeckPair>,
 }
 
 /// Data needed to write contacts.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene {
-    pub units: Units,
+pub struct ContactContext {
+    pub units: UnitFactors,
     pub heat: bool,
     /// True if the bodies do not move: contacts then transfer heat only.
     pub rests: bool,
@@ -83,16 +83,16 @@ pub struct Scene {
     pub tie: f64,
 }
 
-impl Friction {
+impl DeckFriction {
     /// True if there is any friction.
     fn acts(&self) -> bool {
-        matches!(self, Friction::Coulomb(coefficient, _) if *coefficient > 0.0)
+        matches!(self, DeckFriction::Coulomb(coefficient, _) if *coefficient > 0.0)
     }
 }
 
 impl Contacts {
     /// Reads a keyword of contact. Returns false for other keywords.
-    pub fn take(&mut self, card: &Card, mesh: &Mesh, notes: &mut Notes) -> Result<bool, Fault> {
+    pub fn take(&mut self, card: &Card, mesh: &DeckMesh, notes: &mut Notes) -> Result<bool, DeckFault> {
         match card.name.as_str() {
             "SURFACE INTERACTION" => {
                 let name = card.required("NAME")?.to_uppercase();
@@ -111,10 +111,10 @@ impl Contacts {
         Ok(true)
     }
 
-    fn law(&mut self, card: &Card, notes: &mut Notes) -> Result<(), Fault> {
+    fn law(&mut self, card: &Card, notes: &mut Notes) -> Result<(), DeckFault> {
         let present = self.present.as_ref().and_then(|name| self.interactions.get_mut(name));
         let interaction = present.ok_or_else(|| {
-            Fault::new(
+            DeckFault::new(
                 &card.place,
                 format!("*{} outside of an interaction", card.name),
                 "*SURFACE INTERACTION before it",
@@ -126,7 +126,7 @@ impl Contacts {
             "FRICTION" if card.has("ROUGH") => {
                 let why = "sides of a case that stick do not slip where they are open, either";
                 notes.add(&card.place, "ROUGH of *FRICTION", why, Matter::Perhaps);
-                interaction.friction = Some(Friction::Rough);
+                interaction.friction = Some(DeckFriction::Rough);
             }
             "FRICTION" => {
                 if card.data.len() > 1 {
@@ -136,11 +136,11 @@ impl Contacts {
                 let coefficient = card.first("a coefficient of friction")?.value(0, "a coefficient of friction")?;
                 let cap = match card.parameter("TAUMAX") {
                     Some(text) => Some(text.parse().map_err(|_| {
-                        Fault::new(&card.place, format!("TAUMAX={}", text.escape_debug()), "a shear strength")
+                        DeckFault::new(&card.place, format!("TAUMAX={}", text.escape_debug()), "a shear strength")
                     })?),
                     None => None,
                 };
-                interaction.friction = Some(Friction::Coulomb(coefficient, cap));
+                interaction.friction = Some(DeckFriction::Coulomb(coefficient, cap));
             }
             "GAP CONDUCTANCE" => interaction.heat = Some(conductance(card)?),
             _ => {
@@ -156,11 +156,11 @@ impl Contacts {
         Ok(())
     }
 
-    fn pair(&mut self, card: &Card, mesh: &Mesh) -> Result<(), Fault> {
+    fn pair(&mut self, card: &Card, mesh: &DeckMesh) -> Result<(), DeckFault> {
         let name = card.required("INTERACTION")?.to_uppercase();
         if !self.interactions.contains_key(&name) {
             let found = format!("INTERACTION={}", name.escape_debug());
-            return Err(Fault::new(&card.place, found, "a *SURFACE INTERACTION that the deck defines before"));
+            return Err(DeckFault::new(&card.place, found, "a *SURFACE INTERACTION that the deck defines before"));
         }
         card.first("a slave and a master surface")?;
         for line in &card.data {
@@ -172,14 +172,14 @@ impl Contacts {
     fn push(
         &mut self,
         card: &Card,
-        line: &super::deck::Line,
+        line: &super::deck::DataLine,
         interaction: Option<String>,
-        mesh: &Mesh,
-    ) -> Result<(), Fault> {
+        mesh: &DeckMesh,
+    ) -> Result<(), DeckFault> {
         let expected = "a slave and a master surface";
         let slave = mesh.surface(&line.place, line.need(0, expected)?)?;
         let master = mesh.surface(&line.place, line.need(1, expected)?)?;
-        self.pairs.push(Pair {
+        self.pairs.push(DeckPair {
             from: format!("*{} {}", card.name, card.place),
             slave,
             master,
@@ -191,13 +191,13 @@ impl Contacts {
         Ok(())
     }
 
-    fn clearance(&mut self, card: &Card, notes: &mut Notes) -> Result<(), Fault> {
+    fn clearance(&mut self, card: &Card, notes: &mut Notes) -> Result<(), DeckFault> {
         let value = card.required("VALUE")?;
         let value: f64 = value
             .parse()
-            .map_err(|_| Fault::new(&card.place, format!("VALUE={}", value.escape_debug()), "a clearance"))?;
+            .map_err(|_| DeckFault::new(&card.place, format!("VALUE={}", value.escape_debug()), "a clearance"))?;
         let slave = card.word("SLAVE");
-        let own = |pair: &&mut Pair| slave.as_ref().is_none_or(|slave| pair.slave.to_uppercase() == *slave);
+        let own = |pair: &&mut DeckPair| slave.as_ref().is_none_or(|slave| pair.slave.to_uppercase() == *slave);
         match self.pairs.iter_mut().find(own) {
             Some(pair) => pair.gap = Some(value),
             None => notes.add(&card.place, "*CLEARANCE", "it names no contact pair before it", Matter::Answer),
@@ -206,25 +206,25 @@ impl Contacts {
     }
 
     /// The contacts of the case.
-    pub fn text(&self, scene: &Scene) -> String {
+    pub fn text(&self, scene: &ContactContext) -> String {
         self.pairs.iter().map(|pair| self.one(pair, scene)).collect()
     }
 
-    fn one(&self, pair: &Pair, scene: &Scene) -> String {
-        let Units { length, .. } = scene.units;
+    fn one(&self, pair: &DeckPair, scene: &ContactContext) -> String {
+        let UnitFactors { length, .. } = scene.units;
         let mut text = format!(
             "\n[[contact]]                          # {}\non = {}\nwith = {}\n",
             pair.from,
             quoted(&pair.slave),
             quoted(&pair.master)
         );
-        let tie = Interaction { normal: Some(Normal::Tied), ..Interaction::default() };
+        let tie = Interaction { normal: Some(PressureOverclosure::Tied), ..Interaction::default() };
         let own = pair.interaction.as_ref().and_then(|name| self.interactions.get(name));
         let Interaction { normal, friction, heat, share, from } = own.unwrap_or(&tie);
         if !from.is_empty() {
             text += &format!("# {}\n", from.join(", "));
         }
-        let tied = matches!(normal, Some(Normal::Tied));
+        let tied = matches!(normal, Some(PressureOverclosure::Tied));
         let gap = pair.gap.map(|gap| gap * length);
         text += &if scene.rests {
             String::new()
@@ -258,26 +258,26 @@ impl Contacts {
 }
 
 /// `*SURFACE BEHAVIOR`.
-fn behaviour(card: &Card) -> Result<Normal, Fault> {
+fn behaviour(card: &Card) -> Result<PressureOverclosure, DeckFault> {
     let kind = card.word("PRESSURE-OVERCLOSURE").unwrap_or_else(|| "HARD".to_owned());
     match kind.as_str() {
-        "HARD" => Ok(Normal::Hard),
-        "TIED" => Ok(Normal::Tied),
+        "HARD" => Ok(PressureOverclosure::Hard),
+        "TIED" => Ok(PressureOverclosure::Tied),
         "LINEAR" => {
             let line = card.first("a slope")?;
             let slope = line.value(0, "a slope")?;
             if slope > 0.0 {
-                return Ok(Normal::Linear(slope));
+                return Ok(PressureOverclosure::Linear(slope));
             }
-            Err(Fault::new(&line.place, format!("a slope of {}", number(slope)), "a positive slope"))
+            Err(DeckFault::new(&line.place, format!("a slope of {}", number(slope)), "a positive slope"))
         }
         "EXPONENTIAL" => {
             let line = card.first("a clearance and a pressure")?;
             let (clearance, pressure) = (line.value(0, "a clearance")?, line.value(1, "a clearance and a pressure")?);
             if clearance > 0.0 && pressure > 0.0 {
-                return Ok(Normal::Exponential(clearance, pressure));
+                return Ok(PressureOverclosure::Exponential(clearance, pressure));
             }
-            Err(Fault::new(
+            Err(DeckFault::new(
                 &line.place,
                 format!("\"{}\"", line.whole()),
                 "a positive clearance and a positive pressure",
@@ -289,33 +289,37 @@ fn behaviour(card: &Card) -> Result<Normal, Fault> {
                 let row = (line.value(1, "a pressure and an overclosure")?, line.value(0, "a pressure")?);
                 if rows.last().is_some_and(|last| last.0 >= row.0 || last.1 > row.1) {
                     let expected = "overclosures that increase, with pressures that do not fall";
-                    return Err(Fault::new(&line.place, format!("\"{}\"", line.whole()), expected));
+                    return Err(DeckFault::new(&line.place, format!("\"{}\"", line.whole()), expected));
                 }
                 rows.push(row);
             }
             if rows.len() < 2 {
-                return Err(Fault::new(&card.place, "a table of less than two lines", "pressures and overclosures"));
+                return Err(DeckFault::new(
+                    &card.place,
+                    "a table of less than two lines",
+                    "pressures and overclosures",
+                ));
             }
             if let Some(first) = rows.first().filter(|first| first.1 != 0.0) {
                 let found = format!("a table that begins with the pressure {}", number(first.1));
-                return Err(Fault::new(&card.place, found, "one that begins with the pressure 0"));
+                return Err(DeckFault::new(&card.place, found, "one that begins with the pressure 0"));
             }
             // The sides are apart up to the last row without pressure.
             let first = rows.iter().take_while(|row| row.1 <= 0.0).count().saturating_sub(1);
-            Ok(Normal::Table(rows.split_off(first)))
+            Ok(PressureOverclosure::Table(rows.split_off(first)))
         }
         other => {
             let found = format!("PRESSURE-OVERCLOSURE={}", other.escape_debug());
-            Err(Fault::new(&card.place, found, "HARD, LINEAR, EXPONENTIAL, TABULAR or TIED"))
+            Err(DeckFault::new(&card.place, found, "HARD, LINEAR, EXPONENTIAL, TABULAR or TIED"))
         }
     }
 }
 
 /// The line of friction in the case; empty without friction.
-fn rubbing(friction: Option<&Friction>, units: Units) -> String {
+fn rubbing(friction: Option<&DeckFriction>, units: UnitFactors) -> String {
     match friction {
-        Some(Friction::Rough) => "friction = { law = \"stick\" }\n".to_owned(),
-        Some(friction @ Friction::Coulomb(coefficient, cap)) if friction.acts() => {
+        Some(DeckFriction::Rough) => "friction = { law = \"stick\" }\n".to_owned(),
+        Some(friction @ DeckFriction::Coulomb(coefficient, cap)) if friction.acts() => {
             let cap = cap.map_or_else(String::new, |cap| format!(", cap = {}", number(cap * units.stress())));
             format!("friction = {{ law = \"coulomb\", coefficient = {}{cap} }}\n", number(*coefficient))
         }
@@ -324,19 +328,19 @@ fn rubbing(friction: Option<&Friction>, units: Units) -> String {
 }
 
 /// The law of the contact pressure in the case.
-fn pressure(normal: Option<&Normal>, units: Units) -> String {
+fn pressure(normal: Option<&PressureOverclosure>, units: UnitFactors) -> String {
     match normal {
-        None | Some(Normal::Hard | Normal::Tied) => "{ law = \"signorini\" }".to_owned(),
-        Some(Normal::Linear(slope)) => {
+        None | Some(PressureOverclosure::Hard | PressureOverclosure::Tied) => "{ law = \"signorini\" }".to_owned(),
+        Some(PressureOverclosure::Linear(slope)) => {
             format!("{{ law = \"compliance\", stiffness = {} }}", number(slope * units.slope()))
         }
-        Some(Normal::Exponential(clearance, pressure)) => {
+        Some(PressureOverclosure::Exponential(clearance, pressure)) => {
             let (c, p) = (clearance * units.length, pressure * units.stress());
             // One per cent of the pressure at contact, at which CalculiX starts the contact, is subtracted.
             let formula = format!("{}*(exp({}*r) - {})", number(p), number(HUNDRED.ln() / c), number(HUNDRED.recip()));
             format!("{{ law = \"expression\", pressure = \"{formula}\", begin = {} }}", number(-c))
         }
-        Some(Normal::Table(rows)) => {
+        Some(PressureOverclosure::Table(rows)) => {
             // A law of the case starts with zero pressure, in the gap or at closure.
             let closed = rows.first().filter(|row| row.0 > 0.0).map(|_| (0.0, 0.0));
             let rows: Vec<(f64, f64)> = closed.into_iter().chain(rows.iter().copied()).collect();
@@ -348,14 +352,14 @@ fn pressure(normal: Option<&Normal>, units: Units) -> String {
 }
 
 /// `*GAP CONDUCTANCE`: over the pressure, or over the clearance as in Abaqus without PRESSURE.
-fn conductance(card: &Card) -> Result<Conductance, Fault> {
+fn conductance(card: &Card) -> Result<Conductance, DeckFault> {
     card.first("a conductance")?;
     let mut rows: Vec<(f64, f64)> = Vec::new();
     for line in &card.data {
         let row = (line.number(1)?.unwrap_or(0.0), line.value(0, "a conductance")?);
         if rows.last().is_some_and(|last| last.0 >= row.0) {
             let expected = "pressures or clearances that increase from line to line";
-            return Err(Fault::new(&line.place, format!("\"{}\"", line.whole()), expected));
+            return Err(DeckFault::new(&line.place, format!("\"{}\"", line.whole()), expected));
         }
         rows.push(row);
     }
@@ -364,7 +368,7 @@ fn conductance(card: &Card) -> Result<Conductance, Fault> {
 }
 
 /// The law of heat exchange in the case for a conductance.
-fn conducting(heat: &Conductance, scene: &Scene) -> String {
+fn conducting(heat: &Conductance, scene: &ContactContext) -> String {
     let units = scene.units;
     let factor = units.flux();
     let first = heat.rows.first().map_or(0.0, |row| row.1 * factor);

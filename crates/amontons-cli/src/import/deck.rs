@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use amontons::mesh::inp;
 
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Largest depth of nested included files.
 const DEEPEST: usize = 16;
@@ -18,16 +18,16 @@ const LONGEST: u64 = 1 << 30;
 
 /// A line of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct DeckPlace {
     /// Name of an included file, or `None` for the deck itself.
     file: Option<Rc<str>>,
     pub line: usize,
 }
 
-impl Place {
+impl DeckPlace {
     /// The first line of the deck.
-    pub fn start() -> Place {
-        Place { file: None, line: 1 }
+    pub fn start() -> DeckPlace {
+        DeckPlace { file: None, line: 1 }
     }
 
     /// True if it is in an included file.
@@ -36,7 +36,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for DeckPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.file {
             Some(file) => write!(f, "{file} line {}", self.line),
@@ -47,38 +47,38 @@ impl fmt::Display for Place {
 
 /// The reason why a deck cannot become a case: place, found, expected.
 #[derive(Clone, Debug)]
-pub struct Fault {
-    pub place: Place,
+pub struct DeckFault {
+    pub place: DeckPlace,
     pub found: String,
     pub expected: String,
 }
 
-impl Fault {
-    pub fn new(place: &Place, found: impl Into<String>, expected: impl Into<String>) -> Fault {
-        Fault { place: place.clone(), found: found.into(), expected: expected.into() }
+impl DeckFault {
+    pub fn new(place: &DeckPlace, found: impl Into<String>, expected: impl Into<String>) -> DeckFault {
+        DeckFault { place: place.clone(), found: found.into(), expected: expected.into() }
     }
 
     /// The fault of a deck as the program reports it.
-    pub fn of(self, deck: &Path) -> Failure {
-        let Fault { place, found, expected } = self;
-        Failure::Usage(format!("{}, {place}: found {found}, expected {expected}", deck.display()))
+    pub fn of(self, deck: &Path) -> CommandFailure {
+        let DeckFault { place, found, expected } = self;
+        CommandFailure::Usage(format!("{}, {place}: found {found}, expected {expected}", deck.display()))
     }
 }
 
 /// A keyword with its data lines.
 #[derive(Clone, Debug)]
 pub struct Card {
-    pub place: Place,
+    pub place: DeckPlace,
     /// Name in capitals without the star.
     pub name: String,
     parameters: BTreeMap<String, String>,
-    pub data: Vec<Line>,
+    pub data: Vec<DataLine>,
 }
 
 /// A data line.
 #[derive(Clone, Debug)]
-pub struct Line {
-    pub place: Place,
+pub struct DataLine {
+    pub place: DeckPlace,
     /// The entries, including empty ones.
     pub entries: Vec<String>,
 }
@@ -95,9 +95,9 @@ impl Card {
     }
 
     /// The value of a required parameter.
-    pub fn required(&self, name: &str) -> Result<&str, Fault> {
+    pub fn required(&self, name: &str) -> Result<&str, DeckFault> {
         self.parameter(name).ok_or_else(|| {
-            Fault::new(&self.place, format!("*{} without {name}", self.name), format!("*{}, {name}=…", self.name))
+            DeckFault::new(&self.place, format!("*{} without {name}", self.name), format!("*{}, {name}=…", self.name))
         })
     }
 
@@ -112,10 +112,10 @@ impl Card {
     }
 
     /// The first data line.
-    pub fn first(&self, expected: &str) -> Result<&Line, Fault> {
+    pub fn first(&self, expected: &str) -> Result<&DataLine, DeckFault> {
         self.data
             .first()
-            .ok_or_else(|| Fault::new(&self.place, format!("*{} without a data line", self.name), expected))
+            .ok_or_else(|| DeckFault::new(&self.place, format!("*{} without a data line", self.name), expected))
     }
 }
 
@@ -133,35 +133,35 @@ impl fmt::Display for Card {
     }
 }
 
-impl Line {
+impl DataLine {
     /// An entry, or `None` if it is missing or empty.
     pub fn text(&self, index: usize) -> Option<&str> {
         self.entries.get(index).map(String::as_str).filter(|entry| !entry.is_empty())
     }
 
     /// A required entry.
-    pub fn need(&self, index: usize, expected: &str) -> Result<&str, Fault> {
-        self.text(index).ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", self.whole()), expected))
+    pub fn need(&self, index: usize, expected: &str) -> Result<&str, DeckFault> {
+        self.text(index).ok_or_else(|| DeckFault::new(&self.place, format!("\"{}\"", self.whole()), expected))
     }
 
     /// A finite number, or `None` if the entry is missing or empty.
-    pub fn number(&self, index: usize) -> Result<Option<f64>, Fault> {
+    pub fn number(&self, index: usize) -> Result<Option<f64>, DeckFault> {
         let Some(text) = self.text(index) else { return Ok(None) };
         // Fortran writes exponents with a D.
         let value = text.to_ascii_lowercase().replace('d', "e").parse::<f64>().ok().filter(|value| value.is_finite());
         value
             .map(Some)
-            .ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", text.escape_debug()), "a finite number"))
+            .ok_or_else(|| DeckFault::new(&self.place, format!("\"{}\"", text.escape_debug()), "a finite number"))
     }
 
     /// A required number; `expected` describes it.
-    pub fn value(&self, index: usize, expected: &str) -> Result<f64, Fault> {
+    pub fn value(&self, index: usize, expected: &str) -> Result<f64, DeckFault> {
         self.number(index)?
-            .ok_or_else(|| Fault::new(&self.place, format!("\"{}\"", self.whole().escape_debug()), expected))
+            .ok_or_else(|| DeckFault::new(&self.place, format!("\"{}\"", self.whole().escape_debug()), expected))
     }
 
     /// All numbers of the line, 0 for empty entries.
-    pub fn numbers(&self) -> Result<Vec<f64>, Fault> {
+    pub fn numbers(&self) -> Result<Vec<f64>, DeckFault> {
         (0..self.entries.len()).map(|index| Ok(self.number(index)?.unwrap_or(0.0))).collect()
     }
 
@@ -185,7 +185,7 @@ fn bytes(path: &Path, longest: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Reads a deck with all files that it includes.
-pub fn read(path: &Path) -> Result<Vec<Card>, Failure> {
+pub fn read(path: &Path) -> Result<Vec<Card>, CommandFailure> {
     let mut cards = Vec::new();
     let mut open = Vec::new();
     let mut room = LONGEST;
@@ -199,10 +199,10 @@ fn append(
     name: Option<&Rc<str>>,
     (open, room): (&mut Vec<PathBuf>, &mut u64),
     cards: &mut Vec<Card>,
-) -> Result<(), Failure> {
+) -> Result<(), CommandFailure> {
     let bytes = bytes(path, *room).map_err(|source| {
         let (doing, path) = ("read", path.to_owned());
-        Failure::Output(amontons::output::OutputError::Io { doing, path, source })
+        CommandFailure::Output(amontons::output::OutputError::Io { doing, path, source })
     })?;
     *room -= bytes.len() as u64;
     let text = String::from_utf8_lossy(&bytes);
@@ -211,20 +211,20 @@ fn append(
     let keywords = inp::keywords(&text)
         .map_err(|fault| amontons::mesh::MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) })?;
     for keyword in keywords {
-        let place = |line: usize| Place { file: name.cloned(), line };
+        let place = |line: usize| DeckPlace { file: name.cloned(), line };
         if keyword.name == "INCLUDE" {
             let file = keyword.required("INPUT")?;
             let inside = folder.join(file);
             if open.contains(&inside) || open.len() > DEEPEST {
                 let found = format!("*INCLUDE of \"{}\", which includes this file", file.escape_debug());
                 let found = if open.len() > DEEPEST { format!("files included {DEEPEST} deep") } else { found };
-                let fault = Fault::new(&place(keyword.line), found, "files that end");
+                let fault = DeckFault::new(&place(keyword.line), found, "files that end");
                 return Err(fault.of(open.first().map_or(path, PathBuf::as_path)));
             }
             append(&inside, Some(&file.into()), (open, room), cards)?;
             continue;
         }
-        let line = |&(line, text): &(usize, &str)| Line {
+        let line = |&(line, text): &(usize, &str)| DataLine {
             place: place(line),
             entries: text.split(',').map(|entry| entry.trim().trim_matches('"').to_owned()).collect(),
         };

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::conditions::Conditions;
-use super::mesh::{Mesh, Node};
-use super::sides::Sides;
+use super::mesh::{DeckMesh, DeckNodeId};
+use super::sides::DeckSides;
 use super::time::Track;
 
 /// A force that acts equally at each of some points.
@@ -20,8 +20,8 @@ pub struct Force {
 
 /// Sets of points with the same force. No two points are in one element, so that a set contains no edge or facet, over
 /// which the case would spread the force by length or area.
-pub fn grouped(conditions: &Conditions, mesh: &Mesh, sides: &mut Sides) -> Vec<Force> {
-    let mut groups: Vec<(&[Track; 3], BTreeSet<Node>)> = Vec::new();
+pub fn grouped(conditions: &Conditions, mesh: &DeckMesh, sides: &mut DeckSides) -> Vec<Force> {
+    let mut groups: Vec<(&[Track; 3], BTreeSet<DeckNodeId>)> = Vec::new();
     for (node, tracks) in &conditions.forces {
         match groups.iter_mut().find(|(known, _)| *known == tracks) {
             Some((_, nodes)) => {

@@ -1,9 +1,9 @@
 //! Materials of a deck, as tables of the case.
 
-use super::deck::{Card, Fault, Place};
+use super::deck::{Card, DeckFault, DeckPlace};
 use super::notes::{Matter, Notes};
-use super::time::Physics;
-use super::units::{Units, number, numbers};
+use super::time::DeckPhysics;
+use super::units::{UnitFactors, number, numbers};
 
 /// Temperature interval in K by which tables of the case extend those of the deck, with constant values.
 const BEYOND: f64 = 1e4;
@@ -14,23 +14,23 @@ const ALIKE: f64 = 1e-6;
 
 /// Rows of a table over the temperature: the values and the temperature.
 #[derive(Clone, Debug)]
-struct Table {
-    place: Place,
+struct TemperatureRows {
+    place: DeckPlace,
     kind: String,
     rows: Vec<(Vec<f64>, f64)>,
 }
 
 /// Relaxing branches.
 #[derive(Clone, Debug)]
-struct Prony {
-    place: Place,
-    branches: Vec<Branch>,
+struct DeckProny {
+    place: DeckPlace,
+    branches: Vec<DeckBranch>,
     /// Long-term moduli of shear and volume divided by the instantaneous ones.
     left: [f64; 2],
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Branch {
+struct DeckBranch {
     /// Modulus divided by the long-term modulus.
     ratio: f64,
     time: f64,
@@ -38,7 +38,7 @@ struct Branch {
     of_shear: bool,
 }
 
-impl Prony {
+impl DeckProny {
     /// True if shear and volume relax alike.
     fn is_alike(&self) -> bool {
         self.branches.iter().all(|branch| !branch.of_shear)
@@ -47,16 +47,16 @@ impl Prony {
 
 /// A material of the deck.
 #[derive(Clone, Debug)]
-pub struct Material {
+pub struct DeckMaterial {
     pub name: String,
-    pub place: Place,
-    elastic: Option<Table>,
-    density: Option<Table>,
-    expansion: Option<Table>,
+    pub place: DeckPlace,
+    elastic: Option<TemperatureRows>,
+    density: Option<TemperatureRows>,
+    expansion: Option<TemperatureRows>,
     zero: f64,
-    conductivity: Option<Table>,
-    specific_heat: Option<Table>,
-    prony: Option<Prony>,
+    conductivity: Option<TemperatureRows>,
+    specific_heat: Option<TemperatureRows>,
+    prony: Option<DeckProny>,
     /// True if its moduli are instantaneous.
     instantaneous: bool,
 }
@@ -64,8 +64,8 @@ pub struct Material {
 /// Data of the case that its materials depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
-    pub units: Units,
-    pub physics: Physics,
+    pub units: UnitFactors,
+    pub physics: DeckPhysics,
     /// True if temperatures are given by `*TEMPERATURE` only, without a heat equation.
     pub warmed: bool,
     pub inertia: bool,
@@ -78,11 +78,11 @@ pub struct Context {
 }
 
 /// Entries of a material, each with the place of its keyword.
-pub type Entries = Vec<(String, String, Option<Place>)>;
+pub type CardEntries = Vec<(String, String, Option<DeckPlace>)>;
 
-impl Material {
-    pub fn of(card: &Card) -> Result<Material, Fault> {
-        Ok(Material {
+impl DeckMaterial {
+    pub fn of(card: &Card) -> Result<DeckMaterial, DeckFault> {
+        Ok(DeckMaterial {
             name: card.required("NAME")?.to_owned(),
             place: card.place.clone(),
             elastic: None,
@@ -97,7 +97,7 @@ impl Material {
     }
 
     /// Reads a keyword below `*MATERIAL`. Returns false for keywords that a case cannot express.
-    pub fn take(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
+    pub fn take(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, DeckFault> {
         match card.name.as_str() {
             "ELASTIC" => {
                 self.elastic = Some(elastic(card)?);
@@ -115,7 +115,7 @@ impl Material {
                 let kind = card.word("TYPE").unwrap_or_else(|| "ISO".to_owned());
                 self.zero = match card.parameter("ZERO") {
                     Some(text) => text.parse().ok().filter(|zero: &f64| zero.is_finite()).ok_or_else(|| {
-                        Fault::new(&card.place, format!("ZERO={}", text.escape_debug()), "a temperature")
+                        DeckFault::new(&card.place, format!("ZERO={}", text.escape_debug()), "a temperature")
                     })?,
                     None => 0.0,
                 };
@@ -135,7 +135,7 @@ impl Material {
 
     /// Reads branches of a Prony series; g and k are fractions of the instantaneous moduli of shear and volume. A
     /// branch of a case relaxes both alike, or only shear.
-    fn viscoelastic(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, Fault> {
+    fn viscoelastic(&mut self, card: &Card, notes: &mut Notes) -> Result<bool, DeckFault> {
         let mut rows = Vec::new();
         for line in &card.data {
             rows.push([line.number(0)?.unwrap_or(0.0), line.number(1)?.unwrap_or(0.0), line.value(2, "a time")?]);
@@ -156,13 +156,13 @@ impl Material {
         let mut branches = Vec::new();
         for [g, k, time] in rows.iter().map(ratios) {
             if (g - k).abs() <= ALIKE * g {
-                branches.push(Branch { ratio: g, time, of_shear: false });
+                branches.push(DeckBranch { ratio: g, time, of_shear: false });
                 continue;
             }
-            branches.extend((k > 0.0).then_some(Branch { ratio: k, time, of_shear: false }));
-            branches.push(Branch { ratio: g - k, time, of_shear: true });
+            branches.extend((k > 0.0).then_some(DeckBranch { ratio: k, time, of_shear: false }));
+            branches.push(DeckBranch { ratio: g - k, time, of_shear: true });
         }
-        self.prony = Some(Prony { place: card.place.clone(), branches, left: [1.0 - shear, 1.0 - volume] });
+        self.prony = Some(DeckProny { place: card.place.clone(), branches, left: [1.0 - shear, 1.0 - volume] });
         Ok(true)
     }
 
@@ -172,7 +172,7 @@ impl Material {
     }
 
     /// The reason why a case cannot have such branches, with their line, or `None` if it can.
-    pub fn unfit(&self, context: &Context) -> Option<(&Place, &'static str)> {
+    pub fn unfit(&self, context: &Context) -> Option<(&DeckPlace, &'static str)> {
         let prony = self.prony.as_ref().filter(|prony| prony.branches.iter().any(|branch| branch.of_shear))?;
         let is_isotropic = self.elastic.as_ref().is_none_or(|elastic| elastic.kind == "ISO");
         let why = if context.stress_state == Some("plane-stress") {
@@ -186,7 +186,7 @@ impl Material {
     }
 
     /// The long-term moduli, as used by a case.
-    fn long_term(&self, elastic: &Table) -> Table {
+    fn long_term(&self, elastic: &TemperatureRows) -> TemperatureRows {
         let mut table = elastic.clone();
         let Some(prony) = self.prony.as_ref().filter(|_| self.instantaneous) else { return table };
         let [shear, volume] = prony.left;
@@ -230,11 +230,11 @@ impl Material {
     }
 
     /// The entries of the table of the case.
-    pub fn entries(&self, context: &Context, angle: Option<&str>) -> Result<Entries, Fault> {
-        let mut entries = Entries::new();
+    pub fn entries(&self, context: &Context, angle: Option<&str>) -> Result<CardEntries, DeckFault> {
+        let mut entries = CardEntries::new();
         let missing = |what: &str| {
             let found = format!("the material {} without *{what}", self.name.escape_debug());
-            Fault::new(&self.place, found, format!("*{what} below *MATERIAL, which the steps of the deck need"))
+            DeckFault::new(&self.place, found, format!("*{what} below *MATERIAL, which the steps of the deck need"))
         };
         if context.physics.mechanics {
             if context.inertia {
@@ -244,7 +244,7 @@ impl Material {
             let elastic = self.elastic.as_ref().ok_or_else(|| missing("ELASTIC"))?;
             let text = elasticity(&self.long_term(elastic), context, angle);
             entries.push(("elasticity".into(), text, Some(elastic.place.clone())));
-            let branch = |branch: &Branch| {
+            let branch = |branch: &DeckBranch| {
                 let alone = if branch.of_shear { ", deviatoric = true" } else { "" };
                 let time = number(branch.time * context.units.time);
                 format!("{{ ratio = {}, time = {time}{alone} }}", number(branch.ratio))
@@ -270,7 +270,12 @@ impl Material {
         Ok(entries)
     }
 
-    fn heat(&self, context: &Context, entries: &mut Entries, missing: impl Fn(&str) -> Fault) -> Result<(), Fault> {
+    fn heat(
+        &self,
+        context: &Context,
+        entries: &mut CardEntries,
+        missing: impl Fn(&str) -> DeckFault,
+    ) -> Result<(), DeckFault> {
         if context.physics.stores {
             let heat = self.specific_heat.as_ref().ok_or_else(|| missing("SPECIFIC HEAT"))?;
             let density = self.density().ok_or_else(|| missing("DENSITY"))?;
@@ -298,7 +303,7 @@ impl Material {
     }
 
     /// Coefficients of expansion from the initial temperature, at which the body is stress-free in the deck.
-    fn expanding(&self, table: &Table, context: &Context) -> String {
+    fn expanding(&self, table: &TemperatureRows, context: &Context) -> String {
         let along = |d: usize| {
             let points = points(table, d);
             if points.len() < 2 || (self.zero - context.initial).abs() < 1e-9 {
@@ -329,15 +334,15 @@ impl Material {
 }
 
 /// An entry with one coefficient.
-fn one(key: &str, table: &Table, context: &Context, factor: f64) -> (String, String, Option<Place>) {
+fn one(key: &str, table: &TemperatureRows, context: &Context, factor: f64) -> (String, String, Option<DeckPlace>) {
     (key.to_owned(), coefficient(table, 0, context, factor), Some(table.place.clone()))
 }
 
 /// Rows with `values` values and a temperature.
-fn table(card: &Card, kind: &str, values: usize) -> Result<Table, Fault> {
+fn table(card: &Card, kind: &str, values: usize) -> Result<TemperatureRows, DeckFault> {
     if !["ISO", "ISOTROPIC", "ORTHO"].contains(&kind) {
         let found = format!("*{}, TYPE={}", card.name, kind.escape_debug());
-        return Err(Fault::new(&card.place, found, "TYPE=ISO or TYPE=ORTHO"));
+        return Err(DeckFault::new(&card.place, found, "TYPE=ISO or TYPE=ORTHO"));
     }
     card.first("a value")?;
     let mut rows = Vec::new();
@@ -349,7 +354,7 @@ fn table(card: &Card, kind: &str, values: usize) -> Result<Table, Fault> {
 }
 
 /// `*ELASTIC`: isotropic, by engineering constants, or by an orthotropic stiffness.
-fn elastic(card: &Card) -> Result<Table, Fault> {
+fn elastic(card: &Card) -> Result<TemperatureRows, DeckFault> {
     let kind = card.word("TYPE").unwrap_or_else(|| "ISO".to_owned());
     let (kind, values) = match kind.as_str() {
         "ISO" | "ISOTROPIC" => ("ISO", 2),
@@ -357,7 +362,7 @@ fn elastic(card: &Card) -> Result<Table, Fault> {
         "ORTHO" | "ORTHOTROPIC" => ("ORTHO", 9),
         other => {
             let expected = "TYPE=ISO, ENGINEERING CONSTANTS or ORTHO";
-            return Err(Fault::new(&card.place, format!("*ELASTIC, TYPE={}", other.escape_debug()), expected));
+            return Err(DeckFault::new(&card.place, format!("*ELASTIC, TYPE={}", other.escape_debug()), expected));
         }
     };
     card.first("Young's modulus and Poisson's ratio")?;
@@ -371,7 +376,7 @@ fn elastic(card: &Card) -> Result<Table, Fault> {
     }
     for pair in card.data.chunks(2) {
         let [first, second] = pair else {
-            return Err(Fault::new(
+            return Err(DeckFault::new(
                 &card.place,
                 "an odd number of lines",
                 "nine constants in two lines per temperature",
@@ -384,16 +389,16 @@ fn elastic(card: &Card) -> Result<Table, Fault> {
     sorted(card, kind, rows)
 }
 
-fn sorted(card: &Card, kind: &str, rows: Vec<(Vec<f64>, f64)>) -> Result<Table, Fault> {
+fn sorted(card: &Card, kind: &str, rows: Vec<(Vec<f64>, f64)>) -> Result<TemperatureRows, DeckFault> {
     if let Some(pair) = rows.windows(2).find(|pair| matches!(pair, [a, b] if a.1 >= b.1)) {
         let found = format!("the temperature {} after {}", number(pair[1].1), number(pair[0].1));
-        return Err(Fault::new(&card.place, found, "temperatures that increase from line to line"));
+        return Err(DeckFault::new(&card.place, found, "temperatures that increase from line to line"));
     }
-    Ok(Table { place: card.place.clone(), kind: kind.to_owned(), rows })
+    Ok(TemperatureRows { place: card.place.clone(), kind: kind.to_owned(), rows })
 }
 
 /// Temperatures and values of a column.
-fn points(table: &Table, column: usize) -> Vec<(f64, f64)> {
+fn points(table: &TemperatureRows, column: usize) -> Vec<(f64, f64)> {
     table.rows.iter().map(|row| (row.1, row.0.get(column).copied().unwrap_or(0.0))).collect()
 }
 
@@ -408,7 +413,7 @@ fn at(points: &[(f64, f64)], t: f64) -> f64 {
 }
 
 /// A column as a coefficient of the case.
-fn coefficient(table: &Table, column: usize, context: &Context, factor: f64) -> String {
+fn coefficient(table: &TemperatureRows, column: usize, context: &Context, factor: f64) -> String {
     let points: Vec<(f64, f64)> = points(table, column).into_iter().map(|(t, value)| (t, value * factor)).collect();
     let first = points.first().map_or(0.0, |point| point.1);
     if points.iter().all(|point| point.1.total_cmp(&first).is_eq()) {
@@ -429,7 +434,7 @@ fn over_temperature(points: &[(f64, f64)], shift: f64) -> String {
     format!("{{ temperature = {temperature}, value = {} }}", numbers(all.iter().map(|point| point.1)))
 }
 
-fn elasticity(table: &Table, context: &Context, angle: Option<&str>) -> String {
+fn elasticity(table: &TemperatureRows, context: &Context, angle: Option<&str>) -> String {
     let stress = context.units.stress();
     let of = |column: usize, factor: f64| coefficient(table, column, context, factor);
     let state = context.stress_state.map_or_else(String::new, |state| format!(", stress_state = \"{state}\""));

@@ -4,17 +4,17 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use amontons::mesh::inp::{SolidType, face, solid_type};
 
-use super::deck::{Card, Fault, Line, Place};
+use super::deck::{Card, DataLine, DeckFault, DeckPlace};
 use super::vector::{cross, dot, unit};
 
 /// A node: its body and its number.
-pub type Node = (usize, i64);
+pub type DeckNodeId = (usize, i64);
 /// An element: its body and its number.
-pub type Element = (usize, i64);
+pub type DeckElementId = (usize, i64);
 
 /// The kind of members of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Has {
+pub enum DeckSetKind {
     Nodes,
     Elements,
     Surface,
@@ -22,74 +22,74 @@ pub enum Has {
 
 /// An entry of a set.
 #[derive(Clone, Debug)]
-enum Item {
+enum DeckSetItem {
     Range(i64, i64, i64),
-    Named(Place, String),
+    Named(DeckPlace, String),
     /// The nodes of a set of elements.
-    NodesOf(Place, String),
+    NodesOf(DeckPlace, String),
 }
 
 /// An entry of a set, with the instance to which its numbers refer.
-type Entry = (Option<String>, Item);
+type SetEntry = (Option<String>, DeckSetItem);
 /// Key of a set: the body in which it is defined, the kind of its members, and its name in capitals.
-type Key = (Option<usize>, Has, String);
+type DeckSetKey = (Option<usize>, DeckSetKind, String);
 
 /// A set with the spelling of its first definition.
 #[derive(Clone, Debug)]
-struct Set {
+struct DeckSet {
     spelling: String,
-    entries: Vec<Entry>,
+    entries: Vec<SetEntry>,
 }
 
 /// An element of a body.
 #[derive(Clone, Debug)]
-pub struct Cell {
+pub struct DeckElement {
     pub solid: SolidType,
     pub nodes: Vec<i64>,
 }
 
 /// Nodes and elements that are numbered together.
 #[derive(Clone, Debug, Default)]
-pub struct Body {
+pub struct DeckBody {
     name: Option<String>,
     /// Name of the part of which it is an instance, in capitals.
     part: Option<String>,
     pub points: BTreeMap<i64, [f64; 3]>,
-    pub cells: BTreeMap<i64, Cell>,
-    sets: Vec<(Has, String, Entry)>,
+    pub cells: BTreeMap<i64, DeckElement>,
+    sets: Vec<(DeckSetKind, String, SetEntry)>,
 }
 
 /// The mesh of a deck.
 #[derive(Debug, Default)]
-pub struct Mesh {
-    pub bodies: Vec<Body>,
-    sets: HashMap<Key, Set>,
+pub struct DeckMesh {
+    pub bodies: Vec<DeckBody>,
+    sets: HashMap<DeckSetKey, DeckSet>,
     /// The elements of each node.
-    around: HashMap<Node, Vec<Element>>,
+    around: HashMap<DeckNodeId, Vec<DeckElementId>>,
     /// Types of elements that do not belong to bodies, each with its first line and count.
-    pub others: Vec<(String, Place, usize)>,
+    pub others: Vec<(String, DeckPlace, usize)>,
 }
 
 /// A mesh while it is read.
 #[derive(Debug, Default)]
-struct Reading {
-    flat: Body,
-    parts: BTreeMap<String, Body>,
-    instances: Vec<Body>,
+struct MeshReader {
+    flat: DeckBody,
+    parts: BTreeMap<String, DeckBody>,
+    instances: Vec<DeckBody>,
     part: Option<String>,
-    instance: Option<Body>,
-    others: Vec<(String, Place, usize)>,
+    instance: Option<DeckBody>,
+    others: Vec<(String, DeckPlace, usize)>,
 }
 
-impl Mesh {
+impl DeckMesh {
     /// Reads nodes, elements and sets of a deck; other keywords are skipped.
-    pub fn of(cards: &[Card]) -> Result<Mesh, Fault> {
-        let mut reading = Reading::default();
+    pub fn of(cards: &[Card]) -> Result<DeckMesh, DeckFault> {
+        let mut reading = MeshReader::default();
         for card in cards {
             reading.take(card)?;
         }
-        let Reading { mut flat, instances, others, .. } = reading;
-        let mut mesh = Mesh { others, ..Mesh::default() };
+        let MeshReader { mut flat, instances, others, .. } = reading;
+        let mut mesh = DeckMesh { others, ..DeckMesh::default() };
         let of_assembly = if instances.is_empty() { Vec::new() } else { std::mem::take(&mut flat.sets) };
         for mut body in std::iter::once(flat).chain(instances) {
             let own = std::mem::take(&mut body.sets);
@@ -118,9 +118,9 @@ impl Mesh {
         Ok(mesh)
     }
 
-    fn add(&mut self, body: Option<usize>, (has, name, entry): (Has, String, Entry)) {
+    fn add(&mut self, body: Option<usize>, (has, name, entry): (DeckSetKind, String, SetEntry)) {
         let key = (body, has, name.to_uppercase());
-        let set = self.sets.entry(key).or_insert_with(|| Set { spelling: name, entries: Vec::new() });
+        let set = self.sets.entry(key).or_insert_with(|| DeckSet { spelling: name, entries: Vec::new() });
         set.entries.push(entry);
     }
 
@@ -144,7 +144,7 @@ impl Mesh {
     }
 
     /// The key of a set named outside of parts.
-    fn find(&self, has: Has, name: &str) -> Option<Key> {
+    fn find(&self, has: DeckSetKind, name: &str) -> Option<DeckSetKey> {
         let (body, name) = self.split(name);
         let name = name.to_uppercase();
         let places: Vec<Option<usize>> = match body {
@@ -155,7 +155,7 @@ impl Mesh {
     }
 
     /// The name of a set in the case, preceded by that of its instance if there are several.
-    pub fn spelling(&self, has: Has, name: &str) -> Option<String> {
+    pub fn spelling(&self, has: DeckSetKind, name: &str) -> Option<String> {
         let key = self.find(has, name)?;
         let own = self.sets.get(&key)?.spelling.clone();
         let several = self.bodies.iter().filter(|body| body.name.is_some()).count() > 1;
@@ -166,11 +166,11 @@ impl Mesh {
     /// The names in the case of an element set of a part, one per instance; without a part the name of the only set.
     pub fn regions(&self, part: Option<&str>, set: &str) -> Vec<String> {
         let Some(part) = part.map(str::to_uppercase) else {
-            return self.spelling(Has::Elements, set).into_iter().collect();
+            return self.spelling(DeckSetKind::Elements, set).into_iter().collect();
         };
         let instances = self.bodies.iter().filter(|body| body.part.as_ref() == Some(&part));
         let names = instances.filter_map(|body| body.name.as_ref());
-        names.filter_map(|name| self.spelling(Has::Elements, &format!("{name}.{set}"))).collect()
+        names.filter_map(|name| self.spelling(DeckSetKind::Elements, &format!("{name}.{set}"))).collect()
     }
 
     /// Number of instances of a part in the assembly.
@@ -184,22 +184,28 @@ impl Mesh {
     }
 
     /// The nodes that an entry names, by number or as a set.
-    pub fn nodes(&self, place: &Place, name: &str) -> Result<BTreeSet<Node>, Fault> {
-        self.members(place, Has::Nodes, name, "a node or a node set that the deck has")
+    pub fn nodes(&self, place: &DeckPlace, name: &str) -> Result<BTreeSet<DeckNodeId>, DeckFault> {
+        self.members(place, DeckSetKind::Nodes, name, "a node or a node set that the deck has")
     }
 
     /// The elements that an entry names, by number or as a set.
-    pub fn elements(&self, place: &Place, name: &str) -> Result<BTreeSet<Element>, Fault> {
-        self.members(place, Has::Elements, name, "an element or an element set that the deck has")
+    pub fn elements(&self, place: &DeckPlace, name: &str) -> Result<BTreeSet<DeckElementId>, DeckFault> {
+        self.members(place, DeckSetKind::Elements, name, "an element or an element set that the deck has")
     }
 
-    fn members(&self, place: &Place, has: Has, name: &str, expected: &str) -> Result<BTreeSet<(usize, i64)>, Fault> {
-        let unknown = || Fault::new(place, format!("\"{}\"", name.escape_debug()), expected);
+    fn members(
+        &self,
+        place: &DeckPlace,
+        has: DeckSetKind,
+        name: &str,
+        expected: &str,
+    ) -> Result<BTreeSet<(usize, i64)>, DeckFault> {
+        let unknown = || DeckFault::new(place, format!("\"{}\"", name.escape_debug()), expected);
         let (body, rest) = self.split(name);
         if let Ok(number) = rest.parse::<i64>() {
             let body = body.or_else(|| self.default_body()).ok_or_else(unknown)?;
             let known = match has {
-                Has::Nodes => self.bodies[body].points.contains_key(&number),
+                DeckSetKind::Nodes => self.bodies[body].points.contains_key(&number),
                 _ => self.bodies[body].cells.contains_key(&number),
             };
             return if known { Ok(BTreeSet::from([(body, number)])) } else { Err(unknown()) };
@@ -211,7 +217,12 @@ impl Mesh {
     }
 
     /// Adds the members of a set. Each set is visited once, however often it is named.
-    fn resolve(&self, key: Key, seen: &mut HashSet<Key>, found: &mut BTreeSet<(usize, i64)>) -> Result<(), Fault> {
+    fn resolve(
+        &self,
+        key: DeckSetKey,
+        seen: &mut HashSet<DeckSetKey>,
+        found: &mut BTreeSet<(usize, i64)>,
+    ) -> Result<(), DeckFault> {
         let mut waiting = vec![key];
         while let Some(key) = waiting.pop() {
             let (body, has, _) = key;
@@ -223,13 +234,14 @@ impl Mesh {
                 let scope = instance.as_ref().and_then(|name| self.split(&format!("{name}.")).0);
                 let scope = scope.or(body).or_else(|| self.default_body());
                 match item {
-                    Item::Range(first, last, step) => {
+                    DeckSetItem::Range(first, last, step) => {
                         let Some(body) = scope else { continue };
                         self.range((body, has), (*first, *last, *step), found);
                     }
-                    Item::Named(place, name) => waiting.push(self.home(place, (scope, has), name)?),
-                    Item::NodesOf(place, name) => {
-                        let (key, mut cells) = (self.home(place, (scope, Has::Elements), name)?, BTreeSet::new());
+                    DeckSetItem::Named(place, name) => waiting.push(self.home(place, (scope, has), name)?),
+                    DeckSetItem::NodesOf(place, name) => {
+                        let (key, mut cells) =
+                            (self.home(place, (scope, DeckSetKind::Elements), name)?, BTreeSet::new());
                         self.resolve(key, seen, &mut cells)?;
                         found.extend(cells.into_iter().flat_map(|cell| self.nodes_of(cell)));
                     }
@@ -241,7 +253,7 @@ impl Mesh {
 
     fn range(
         &self,
-        (body, has): (usize, Has),
+        (body, has): (usize, DeckSetKind),
         (first, last, step): (i64, i64, i64),
         found: &mut BTreeSet<(usize, i64)>,
     ) {
@@ -251,7 +263,7 @@ impl Mesh {
         let inside = |number: &i64| (i128::from(*number) - i128::from(first)) % i128::from(step) == 0;
         let body_of = &self.bodies[body];
         match has {
-            Has::Nodes => {
+            DeckSetKind::Nodes => {
                 found.extend(body_of.points.range(first..=last).map(|(n, _)| *n).filter(inside).map(|n| (body, n)));
             }
             _ => found.extend(body_of.cells.range(first..=last).map(|(n, _)| *n).filter(inside).map(|n| (body, n))),
@@ -259,56 +271,61 @@ impl Mesh {
     }
 
     /// The key of a set named by another set.
-    fn home(&self, place: &Place, (scope, has): (Option<usize>, Has), name: &str) -> Result<Key, Fault> {
+    fn home(
+        &self,
+        place: &DeckPlace,
+        (scope, has): (Option<usize>, DeckSetKind),
+        name: &str,
+    ) -> Result<DeckSetKey, DeckFault> {
         let own = (scope, has, name.to_uppercase());
         let key = if self.sets.contains_key(&own) { Some(own) } else { self.find(has, name) };
-        key.ok_or_else(|| Fault::new(place, format!("\"{}\"", name.escape_debug()), "a set that the deck has"))
+        key.ok_or_else(|| DeckFault::new(place, format!("\"{}\"", name.escape_debug()), "a set that the deck has"))
     }
 
     /// The name of a surface in the case, or a fault if it does not exist.
-    pub fn surface(&self, place: &Place, name: &str) -> Result<String, Fault> {
-        self.spelling(Has::Surface, name).ok_or_else(|| {
-            Fault::new(place, format!("\"{}\"", name.escape_debug()), "a *SURFACE that the deck defines")
+    pub fn surface(&self, place: &DeckPlace, name: &str) -> Result<String, DeckFault> {
+        self.spelling(DeckSetKind::Surface, name).ok_or_else(|| {
+            DeckFault::new(place, format!("\"{}\"", name.escape_debug()), "a *SURFACE that the deck defines")
         })
     }
 
-    pub fn cell(&self, (body, number): Element) -> Option<&Cell> {
+    pub fn cell(&self, (body, number): DeckElementId) -> Option<&DeckElement> {
         self.bodies.get(body)?.cells.get(&number)
     }
 
     /// The nodes of an element.
-    pub fn nodes_of(&self, element: Element) -> Vec<Node> {
+    pub fn nodes_of(&self, element: DeckElementId) -> Vec<DeckNodeId> {
         let nodes = self.cell(element).map(|cell| cell.nodes.as_slice()).unwrap_or_default();
         nodes.iter().map(|&node| (element.0, node)).collect()
     }
 
-    pub fn point(&self, (body, number): Node) -> [f64; 3] {
+    pub fn point(&self, (body, number): DeckNodeId) -> [f64; 3] {
         self.bodies.get(body).and_then(|body| body.points.get(&number)).copied().unwrap_or_default()
     }
 
     /// True if a node belongs to an element.
-    pub fn is_used(&self, node: &Node) -> bool {
+    pub fn is_used(&self, node: &DeckNodeId) -> bool {
         self.around.contains_key(node)
     }
 
     /// All nodes of elements.
-    pub fn all_nodes(&self) -> BTreeSet<Node> {
+    pub fn all_nodes(&self) -> BTreeSet<DeckNodeId> {
         self.around.keys().copied().collect()
     }
 
     /// The elements that contain any of some nodes.
-    fn about(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Element> {
+    fn about(&self, nodes: &BTreeSet<DeckNodeId>) -> BTreeSet<DeckElementId> {
         nodes.iter().filter_map(|node| self.around.get(node)).flatten().copied().collect()
     }
 
     /// The facets of the boundary with all nodes in a set, by their nodes in order.
-    fn facets(&self, nodes: &BTreeSet<Node>) -> Vec<Vec<Node>> {
-        let mut found: HashMap<Vec<Node>, (usize, Vec<Node>)> = HashMap::new();
+    fn facets(&self, nodes: &BTreeSet<DeckNodeId>) -> Vec<Vec<DeckNodeId>> {
+        let mut found: HashMap<Vec<DeckNodeId>, (usize, Vec<DeckNodeId>)> = HashMap::new();
         for element in self.about(nodes) {
             let Some(cell) = self.cell(element) else { continue };
             for facet in cell.solid.element.facets {
                 let own = facet.nodes.iter().filter_map(|&node| cell.nodes.get(node).map(|&node| (element.0, node)));
-                let own: Vec<Node> = own.collect();
+                let own: Vec<DeckNodeId> = own.collect();
                 if own.iter().all(|node| nodes.contains(node)) {
                     let mut key = own.clone();
                     key.sort_unstable();
@@ -320,16 +337,16 @@ impl Mesh {
     }
 
     /// The nodes of the facets of the boundary that lie completely in a set of nodes.
-    pub fn on_facets(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Node> {
+    pub fn on_facets(&self, nodes: &BTreeSet<DeckNodeId>) -> BTreeSet<DeckNodeId> {
         self.facets(nodes).into_iter().flatten().collect()
     }
 
     /// Area of the facets of the boundary within a set of nodes, with straight edges: length in the plane, area of the
     /// whole ring for a body of revolution.
-    pub fn area(&self, nodes: &BTreeSet<Node>) -> f64 {
+    pub fn area(&self, nodes: &BTreeSet<DeckNodeId>) -> f64 {
         let ring = self.bodies.iter().flat_map(|body| body.cells.values()).any(|cell| cell.solid.axisymmetric);
         let plane = self.bodies.iter().flat_map(|body| body.cells.values()).all(|cell| cell.solid.element.dim() == 2);
-        let of = |facet: Vec<Node>| {
+        let of = |facet: Vec<DeckNodeId>| {
             let points: Vec<[f64; 3]> = facet.iter().map(|&node| self.point(node)).collect();
             match points[..] {
                 [a, b, ..] if plane => {
@@ -349,9 +366,9 @@ impl Mesh {
     }
 
     /// Divides a set of nodes into sets of which no two nodes are in one element: sets of points.
-    pub fn apart(&self, nodes: &BTreeSet<Node>) -> Vec<BTreeSet<Node>> {
-        let mut colours: HashMap<Node, usize> = HashMap::new();
-        let mut parts: Vec<BTreeSet<Node>> = Vec::new();
+    pub fn apart(&self, nodes: &BTreeSet<DeckNodeId>) -> Vec<BTreeSet<DeckNodeId>> {
+        let mut colours: HashMap<DeckNodeId, usize> = HashMap::new();
+        let mut parts: Vec<BTreeSet<DeckNodeId>> = Vec::new();
         for &node in nodes {
             let cells = self.around.get(&node).map(Vec::as_slice).unwrap_or_default();
             let beside = cells.iter().flat_map(|&element| self.nodes_of(element));
@@ -367,14 +384,14 @@ impl Mesh {
     }
 
     /// True if all of the elements have the face with this number, from 1.
-    pub fn has_face(&self, elements: &BTreeSet<Element>, number: usize) -> bool {
+    pub fn has_face(&self, elements: &BTreeSet<DeckElementId>, number: usize) -> bool {
         let mut cells = elements.iter().filter_map(|&element| self.cell(element));
         cells.all(|cell| face(cell.solid.element, number).is_some())
     }
 }
 
-impl Reading {
-    fn current(&mut self) -> &mut Body {
+impl MeshReader {
+    fn current(&mut self) -> &mut DeckBody {
         if let Some(instance) = &mut self.instance {
             return instance;
         }
@@ -384,7 +401,7 @@ impl Reading {
         }
     }
 
-    fn take(&mut self, card: &Card) -> Result<(), Fault> {
+    fn take(&mut self, card: &Card) -> Result<(), DeckFault> {
         match card.name.as_str() {
             "PART" => self.part = Some(card.required("NAME")?.to_uppercase()),
             "END PART" => self.part = None,
@@ -404,33 +421,35 @@ impl Reading {
                     self.current().points.insert(number, point);
                 }
                 if let Some(name) = card.parameter("NSET") {
-                    let items = card.data.iter().map(|line| integer(line, 0).map(|n| Item::Range(n, n, 1)));
-                    self.set(Has::Nodes, name, None, items.collect::<Result<_, _>>()?);
+                    let items = card.data.iter().map(|line| integer(line, 0).map(|n| DeckSetItem::Range(n, n, 1)));
+                    self.set(DeckSetKind::Nodes, name, None, items.collect::<Result<_, _>>()?);
                 }
             }
             "ELEMENT" => self.elements(card)?,
             "NSET" => {
                 let items = match card.parameter("ELSET") {
-                    Some(name) => vec![Item::NodesOf(card.place.clone(), name.to_owned())],
+                    Some(name) => vec![DeckSetItem::NodesOf(card.place.clone(), name.to_owned())],
                     None => members(card)?,
                 };
-                self.set(Has::Nodes, card.required("NSET")?, card.parameter("INSTANCE"), items);
+                self.set(DeckSetKind::Nodes, card.required("NSET")?, card.parameter("INSTANCE"), items);
             }
-            "ELSET" => self.set(Has::Elements, card.required("ELSET")?, card.parameter("INSTANCE"), members(card)?),
-            "SURFACE" => self.set(Has::Surface, card.required("NAME")?, None, Vec::new()),
+            "ELSET" => {
+                self.set(DeckSetKind::Elements, card.required("ELSET")?, card.parameter("INSTANCE"), members(card)?)
+            }
+            "SURFACE" => self.set(DeckSetKind::Surface, card.required("NAME")?, None, Vec::new()),
             _ => {}
         }
         Ok(())
     }
 
-    fn set(&mut self, has: Has, name: &str, instance: Option<&str>, items: Vec<Item>) {
+    fn set(&mut self, has: DeckSetKind, name: &str, instance: Option<&str>, items: Vec<DeckSetItem>) {
         let instance = instance.map(str::to_owned);
-        let empty = items.is_empty().then_some(Item::Range(0, -1, 1));
+        let empty = items.is_empty().then_some(DeckSetItem::Range(0, -1, 1));
         let entries = items.into_iter().chain(empty).map(|item| (has, name.to_owned(), (instance.clone(), item)));
         self.current().sets.extend(entries);
     }
 
-    fn elements(&mut self, card: &Card) -> Result<(), Fault> {
+    fn elements(&mut self, card: &Card) -> Result<(), DeckFault> {
         let name = card.required("TYPE")?;
         let Some(solid) = solid_type(name) else {
             self.others.push((name.to_uppercase(), card.place.clone(), card.data.len()));
@@ -443,18 +462,18 @@ impl Reading {
             let number = integer(line, index)?;
             let nodes: Vec<i64> =
                 entries.by_ref().take(solid.nodes).map(|(line, i)| integer(line, i)).collect::<Result<_, _>>()?;
-            self.current().cells.insert(number, Cell { solid, nodes });
-            items.push(Item::Range(number, number, 1));
+            self.current().cells.insert(number, DeckElement { solid, nodes });
+            items.push(DeckSetItem::Range(number, number, 1));
         }
         if let Some(name) = card.parameter("ELSET") {
-            self.set(Has::Elements, name, None, items);
+            self.set(DeckSetKind::Elements, name, None, items);
         }
         Ok(())
     }
 }
 
 /// Places an instance: a translation, and a rotation about an axis in degrees.
-fn place(body: &mut Body, card: &Card) -> Result<(), Fault> {
+fn place(body: &mut DeckBody, card: &Card) -> Result<(), DeckFault> {
     if let Some(line) = card.data.first() {
         let shift = [0, 1, 2].map(|d| line.number(d));
         for (d, shift) in shift.into_iter().enumerate() {
@@ -482,13 +501,13 @@ fn triangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
 }
 
 /// An integer of a data line.
-pub fn integer(line: &Line, index: usize) -> Result<i64, Fault> {
+pub fn integer(line: &DataLine, index: usize) -> Result<i64, DeckFault> {
     let text = line.need(index, "a whole number")?;
-    text.parse().map_err(|_| Fault::new(&line.place, format!("\"{}\"", text.escape_debug()), "a whole number"))
+    text.parse().map_err(|_| DeckFault::new(&line.place, format!("\"{}\"", text.escape_debug()), "a whole number"))
 }
 
 /// The members of a set: numbers, names of sets, or ranges.
-fn members(card: &Card) -> Result<Vec<Item>, Fault> {
+fn members(card: &Card) -> Result<Vec<DeckSetItem>, DeckFault> {
     let mut items = Vec::new();
     for line in &card.data {
         if card.has("GENERATE") {
@@ -496,15 +515,15 @@ fn members(card: &Card) -> Result<Vec<Item>, Fault> {
             let step = if line.text(2).is_some() { integer(line, 2)? } else { 1 };
             if first > last || step < 1 {
                 let expected = "a first number, a last one that is not smaller, and a positive step";
-                return Err(Fault::new(&line.place, format!("\"{}\"", line.whole()), expected));
+                return Err(DeckFault::new(&line.place, format!("\"{}\"", line.whole()), expected));
             }
-            items.push(Item::Range(first, last, step));
+            items.push(DeckSetItem::Range(first, last, step));
             continue;
         }
         for name in line.entries.iter().filter(|entry| !entry.is_empty()) {
             items.push(match name.parse::<i64>() {
-                Ok(number) => Item::Range(number, number, 1),
-                Err(_) => Item::Named(line.place.clone(), name.clone()),
+                Ok(number) => DeckSetItem::Range(number, number, 1),
+                Err(_) => DeckSetItem::Named(line.place.clone(), name.clone()),
             });
         }
     }
@@ -513,7 +532,7 @@ fn members(card: &Card) -> Result<Vec<Item>, Fault> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Body, place};
+    use super::{DeckBody, place};
     use crate::import::deck;
 
     #[test]
@@ -522,7 +541,7 @@ mod tests {
         std::fs::write(&file, "*INSTANCE, NAME=A, PART=B\n1, 0, 0\n0, 0, 0, 0, 0, 2, 90\n").expect("a deck");
         let cards = deck::read(&file).expect("a card");
         std::fs::remove_file(&file).expect("a file");
-        let mut body = Body { points: [(1, [1.0, 0.0, 3.0])].into(), ..Body::default() };
+        let mut body = DeckBody { points: [(1, [1.0, 0.0, 3.0])].into(), ..DeckBody::default() };
         place(&mut body, &cards[0]).expect("an instance");
         // (1, 0, 3) goes to (2, 0, 3), and about z by 90° to (0, 2, 3).
         for (found, expected) in body.points[&1].into_iter().zip([0.0, 2.0, 3.0]) {

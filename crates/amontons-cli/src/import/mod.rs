@@ -33,27 +33,27 @@ use amontons::output::OutputError;
 use crate::arguments::DeckUnits;
 use crate::new::beside;
 use crate::print;
-use crate::status::Failure;
+use crate::status::CommandFailure;
 
 /// Writes the case of a deck, and a mesh file with the names missing in the deck.
-pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -> Result<(), Failure> {
+pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -> Result<(), CommandFailure> {
     let out = out.map_or_else(|| deck.with_extension("toml"), Path::to_owned);
     let sides_file = with_stem(&out, "-sides.inp");
     let same =
         |file: &Path| file == deck || matches!((file.canonicalize(), deck.canonicalize()), (Ok(a), Ok(b)) if a == b);
     if same(&out) || same(&sides_file) {
         let found = format!("--out {}: found a name that would replace the deck", out.display());
-        return Err(Failure::Usage(format!("{found}, expected a case file such as case.toml")));
+        return Err(CommandFailure::Usage(format!("{found}, expected a case file such as case.toml")));
     }
     if !force {
         for file in [&out, &sides_file] {
             if file.symlink_metadata().is_ok() {
-                return Err(Failure::Exists(file.clone()));
+                return Err(CommandFailure::Exists(file.clone()));
             }
         }
     }
     let cards = deck::read(deck)?;
-    let (model, mut notes) = model::Model::of(&cards).map_err(|fault| fault.of(deck))?;
+    let (model, mut notes) = model::DeckModel::of(&cards).map_err(|fault| fault.of(deck))?;
     // The mesh of a deck with included files is written out, too.
     let includes = cards.iter().any(|card| card.place.is_included());
     let needs_sides = includes || !model.sides.text().is_empty();
@@ -89,7 +89,7 @@ pub fn execute(deck: &Path, out: Option<&Path>, units: DeckUnits, force: bool) -
 }
 
 /// The mesh of a deck, with names for items that the deck refers to by number.
-fn with_names(cards: &[deck::Card], model: &model::Model, deck: &Path) -> String {
+fn with_names(cards: &[deck::Card], model: &model::DeckModel, deck: &Path) -> String {
     let head = format!(
         "** The mesh of {}, and below names for sides and points that it does not name, by amontons import.\n",
         name_of(deck).replace(char::is_control, " ")
@@ -128,9 +128,9 @@ fn with_stem(file: &Path, end: &str) -> PathBuf {
 }
 
 /// Writes a file. An existing one is replaced only with `force`.
-fn put(file: &Path, text: &str, force: bool) -> Result<(), Failure> {
+fn put(file: &Path, text: &str, force: bool) -> Result<(), CommandFailure> {
     let failed = |source: io::Error| match source.kind() {
-        io::ErrorKind::AlreadyExists => Failure::Exists(file.to_owned()),
+        io::ErrorKind::AlreadyExists => CommandFailure::Exists(file.to_owned()),
         _ => OutputError::Io { doing: "create", path: file.to_owned(), source }.into(),
     };
     let mut options = OpenOptions::new();

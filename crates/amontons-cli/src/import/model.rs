@@ -2,17 +2,17 @@
 
 use std::collections::HashMap;
 
-use super::conditions::{Conditions, Scene};
+use super::conditions::{ConditionContext, Conditions};
 use super::contact::Contacts;
-use super::deck::{Card, Fault, Place};
+use super::deck::{Card, DeckFault, DeckPlace};
 use super::forces::{Force, grouped};
-use super::material::Material;
-use super::mesh::Mesh;
+use super::material::DeckMaterial;
+use super::mesh::DeckMesh;
 use super::notes::{Matter, Notes, REFUSED};
 use super::orientation::Orientation;
-use super::rigid::{Rigid, Rigids};
-use super::sides::Sides;
-use super::time::{Amplitude, Physics, Procedure, Step, TimeLine};
+use super::rigid::{DeckRigid, Rigids};
+use super::sides::DeckSides;
+use super::time::{Amplitude, DeckPhysics, DeckStep, Procedure, TimeLine};
 use super::transform::Transforms;
 
 /// Keywords of the mesh, which the library reads.
@@ -45,8 +45,8 @@ pub fn mesh_of(cards: &[Card]) -> String {
 
 /// The material of a set of elements.
 #[derive(Clone, Debug)]
-pub struct Section {
-    pub place: Place,
+pub struct DeckSection {
+    pub place: DeckPlace,
     /// The regions, one per instance.
     pub regions: Vec<String>,
     pub material: String,
@@ -56,36 +56,36 @@ pub struct Section {
 
 /// The content of a deck.
 #[derive(Debug)]
-pub struct Model {
-    pub sides: Sides,
-    pub materials: Vec<Material>,
+pub struct DeckModel {
+    pub sides: DeckSides,
+    pub materials: Vec<DeckMaterial>,
     pub orientations: Vec<Orientation>,
-    pub sections: Vec<Section>,
+    pub sections: Vec<DeckSection>,
     pub amplitudes: HashMap<String, Amplitude>,
     pub conditions: Conditions,
     pub contacts: Contacts,
-    pub rigid: Vec<Rigid>,
+    pub rigid: Vec<DeckRigid>,
     pub time: TimeLine,
     pub inertia: bool,
-    pub physics: Physics,
+    pub physics: DeckPhysics,
     pub large: bool,
     pub forces: Vec<Force>,
 }
 
 /// A deck while it is read.
-struct Reading {
-    mesh: Mesh,
+struct DeckReader {
+    mesh: DeckMesh,
     dim: usize,
-    sides: Sides,
+    sides: DeckSides,
     transforms: Transforms,
-    materials: Vec<Material>,
+    materials: Vec<DeckMaterial>,
     orientations: Vec<Orientation>,
-    sections: Vec<Section>,
+    sections: Vec<DeckSection>,
     amplitudes: HashMap<String, Amplitude>,
     conditions: Conditions,
     contacts: Contacts,
     rigid: Rigids,
-    steps: Vec<Step>,
+    steps: Vec<DeckStep>,
     notes: Notes,
     /// True if keywords belong to the last material.
     in_material: bool,
@@ -94,18 +94,18 @@ struct Reading {
     inertia: bool,
 }
 
-impl Model {
+impl DeckModel {
     /// Reads all keywords in their order.
-    pub fn of(cards: &[Card]) -> Result<(Model, Notes), Fault> {
+    pub fn of(cards: &[Card]) -> Result<(DeckModel, Notes), DeckFault> {
         refuse(cards)?;
-        let mesh = Mesh::of(cards)?;
+        let mesh = DeckMesh::of(cards)?;
         check_bodies(&mesh, cards)?;
         let cells = mesh.bodies.iter().flat_map(|body| body.cells.values());
         let dim = cells.map(|cell| cell.solid.element.dim()).max().unwrap_or(0);
-        let mut reading = Reading {
+        let mut reading = DeckReader {
             mesh,
             dim,
-            sides: Sides::default(),
+            sides: DeckSides::default(),
             transforms: Transforms::default(),
             materials: Vec::new(),
             orientations: Vec::new(),
@@ -128,38 +128,38 @@ impl Model {
 }
 
 /// Refuses analyses that a case cannot express.
-fn refuse(cards: &[Card]) -> Result<(), Fault> {
+fn refuse(cards: &[Card]) -> Result<(), DeckFault> {
     for card in cards {
         if let Some((_, what)) = REFUSED.iter().find(|(name, _)| *name == card.name) {
             let expected = "a static, dynamic, heat transfer or coupled temperature-displacement step";
-            return Err(Fault::new(&card.place, format!("*{}, {what}", card.name), expected));
+            return Err(DeckFault::new(&card.place, format!("*{}, {what}", card.name), expected));
         }
         if card.name == "STATIC" && card.has("RIKS") {
             let expected = "a static step whose loads are given, without RIKS";
-            return Err(Fault::new(&card.place, "*STATIC, RIKS, a path whose load is unknown", expected));
+            return Err(DeckFault::new(&card.place, "*STATIC, RIKS, a path whose load is unknown", expected));
         }
     }
     Ok(())
 }
 
 /// Refuses decks without solid elements.
-fn check_bodies(mesh: &Mesh, cards: &[Card]) -> Result<(), Fault> {
+fn check_bodies(mesh: &DeckMesh, cards: &[Card]) -> Result<(), DeckFault> {
     if mesh.bodies.iter().any(|body| !body.cells.is_empty()) {
         return Ok(());
     }
     let expected = "solid elements, such as C3D8, C3D10, CPS4, CPE4 or CAX4";
     if let Some((kind, place, count)) = mesh.others.first() {
         let found = format!("{count} elements of type {}, which are no parts of a body", kind.escape_debug());
-        return Err(Fault::new(place, found, expected));
+        return Err(DeckFault::new(place, found, expected));
     }
     let Some(first) = cards.first() else {
-        return Err(Fault::new(&Place::start(), "no keyword", "a deck of Abaqus or CalculiX"));
+        return Err(DeckFault::new(&DeckPlace::start(), "no keyword", "a deck of Abaqus or CalculiX"));
     };
-    Err(Fault::new(&first.place, "a deck without elements", expected))
+    Err(DeckFault::new(&first.place, "a deck without elements", expected))
 }
 
-impl Reading {
-    fn take(&mut self, card: &Card) -> Result<(), Fault> {
+impl DeckReader {
+    fn take(&mut self, card: &Card) -> Result<(), DeckFault> {
         self.notes.parameters(card);
         if self.in_material
             && let Some(material) = self.materials.last_mut()
@@ -176,7 +176,7 @@ impl Reading {
         match card.name.as_str() {
             name if OF_MESH.contains(&name) => Ok(()),
             "MATERIAL" => {
-                self.materials.push(Material::of(card)?);
+                self.materials.push(DeckMaterial::of(card)?);
                 self.in_material = true;
                 Ok(())
             }
@@ -191,8 +191,8 @@ impl Reading {
             }
             "TRANSFORM" => self.transforms.take(card, &self.mesh),
             "STEP" => {
-                let start = self.steps.last().map_or(0.0, Step::end);
-                self.steps.push(Step::of(card, start));
+                let start = self.steps.last().map_or(0.0, DeckStep::end);
+                self.steps.push(DeckStep::of(card, start));
                 Ok(())
             }
             _ => self.rest(card),
@@ -200,7 +200,7 @@ impl Reading {
     }
 
     /// Reads procedures, contacts and conditions, and notes other keywords.
-    fn rest(&mut self, card: &Card) -> Result<(), Fault> {
+    fn rest(&mut self, card: &Card) -> Result<(), DeckFault> {
         if self.procedure(card)? || self.contacts.take(card, &self.mesh, &mut self.notes)? {
             return Ok(());
         }
@@ -211,12 +211,12 @@ impl Reading {
         let named = card.word("AMPLITUDE").filter(|_| card.name != "STEP");
         if let Some(name) = named.filter(|name| !self.amplitudes.contains_key(name)) {
             let found = format!("AMPLITUDE={}", name.escape_debug());
-            return Err(Fault::new(&card.place, found, "an *AMPLITUDE that the deck defines before"));
+            return Err(DeckFault::new(&card.place, found, "an *AMPLITUDE that the deck defines before"));
         }
-        let flat = |cell: &super::mesh::Cell| cell.solid.element.dim() == 2 && !cell.solid.axisymmetric;
+        let flat = |cell: &super::mesh::DeckElement| cell.solid.element.dim() == 2 && !cell.solid.axisymmetric;
         let is_flat = self.mesh.bodies.iter().flat_map(|body| body.cells.values()).next().is_some_and(flat);
         let thickness = self.sections.first().filter(|_| is_flat).map_or(1.0, |section| section.thickness);
-        let mut scene = Scene {
+        let mut scene = ConditionContext {
             mesh: &self.mesh,
             sides: &mut self.sides,
             notes: &mut self.notes,
@@ -232,18 +232,18 @@ impl Reading {
         Ok(())
     }
 
-    fn section(&mut self, card: &Card) -> Result<(), Fault> {
+    fn section(&mut self, card: &Card) -> Result<(), DeckFault> {
         let set = card.required("ELSET")?;
         let regions = self.mesh.regions(self.part.as_deref(), set);
         if regions.is_empty() && self.part.is_none() {
             let found = format!("ELSET={}", set.escape_debug());
-            return Err(Fault::new(&card.place, found, "an element set that the deck defines"));
+            return Err(DeckFault::new(&card.place, found, "an element set that the deck defines"));
         }
         let thickness = match card.data.first() {
             Some(line) => line.number(0)?.unwrap_or(1.0),
             None => 1.0,
         };
-        self.sections.push(Section {
+        self.sections.push(DeckSection {
             place: card.place.clone(),
             regions,
             material: card.required("MATERIAL")?.to_owned(),
@@ -254,7 +254,7 @@ impl Reading {
     }
 
     /// Reads the procedure of a step. Returns false for other keywords.
-    fn procedure(&mut self, card: &Card) -> Result<bool, Fault> {
+    fn procedure(&mut self, card: &Card) -> Result<bool, DeckFault> {
         let steady = card.has("STEADYSTATE");
         let of = |mechanics: bool, heat: bool, transient: bool| Procedure { mechanics, heat, transient };
         let procedure = match card.name.as_str() {
@@ -269,7 +269,7 @@ impl Reading {
             "COUPLED TEMPERATURE-DISPLACEMENT" | "UNCOUPLED TEMPERATURE-DISPLACEMENT" => of(true, true, !steady),
             _ => return Ok(false),
         };
-        let relaxes = self.materials.iter().any(Material::relaxes);
+        let relaxes = self.materials.iter().any(DeckMaterial::relaxes);
         if card.name == "VISCO" && !relaxes {
             self.notes.keyword(&card.place, "VISCO");
         }
@@ -278,21 +278,21 @@ impl Reading {
             self.notes.add(&card.place, "*STATIC", why, Matter::Perhaps);
         }
         let Some(step) = self.steps.last_mut() else {
-            return Err(Fault::new(&card.place, format!("*{} outside of a step", card.name), "*STEP before it"));
+            return Err(DeckFault::new(&card.place, format!("*{} outside of a step", card.name), "*STEP before it"));
         };
         step.proceed(card, procedure)?;
         Ok(true)
     }
 
     /// Checks that a deck has everything a case needs, and notes features of steps and elements that a case lacks.
-    fn check(&mut self, cards: &[Card]) -> Result<(), Fault> {
-        let last = cards.last().map_or_else(Place::start, |card| card.place.clone());
+    fn check(&mut self, cards: &[Card]) -> Result<(), DeckFault> {
+        let last = cards.last().map_or_else(DeckPlace::start, |card| card.place.clone());
         if self.steps.is_empty() {
-            return Err(Fault::new(&last, "a deck without a *STEP", "a step with its procedure, such as *STATIC"));
+            return Err(DeckFault::new(&last, "a deck without a *STEP", "a step with its procedure, such as *STATIC"));
         }
         for step in &self.steps {
             if step.procedure.is_none() {
-                return Err(Fault::new(
+                return Err(DeckFault::new(
                     &step.place,
                     "a step without a procedure",
                     "*STATIC, *HEAT TRANSFER or another one",
@@ -304,7 +304,7 @@ impl Reading {
             }
         }
         if self.sections.is_empty() {
-            return Err(Fault::new(
+            return Err(DeckFault::new(
                 &last,
                 "a deck without a *SOLID SECTION",
                 "a section with a material per element set",
@@ -326,7 +326,7 @@ impl Reading {
         Ok(())
     }
 
-    fn finish(mut self, cards: &[Card]) -> Result<(Model, Notes), Fault> {
+    fn finish(mut self, cards: &[Card]) -> Result<(DeckModel, Notes), DeckFault> {
         self.check(cards)?;
         let procedures: Vec<Procedure> = self.steps.iter().filter_map(|step| step.procedure).collect();
         let of_heat = || procedures.iter().filter(|procedure| procedure.heat);
@@ -340,12 +340,12 @@ impl Reading {
         self.rigid.settle(&self.mesh, &self.sections, &mut self.sides, &mut self.notes)?;
         let forces = grouped(&self.conditions, &self.mesh, &mut self.sides);
         let time = TimeLine::of(self.steps, &mut self.notes);
-        let physics = Physics {
+        let physics = DeckPhysics {
             mechanics: procedures.iter().any(|procedure| procedure.mechanics),
             heat: procedures.iter().any(|procedure| procedure.heat),
             stores,
         };
-        let model = Model {
+        let model = DeckModel {
             large: time.steps.iter().any(|step| step.large),
             physics,
             inertia: self.inertia,

@@ -1,6 +1,6 @@
 //! Parts of a deck that are missing in the case, and their effect on the answer.
 
-use super::deck::{Card, Place};
+use super::deck::{Card, DeckPlace};
 
 /// Effect on the answer of a part that is left out or expressed otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -16,7 +16,7 @@ pub enum Matter {
 /// A part of the deck that the case expresses otherwise or not at all.
 #[derive(Clone, Debug)]
 struct Note {
-    place: Place,
+    place: DeckPlace,
     what: String,
     why: String,
     matter: Matter,
@@ -165,7 +165,7 @@ pub const REFUSED: [(&str, &str); 12] = [
 
 impl Notes {
     /// Adds a note; repeated notes with the same reason are counted.
-    pub fn add(&mut self, place: &Place, what: impl Into<String>, why: impl Into<String>, matter: Matter) {
+    pub fn add(&mut self, place: &DeckPlace, what: impl Into<String>, why: impl Into<String>, matter: Matter) {
         let (what, why) = (what.into(), why.into());
         match self.0.iter_mut().find(|note| note.what == what && note.why == why) {
             Some(note) => note.count += 1,
@@ -186,7 +186,7 @@ impl Notes {
     }
 
     /// Notes a keyword that is not used.
-    pub fn keyword(&mut self, place: &Place, name: &str) {
+    pub fn keyword(&mut self, place: &DeckPlace, name: &str) {
         let what = format!("*{name}");
         if OUTPUT.contains(&name) {
             self.add(place, what, "output only", Matter::Nothing);

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::deck::{Card, Fault};
+use super::deck::{Card, DeckFault};
 use super::notes::{Matter, Notes};
 use super::transform::axes;
 use super::units::number;
@@ -22,12 +22,12 @@ enum Axes {
 }
 
 impl Orientation {
-    pub fn of(card: &Card, notes: &mut Notes) -> Result<Orientation, Fault> {
+    pub fn of(card: &Card, notes: &mut Notes) -> Result<Orientation, DeckFault> {
         let name = card.required("NAME")?.to_uppercase();
         let line = card.first("two points, six numbers")?;
         let numbers = line.numbers()?;
         let [a, b, c, d, e, f, ..] = numbers[..] else {
-            return Err(Fault::new(
+            return Err(DeckFault::new(
                 &line.place,
                 format!("\"{}\"", line.whole().escape_debug()),
                 "two points, six numbers",
@@ -50,7 +50,7 @@ impl Orientation {
         let axes = axes.ok_or_else(|| {
             let expected =
                 "RECTANGULAR axes from two points off one line, or CYLINDRICAL ones about the direction of z";
-            Fault::new(&line.place, format!("SYSTEM={} by \"{}\"", system.escape_debug(), line.whole()), expected)
+            DeckFault::new(&line.place, format!("SYSTEM={} by \"{}\"", system.escape_debug(), line.whole()), expected)
         })?;
         Ok(Orientation { name, axes })
     }

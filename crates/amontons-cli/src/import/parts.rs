@@ -6,27 +6,27 @@ use amontons::mesh::Mesh;
 use amontons::mesh::defects::components;
 use amontons::problem::RigidPart;
 
-use super::model::Model;
+use super::model::DeckModel;
 use super::notes::{Matter, Notes};
-use super::rigid::Rigid;
+use super::rigid::DeckRigid;
 use super::time::Track;
-use super::units::{Units, numbers, quoted};
+use super::units::{UnitFactors, numbers, quoted};
 
 /// Tolerance of the distance between a reference node and a node of its part, relative to the size of the mesh.
 const SAME: f64 = 1e-9;
 
 /// Writes the rigid parts of a deck.
-struct Writing<'a> {
-    model: &'a Model,
+struct RigidWriter<'a> {
+    model: &'a DeckModel,
     mesh: &'a Mesh,
-    units: Units,
+    units: UnitFactors,
     notes: &'a mut Notes,
 }
 
 /// The tables `[[rigid]]` with the supports of the parts, and the names of those whose reactions are requested.
-pub fn text(model: &Model, mesh: &Mesh, units: Units, notes: &mut Notes) -> (String, Vec<String>) {
+pub fn text(model: &DeckModel, mesh: &Mesh, units: UnitFactors, notes: &mut Notes) -> (String, Vec<String>) {
     let (mut text, mut held, mut taken) = (String::new(), Vec::new(), BTreeSet::new());
-    let mut writing = Writing { model, mesh, units, notes };
+    let mut writing = RigidWriter { model, mesh, units, notes };
     for part in &model.rigid {
         let nodes = RigidPart::on(&part.on).nodes(mesh);
         if writing.is_of_case(part, &nodes, &taken) {
@@ -46,13 +46,13 @@ fn acts(tracks: &[Track; 3], axis: usize) -> bool {
     tracks.get(axis).is_some_and(|track| !track.0.is_empty())
 }
 
-impl Writing<'_> {
-    fn note(&mut self, part: &Rigid, what: &str, why: impl Into<String>, matter: Matter) {
+impl RigidWriter<'_> {
+    fn note(&mut self, part: &DeckRigid, what: &str, why: impl Into<String>, matter: Matter) {
         self.notes.add(&part.place, format!("{what} of the rigid part {}", part.on.escape_debug()), why, matter);
     }
 
     /// True if the case can have the part: its nodes are in one body and in no other part.
-    fn is_of_case(&mut self, part: &Rigid, nodes: &[u32], taken: &BTreeSet<u32>) -> bool {
+    fn is_of_case(&mut self, part: &DeckRigid, nodes: &[u32], taken: &BTreeSet<u32>) -> bool {
         let holds =
             |body: &amontons::mesh::defects::Component| nodes.iter().any(|n| body.nodes.binary_search(n).is_ok());
         let why = if nodes.is_empty() {
@@ -82,7 +82,7 @@ impl Writing<'_> {
     }
 
     /// True if a part does not rotate. Notes rotations that a case cannot express.
-    fn is_guided(&mut self, part: &Rigid) -> bool {
+    fn is_guided(&mut self, part: &DeckRigid) -> bool {
         let axes = self.axes();
         let held: Vec<usize> = axes.clone().filter(|&axis| acts(&part.turning, axis)).collect();
         let moves = |track: &Track| track.0.iter().any(|event| event.value.is_some_and(|value| value != 0.0));
@@ -101,7 +101,7 @@ impl Writing<'_> {
     }
 
     /// Notes supports of a part that exist in some steps only.
-    fn late(&mut self, part: &Rigid, track: &Track) {
+    fn late(&mut self, part: &DeckRigid, track: &Track) {
         super::write::note_late(
             &self.model.time,
             track,
@@ -121,7 +121,7 @@ impl Writing<'_> {
     }
 
     /// Force and moment with their point of action.
-    fn part(&mut self, part: &Rigid, guided: bool) -> String {
+    fn part(&mut self, part: &DeckRigid, guided: bool) -> String {
         let dim = self.mesh.dim;
         let from = part.from.join(", ");
         let mut text = format!("\n[[rigid]]                            # {from}\non = {}\n", quoted(&part.on));
@@ -156,7 +156,7 @@ impl Writing<'_> {
 
     /// The condition on the motion prescribed at the reference node: for the part if it does not rotate, else for its
     /// node at that position. Empty without one.
-    fn held(&mut self, part: &Rigid, nodes: &[u32], guided: bool) -> String {
+    fn held(&mut self, part: &DeckRigid, nodes: &[u32], guided: bool) -> String {
         let dim = self.mesh.dim;
         let axes = 0..dim;
         let known = part.at.and_then(|at| self.node_at(&at, nodes));

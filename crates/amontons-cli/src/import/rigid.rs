@@ -2,24 +2,24 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::deck::{Card, Fault, Line, Place};
-use super::mesh::{Has, Mesh, Node, integer};
-use super::model::Section;
+use super::deck::{Card, DataLine, DeckFault, DeckPlace};
+use super::mesh::{DeckMesh, DeckNodeId, DeckSetKind, integer};
+use super::model::DeckSection;
 use super::notes::{Matter, Notes};
-use super::sides::Sides;
+use super::sides::DeckSides;
 use super::time::{Event, Track};
 
 /// Nodes of a deck that move as one rigid body, with the loads and conditions of their reference node.
 #[derive(Clone, Debug)]
-pub struct Rigid {
-    pub place: Place,
+pub struct DeckRigid {
+    pub place: DeckPlace,
     /// The keywords with their lines.
     pub from: Vec<String>,
-    what: What,
+    what: NodeNaming,
     /// Its name in the case, empty until `settle`.
     pub on: String,
     /// The nodes of bodies; empty if they are given by a surface.
-    pub nodes: BTreeSet<Node>,
+    pub nodes: BTreeSet<DeckNodeId>,
     /// Coordinates of the reference node.
     pub at: Option<[f64; 3]>,
     /// True if an element contains the reference node: its displacement and force are then those of a node of a body.
@@ -34,7 +34,7 @@ pub struct Rigid {
 
 /// The way in which a deck names the nodes.
 #[derive(Clone, Debug)]
-enum What {
+enum NodeNaming {
     Surface(String),
     Nodes(String),
     Elements(String),
@@ -44,30 +44,30 @@ enum What {
 
 /// The meaning of the directions 1 to 3 of a node.
 #[derive(Clone, Copy, Debug)]
-enum Role {
+enum AxesRole {
     Reference,
     Rotation,
 }
 
 /// A `*COUPLING` whose kind is given by the next keyword.
 #[derive(Clone, Debug)]
-struct Coupling {
-    place: Place,
+struct DeckCoupling {
+    place: DeckPlace,
     surface: String,
-    reference: Node,
+    reference: DeckNodeId,
 }
 
 /// All rigid parts of a deck.
 #[derive(Debug, Default)]
 pub struct Rigids {
-    pub parts: Vec<Rigid>,
+    pub parts: Vec<DeckRigid>,
     /// Reference and rotational nodes with the number of their part.
-    controls: BTreeMap<Node, (usize, Role)>,
-    coupling: Option<Coupling>,
+    controls: BTreeMap<DeckNodeId, (usize, AxesRole)>,
+    coupling: Option<DeckCoupling>,
 }
 
 /// The single node named by a parameter.
-fn one(card: &Card, name: &str, mesh: &Mesh) -> Result<Node, Fault> {
+fn one(card: &Card, name: &str, mesh: &DeckMesh) -> Result<DeckNodeId, DeckFault> {
     let text = card.required(name)?;
     let nodes = mesh.nodes(&card.place, text)?;
     let mut all = nodes.iter();
@@ -75,11 +75,11 @@ fn one(card: &Card, name: &str, mesh: &Mesh) -> Result<Node, Fault> {
         return Ok(*node);
     }
     let found = format!("{name}={}, which has {} nodes", text.escape_debug(), nodes.len());
-    Err(Fault::new(&card.place, found, "one node"))
+    Err(DeckFault::new(&card.place, found, "one node"))
 }
 
 /// The first and the last direction of a line, starting at an entry.
-fn directions(line: &Line, at: usize) -> Result<std::ops::RangeInclusive<i64>, Fault> {
+fn directions(line: &DataLine, at: usize) -> Result<std::ops::RangeInclusive<i64>, DeckFault> {
     let first = integer(line, at)?;
     let last = if line.text(at + 1).is_some() { integer(line, at + 1)? } else { first };
     Ok(first..=last)
@@ -87,16 +87,16 @@ fn directions(line: &Line, at: usize) -> Result<std::ops::RangeInclusive<i64>, F
 
 impl Rigids {
     /// Reads a keyword of a rigid part. Returns false for other keywords.
-    pub fn take(&mut self, card: &Card, mesh: &Mesh, dim: usize, notes: &mut Notes) -> Result<bool, Fault> {
+    pub fn take(&mut self, card: &Card, mesh: &DeckMesh, dim: usize, notes: &mut Notes) -> Result<bool, DeckFault> {
         match card.name.as_str() {
             "RIGID BODY" => self.body(card, mesh, notes)?,
             "COUPLING" => {
                 let surface = mesh.surface(&card.place, card.required("SURFACE")?)?;
                 let reference = one(card, "REFNODE", mesh)?;
-                self.coupling = Some(Coupling { place: card.place.clone(), surface, reference });
+                self.coupling = Some(DeckCoupling { place: card.place.clone(), surface, reference });
             }
             "KINEMATIC" => {
-                let Some(Coupling { place, surface, reference }) = self.coupling.take() else { return Ok(false) };
+                let Some(DeckCoupling { place, surface, reference }) = self.coupling.take() else { return Ok(false) };
                 let mut coupled = BTreeSet::new();
                 for line in &card.data {
                     coupled.extend(directions(line, 0)?);
@@ -107,7 +107,7 @@ impl Rigids {
                     return Ok(true);
                 }
                 let from = vec![format!("*COUPLING {place}"), format!("*KINEMATIC {}", card.place)];
-                let part = Rigid::new((place, from), What::Surface(surface), BTreeSet::new());
+                let part = DeckRigid::new((place, from), NodeNaming::Surface(surface), BTreeSet::new());
                 self.push(part, (Some(reference), None), mesh, notes);
             }
             "DISTRIBUTING" if self.coupling.is_some() => {
@@ -120,22 +120,22 @@ impl Rigids {
         Ok(true)
     }
 
-    fn body(&mut self, card: &Card, mesh: &Mesh, notes: &mut Notes) -> Result<(), Fault> {
+    fn body(&mut self, card: &Card, mesh: &DeckMesh, notes: &mut Notes) -> Result<(), DeckFault> {
         let set = ["NSET", "PINNSET", "TIENSET"].into_iter().find_map(|name| card.parameter(name));
         let (what, nodes) = match (set, card.parameter("ELSET")) {
-            (Some(name), _) => (What::Nodes(name.to_owned()), mesh.nodes(&card.place, name).unwrap_or_default()),
+            (Some(name), _) => (NodeNaming::Nodes(name.to_owned()), mesh.nodes(&card.place, name).unwrap_or_default()),
             (None, Some(name)) => {
                 // Rigid elements and shells belong to no body.
                 let elements = mesh.elements(&card.place, name).unwrap_or_default();
                 let nodes = elements.into_iter().flat_map(|element| mesh.nodes_of(element)).collect();
-                (What::Elements(name.to_owned()), nodes)
+                (NodeNaming::Elements(name.to_owned()), nodes)
             }
             (None, None) => {
                 notes.keyword(&card.place, &card.name);
                 return Ok(());
             }
         };
-        let nodes: BTreeSet<Node> = nodes.into_iter().filter(|node| mesh.is_used(node)).collect();
+        let nodes: BTreeSet<DeckNodeId> = nodes.into_iter().filter(|node| mesh.is_used(node)).collect();
         if nodes.is_empty() {
             let why = "no node of it belongs to a solid element: an obstacle can take the place of a rigid surface";
             notes.add(&card.place, "*RIGID BODY", why, Matter::Answer);
@@ -144,11 +144,11 @@ impl Rigids {
         let node = |name: &str| card.has(name).then(|| one(card, name, mesh)).transpose();
         let controls = (node("REFNODE")?, node("ROTNODE")?);
         let from = vec![format!("*RIGID BODY {}", card.place)];
-        self.push(Rigid::new((card.place.clone(), from), what, nodes), controls, mesh, notes);
+        self.push(DeckRigid::new((card.place.clone(), from), what, nodes), controls, mesh, notes);
         Ok(())
     }
 
-    fn kinematic(&mut self, card: &Card, mesh: &Mesh, dim: usize, notes: &mut Notes) -> Result<(), Fault> {
+    fn kinematic(&mut self, card: &Card, mesh: &DeckMesh, dim: usize, notes: &mut Notes) -> Result<(), DeckFault> {
         let reference = one(card, "REFNODE", mesh)?;
         let expected = "a node or a node set, and its first and last direction";
         let mut nodes = BTreeSet::new();
@@ -165,23 +165,29 @@ impl Rigids {
         }
         let what = match card.data.as_slice() {
             [line] if line.text(0).is_some_and(|name| name.parse::<i64>().is_err()) => {
-                What::Nodes(line.need(0, expected)?.to_owned())
+                NodeNaming::Nodes(line.need(0, expected)?.to_owned())
             }
-            _ => What::Lines,
+            _ => NodeNaming::Lines,
         };
-        let nodes: BTreeSet<Node> = nodes.into_iter().filter(|node| mesh.is_used(node)).collect();
+        let nodes: BTreeSet<DeckNodeId> = nodes.into_iter().filter(|node| mesh.is_used(node)).collect();
         if nodes.is_empty() {
             let why = "no node of it belongs to a solid element";
             notes.add(&card.place, "*KINEMATIC COUPLING", why, Matter::Answer);
             return Ok(());
         }
         let from = vec![format!("*KINEMATIC COUPLING {}", card.place)];
-        self.push(Rigid::new((card.place.clone(), from), what, nodes), (Some(reference), None), mesh, notes);
+        self.push(DeckRigid::new((card.place.clone(), from), what, nodes), (Some(reference), None), mesh, notes);
         Ok(())
     }
 
     /// Adds a part with its reference node and the node of its rotations.
-    fn push(&mut self, mut part: Rigid, controls: (Option<Node>, Option<Node>), mesh: &Mesh, notes: &mut Notes) {
+    fn push(
+        &mut self,
+        mut part: DeckRigid,
+        controls: (Option<DeckNodeId>, Option<DeckNodeId>),
+        mesh: &DeckMesh,
+        notes: &mut Notes,
+    ) {
         let (reference, rotation) = controls;
         if [reference, rotation].iter().flatten().any(|node| self.controls.contains_key(node)) {
             let why = "its reference node is that of another rigid part: give both sides one name by [[side]]";
@@ -189,7 +195,7 @@ impl Rigids {
             return;
         }
         let number = self.parts.len();
-        for (node, role) in [(rotation, Role::Rotation), (reference, Role::Reference)] {
+        for (node, role) in [(rotation, AxesRole::Rotation), (reference, AxesRole::Reference)] {
             self.controls.extend(node.map(|node| (node, (number, role))));
         }
         part.at = reference.map(|node| mesh.point(node));
@@ -198,20 +204,20 @@ impl Rigids {
     }
 
     /// The reference and rotational nodes among some nodes.
-    pub fn controls(&self, nodes: &BTreeSet<Node>) -> BTreeSet<Node> {
+    pub fn controls(&self, nodes: &BTreeSet<DeckNodeId>) -> BTreeSet<DeckNodeId> {
         nodes.iter().filter(|node| self.controls.contains_key(node)).copied().collect()
     }
 
     /// True if a direction of a control node is a motion of its part only, and not of a node of a body.
-    pub fn is_apart(&self, node: &Node, direction: usize) -> bool {
+    pub fn is_apart(&self, node: &DeckNodeId, direction: usize) -> bool {
         self.controls.get(node).is_some_and(|(part, role)| {
             let is_of_body = self.parts.get(*part).is_some_and(|part| part.is_of_body);
-            matches!(role, Role::Rotation) || (4..=6).contains(&direction) || !is_of_body
+            matches!(role, AxesRole::Rotation) || (4..=6).contains(&direction) || !is_of_body
         })
     }
 
     /// Sets the condition or load in a direction of a control node. Returns false if it has no such direction.
-    pub fn set(&mut self, card: &Card, (node, direction): (&Node, usize), event: Event) -> bool {
+    pub fn set(&mut self, card: &Card, (node, direction): (&DeckNodeId, usize), event: Event) -> bool {
         if !self.is_apart(node, direction) {
             return true;
         }
@@ -219,9 +225,9 @@ impl Rigids {
         let Some(part) = self.parts.get_mut(*part) else { return false };
         let is_load = card.name == "CLOAD";
         let (tracks, axis) = match (role, direction) {
-            (Role::Reference, 1..=3) => (if is_load { &mut part.force } else { &mut part.motion }, direction - 1),
-            (Role::Reference, 4..=6) => (if is_load { &mut part.moment } else { &mut part.turning }, direction - 4),
-            (Role::Rotation, 1..=3) => (if is_load { &mut part.moment } else { &mut part.turning }, direction - 1),
+            (AxesRole::Reference, 1..=3) => (if is_load { &mut part.force } else { &mut part.motion }, direction - 1),
+            (AxesRole::Reference, 4..=6) => (if is_load { &mut part.moment } else { &mut part.turning }, direction - 4),
+            (AxesRole::Rotation, 1..=3) => (if is_load { &mut part.moment } else { &mut part.turning }, direction - 1),
             _ => return false,
         };
         if let Some(track) = tracks.get_mut(axis) {
@@ -250,30 +256,30 @@ impl Rigids {
     /// Sets the names of the parts in the case, once all sections are known.
     pub fn settle(
         &mut self,
-        mesh: &Mesh,
-        sections: &[Section],
-        sides: &mut Sides,
+        mesh: &DeckMesh,
+        sections: &[DeckSection],
+        sides: &mut DeckSides,
         notes: &mut Notes,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), DeckFault> {
         let regions: Vec<&String> = sections.iter().flat_map(|section| &section.regions).collect();
         for part in &mut self.parts {
             let nodes = || part.nodes.clone();
             let wanted = format!("rigid-{}", part.place.line);
             let names = match &part.what {
-                What::Surface(name) => vec![name.clone()],
-                What::Elements(name) => {
-                    let own = mesh.spelling(Has::Elements, name);
+                NodeNaming::Surface(name) => vec![name.clone()],
+                NodeNaming::Elements(name) => {
+                    let own = mesh.spelling(DeckSetKind::Elements, name);
                     match own.filter(|own| regions.contains(&own)) {
                         Some(region) => vec![region],
                         None => sides.split(mesh, (None, &wanted), &nodes()),
                     }
                 }
-                What::Nodes(name) => match regions.iter().find(|region| is_all_of(&part.nodes, region, mesh)) {
+                NodeNaming::Nodes(name) => match regions.iter().find(|region| is_all_of(&part.nodes, region, mesh)) {
                     Some(region) => vec![(*region).clone()],
                     None if name.parse::<i64>().is_err() => sides.of_set(mesh, &part.place, name)?,
                     None => sides.split(mesh, (None, &wanted), &nodes()),
                 },
-                What::Lines => sides.split(mesh, (None, &wanted), &nodes()),
+                NodeNaming::Lines => sides.split(mesh, (None, &wanted), &nodes()),
             };
             if let [first, second, ..] = names.as_slice() {
                 let why = format!("the case has the side {first} of it, without the nodes {second} beside it");
@@ -286,16 +292,16 @@ impl Rigids {
 }
 
 /// True if the nodes are all nodes of a region.
-fn is_all_of(nodes: &BTreeSet<Node>, region: &str, mesh: &Mesh) -> bool {
-    let elements = mesh.elements(&Place::start(), region).unwrap_or_default();
-    let own: BTreeSet<Node> = elements.into_iter().flat_map(|element| mesh.nodes_of(element)).collect();
+fn is_all_of(nodes: &BTreeSet<DeckNodeId>, region: &str, mesh: &DeckMesh) -> bool {
+    let elements = mesh.elements(&DeckPlace::start(), region).unwrap_or_default();
+    let own: BTreeSet<DeckNodeId> = elements.into_iter().flat_map(|element| mesh.nodes_of(element)).collect();
     own == *nodes
 }
 
-impl Rigid {
-    fn new((place, from): (Place, Vec<String>), what: What, nodes: BTreeSet<Node>) -> Rigid {
+impl DeckRigid {
+    fn new((place, from): (DeckPlace, Vec<String>), what: NodeNaming, nodes: BTreeSet<DeckNodeId>) -> DeckRigid {
         let none = <[Track; 3]>::default;
-        Rigid {
+        DeckRigid {
             place,
             from,
             what,

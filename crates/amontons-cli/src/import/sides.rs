@@ -2,15 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::deck::{Fault, Place};
-use super::mesh::{Has, Mesh, Node};
+use super::deck::{DeckFault, DeckPlace};
+use super::mesh::{DeckMesh, DeckNodeId, DeckSetKind};
 
 /// Number of entries per line of a set.
 const PER_LINE: usize = 16;
 
 /// Sets and surfaces made for a case.
 #[derive(Debug, Default)]
-pub struct Sides {
+pub struct DeckSides {
     text: String,
     names: Vec<String>,
     /// Names in the case of node sets used by conditions.
@@ -19,17 +19,17 @@ pub struct Sides {
     faces: HashMap<(String, usize), String>,
 }
 
-impl Sides {
+impl DeckSides {
     /// The keywords; empty if the names of the deck are enough.
     pub fn text(&self) -> &str {
         &self.text
     }
 
     /// A name that exists neither in the deck nor in this file: the wanted one, or one with a number.
-    fn free(&mut self, mesh: &Mesh, wanted: &str) -> String {
+    fn free(&mut self, mesh: &DeckMesh, wanted: &str) -> String {
         let taken = |name: &str| {
             self.names.iter().any(|own| own.eq_ignore_ascii_case(name))
-                || [Has::Nodes, Has::Surface].iter().any(|&has| mesh.spelling(has, name).is_some())
+                || [DeckSetKind::Nodes, DeckSetKind::Surface].iter().any(|&has| mesh.spelling(has, name).is_some())
         };
         let numbered = (2..).map(|number| format!("{wanted}-{number}"));
         let name = std::iter::once(wanted.to_owned()).chain(numbered).find(|name| !taken(name));
@@ -39,7 +39,7 @@ impl Sides {
     }
 
     /// Makes a set of nodes.
-    pub fn nodes(&mut self, mesh: &Mesh, wanted: &str, nodes: &BTreeSet<Node>) -> String {
+    pub fn nodes(&mut self, mesh: &DeckMesh, wanted: &str, nodes: &BTreeSet<DeckNodeId>) -> String {
         let name = self.free(mesh, wanted);
         let mut bodies: BTreeMap<usize, Vec<String>> = BTreeMap::new();
         for (body, number) in nodes {
@@ -54,7 +54,7 @@ impl Sides {
     }
 
     /// Makes a surface of faces: of elements and sets of elements, each with the number of its face.
-    pub fn surface(&mut self, mesh: &Mesh, wanted: &str, faces: &[(String, usize)]) -> String {
+    pub fn surface(&mut self, mesh: &DeckMesh, wanted: &str, faces: &[(String, usize)]) -> String {
         let name = self.free(mesh, wanted);
         self.text += &format!("*SURFACE, NAME={name}, TYPE=ELEMENT\n");
         for (of, face) in faces {
@@ -64,7 +64,13 @@ impl Sides {
     }
 
     /// The surface of the faces named by a keyword, made on first use.
-    pub fn face_set(&mut self, mesh: &Mesh, known: (String, usize), wanted: &str, faces: &[(String, usize)]) -> String {
+    pub fn face_set(
+        &mut self,
+        mesh: &DeckMesh,
+        known: (String, usize),
+        wanted: &str,
+        faces: &[(String, usize)],
+    ) -> String {
         if let Some(name) = self.faces.get(&known) {
             return name.clone();
         }
@@ -74,14 +80,14 @@ impl Sides {
     }
 
     /// The names in the case of a node set of the deck: of its side, and of its remaining points.
-    pub fn of_set(&mut self, mesh: &Mesh, place: &Place, name: &str) -> Result<Vec<String>, Fault> {
+    pub fn of_set(&mut self, mesh: &DeckMesh, place: &DeckPlace, name: &str) -> Result<Vec<String>, DeckFault> {
         if let Some(known) = self.known.get(&name.to_uppercase()) {
             return Ok(known.clone());
         }
         let all = mesh.nodes(place, name)?;
-        let nodes: BTreeSet<Node> = all.iter().filter(|node| mesh.is_used(node)).copied().collect();
-        let spelling = mesh.spelling(Has::Nodes, name);
-        let hidden = mesh.spelling(Has::Surface, name).is_some() || nodes.len() < all.len();
+        let nodes: BTreeSet<DeckNodeId> = all.iter().filter(|node| mesh.is_used(node)).copied().collect();
+        let spelling = mesh.spelling(DeckSetKind::Nodes, name);
+        let hidden = mesh.spelling(DeckSetKind::Surface, name).is_some() || nodes.len() < all.len();
         let wanted = spelling.clone().map_or_else(|| format!("node-{name}"), |spelling| spelling.replace('.', "-"));
         let own = spelling.filter(|_| !hidden);
         let found = self.split(mesh, (own, &wanted), &nodes);
@@ -91,12 +97,17 @@ impl Sides {
 
     /// Names for nodes: of the side formed by their facets, and of the remaining points. `own` is the name of a set of
     /// the deck with these nodes.
-    pub fn split(&mut self, mesh: &Mesh, (own, wanted): (Option<String>, &str), nodes: &BTreeSet<Node>) -> Vec<String> {
+    pub fn split(
+        &mut self,
+        mesh: &DeckMesh,
+        (own, wanted): (Option<String>, &str),
+        nodes: &BTreeSet<DeckNodeId>,
+    ) -> Vec<String> {
         if nodes.is_empty() {
             return Vec::new();
         }
         let on_facets = mesh.on_facets(nodes);
-        let beside: BTreeSet<Node> = nodes.difference(&on_facets).copied().collect();
+        let beside: BTreeSet<DeckNodeId> = nodes.difference(&on_facets).copied().collect();
         // A set with facets is a side of these only; the remaining points need their own set.
         let mut found = vec![own.unwrap_or_else(|| self.nodes(mesh, wanted, nodes))];
         if !on_facets.is_empty() && !beside.is_empty() {

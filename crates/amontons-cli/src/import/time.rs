@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::deck::{Card, Fault, Place};
+use super::deck::{Card, DeckFault, DeckPlace};
 use super::notes::{Matter, Notes};
 use super::units::{number, numbers};
 
@@ -15,7 +15,7 @@ const SMOOTH: usize = 20;
 
 /// The equations of a case.
 #[derive(Clone, Copy, Debug)]
-pub struct Physics {
+pub struct DeckPhysics {
     pub mechanics: bool,
     pub heat: bool,
     /// True if heat is stored.
@@ -33,8 +33,8 @@ pub struct Procedure {
 
 /// A step of a deck.
 #[derive(Clone, Debug)]
-pub struct Step {
-    pub place: Place,
+pub struct DeckStep {
+    pub place: DeckPlace,
     pub procedure: Option<Procedure>,
     pub start: f64,
     pub period: f64,
@@ -45,13 +45,13 @@ pub struct Step {
     pub large: bool,
 }
 
-impl Step {
+impl DeckStep {
     /// A step from the keyword `*STEP`.
-    pub fn of(card: &Card, start: f64) -> Step {
+    pub fn of(card: &Card, start: f64) -> DeckStep {
         let ramp = card.word("AMPLITUDE").map(|word| word == "RAMP");
         let large = card.has("NLGEOM") && card.word("NLGEOM").as_deref() != Some("NO");
         let place = card.place.clone();
-        Step { place, procedure: None, start, period: 1.0, increment: 1.0, direct: false, ramp, large }
+        DeckStep { place, procedure: None, start, period: 1.0, increment: 1.0, direct: false, ramp, large }
     }
 
     pub fn end(&self) -> f64 {
@@ -64,10 +64,14 @@ impl Step {
     }
 
     /// Reads the procedure of a step with its times.
-    pub fn proceed(&mut self, card: &Card, procedure: Procedure) -> Result<(), Fault> {
+    pub fn proceed(&mut self, card: &Card, procedure: Procedure) -> Result<(), DeckFault> {
         if self.procedure.is_some() {
             let expected = "one procedure per step";
-            return Err(Fault::new(&card.place, format!("*{} in a step that has a procedure", card.name), expected));
+            return Err(DeckFault::new(
+                &card.place,
+                format!("*{} in a step that has a procedure", card.name),
+                expected,
+            ));
         }
         self.procedure = Some(procedure);
         self.direct = card.has("DIRECT");
@@ -75,7 +79,7 @@ impl Step {
         let positive = |index: usize| match line.number(index)? {
             Some(value) if value > 0.0 => Ok(Some(value)),
             None | Some(0.0) => Ok(None),
-            Some(value) => Err(Fault::new(&line.place, number(value), "a positive time")),
+            Some(value) => Err(DeckFault::new(&line.place, number(value), "a positive time")),
         };
         self.period = positive(1)?.unwrap_or(1.0);
         self.increment = positive(0)?.unwrap_or(self.period).min(self.period);
@@ -92,14 +96,14 @@ pub struct Amplitude {
 
 impl Amplitude {
     /// Reads `*AMPLITUDE`.
-    pub fn of(card: &Card) -> Result<Amplitude, Fault> {
+    pub fn of(card: &Card) -> Result<Amplitude, DeckFault> {
         let definition = card.word("DEFINITION").unwrap_or_else(|| "TABULAR".to_owned());
         let smooth = match definition.as_str() {
             "TABULAR" => false,
             "SMOOTH STEP" => true,
             other => {
                 let found = format!("*AMPLITUDE, DEFINITION={}", other.escape_debug());
-                return Err(Fault::new(&card.place, found, "TABULAR or SMOOTH STEP: write it as a table"));
+                return Err(DeckFault::new(&card.place, found, "TABULAR or SMOOTH STEP: write it as a table"));
             }
         };
         let mut points: Vec<(f64, f64)> = Vec::new();
@@ -111,13 +115,13 @@ impl Amplitude {
                 let point = (line.value(2 * pair, "a time")?, line.value(2 * pair + 1, "a factor")?);
                 if points.last().is_some_and(|last| last.0 >= point.0) {
                     let found = format!("the time {} after {}", number(point.0), number(points[points.len() - 1].0));
-                    return Err(Fault::new(&line.place, found, "times that increase"));
+                    return Err(DeckFault::new(&line.place, found, "times that increase"));
                 }
                 points.push(point);
             }
         }
         if points.is_empty() {
-            return Err(Fault::new(&card.place, "*AMPLITUDE without points", "pairs of a time and a factor"));
+            return Err(DeckFault::new(&card.place, "*AMPLITUDE without points", "pairs of a time and a factor"));
         }
         let total = card.word("TIME").is_some_and(|word| word == "TOTAL TIME");
         Ok(Amplitude { points: if smooth { smoothed(&points) } else { points }, total })
@@ -183,9 +187,9 @@ impl Track {
 
 /// A value over time: its points, in the units of the deck.
 #[derive(Clone, Debug, PartialEq)]
-pub struct History(pub Vec<(f64, f64)>);
+pub struct DeckAmplitude(pub Vec<(f64, f64)>);
 
-impl History {
+impl DeckAmplitude {
     /// The value, if it is the same at all times.
     pub fn constant(&self) -> Option<f64> {
         let first = self.0.first()?.1;
@@ -193,8 +197,8 @@ impl History {
     }
 
     /// The values times a factor, plus a summand.
-    pub fn mapped(&self, factor: f64, summand: f64) -> History {
-        History(self.0.iter().map(|&(t, value)| (t, value * factor + summand)).collect())
+    pub fn mapped(&self, factor: f64, summand: f64) -> DeckAmplitude {
+        DeckAmplitude(self.0.iter().map(|&(t, value)| (t, value * factor + summand)).collect())
     }
 
     /// The text of the case: a number, or a table in time whose times are multiplied by `time`; `space` is a factor in
@@ -220,15 +224,15 @@ fn same(a: f64, b: f64) -> bool {
 /// All steps of a deck, and the equal steps of the case.
 #[derive(Debug)]
 pub struct TimeLine {
-    pub steps: Vec<Step>,
+    pub steps: Vec<DeckStep>,
     pub end: f64,
     pub count: usize,
 }
 
 impl TimeLine {
     /// Joins the steps, and finds equal steps of the case that meet their ends.
-    pub fn of(steps: Vec<Step>, notes: &mut Notes) -> TimeLine {
-        let end = steps.last().map_or(1.0, Step::end);
+    pub fn of(steps: Vec<DeckStep>, notes: &mut Notes) -> TimeLine {
+        let end = steps.last().map_or(1.0, DeckStep::end);
         let wanted = steps.iter().map(|step| step.increment).fold(end, f64::min);
         let least = (end / wanted - 1e-9).ceil().max(1.0);
         let direct = steps.iter().all(|step| step.direct);
@@ -257,7 +261,12 @@ impl TimeLine {
     }
 
     /// The history of a track over all steps, starting at a value; `grows` is true if it ramps like loads.
-    pub fn history(&self, track: &Track, all: &HashMap<String, Amplitude>, (begin, grows): (f64, bool)) -> History {
+    pub fn history(
+        &self,
+        track: &Track,
+        all: &HashMap<String, Amplitude>,
+        (begin, grows): (f64, bool),
+    ) -> DeckAmplitude {
         let mut points: Vec<(f64, f64)> = Vec::new();
         let mut value = begin;
         let mut holds: Option<&Event> = None;
@@ -292,7 +301,7 @@ impl TimeLine {
             }
             value = points.last().map_or(value, |point| point.1);
         }
-        History(simple(points))
+        DeckAmplitude(simple(points))
     }
 }
 
@@ -319,17 +328,26 @@ fn simple(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 mod tests {
     use std::collections::HashMap;
 
-    use super::{Amplitude, Event, Notes, Procedure, Step, TimeLine, Track, smoothed};
-    use crate::import::deck::Place;
+    use super::{Amplitude, DeckStep, Event, Notes, Procedure, TimeLine, Track, smoothed};
+    use crate::import::deck::DeckPlace;
 
     /// Steps one after the other: their periods, and whether each is transient.
     fn steps(all: &[(f64, bool)], increment: f64) -> TimeLine {
-        let mut steps: Vec<Step> = Vec::new();
+        let mut steps: Vec<DeckStep> = Vec::new();
         for &(period, transient) in all {
-            let start = steps.last().map_or(0.0, Step::end);
+            let start = steps.last().map_or(0.0, DeckStep::end);
             let procedure = Some(Procedure { mechanics: true, heat: false, transient });
-            let place = Place::start();
-            steps.push(Step { place, procedure, start, period, increment, direct: false, ramp: None, large: false });
+            let place = DeckPlace::start();
+            steps.push(DeckStep {
+                place,
+                procedure,
+                start,
+                period,
+                increment,
+                direct: false,
+                ramp: None,
+                large: false,
+            });
         }
         TimeLine::of(steps, &mut Notes::default())
     }

@@ -2,19 +2,19 @@
 
 use std::collections::BTreeSet;
 
-use super::deck::{Card, Fault, Place};
-use super::mesh::{Mesh, Node};
+use super::deck::{Card, DeckFault, DeckPlace};
+use super::mesh::{DeckMesh, DeckNodeId};
 use super::vector::{across, cross, unit};
 
 /// Axes of some nodes.
 #[derive(Clone, Debug)]
-pub struct Local {
-    nodes: BTreeSet<Node>,
-    kind: Kind,
+pub struct NodeAxes {
+    nodes: BTreeSet<DeckNodeId>,
+    kind: AxesKind,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum AxesKind {
     /// The axes, row by row.
     Rectangular([[f64; 3]; 3]),
     /// A point and the direction of the axis: radial, tangential and axial.
@@ -23,7 +23,7 @@ enum Kind {
 
 /// All transforms of a deck.
 #[derive(Debug, Default)]
-pub struct Transforms(Vec<Local>);
+pub struct Transforms(Vec<NodeAxes>);
 
 /// Axes from a point on the first axis and a point in the plane of the first two.
 pub fn axes(a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 3]; 3]> {
@@ -34,51 +34,52 @@ pub fn axes(a: [f64; 3], b: [f64; 3]) -> Option<[[f64; 3]; 3]> {
 
 impl Transforms {
     /// Reads the keyword.
-    pub fn take(&mut self, card: &Card, mesh: &Mesh) -> Result<(), Fault> {
+    pub fn take(&mut self, card: &Card, mesh: &DeckMesh) -> Result<(), DeckFault> {
         let nodes = mesh.nodes(&card.place, card.required("NSET")?)?;
         let expected = "two points, six numbers";
         let line = card.first(expected)?;
         let numbers = line.numbers()?;
-        let wrong = |expected: &str| Fault::new(&line.place, format!("\"{}\"", line.whole().escape_debug()), expected);
+        let wrong =
+            |expected: &str| DeckFault::new(&line.place, format!("\"{}\"", line.whole().escape_debug()), expected);
         let (a, b) = match numbers[..] {
             [a, b, c, d, e, f, ..] => ([a, b, c], [d, e, f]),
             _ => return Err(wrong(expected)),
         };
         let kind = match card.word("TYPE").as_deref() {
-            None | Some("R") => Kind::Rectangular(
+            None | Some("R") => AxesKind::Rectangular(
                 axes(a, b).ok_or_else(|| wrong("two points that are not on one line with the origin"))?,
             ),
             Some("C") => {
                 let along = unit(std::array::from_fn(|d| b[d] - a[d])).ok_or_else(|| wrong("two different points"))?;
-                Kind::Cylindrical(a, along)
+                AxesKind::Cylindrical(a, along)
             }
             Some(other) => {
                 let found = format!("*TRANSFORM, TYPE={}", other.escape_debug());
-                return Err(Fault::new(&card.place, found, "TYPE=R or TYPE=C"));
+                return Err(DeckFault::new(&card.place, found, "TYPE=R or TYPE=C"));
             }
         };
-        self.0.push(Local { nodes, kind });
+        self.0.push(NodeAxes { nodes, kind });
         Ok(())
     }
 
     /// The common axes of nodes, or `None` if they have none of their own; a fault if they differ.
-    pub fn of(&self, nodes: &BTreeSet<Node>, place: &Place) -> Result<Option<Local>, Fault> {
+    pub fn of(&self, nodes: &BTreeSet<DeckNodeId>, place: &DeckPlace) -> Result<Option<NodeAxes>, DeckFault> {
         let mut own = self.0.iter().rev().filter(|local| local.nodes.intersection(nodes).next().is_some());
         let Some(local) = own.next() else { return Ok(None) };
         if !nodes.is_subset(&local.nodes) {
             let found = "nodes of which some have a *TRANSFORM and some have none or another one";
-            return Err(Fault::new(place, found, "a set of nodes per *TRANSFORM"));
+            return Err(DeckFault::new(place, found, "a set of nodes per *TRANSFORM"));
         }
         Ok(Some(local.clone()))
     }
 }
 
-impl Local {
+impl NodeAxes {
     /// The axes at a point, row by row.
     pub fn axes(&self, x: &[f64; 3]) -> [[f64; 3]; 3] {
         match &self.kind {
-            Kind::Rectangular(axes) => *axes,
-            Kind::Cylindrical(point, along) => {
+            AxesKind::Rectangular(axes) => *axes,
+            AxesKind::Cylindrical(point, along) => {
                 let from: [f64; 3] = std::array::from_fn(|d| x[d] - point[d]);
                 let radial = unit(across(&from, along)).unwrap_or_default();
                 [radial, cross(along, &radial), *along]
@@ -89,15 +90,15 @@ impl Local {
     /// The axis of the case parallel to a local one, with its sign, if any.
     pub fn along(&self, axis: usize) -> Option<(usize, f64)> {
         let own = match &self.kind {
-            Kind::Rectangular(axes) => *axes.get(axis)?,
-            Kind::Cylindrical(_, along) if axis == 2 => *along,
-            Kind::Cylindrical(..) => return None,
+            AxesKind::Rectangular(axes) => *axes.get(axis)?,
+            AxesKind::Cylindrical(_, along) if axis == 2 => *along,
+            AxesKind::Cylindrical(..) => return None,
         };
         (0..3).find(|&d| own[d].abs() > 1.0 - 1e-9).map(|d| (d, own[d].signum()))
     }
 
     /// True if a local axis is radial: no plane side is normal to it.
     pub fn is_radial(&self, axis: usize) -> bool {
-        axis == 0 && matches!(self.kind, Kind::Cylindrical(..))
+        axis == 0 && matches!(self.kind, AxesKind::Cylindrical(..))
     }
 }

@@ -4,25 +4,25 @@ use crate::arguments::DeckUnits;
 
 /// Factors from the units of a deck to those of the case.
 #[derive(Clone, Copy, Debug)]
-pub struct Units {
+pub struct UnitFactors {
     pub length: f64,
     mass: f64,
     pub time: f64,
     pub dimensionless: bool,
 }
 
-impl From<DeckUnits> for Units {
-    fn from(units: DeckUnits) -> Units {
+impl From<DeckUnits> for UnitFactors {
+    fn from(units: DeckUnits) -> UnitFactors {
         let (length, mass, time) = match units {
             DeckUnits::None | DeckUnits::MKgS => (1.0, 1.0, 1.0),
             DeckUnits::MmNS => (1e-3, 1e3, 1.0),
             DeckUnits::MmKgMs => (1e-3, 1.0, 1e-3),
         };
-        Units { length, mass, time, dimensionless: units == DeckUnits::None }
+        UnitFactors { length, mass, time, dimensionless: units == DeckUnits::None }
     }
 }
 
-impl Units {
+impl UnitFactors {
     /// Factor of pressure, stress and moduli.
     pub fn stress(&self) -> f64 {
         self.mass / (self.length * self.time * self.time)

@@ -1,16 +1,16 @@
 //! The case of a deck as text.
 
-use amontons::mesh::Plane;
-use amontons::mesh::Read;
+use amontons::mesh::MeshFile;
+use amontons::mesh::PlaneState;
 
 use crate::arguments::DeckUnits;
 
 use super::body;
-use super::conditions::{Entry, Quantity};
+use super::conditions::{DeckPrescription, PrescribedQuantity};
 use super::contact;
-use super::deck::{Fault, Place};
+use super::deck::{DeckFault, DeckPlace};
 use super::material::Context;
-use super::model::{Model, Section};
+use super::model::{DeckModel, DeckSection};
 use super::notes::{Matter, Notes};
 use super::parts;
 use super::time::{TimeLine, Track};
@@ -41,20 +41,20 @@ pub fn assumed(units: DeckUnits) -> &'static str {
 }
 
 /// Data needed by all parts of a case.
-struct Writing<'a> {
-    model: &'a Model,
-    read: &'a Read,
+struct CaseWriter<'a> {
+    model: &'a DeckModel,
+    read: &'a MeshFile,
     context: Context,
 }
 
 /// The case.
 pub fn case(
-    model: &Model,
-    read: &Read,
+    model: &DeckModel,
+    read: &MeshFile,
     units: DeckUnits,
     (names, notes): (&Names, &mut Notes),
-) -> Result<String, Fault> {
-    let writing = Writing::new(model, read, units);
+) -> Result<String, DeckFault> {
+    let writing = CaseWriter::new(model, read, units);
     let mut text = writing.frame(names)?;
     text += &writing.materials()?;
     for (place, why) in model.materials.iter().filter_map(|material| material.unfit(&writing.context)) {
@@ -73,9 +73,9 @@ pub fn case(
     };
     text += &rigid;
     let size = writing.size();
-    let conductivity = model.materials.iter().filter_map(super::material::Material::conducts).fold(0.0, f64::max);
+    let conductivity = model.materials.iter().filter_map(super::material::DeckMaterial::conducts).fold(0.0, f64::max);
     let conductivity = if conductivity > 0.0 { conductivity * writing.context.units.conductivity() } else { 1.0 };
-    let scene = contact::Scene {
+    let scene = contact::ContactContext {
         units: writing.context.units,
         heat: writing.context.physics.heat,
         rests: !writing.context.physics.mechanics,
@@ -95,7 +95,7 @@ pub fn case(
 }
 
 /// The comment at the head of a case.
-fn head(names: &Names, units: DeckUnits, writing: &Writing, notes: &Notes) -> String {
+fn head(names: &Names, units: DeckUnits, writing: &CaseWriter, notes: &Notes) -> String {
     let mut text = format!(
         "# The case of the deck {}, written by `amontons import`. Lines are those of the deck.\n# Units: {}.\n",
         one_line(&names.deck),
@@ -122,17 +122,17 @@ fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-impl<'a> Writing<'a> {
-    fn new(model: &'a Model, read: &'a Read, units: DeckUnits) -> Writing<'a> {
-        let expands = model.materials.iter().any(super::material::Material::expands);
+impl<'a> CaseWriter<'a> {
+    fn new(model: &'a DeckModel, read: &'a MeshFile, units: DeckUnits) -> CaseWriter<'a> {
+        let expands = model.materials.iter().any(super::material::DeckMaterial::expands);
         let heat = model.physics.heat;
-        let sees = model.materials.iter().any(super::material::Material::sees_temperature);
+        let sees = model.materials.iter().any(super::material::DeckMaterial::sees_temperature);
         let warmed = model.physics.mechanics && !heat && !model.conditions.field.0.is_empty() && sees;
         let initial = model.conditions.initial.unwrap_or(0.0);
         let plane = read.mesh.dim == 2 && !read.mesh.axisymmetric;
         let stress_state = match read.plane {
             _ if !plane => None,
-            Some(Plane::Strain) => Some("plane-strain"),
+            Some(PlaneState::Strain) => Some("plane-strain"),
             _ => Some("plane-stress"),
         };
         let context = Context {
@@ -145,7 +145,7 @@ impl<'a> Writing<'a> {
             shift: if model.physics.mechanics && (heat || warmed) && expands { initial } else { 0.0 },
             initial,
         };
-        Writing { model, read, context }
+        CaseWriter { model, read, context }
     }
 
     /// Largest extent of the mesh in the units of the case.
@@ -161,7 +161,7 @@ impl<'a> Writing<'a> {
     }
 
     /// Name, units, mesh and time.
-    fn frame(&self, names: &Names) -> Result<String, Fault> {
+    fn frame(&self, names: &Names) -> Result<String, DeckFault> {
         let Context { units, dim, .. } = self.context;
         let mut text = format!("name = {}\n", quoted(&names.case));
         if units.dimensionless {
@@ -172,7 +172,7 @@ impl<'a> Writing<'a> {
             let first = sections.next().map_or(1.0, |section| section.thickness);
             if let Some(other) = sections.find(|section| section.thickness.total_cmp(&first).is_ne()) {
                 let found = format!("a thickness of {} beside one of {}", number(other.thickness), number(first));
-                return Err(Fault::new(&other.place, found, "one thickness, which a plane case has"));
+                return Err(DeckFault::new(&other.place, found, "one thickness, which a plane case has"));
             }
             text += &format!("thickness = {}\n", number(first * units.length));
         }
@@ -197,7 +197,7 @@ impl<'a> Writing<'a> {
         Ok(text)
     }
 
-    fn materials(&self) -> Result<String, Fault> {
+    fn materials(&self) -> Result<String, DeckFault> {
         let mut text = String::new();
         for (number, section) in self.model.sections.iter().enumerate() {
             let table = self.material(section)?;
@@ -213,19 +213,19 @@ impl<'a> Writing<'a> {
         Ok(text)
     }
 
-    fn material(&self, section: &Section) -> Result<String, Fault> {
+    fn material(&self, section: &DeckSection) -> Result<String, DeckFault> {
         let name = &section.material;
         let mut all = self.model.materials.iter();
         let material = all.find(|material| material.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
             let found = format!("MATERIAL={}", name.escape_debug());
-            Fault::new(&section.place, found, "a *MATERIAL that the deck defines")
+            DeckFault::new(&section.place, found, "a *MATERIAL that the deck defines")
         })?;
         let angle = match &section.orientation {
             Some(name) => {
                 let mut all = self.model.orientations.iter();
                 let found = all.find(|orientation| orientation.name == *name).ok_or_else(|| {
                     let found = format!("ORIENTATION={}", name.escape_debug());
-                    Fault::new(&section.place, found, "an *ORIENTATION that the deck defines")
+                    DeckFault::new(&section.place, found, "an *ORIENTATION that the deck defines")
                 })?;
                 Some(found.text(self.context.dim, self.context.units.length))
             }
@@ -265,55 +265,64 @@ impl<'a> Writing<'a> {
         warmed.then(|| format!("temperature = {}   # *TEMPERATURE\n", field().text(units.time, None)))
     }
 
-    fn history(&self, track: &Track, begin: (f64, bool)) -> super::time::History {
+    fn history(&self, track: &Track, begin: (f64, bool)) -> super::time::DeckAmplitude {
         self.model.time.history(track, &self.model.amplitudes, begin)
     }
 
     /// The text of an entry of a side or of points.
-    fn boundary(&self, entry: &Entry, notes: &mut Notes) -> String {
+    fn boundary(&self, entry: &DeckPrescription, notes: &mut Notes) -> String {
         let Context { units, dim, shift, initial, .. } = self.context;
         let mut text = format!("\n[[boundary]]                         # {}\n", entry.from.join(", "));
         text += &format!("on = {}\n", quoted(&entry.on));
         let mut displacement: Vec<String> = vec!["\"free\"".to_owned(); dim];
         let mut traction: Vec<String> = vec!["0.0".to_owned(); dim];
         let mut lines = String::new();
-        let is_any = |wanted: fn(&Quantity) -> bool| entry.tracks.keys().any(wanted);
+        let is_any = |wanted: fn(&PrescribedQuantity) -> bool| entry.tracks.keys().any(wanted);
         for (quantity, (track, _)) in &entry.tracks {
             self.note_late(quantity, track, entry, notes);
             let of = |begin: (f64, bool), factor: f64, summand: f64| {
                 self.history(track, begin).mapped(factor, summand).text(units.time, None)
             };
             match quantity {
-                Quantity::Displacement(d) => displacement[*d] = of((0.0, true), units.length, 0.0),
-                Quantity::Traction(d) => traction[*d] = of((0.0, true), units.stress(), 0.0),
-                Quantity::Normal => lines += "normal_displacement = 0.0\n",
-                Quantity::Temperature => lines += &format!("temperature = {}\n", of((initial, true), 1.0, -shift)),
-                Quantity::Pressure => lines += &format!("pressure = {}\n", of((0.0, true), units.stress(), 0.0)),
-                Quantity::HeatInflow => lines += &format!("heat_inflow = {}\n", of((0.0, true), units.flux(), 0.0)),
-                Quantity::Ambient => {
+                PrescribedQuantity::Displacement(d) => displacement[*d] = of((0.0, true), units.length, 0.0),
+                PrescribedQuantity::Traction(d) => traction[*d] = of((0.0, true), units.stress(), 0.0),
+                PrescribedQuantity::Normal => lines += "normal_displacement = 0.0\n",
+                PrescribedQuantity::Temperature => {
+                    lines += &format!("temperature = {}\n", of((initial, true), 1.0, -shift))
+                }
+                PrescribedQuantity::Pressure => {
+                    lines += &format!("pressure = {}\n", of((0.0, true), units.stress(), 0.0))
+                }
+                PrescribedQuantity::HeatInflow => {
+                    lines += &format!("heat_inflow = {}\n", of((0.0, true), units.flux(), 0.0))
+                }
+                PrescribedQuantity::Ambient => {
                     let ambient = of((initial, false), 1.0, -shift);
                     let film = number(entry.film.unwrap_or(0.0) * units.flux());
                     lines += &format!("convection = {{ coefficient = {film}, ambient = {ambient} }}\n");
                 }
             }
         }
-        if is_any(|quantity| matches!(quantity, Quantity::Displacement(_))) {
+        if is_any(|quantity| matches!(quantity, PrescribedQuantity::Displacement(_))) {
             text += &format!("displacement = [{}]\n", displacement.join(", "));
         }
-        if is_any(|quantity| matches!(quantity, Quantity::Traction(_))) {
+        if is_any(|quantity| matches!(quantity, PrescribedQuantity::Traction(_))) {
             text += &format!("traction = [{}]\n", traction.join(", "));
         }
         text + &lines
     }
 
     /// Notes conditions that exist in some steps of the deck only: in a case they hold at all times.
-    fn note_late(&self, quantity: &Quantity, track: &Track, entry: &Entry, notes: &mut Notes) {
+    fn note_late(&self, quantity: &PrescribedQuantity, track: &Track, entry: &DeckPrescription, notes: &mut Notes) {
         let what = format!("condition on {}", entry.on.escape_debug());
-        if matches!(quantity, Quantity::Displacement(_) | Quantity::Normal | Quantity::Temperature) {
+        if matches!(
+            quantity,
+            PrescribedQuantity::Displacement(_) | PrescribedQuantity::Normal | PrescribedQuantity::Temperature
+        ) {
             note_late(&self.model.time, track, &what, notes);
         }
-        if *quantity == Quantity::Ambient && track.0.iter().any(|event| event.value.is_none()) {
-            let first = self.model.time.steps.first().map_or_else(Place::start, |step| step.place.clone());
+        if *quantity == PrescribedQuantity::Ambient && track.0.iter().any(|event| event.value.is_none()) {
+            let first = self.model.time.steps.first().map_or_else(DeckPlace::start, |step| step.place.clone());
             notes.add(&first, what, "the case keeps its film to the end", Matter::Answer);
         }
     }
@@ -321,9 +330,10 @@ impl<'a> Writing<'a> {
     /// Probes of the reactions of supports.
     fn probes(&self) -> String {
         let mut text = String::new();
-        let held =
-            |entry: &&Entry| entry.tracks.keys().any(|q| matches!(q, Quantity::Displacement(_) | Quantity::Normal));
-        let hot = |entry: &&Entry| entry.tracks.contains_key(&Quantity::Temperature);
+        let held = |entry: &&DeckPrescription| {
+            entry.tracks.keys().any(|q| matches!(q, PrescribedQuantity::Displacement(_) | PrescribedQuantity::Normal))
+        };
+        let hot = |entry: &&DeckPrescription| entry.tracks.contains_key(&PrescribedQuantity::Temperature);
         let all = self.model.conditions.entries.iter();
         let forces = all.clone().filter(held).map(|entry| (entry, "reaction"));
         let heats = all.filter(hot).map(|entry| (entry, "reaction_heat"));
@@ -344,7 +354,7 @@ impl<'a> Writing<'a> {
 
 /// Notes a condition that begins or ends with a step: in a case it holds in all steps.
 pub fn note_late(time: &TimeLine, track: &Track, what: &str, notes: &mut Notes) {
-    let place = |step: usize| time.steps.get(step).map_or_else(Place::start, |step| step.place.clone());
+    let place = |step: usize| time.steps.get(step).map_or_else(DeckPlace::start, |step| step.place.clone());
     if let Some(first) = track.0.first().filter(|first| first.step > 0) {
         let why = "the case has it from the start, the deck from this step on";
         notes.add(&place(first.step), what, why, Matter::Answer);
@@ -356,6 +366,6 @@ pub fn note_late(time: &TimeLine, track: &Track, what: &str, notes: &mut Notes) 
 }
 
 /// The origin of a material, for a comment.
-fn of_section(section: &Section) -> String {
+fn of_section(section: &DeckSection) -> String {
     one_line(&format!("{}: *SOLID SECTION {}", section.material, section.place))
 }

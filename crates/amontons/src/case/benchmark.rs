@@ -5,7 +5,7 @@ use super::nearest::nearest;
 use super::place::At;
 use super::raw;
 use super::request::{ReferenceRequest, StudyRequest};
-use super::verify::{Check, Comparison, ErrorName, Take, Verify};
+use super::verify::{Check, ColumnTake, Comparison, ErrorName, Verify};
 use crate::convergence::Vary;
 use crate::output::{Probe, history_columns};
 use crate::problem::ProblemData;
@@ -99,9 +99,9 @@ fn check(raw: &raw::Check, probe: Option<Probe>) -> Option<Check> {
             column: column.clone(),
             time: *time,
             take: match take {
-                raw::Take::Last => Take::Last,
-                raw::Take::Min => Take::Min,
-                raw::Take::Max => Take::Max,
+                raw::Take::Last => ColumnTake::Last,
+                raw::Take::Min => ColumnTake::Min,
+                raw::Take::Max => ColumnTake::Max,
             },
             is: comparison(*reference, *tolerance, *scale),
         },

@@ -1,37 +1,37 @@
 //! Meshes of several blocks: `[[mesh.blocks]]`.
 
 use super::build::Build;
-use super::memory::{Demand, Size};
-use super::mesh::{FileOf, FromFile, generate, measured, size};
+use super::memory::{MeshDemand, MeshSize};
+use super::mesh::{FileOf, MeshFromFile, generate, measured, size};
 use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
-use crate::machine::Memory;
-use crate::mesh::{Mesh, MeshError, Plane};
+use crate::machine::FreeMemory;
+use crate::mesh::{Mesh, MeshError, PlaneState};
 use crate::tensor::Rotation;
 
 /// The source of the mesh of a block.
-enum Origin {
+enum BlockSource {
     File(Mesh),
     /// A generated mesh with these cells.
     Shape(raw::Mesh, Vec<usize>),
 }
 
-impl Origin {
+impl BlockSource {
     fn mesh(self) -> Result<Mesh, MeshError> {
         match self {
-            Origin::File(mesh) => Ok(mesh),
-            Origin::Shape(shape, cells) => generate(&shape, &cells),
+            BlockSource::File(mesh) => Ok(mesh),
+            BlockSource::Shape(shape, cells) => generate(&shape, &cells),
         }
     }
 }
 
 /// A block before it is placed.
-struct Body {
-    mesh: Origin,
-    size: Size,
+struct UnplacedBlock {
+    mesh: BlockSource,
+    size: MeshSize,
     /// Stress state of a plane body by the elements of its file, if they say it.
-    plane: Option<Plane>,
+    plane: Option<PlaneState>,
 }
 
 impl Build<'_> {
@@ -41,9 +41,9 @@ impl Build<'_> {
         blocks: &[raw::Block],
         axisymmetric: bool,
         sides: &SideNames,
-        available: Option<Memory>,
+        available: Option<FreeMemory>,
     ) -> Option<Mesh> {
-        let (mut bodies, mut all, mut said) = (Vec::new(), Size::default(), Vec::new());
+        let (mut bodies, mut all, mut said) = (Vec::new(), MeshSize::default(), Vec::new());
         for (i, block) in blocks.iter().enumerate() {
             let path = format!("mesh.blocks[{i}]");
             if blocks[..i].iter().any(|other| other.name == block.name) {
@@ -51,13 +51,13 @@ impl Build<'_> {
                 self.note(&format!("{path}.name"), At::Value, found, "a name of its own for each block", None);
                 return None;
             }
-            let Body { mesh, size, plane } = self.body(&path, block, all.dim, axisymmetric, sides)?;
+            let UnplacedBlock { mesh, size, plane } = self.body(&path, block, all.dim, axisymmetric, sides)?;
             said.push(plane);
             all.dim = size.dim;
             all.nodes += size.nodes;
             all.contact_nodes += size.contact_nodes;
             all.neighbours = all.neighbours.max(size.neighbours);
-            let demand = Demand::of(&all, self.solver);
+            let demand = MeshDemand::of(&all, self.solver);
             if !self.affordable(&path, "the blocks", "take fewer cells", &demand, available) {
                 return None;
             }
@@ -115,7 +115,7 @@ impl Build<'_> {
         dim: usize,
         axisymmetric: bool,
         sides: &SideNames,
-    ) -> Option<Body> {
+    ) -> Option<UnplacedBlock> {
         let prefixed = |side: &str| format!("{}_{side}", block.name);
         let Some(file) = &block.file else {
             if block.scale.is_some() {
@@ -127,7 +127,11 @@ impl Build<'_> {
             let (shape, cells) = self.block_shape(path, block, dim)?;
             let of_block: Vec<&str> = sides.contact.iter().filter_map(|on| on.strip_prefix(&*prefixed(""))).collect();
             let size = size(&shape, &cells, &of_block);
-            return Some(Body { mesh: Origin::Shape(shape, cells), size: Size { dim, ..size }, plane: None });
+            return Some(UnplacedBlock {
+                mesh: BlockSource::Shape(shape, cells),
+                size: MeshSize { dim, ..size },
+                plane: None,
+            });
         };
         if let Some(key) = of_generated(block) {
             let hint = Some("remove it: the file has the body");
@@ -135,7 +139,7 @@ impl Build<'_> {
             return None;
         }
         let of = FileOf { name: file, scale: block.scale.unwrap_or(1.0), axisymmetric };
-        let FromFile { mesh, plane } =
+        let MeshFromFile { mesh, plane } =
             self.file(&format!("{path}.file"), &of, &|side| sides.used.contains(&prefixed(side).as_str()))?;
         let expected = if dim == 0 { mesh.dim } else { dim };
         if mesh.dim != expected {
@@ -150,7 +154,7 @@ impl Build<'_> {
             return None;
         }
         let on_contact: Vec<&str> = sides.contact.iter().filter_map(|on| on.strip_prefix(&*prefixed(""))).collect();
-        Some(Body { size: measured(&mesh, &on_contact, 0), mesh: Origin::File(mesh), plane })
+        Some(UnplacedBlock { size: measured(&mesh, &on_contact, 0), mesh: BlockSource::File(mesh), plane })
     }
 
     /// The block as a mesh with its cells, or `None` if its entries do not fit.

@@ -8,7 +8,7 @@ use super::files::{Files, Loader};
 use super::nearest::nearest;
 use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
-use super::place::{At, Finding};
+use super::place::{At, PathFault};
 use super::raw;
 use super::schema::Limits;
 use super::side_facts::SideFacts;
@@ -18,14 +18,14 @@ use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
 use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
-use crate::machine::Memory;
+use crate::machine::FreeMemory;
 use crate::material::Material;
-use crate::mesh::{Mesh, Plane, Skipped};
+use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::time::{TimeScheme, Timeline};
-use crate::units::{System, TemperatureScale};
+use crate::units::{TemperatureScale, UnitSystem};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
 ///
@@ -34,10 +34,10 @@ use crate::units::{System, TemperatureScale};
 pub(super) fn problem(
     mut raw: raw::Case,
     files: &Files,
-    available: Option<Memory>,
-    notes: Notes,
+    available: Option<FreeMemory>,
+    notes: SchemaNotes,
     has_other_end: bool,
-) -> (Option<Built>, Vec<Finding>) {
+) -> (Option<Built>, Vec<PathFault>) {
     let mut build = Build {
         findings: Vec::new(),
         doubtful: notes.doubtful,
@@ -92,17 +92,17 @@ pub(super) fn problem(
     data.backend = backend(raw.solver.solver, &data);
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
-    let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
+    let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
     let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped: build.of_file.skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
-fn system(raw: raw::Units) -> System {
+fn system(raw: raw::Units) -> UnitSystem {
     match raw {
-        raw::Units::Si => System::Si,
-        raw::Units::Dimensionless => System::Dimensionless,
+        raw::Units::Si => UnitSystem::Si,
+        raw::Units::Dimensionless => UnitSystem::Dimensionless,
     }
 }
 
@@ -206,7 +206,7 @@ pub(super) fn expected(raw: &raw::Expected) -> Expected {
 
 /// Results of the walk along the schema that the build needs.
 #[derive(Clone, Copy)]
-pub(super) struct Notes<'d> {
+pub(super) struct SchemaNotes<'d> {
     /// Paths of placeholders.
     pub doubtful: &'d Doubtful,
     /// Limits for the values of expressions and tables.
@@ -219,14 +219,14 @@ pub(super) struct Notes<'d> {
 #[derive(Default)]
 pub(super) struct OfFile {
     /// Stress state of a plane body, if the elements say it.
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
     /// Content that is not used.
     pub skipped: Vec<Skipped>,
 }
 
 /// The state of the build of a problem.
 pub(super) struct Build<'d> {
-    pub findings: Vec<Finding>,
+    pub findings: Vec<PathFault>,
     pub doubtful: &'d Doubtful,
     /// The numbers that keys admit.
     pub limits: &'d [(Path, Limits)],
@@ -274,11 +274,11 @@ impl Build<'_> {
         hint: Option<&str>,
     ) {
         let path = Path::parse(path).unwrap_or_default();
-        self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
+        self.findings.push(PathFault::new(path, at, found, expected).hint(hint.map(str::to_owned)));
     }
 
     /// The findings that do not depend on placeholders.
-    fn certain(&self) -> Vec<Finding> {
+    fn certain(&self) -> Vec<PathFault> {
         self.findings.iter().filter(|finding| !self.is_doubtful(&finding.path)).cloned().collect()
     }
 
@@ -293,7 +293,7 @@ impl Build<'_> {
         }
         let ends_with = |path: &Path, key: &str| path.0.last() == Some(&Segment::Key(key.to_owned()));
         // The supports of a body are unknown while a side of its contacts is unknown.
-        let is_unknown_side = |finding: &Finding| {
+        let is_unknown_side = |finding: &PathFault| {
             finding.path.is_in("contact") && ["on", "with", "distance"].iter().any(|key| ends_with(&finding.path, key))
         };
         if path.0 == [Segment::Key("boundary".to_owned())] && self.findings.iter().any(is_unknown_side) {
@@ -467,8 +467,8 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (doubtful, memory) = (Doubtful::default(), Memory { bytes: 2e6, limit: None });
-        let notes = Notes { doubtful: &doubtful, limits: &[], scale: TemperatureScale::Kelvin };
+        let (doubtful, memory) = (Doubtful::default(), FreeMemory { bytes: 2e6, limit: None });
+        let notes = SchemaNotes { doubtful: &doubtful, limits: &[], scale: TemperatureScale::Kelvin };
         let (problem, findings) = problem(raw, &Files::None, Some(memory), notes, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 2.21 MB, a mesh for the 2.00 MB of memory that are free";

@@ -8,9 +8,9 @@ use toml::de::{DeArray, DeTable, DeValue};
 
 use super::nearest::nearest;
 use super::path::Path;
-use super::place::{At, Finding};
-use super::quantity::{Quantity, Reading, read};
-use super::schema::{Limits, View, one_of};
+use super::place::{At, PathFault};
+use super::quantity::{NumberText, NumberWithUnit, read};
+use super::schema::{Limits, SchemaView, one_of};
 use crate::units::TemperatureScale;
 
 /// Number of faults up to which misplaced keys are searched for in all tables.
@@ -21,7 +21,7 @@ pub(super) struct Checked {
     /// The document, with placeholders for values that depart from the schema.
     pub value: Value,
     /// The departures.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<PathFault>,
     /// Paths of placeholders. Ignore later findings there.
     pub doubtful: Vec<Path>,
     /// Limits for the values of expressions and tables, by the keys that have bounds.
@@ -34,7 +34,7 @@ pub(super) struct Checked {
 pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
     let units = document.get("units").and_then(|units| units.get_ref().as_str());
     let mut walk = Walk {
-        all: View::new(schema),
+        all: SchemaView::new(schema),
         findings: Vec::new(),
         doubtful: Vec::new(),
         limits: Vec::new(),
@@ -49,8 +49,8 @@ pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
 }
 
 struct Walk<'s> {
-    all: View<'s>,
-    findings: Vec<Finding>,
+    all: SchemaView<'s>,
+    findings: Vec<PathFault>,
     doubtful: Vec<Path>,
     limits: Vec<(Path, Limits)>,
     /// True if numbers may have units.
@@ -64,7 +64,7 @@ struct Walk<'s> {
 }
 
 impl<'s> Walk<'s> {
-    fn value(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Value {
+    fn value(&mut self, schema: SchemaView<'s>, path: &Path, found: &DeValue<'_>) -> Value {
         let alternatives = schema.alternatives();
         if let Some(value) = self.measured(schema, path, found) {
             return value;
@@ -94,18 +94,18 @@ impl<'s> Walk<'s> {
     }
 
     /// The number in a text such as `"210 GPa"` where a number is allowed, or `None` for another text.
-    fn measured(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Option<Value> {
+    fn measured(&mut self, schema: SchemaView<'s>, path: &Path, found: &DeValue<'_>) -> Option<Value> {
         let text = found.as_str()?;
-        let number = |form: &View<'s>| form.kind() == "number";
+        let number = |form: &SchemaView<'s>| form.kind() == "number";
         let form = Some(schema).filter(number).or_else(|| schema.alternatives().into_iter().find(number))?;
         let unit = schema.unit();
         let about = schema.about().map(|about| format!(" ({about})")).unwrap_or_default();
         let (expected, hint) = match (read(text)?, unit) {
-            (Reading::Unknown(_), None) => return None,
+            (NumberText::Unknown(_), None) => return None,
             (_, _) if !self.has_units => {
                 (format!("a number without a unit, as the key `units` of the case says{about}"), None)
             }
-            (Reading::Quantity(quantity), unit)
+            (NumberText::Quantity(quantity), unit)
                 if unit.map_or(quantity.unit.is_number(), |(unit, _)| {
                     quantity.unit.is_like(&unit, schema.is_per_thickness() && !self.has_thickness)
                 }) =>
@@ -116,7 +116,7 @@ impl<'s> Walk<'s> {
                 self.on_a_scale(schema, path, &quantity);
                 return Some(Value::from(quantity.number));
             }
-            (Reading::Unknown(word), Some((_, si))) => {
+            (NumberText::Unknown(word), Some((_, si))) => {
                 let hint =
                     format!("the unit `{}` is not known; units are written as in \"W/(m K)\"", word.escape_debug());
                 (format!("a quantity in {si} or in a unit that converts to it{about}"), Some(hint))
@@ -124,13 +124,13 @@ impl<'s> Walk<'s> {
             (_, Some((_, si))) => (format!("a quantity in {si} or in a unit that converts to it{about}"), None),
             (_, None) => (format!("a number without a unit{about}"), None),
         };
-        self.findings.push(Finding::new(path.clone(), At::Value, describe(found), expected).hint(hint));
+        self.findings.push(PathFault::new(path.clone(), At::Value, describe(found), expected).hint(hint));
         self.doubtful.push(path.clone());
         Some(schema.sample())
     }
 
     /// Notes the scale of a temperature and reports a second scale.
-    fn on_a_scale(&mut self, schema: View<'s>, path: &Path, quantity: &Quantity) {
+    fn on_a_scale(&mut self, schema: SchemaView<'s>, path: &Path, quantity: &NumberWithUnit) {
         if !quantity.unit.is_temperature() || schema.is_difference() {
             return;
         }
@@ -144,18 +144,18 @@ impl<'s> Walk<'s> {
             let found = format!("a temperature in {this} beside one in {that}, {other}");
             let hint = "thermal stress is zero at the temperature 0 on the scale of the case";
             let expected = "all temperatures of a case on one scale";
-            self.findings.push(Finding::new(path.clone(), At::Value, found, expected).hint(Some(hint.to_owned())));
+            self.findings.push(PathFault::new(path.clone(), At::Value, found, expected).hint(Some(hint.to_owned())));
         }
     }
 
     /// Notes a value that departs from the schema, and returns a placeholder.
-    fn mismatch(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>, hint: Option<String>) -> Value {
-        self.findings.push(Finding::new(path.clone(), At::Value, describe(found), schema.expected()).hint(hint));
+    fn mismatch(&mut self, schema: SchemaView<'s>, path: &Path, found: &DeValue<'_>, hint: Option<String>) -> Value {
+        self.findings.push(PathFault::new(path.clone(), At::Value, describe(found), schema.expected()).hint(hint));
         self.doubtful.push(path.clone());
         schema.sample()
     }
 
-    fn number(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Value {
+    fn number(&mut self, schema: SchemaView<'s>, path: &Path, found: &DeValue<'_>) -> Value {
         let integer = integer(found);
         let Some(number) = number(found).filter(|n| n.is_finite()) else {
             let hint = match found {
@@ -175,7 +175,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    fn word(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>, word: &str) -> Value {
+    fn word(&mut self, schema: SchemaView<'s>, path: &Path, found: &DeValue<'_>, word: &str) -> Value {
         let words = schema.words();
         if words.is_empty() || words.contains(&word) {
             return Value::from(word);
@@ -184,12 +184,12 @@ impl<'s> Walk<'s> {
         self.mismatch(schema, path, found, hint)
     }
 
-    fn array(&mut self, schema: View<'s>, path: &Path, array: &DeArray<'_>) -> Value {
+    fn array(&mut self, schema: SchemaView<'s>, path: &Path, array: &DeArray<'_>) -> Value {
         let (least, most) = schema.lengths();
         let count = array.len() as u64;
         if count < least || count > most {
             let found = format!("an array of {count}");
-            self.findings.push(Finding::new(path.clone(), At::Value, found, schema.expected()));
+            self.findings.push(PathFault::new(path.clone(), At::Value, found, schema.expected()));
             self.doubtful.push(path.clone());
             return schema.sample();
         }
@@ -197,7 +197,7 @@ impl<'s> Walk<'s> {
         array.iter().enumerate().map(|(i, entry)| self.value(items, &path.index(i), entry.get_ref())).collect()
     }
 
-    fn table(&mut self, schema: View<'s>, path: &Path, table: &DeTable<'_>) -> Value {
+    fn table(&mut self, schema: SchemaView<'s>, path: &Path, table: &DeTable<'_>) -> Value {
         let Some((tag, variants)) = schema.variants() else {
             return Value::Object(self.entries(schema, path, table));
         };
@@ -218,10 +218,10 @@ impl<'s> Walk<'s> {
             return Value::Object(self.entries(*variant, path, table));
         }
         let finding = match found {
-            Some(value) => Finding::new(path.key(tag), At::Value, describe(value), expected).hint(
+            Some(value) => PathFault::new(path.key(tag), At::Value, describe(value), expected).hint(
                 value.as_str().and_then(|word| nearest(word, &names)).map(|near| format!("did you mean \"{near}\"?")),
             ),
-            None => Finding::new(path.key(tag), At::Missing, "no such key", expected),
+            None => PathFault::new(path.key(tag), At::Missing, "no such key", expected),
         };
         self.findings.push(finding);
         self.doubtful.push(path.clone());
@@ -229,7 +229,7 @@ impl<'s> Walk<'s> {
     }
 
     /// Walks the known keys of a table, and notes unknown and missing ones.
-    fn entries(&mut self, schema: View<'s>, path: &Path, table: &DeTable<'_>) -> Map<String, Value> {
+    fn entries(&mut self, schema: SchemaView<'s>, path: &Path, table: &DeTable<'_>) -> Map<String, Value> {
         let mut entries = Map::new();
         let mut meant = Vec::new();
         for (key, value) in table {
@@ -251,7 +251,7 @@ impl<'s> Walk<'s> {
             }
             let (Some(property), at) = (schema.property(key), path.key(key)) else { continue };
             if !meant.contains(&key) {
-                self.findings.push(Finding::new(at.clone(), At::Missing, "no such key", property.expected()));
+                self.findings.push(PathFault::new(at.clone(), At::Missing, "no such key", property.expected()));
             }
             self.doubtful.push(at);
             entries.insert(key.to_owned(), property.sample());
@@ -260,7 +260,7 @@ impl<'s> Walk<'s> {
     }
 
     /// Notes an unknown key. Returns the key of this table that was probably meant, if any.
-    fn unknown_key(&mut self, schema: View<'s>, at: Path, key: &str, table: &DeTable<'_>) -> Option<&'s str> {
+    fn unknown_key(&mut self, schema: SchemaView<'s>, at: Path, key: &str, table: &DeTable<'_>) -> Option<&'s str> {
         let keys = schema.keys();
         let absent: Vec<&str> = keys.iter().copied().filter(|k| table.get(*k).is_none()).collect();
         let meant = nearest(key, &absent).or_else(|| nearest(key, &keys)).or_else(|| synonym(key, &keys));
@@ -276,7 +276,7 @@ impl<'s> Walk<'s> {
             _ => format!("one of {}", keys.join(", ")),
         };
         self.doubtful.push(at.clone());
-        self.findings.push(Finding::new(at, At::Key, "an unknown key", expected).hint(hint));
+        self.findings.push(PathFault::new(at, At::Key, "an unknown key", expected).hint(hint));
         meant
     }
 
@@ -318,7 +318,7 @@ fn number(found: &DeValue<'_>) -> Option<f64> {
 }
 
 /// Correction of a value of wrong type, if its meaning is clear.
-fn hint_for_kind(schema: View<'_>, path: &Path, found: &DeValue<'_>) -> Option<String> {
+fn hint_for_kind(schema: SchemaView<'_>, path: &Path, found: &DeValue<'_>) -> Option<String> {
     match (schema.kind(), found) {
         ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => {
             Some(format!("write {} without quotes", text.trim()))

@@ -137,7 +137,7 @@ impl Build<'_> {
 
     /// The plan of a law at `path` with coefficients that may change with time, or `None`, with a note, if it does not
     /// exist everywhere.
-    fn plan<T: 'static>(&mut self, path: &str, keyed: Keyed, make: laws::Make<T>, sites: &Sites) -> Option<Plan<T>> {
+    fn plan<T: 'static>(&mut self, path: &str, keyed: Keyed, make: laws::MakeLaw<T>, sites: &Sites) -> Option<Plan<T>> {
         let fields = keyed
             .into_iter()
             .map(|(key, datum)| self.coefficient_in_time(&format!("{path}.{key}"), datum, sites))
@@ -179,7 +179,7 @@ impl Build<'_> {
         &mut self,
         path: &str,
         coefficients: Keyed,
-        make: laws::Make<Arc<dyn HeatLaw>>,
+        make: laws::MakeLaw<Arc<dyn HeatLaw>>,
         sites: &Sites,
     ) -> Arc<dyn HeatLaw> {
         let nothing = || -> Arc<dyn HeatLaw> { Arc::new(Insulated) };

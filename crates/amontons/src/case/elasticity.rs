@@ -5,36 +5,36 @@ use std::sync::Arc;
 use super::coefficient::Refusal;
 use super::raw::{Coefficient, Elasticity, Orientation, Viscosity};
 use crate::material::{
-    Carreau, Hencky, Isotropic, LawError, Linear, Orthotropic, ShearLaw, StressState, TensorLaw, VonMisesProjection,
-    reduced,
+    Carreau, Hencky, Isotropic, LawError, Linear, OrthotropicConstants, ShearLaw, StressState, TensorLaw,
+    VonMisesProjection, reduced,
 };
 use crate::tensor::Rotation;
 
-pub(super) type Law = Arc<dyn TensorLaw>;
+pub(super) type ElasticLaw = Arc<dyn TensorLaw>;
 
 /// Dimensions of the body and of the law, and the stress state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct Dimensions {
     pub body: usize,
     pub dim: usize,
     pub state: StressState,
 }
 
 /// Coefficients with their keys below the material.
-type Keyed<'a> = Vec<(String, &'a Coefficient)>;
+type KeyedModuli<'a> = Vec<(String, &'a Coefficient)>;
 
 /// Function that makes a law of the values of its coefficients.
-type Make = Box<dyn Fn(&[f64]) -> Result<Law, Refusal> + Send + Sync>;
+type MakeElastic = Box<dyn Fn(&[f64]) -> Result<ElasticLaw, Refusal> + Send + Sync>;
 
-fn keyed<'a>(law: &str, coefficients: &[(&str, &'a Coefficient)]) -> Keyed<'a> {
+fn keyed<'a>(law: &str, coefficients: &[(&str, &'a Coefficient)]) -> KeyedModuli<'a> {
     coefficients.iter().map(|(key, coefficient)| (format!("{law}.{key}"), *coefficient)).collect()
 }
 
-fn triple<'a>(law: &str, key: &str, coefficients: &'a [Coefficient; 3]) -> Keyed<'a> {
+fn triple<'a>(law: &str, key: &str, coefficients: &'a [Coefficient; 3]) -> KeyedModuli<'a> {
     coefficients.iter().enumerate().map(|(i, coefficient)| (format!("{law}.{key}[{i}]"), coefficient)).collect()
 }
 
-fn matrix<'a>(law: &str, rows: &'a [[Coefficient; 6]; 6]) -> Keyed<'a> {
+fn matrix<'a>(law: &str, rows: &'a [[Coefficient; 6]; 6]) -> KeyedModuli<'a> {
     let row = |(i, row): (usize, &'a [Coefficient; 6])| {
         row.iter().enumerate().map(|(j, entry)| (format!("{law}.voigt[{i}][{j}]"), entry)).collect::<Vec<_>>()
     };
@@ -51,7 +51,7 @@ pub(super) fn angles_from(raw: &Elasticity) -> Option<usize> {
 }
 
 /// The angles of an orientation.
-fn angles<'a>(key: &str, orientation: &'a Orientation) -> Keyed<'a> {
+fn angles<'a>(key: &str, orientation: &'a Orientation) -> KeyedModuli<'a> {
     match orientation {
         Orientation::Angle(angle) => vec![(key.to_owned(), angle)],
         Orientation::Euler(angles) => {
@@ -69,7 +69,7 @@ pub(super) fn rotation(angles: &[f64]) -> Rotation {
 }
 
 /// The coefficients of an elasticity, in the order in which [`elastic_law`] takes their values.
-pub(super) fn elastic_coefficients(raw: &Elasticity) -> Keyed<'_> {
+pub(super) fn elastic_coefficients(raw: &Elasticity) -> KeyedModuli<'_> {
     let law = "elasticity";
     match raw {
         Elasticity::Isotropic { young, poisson, .. } => keyed(law, &[("young", young), ("poisson", poisson)]),
@@ -102,15 +102,15 @@ pub(super) fn elastic_coefficients(raw: &Elasticity) -> Keyed<'_> {
 }
 
 /// The elasticity for the values of its coefficients.
-pub(super) fn elastic_law(raw: &Elasticity, shape: Shape) -> Make {
-    let Shape { dim, state, .. } = shape;
+pub(super) fn elastic_law(raw: &Elasticity, shape: Dimensions) -> MakeElastic {
+    let Dimensions { dim, state, .. } = shape;
     match raw {
         Elasticity::Isotropic { .. } => Box::new(move |v| {
             check_poisson(v[1], shape)?;
             Ok(Arc::new(Isotropic::elastic(dim, v[0], v[1], state)))
         }),
         Elasticity::Orthotropic { .. } => Box::new(move |v| {
-            let constants = Orthotropic { young: three(v), poisson: three(&v[3..]), shear: three(&v[6..]) };
+            let constants = OrthotropicConstants { young: three(v), poisson: three(&v[3..]), shear: three(&v[6..]) };
             shared(Linear::orthotropic(&constants, &rotation(&v[9..]), dim, state))
         }),
         Elasticity::Anisotropic { .. } => {
@@ -128,7 +128,7 @@ pub(super) fn elastic_law(raw: &Elasticity, shape: Shape) -> Make {
 }
 
 /// The coefficients of a viscosity, in the order in which [`viscous_law`] takes their values.
-pub(super) fn viscous_coefficients(raw: &Viscosity) -> Keyed<'_> {
+pub(super) fn viscous_coefficients(raw: &Viscosity) -> KeyedModuli<'_> {
     let law = "viscosity";
     match raw {
         Viscosity::Lame { first, second } => keyed(law, &[("first", first), ("second", second)]),
@@ -155,8 +155,8 @@ pub(super) fn viscous_coefficients(raw: &Viscosity) -> Keyed<'_> {
 }
 
 /// The viscosity for the values of its coefficients.
-pub(super) fn viscous_law(raw: &Viscosity, shape: Shape) -> Make {
-    let Shape { dim, state, .. } = shape;
+pub(super) fn viscous_law(raw: &Viscosity, shape: Dimensions) -> MakeElastic {
+    let Dimensions { dim, state, .. } = shape;
     match raw {
         Viscosity::Lame { .. } => Box::new(move |v| {
             check_lame(v[0], v[1], dim)?;
@@ -180,17 +180,21 @@ fn six_by_six(values: &[f64]) -> [[f64; 6]; 6] {
     std::array::from_fn(|i| std::array::from_fn(|j| values.get(6 * i + j).copied().unwrap_or_default()))
 }
 
-fn shared(law: Result<Linear, LawError>) -> Result<Law, Refusal> {
-    law.map(|law| Arc::new(law) as Law).map_err(|error| refusal(&error))
+fn shared(law: Result<Linear, LawError>) -> Result<ElasticLaw, Refusal> {
+    law.map(|law| Arc::new(law) as ElasticLaw).map_err(|error| refusal(&error))
 }
 
-fn hencky<S: ShearLaw + 'static>(bulk: f64, shear: Result<S, LawError>, shape: Shape) -> Result<Law, Refusal> {
+fn hencky<S: ShearLaw + 'static>(
+    bulk: f64,
+    shear: Result<S, LawError>,
+    shape: Dimensions,
+) -> Result<ElasticLaw, Refusal> {
     let law = shear.and_then(|shear| Hencky::new(bulk, shear)).map_err(|error| refusal(&error))?;
     Ok(reduced(law, shape.dim, shape.state))
 }
 
-fn check_poisson(poisson: f64, shape: Shape) -> Result<(), Refusal> {
-    let Shape { body, state, .. } = shape;
+fn check_poisson(poisson: f64, shape: Dimensions) -> Result<(), Refusal> {
+    let Dimensions { body, state, .. } = shape;
     if (body == 3 || (body == 2 && state == StressState::PlaneStrain)) && poisson >= 0.5 {
         let of = if body == 3 { "in space" } else { "in plane strain" };
         return Err(Refusal {

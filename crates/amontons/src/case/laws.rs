@@ -6,10 +6,10 @@ use super::coefficient::Refusal;
 use super::raw::{Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
     Adhesion, Archard, Bilateral, Capped, Compliance, ConductanceFormula, ConstantConductance, Coulomb, Damped,
-    FrictionFormula, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip,
-    NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureFormula,
-    PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening, StaticKinetic,
-    Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
+    FrictionFormula, FrictionLaw, FrictionVariable, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley,
+    NoSlip, NormalLaw, OrthotropicFriction, PiecewiseLinear, Power, PowerConductance, PressureConductance,
+    PressureFormula, PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening,
+    StaticKinetic, Stop, TableFault, Tabulated, Tresca, WearLaw,
 };
 use crate::expression::ExpressionError;
 
@@ -17,7 +17,7 @@ use crate::expression::ExpressionError;
 pub(super) type Keyed<'a> = Vec<(String, &'a Datum)>;
 
 /// Function that makes a law of the values of its coefficients.
-pub(super) type Make<T> = Box<dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync>;
+pub(super) type MakeLaw<T> = Box<dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync>;
 
 fn keyed<'a, T>(all: &[(&str, &'a T)]) -> Vec<(String, &'a T)> {
     all.iter().map(|(key, coefficient)| ((*key).to_owned(), *coefficient)).collect()
@@ -29,7 +29,7 @@ fn times(values: &[f64], factor: f64) -> Vec<f64> {
 }
 
 /// Coefficients and constructor of a law of the pressure.
-type NormalPlan<'a> = (Keyed<'a>, Make<Arc<dyn NormalLaw>>);
+type NormalPlan<'a> = (Keyed<'a>, MakeLaw<Arc<dyn NormalLaw>>);
 
 fn normal_law<'a, L: NormalLaw + 'static>(
     coefficients: &[(&str, &'a Datum)],
@@ -127,7 +127,7 @@ fn expression_refusal(error: ExpressionError) -> Refusal {
 }
 
 /// Coefficients and constructor of a law of friction.
-type FrictionPlan<'a> = (Keyed<'a>, Make<Arc<dyn FrictionLaw>>);
+type FrictionPlan<'a> = (Keyed<'a>, MakeLaw<Arc<dyn FrictionLaw>>);
 
 /// The plan of a friction law, limited by a cap if there is one.
 fn capped<'a>(
@@ -161,13 +161,13 @@ pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
             static_kinetic(at_rest, kinetic, decay_speed.as_ref(), cap.as_ref())
         }
         Friction::SlipRate { speed, coefficient, factor, cap } => {
-            tabulated(Variable::SlipSpeed, "speed", (speed, coefficient), factor, cap.as_ref())
+            tabulated(FrictionVariable::SlipSpeed, "speed", (speed, coefficient), factor, cap.as_ref())
         }
         Friction::Temperature { temperature, coefficient, factor, cap } => {
-            tabulated(Variable::Temperature, "temperature", (temperature, coefficient), factor, cap.as_ref())
+            tabulated(FrictionVariable::Temperature, "temperature", (temperature, coefficient), factor, cap.as_ref())
         }
         Friction::Pressure { pressure, coefficient, factor, cap } => {
-            tabulated(Variable::Pressure, "pressure", (pressure, coefficient), factor, cap.as_ref())
+            tabulated(FrictionVariable::Pressure, "pressure", (pressure, coefficient), factor, cap.as_ref())
         }
         Friction::Expression { coefficient, factor, cap } => {
             let coefficient = coefficient.clone();
@@ -217,11 +217,11 @@ fn orthotropic(v: &[f64]) -> Result<Arc<dyn FrictionLaw>, Refusal> {
         }
     }
     let direction = std::array::from_fn(|c| direction.get(c).copied().unwrap_or(0.0));
-    Ok(Arc::new(Orthotropic { coefficients, direction }))
+    Ok(Arc::new(OrthotropicFriction { coefficients, direction }))
 }
 
 fn tabulated<'a>(
-    variable: Variable,
+    variable: FrictionVariable,
     key: &'static str,
     (arguments, values): (&[f64], &[f64]),
     factor: &'a Datum,
@@ -241,7 +241,7 @@ fn function_refusal(fault: &TableFault, key: &'static str) -> Refusal {
 }
 
 /// Coefficients and constructor of a law of heat exchange.
-type HeatPlan<'a> = (Keyed<'a>, Make<Arc<dyn HeatLaw>>);
+type HeatPlan<'a> = (Keyed<'a>, MakeLaw<Arc<dyn HeatLaw>>);
 
 fn heat_law<'a, L: HeatLaw + 'static>(
     coefficients: &[(&str, &'a Datum)],
@@ -312,7 +312,7 @@ pub(super) fn frictional_heat(partition: &Datum) -> HeatPlan<'_> {
 }
 
 /// Coefficients and constructor of a law of wear.
-type WearPlan<'a> = (Keyed<'a>, Make<Arc<dyn WearLaw>>);
+type WearPlan<'a> = (Keyed<'a>, MakeLaw<Arc<dyn WearLaw>>);
 
 /// The law of wear.
 pub(super) fn wear(raw: &Wear) -> WearPlan<'_> {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::nearest::nearest;
 use super::path::Path;
 use super::physics::{is_warmed, of_heat, of_mechanics};
-use super::place::{At, Finding};
+use super::place::{At, PathFault};
 use super::raw::{self, Coefficient, Elasticity, Expansion, Steady, Tensor};
 
 /// The table of the materials.
@@ -48,7 +48,7 @@ pub fn materials() -> &'static BTreeMap<String, KnownMaterial> {
 ///
 /// A named material has keys of mechanics and of heat, which decide on the equations of a case. The keys of an equation
 /// are filled in only if another key of the case belongs to it. If none belongs to either, both are.
-pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
+pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<PathFault>) {
     let given = |m: &raw::Material| {
         let coupled = m.expansion.is_some() || m.expansion_coefficient.is_some() || m.coupling.is_some();
         let moves = m.density.is_some() || m.elasticity.is_some() || m.viscosity.is_some() || !m.prony.is_empty();
@@ -70,7 +70,7 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
     for (prefix, material) in std::iter::once(("material".to_owned(), &mut raw.material)).chain(own) {
         let mut note = |key: &str, found: String, expected: String, hint: Option<String>| {
             let path = Path::parse(&format!("{prefix}.{key}")).unwrap_or_default();
-            findings.push(Finding::new(path, At::Value, found, expected).hint(hint));
+            findings.push(PathFault::new(path, At::Value, found, expected).hint(hint));
         };
         let Some(name) = &material.base else {
             if material.stress_state.is_some() {

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use super::build::{Build, Inertia};
 use super::coefficient::{Plan, Refusal, Sites};
-use super::elasticity::{self, Law, Shape};
+use super::elasticity::{self, Dimensions, ElasticLaw};
 use super::library;
 use super::place::At;
 use super::raw::{self, Coefficient, Elasticity, Expansion, ExpansionKind, Orientation, Tensor};
 use crate::field::{self, Field, Graded};
 use crate::material::{Dilatation, Isotropic, Material, Prony, StressState, TensorLaw};
-use crate::mesh::{Mesh, Plane};
+use crate::mesh::{Mesh, PlaneState};
 use crate::problem::Choice;
 use crate::tensor::{Point, Rotation, Sym, mandel_len};
 
@@ -30,7 +30,7 @@ impl Build<'_> {
         let stands_in = raw.base.as_ref().map(|name| !library::materials().contains_key(name));
         let is_stand_in = stands_in.unwrap_or(raw.stress_state.is_some());
         let has_base = raw.base.is_some();
-        Builder { prefix, mesh, sites, has_base, is_stand_in, is_tangent, build: self }.material(raw)
+        MaterialBuilder { prefix, mesh, sites, has_base, is_stand_in, is_tangent, build: self }.material(raw)
     }
 }
 
@@ -40,7 +40,7 @@ const NOWHERE: Sym = Sym([f64::NAN; 6]);
 /// Keys of data that do not depend on the temperature, with all keys below them.
 const STEADY: [&str; 3] = ["density", "coupling", "prony"];
 
-struct Builder<'a, 'b, 'd> {
+struct MaterialBuilder<'a, 'b, 'd> {
     prefix: &'a str,
     mesh: &'a Mesh,
     sites: Sites<'a>,
@@ -52,7 +52,7 @@ struct Builder<'a, 'b, 'd> {
     build: &'b mut Build<'d>,
 }
 
-impl Builder<'_, '_, '_> {
+impl MaterialBuilder<'_, '_, '_> {
     fn path(&self, key: &str) -> String {
         format!("{}.{key}", self.prefix)
     }
@@ -67,7 +67,7 @@ impl Builder<'_, '_, '_> {
         let dim = self.dim();
         let state =
             raw.elasticity.as_ref().map_or_else(StressState::default, |elasticity| self.stress_state(elasticity));
-        let none = || -> Law { Arc::new(Isotropic::lame(dim, 0.0, 0.0, state)) };
+        let none = || -> ElasticLaw { Arc::new(Isotropic::lame(dim, 0.0, 0.0, state)) };
         let plans = raw.elasticity.as_ref().map(|elasticity| self.elasticity(elasticity, state));
         let before = self.build.findings.len();
         let elasticity = plans.as_ref().map_or_else(none, |[law, _]| self.law("elasticity", law));
@@ -144,9 +144,9 @@ impl Builder<'_, '_, '_> {
     }
 
     /// The law of a plan with fixed or graded coefficients, or a placeholder if it does not exist.
-    fn law(&mut self, key: &str, plan: &Plan<Law>) -> Law {
+    fn law(&mut self, key: &str, plan: &Plan<ElasticLaw>) -> ElasticLaw {
         let dim = self.dim();
-        let stand_in: Law = Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress));
+        let stand_in: ElasticLaw = Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress));
         let path = self.path(key);
         if !self.build.holds(&path, plan, &self.sites) {
             return stand_in;
@@ -156,7 +156,7 @@ impl Builder<'_, '_, '_> {
         }
         let plan = plan.clone();
         // Away from the sites a law may not exist.
-        let nowhere: Law = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
+        let nowhere: ElasticLaw = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
         let temperatures = plan.temperatures().to_vec();
         let at =
             move |x: &Point, theta: f64| plan.at_temperature(x, 0.0, theta).unwrap_or_else(|_| Arc::clone(&nowhere));
@@ -180,8 +180,8 @@ impl Builder<'_, '_, '_> {
             );
         }
         let of_file = match self.build.of_file.plane {
-            Some(Plane::Stress) => Some(StressState::PlaneStress),
-            Some(Plane::Strain) => Some(StressState::PlaneStrain),
+            Some(PlaneState::Stress) => Some(StressState::PlaneStress),
+            Some(PlaneState::Strain) => Some(StressState::PlaneStrain),
             None => None,
         };
         let given = stress_state.map(|given| match given {
@@ -216,14 +216,14 @@ impl Builder<'_, '_, '_> {
     }
 
     /// The law of elasticity in the dimension of the body, and in three dimensions.
-    fn elasticity(&mut self, raw: &Elasticity, state: StressState) -> [Plan<Law>; 2] {
+    fn elasticity(&mut self, raw: &Elasticity, state: StressState) -> [Plan<ElasticLaw>; 2] {
         let fields = self.fields(elasticity::elastic_coefficients(raw));
         if let Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. } = raw {
             self.check_orientation("elasticity.orientation", orientation);
         }
         let dim = self.dim();
         [dim, 3].map(|in_dim| {
-            let shape = Shape { body: dim, dim: in_dim, state };
+            let shape = Dimensions { body: dim, dim: in_dim, state };
             Plan::new(fields.clone(), elasticity::elastic_law(raw, shape))
         })
     }
@@ -232,16 +232,16 @@ impl Builder<'_, '_, '_> {
         &mut self,
         raw: &raw::Viscosity,
         state: StressState,
-    ) -> (Vec<Field>, impl Fn(&[f64]) -> Result<Law, Refusal> + Send + Sync + use<>) {
+    ) -> (Vec<Field>, impl Fn(&[f64]) -> Result<ElasticLaw, Refusal> + Send + Sync + use<>) {
         let fields = self.fields(elasticity::viscous_coefficients(raw));
         if let raw::Viscosity::Anisotropic { orientation, .. } = raw {
             self.check_orientation("viscosity.orientation", orientation);
         }
         let dim = self.dim();
-        (fields, elasticity::viscous_law(raw, Shape { body: dim, dim, state }))
+        (fields, elasticity::viscous_law(raw, Dimensions { body: dim, dim, state }))
     }
 
-    fn prony(&mut self, raw: &raw::Material, elasticity: &Law, state: StressState) -> Option<Prony> {
+    fn prony(&mut self, raw: &raw::Material, elasticity: &ElasticLaw, state: StressState) -> Option<Prony> {
         if raw.prony.is_empty() {
             return None;
         }
@@ -270,7 +270,13 @@ impl Builder<'_, '_, '_> {
     }
 
     /// The deviatoric part of an isotropic 𝓔, for a branch.
-    fn shear(&mut self, branch: usize, raw: &raw::Material, elasticity: &Law, state: StressState) -> Option<Law> {
+    fn shear(
+        &mut self,
+        branch: usize,
+        raw: &raw::Material,
+        elasticity: &ElasticLaw,
+        state: StressState,
+    ) -> Option<ElasticLaw> {
         let dim = self.dim();
         let refused = if !matches!(raw.elasticity, Some(Elasticity::Isotropic { .. })) {
             Some(("a deviatoric branch of an elasticity that is not isotropic", "`law = \"isotropic\"`"))
@@ -303,7 +309,7 @@ impl Builder<'_, '_, '_> {
     fn expansion(
         &mut self,
         raw: &raw::Material,
-        plans: Option<&[Plan<Law>; 2]>,
+        plans: Option<&[Plan<ElasticLaw>; 2]>,
         elasticity: &dyn TensorLaw,
         state: StressState,
     ) -> field::Coefficient<Sym> {
@@ -328,7 +334,7 @@ impl Builder<'_, '_, '_> {
     fn thermal_stress(
         &mut self,
         (coefficient, raw): (&Expansion, &Elasticity),
-        [reduced, in_space]: &[Plan<Law>; 2],
+        [reduced, in_space]: &[Plan<ElasticLaw>; 2],
         elasticity: &dyn TensorLaw,
         state: StressState,
     ) -> field::Coefficient<Sym> {

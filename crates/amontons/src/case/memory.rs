@@ -5,7 +5,7 @@ use crate::quadrature::Shape;
 
 /// Size of a mesh before it is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Size {
+pub(super) struct MeshSize {
     /// Dimension.
     pub dim: usize,
     /// Number of nodes, and of those on Γ_C, as reals because they may not fit an integer.
@@ -17,7 +17,7 @@ pub(super) struct Size {
 
 /// Unknowns and memory of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Demand {
+pub(super) struct MeshDemand {
     /// Nodes of the mesh, as a real because they may not fit an integer.
     pub nodes: f64,
     /// Unknowns of displacement and temperature.
@@ -41,7 +41,7 @@ pub(super) fn neighbours(shape: Shape, degree: usize) -> f64 {
     }
 }
 
-impl Demand {
+impl MeshDemand {
     /// Upper bound of the memory of a run with its certificate, in addition to some 25 MB for the program. If the
     /// program chooses the solver, the bound is that of the iteration, which is chosen if a factor does not fit.
     ///
@@ -51,10 +51,10 @@ impl Demand {
     /// temperature: measured 5.6 n^{4/3} blocks on a box of 9³ nodes, rising to 9.3 n^{4/3} at 21³. Both are for linear
     /// simplices; more neighbours per node give more fill-in. The certificate has a second factor, and the condensed
     /// operator is dense, with its last factors. Measured runs take 0.5 to 0.95 of this, see the test below.
-    pub fn of(size: &Size, solver: raw::Backend) -> Demand {
+    pub fn of(size: &MeshSize, solver: raw::Backend) -> MeshDemand {
         /// Blocks of a factor in space over n^{4/3}, on the safe side.
         const FILL: f64 = 12.0;
-        let Size { dim, nodes, contact_nodes, neighbours } = *size;
+        let MeshSize { dim, nodes, contact_nodes, neighbours } = *size;
         let components = dim as f64;
         let (condensed, displacement) = (components * contact_nodes, components * nodes);
         let in_space = dim == 3;
@@ -71,7 +71,7 @@ impl Demand {
             raw::Backend::Direct => direct,
             raw::Backend::Auto | raw::Backend::Iterative => rest,
         };
-        Demand { nodes, unknowns: (components + 1.0) * nodes, bytes }
+        MeshDemand { nodes, unknowns: (components + 1.0) * nodes, bytes }
     }
 }
 
@@ -117,8 +117,8 @@ mod tests {
         for (shape, degree, n, solver, peak) in measured {
             let (along, dim) = (n as f64 + 1.0, shape.dim());
             let [nodes, contact_nodes] = [dim, dim - 1].map(|power| along.powi(power as i32));
-            let size = Size { dim, nodes, contact_nodes, neighbours: neighbours(shape, degree) };
-            let share = peak / Demand::of(&size, solver).bytes;
+            let size = MeshSize { dim, nodes, contact_nodes, neighbours: neighbours(shape, degree) };
+            let share = peak / MeshDemand::of(&size, solver).bytes;
             assert!((0.5..0.95).contains(&share), "{shape:?}, degree {degree}, n = {n}, {solver:?}: {share:.3}");
         }
     }

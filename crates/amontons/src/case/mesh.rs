@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::build::Build;
-use super::memory::{self, Demand, Size, neighbours};
+use super::memory::{self, MeshDemand, MeshSize, neighbours};
 use super::path::Path;
 use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
-use crate::machine::Memory;
+use crate::machine::FreeMemory;
 use crate::mesh::defects::{Defects, defects};
-use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, Plane};
+use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, PlaneState};
 use crate::quadrature::Shape;
 
 /// The key of a mesh file.
@@ -25,9 +25,9 @@ pub(super) struct FileOf<'c> {
 }
 
 /// A mesh from a file, with the stress state that its elements say, if any.
-pub(super) struct FromFile {
+pub(super) struct MeshFromFile {
     pub mesh: Mesh,
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
 }
 
 /// Cells per direction of a generated mesh, empty for several blocks; for a mesh file the parts of each edge.
@@ -108,19 +108,20 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
 
 impl Build<'_> {
     /// The mesh, or a placeholder with few cells if it has a fault.
-    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<Memory>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<FreeMemory>) -> Mesh {
         let made = match raw {
             raw::Mesh::File { file, scale, axisymmetric, refine } => {
                 let of = FileOf { name: file, scale: *scale, axisymmetric: *axisymmetric };
-                let read = self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|FromFile { mesh, plane }| {
-                    self.of_file.plane = plane;
-                    self.with_named_sides(mesh, sides.named)
-                });
+                let read =
+                    self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|MeshFromFile { mesh, plane }| {
+                        self.of_file.plane = plane;
+                        self.with_named_sides(mesh, sides.named)
+                    });
                 let read = read.filter(|mesh| {
                     let size = measured(mesh, &sides.contact, *refine);
                     // Each refinement doubles the cells along every direction.
                     let cells = mesh.cell_count() as f64 * f64::from(1 << refine).powi(mesh.dim as i32);
-                    let demand = Demand::of(&size, self.solver);
+                    let demand = MeshDemand::of(&size, self.solver);
                     self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
                 });
                 read.and_then(|mesh| self.refined(mesh, *refine))
@@ -146,7 +147,7 @@ impl Build<'_> {
     }
 
     /// The generated mesh, or `None` if it does not exist in this size.
-    fn generated(&mut self, raw: &raw::Mesh, contact_on: &[&str], available: Option<Memory>) -> Option<Mesh> {
+    fn generated(&mut self, raw: &raw::Mesh, contact_on: &[&str], available: Option<FreeMemory>) -> Option<Mesh> {
         let cells = cells(raw);
         if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
             self.note(
@@ -157,7 +158,7 @@ impl Build<'_> {
                 Some("remove one of them"),
             );
         }
-        let demand = Demand::of(&size(raw, &cells, contact_on), self.solver);
+        let demand = MeshDemand::of(&size(raw, &cells, contact_on), self.solver);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
         let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
         // A case with faults is not run: a few cells are enough to find its sides.
@@ -170,7 +171,7 @@ impl Build<'_> {
     }
 
     /// The mesh of a file, if it is sound; `is_used` selects the sides in use, `key` names the file.
-    pub(super) fn file(&mut self, key: &str, of: &FileOf, is_used: &dyn Fn(&str) -> bool) -> Option<FromFile> {
+    pub(super) fn file(&mut self, key: &str, of: &FileOf, is_used: &dyn Fn(&str) -> bool) -> Option<MeshFromFile> {
         let name = of.name;
         let bytes = match self.loader.get(&Path::parse(key).unwrap_or_default(), name) {
             Ok(bytes) => bytes,
@@ -186,7 +187,7 @@ impl Build<'_> {
                 if let Some(whole) = read.whole {
                     self.loader.complete(name, whole);
                 }
-                FromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane }
+                MeshFromFile { mesh: read.mesh.scaled(of.scale), plane: read.plane }
             }
             Err(error) => {
                 let place = error.place();
@@ -234,13 +235,13 @@ impl Build<'_> {
         path: &str,
         what: &str,
         hint: &str,
-        demand: &Demand,
-        available: Option<Memory>,
+        demand: &MeshDemand,
+        available: Option<FreeMemory>,
     ) -> bool {
         let count =
             if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
-        if let Some(Memory { bytes, limit }) = available.filter(|available| demand.bytes > available.bytes) {
+        if let Some(FreeMemory { bytes, limit }) = available.filter(|available| demand.bytes > available.bytes) {
             let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
             let by = limit.map_or_else(String::new, |limit| format!(" below {limit}"));
             let expected = format!("a mesh for the {} of memory that are free{by}", memory::bytes(bytes));
@@ -256,13 +257,13 @@ impl Build<'_> {
 }
 
 /// The size of a mesh file after `refine` refinements.
-pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> Size {
+pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> MeshSize {
     let contact_nodes: usize =
         contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
     // Each refinement doubles the nodes along every direction.
     let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
     let of_block = |block: &Block| neighbours(block.element.shape, block.element.degree);
-    Size {
+    MeshSize {
         dim: mesh.dim,
         nodes: mesh.points.len() as f64 * times(mesh.dim),
         contact_nodes: contact_nodes as f64 * times(mesh.dim.saturating_sub(1)),
@@ -277,7 +278,7 @@ fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
 }
 
 /// The size of a generated mesh.
-pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Size {
+pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> MeshSize {
     let sum = |of: &dyn Fn(&str) -> f64| contact_on.iter().map(|side| of(side)).sum::<f64>();
     let degree = |e: raw::Elements| elements(e).degree() as f64;
     let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
@@ -315,7 +316,7 @@ pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Siz
         }
         _ => (2, 0.0, 0.0),
     };
-    Size {
+    MeshSize {
         dim,
         nodes,
         contact_nodes,

@@ -64,11 +64,13 @@ pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
 pub use library::{KnownMaterial, materials};
 pub use parse::{Case, parse, read, source};
-pub use reference::{Entry, Word, explain, json as reference_json, markdown as reference_markdown, reference, similar};
+pub use reference::{
+    GlossaryEntry, Word, explain, json as reference_json, markdown as reference_markdown, reference, similar,
+};
 pub use request::{ReferenceRequest, StudyRequest, StudyRequestError};
 pub use schema::schema;
 pub use study::{meshes, study};
-pub use verify::{Check, Comparison, ErrorName, Expected, Take, Verify};
+pub use verify::{Check, ColumnTake, Comparison, ErrorName, Expected, Verify};
 
 /// A small complete case with every key explained, written by `amontons new`.
 pub const STARTER: &str = include_str!("starter.toml");

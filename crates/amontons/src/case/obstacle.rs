@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::build::Build;
 use super::place::At;
 use super::raw::{self, Datum};
-use super::solid::FromFile;
+use super::solid::SolidFromFile;
 use crate::contact::obstacle::{
-    Cylinder, File, Obstacle, ObstacleLoad, Plane, Point3, Shape, ShapeFaults, Sphere, Surface, Turning, Wave,
+    Cylinder, FacetedSolid, LevelSet, Obstacle, ObstacleLoad, ObstacleShape, Plane, Point3, ShapeFaults, Sphere,
+    Turning, Wave,
 };
 use crate::field::Field;
 use crate::tensor::Point;
@@ -39,7 +40,7 @@ impl Build<'_> {
         }
     }
 
-    fn shape_of(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Arc<dyn Shape>> {
+    fn shape_of(&mut self, path: &str, raw: &raw::Obstacle, points: &[Point]) -> Option<Arc<dyn ObstacleShape>> {
         match raw {
             raw::Obstacle::Plane { point, normal, .. } => {
                 let (point, normal) = (self.moving(path, "point", point), self.direction(path, "normal", normal));
@@ -63,8 +64,8 @@ impl Build<'_> {
             }
             raw::Obstacle::File { file, scale, turn, origin, inside, .. } => {
                 let origin = if origin.is_empty() { Point3::default() } else { self.moving(path, "origin", origin) };
-                let surface = self.facets(path, &FromFile { file, scale: *scale, turn: turn.as_ref() })?;
-                self.shape(path, File::new(Arc::new(surface), origin, *inside))
+                let surface = self.facets(path, &SolidFromFile { file, scale: *scale, turn: turn.as_ref() })?;
+                self.shape(path, FacetedSolid::new(Arc::new(surface), origin, *inside))
             }
             raw::Obstacle::Surface { level, .. } => self.surface(path, level, points),
         }
@@ -90,7 +91,11 @@ impl Build<'_> {
         }
     }
 
-    fn shape<S: Shape + 'static>(&mut self, path: &str, shape: Result<S, ShapeFaults>) -> Option<Arc<dyn Shape>> {
+    fn shape<S: ObstacleShape + 'static>(
+        &mut self,
+        path: &str,
+        shape: Result<S, ShapeFaults>,
+    ) -> Option<Arc<dyn ObstacleShape>> {
         match shape {
             Ok(shape) => Some(Arc::new(shape)),
             Err(faults) => {
@@ -107,10 +112,10 @@ impl Build<'_> {
     }
 
     /// The zero level of a function, which must have a nearest point for each of `points`.
-    fn surface(&mut self, path: &str, level: &str, points: &[Point]) -> Option<Arc<dyn Shape>> {
+    fn surface(&mut self, path: &str, level: &str, points: &[Point]) -> Option<Arc<dyn ObstacleShape>> {
         let key = format!("{path}.level");
         let level = self.expression(&key, level)?;
-        let shape = self.shape(path, Surface::new(level))?;
+        let shape = self.shape(path, LevelSet::new(level))?;
         // Points of a placeholder mesh are irrelevant.
         let known = !self.doubtful.has_in_mesh;
         if let Some(x) = points.iter().find(|x| known && !shape.nearest(x, 0.0).distance.is_finite()) {

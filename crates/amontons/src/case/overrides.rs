@@ -48,7 +48,7 @@ pub(super) fn refer(text: &str, references: &[(Path, String)]) -> Result<String,
     let mut document: DocumentMut =
         text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
     for (path, name) in references {
-        let told = |refusal: Refusal| {
+        let told = |refusal: OverrideRefusal| {
             (format!("{}: found {}, expected {}", refusal.path, refusal.found, refusal.expected), None)
         };
         set(&mut document, path, Value::from(name.as_str())).map_err(told)?;
@@ -62,39 +62,39 @@ pub(super) fn faults(overrides: &[String]) -> Vec<CaseFault> {
 }
 
 /// The reason why an override cannot be applied.
-struct Refusal {
+struct OverrideRefusal {
     path: String,
     found: String,
     expected: String,
     hint: Option<String>,
 }
 
-impl Refusal {
-    fn new(path: &(impl ToString + ?Sized), found: impl Into<String>, expected: impl Into<String>) -> Refusal {
-        Refusal { path: path.to_string(), found: found.into(), expected: expected.into(), hint: None }
+impl OverrideRefusal {
+    fn new(path: &(impl ToString + ?Sized), found: impl Into<String>, expected: impl Into<String>) -> OverrideRefusal {
+        OverrideRefusal { path: path.to_string(), found: found.into(), expected: expected.into(), hint: None }
     }
 
-    fn hint(mut self, hint: impl Into<String>) -> Refusal {
+    fn hint(mut self, hint: impl Into<String>) -> OverrideRefusal {
         self.hint = Some(hint.into());
         self
     }
 
     fn into_fault(self, given: &str) -> CaseFault {
-        let Refusal { path, found, expected, hint } = self;
+        let OverrideRefusal { path, found, expected, hint } = self;
         CaseFault { place: FaultPlace::Override(given.to_owned()), path, found, expected, hint }
     }
 }
 
 /// Reads `KEY=VALUE`.
-fn read(given: &str) -> Result<(Path, Value), Refusal> {
+fn read(given: &str) -> Result<(Path, Value), OverrideRefusal> {
     let Some((key, value)) = given.split_once('=') else {
-        return Err(Refusal::new("", "no `=`", "KEY=VALUE, such as mesh.n=32"));
+        return Err(OverrideRefusal::new("", "no `=`", "KEY=VALUE, such as mesh.n=32"));
     };
     let (key, value) = (key.trim(), value.trim());
     let path = Path::parse(key)
-        .map_err(|found| Refusal::new("", found, "a dotted key, such as mesh.n or boundary[1].traction"))?;
+        .map_err(|found| OverrideRefusal::new("", found, "a dotted key, such as mesh.n or boundary[1].traction"))?;
     if value.is_empty() {
-        return Err(Refusal::new(key, "no value", "a TOML value behind `=`"));
+        return Err(OverrideRefusal::new(key, "no value", "a TOML value behind `=`"));
     }
     match value.parse::<Value>() {
         Ok(mut value) => {
@@ -104,8 +104,8 @@ fn read(given: &str) -> Result<(Path, Value), Refusal> {
         Err(_) if is_bare_word(value) => Ok((path, Value::from(value))),
         Err(error) => {
             let what = error.message().lines().next().unwrap_or_default().to_owned();
-            Err(Refusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(
-                if syntax::Kind::of(&what) == syntax::Kind::NoValue {
+            Err(OverrideRefusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(
+                if syntax::SyntaxFault::of(&what) == syntax::SyntaxFault::NoValue {
                     format!("a string stands in quotes that the shell leaves alone: '{key}=\"{value}\"'")
                 } else {
                     what
@@ -122,45 +122,47 @@ fn is_bare_word(value: &str) -> bool {
 }
 
 /// A place in a document that can be changed.
-enum Node<'d> {
+enum TomlPlace<'d> {
     Item(&'d mut Item),
     Value(&'d mut Value),
     Table(&'d mut Table),
 }
 
-impl<'d> Node<'d> {
+impl<'d> TomlPlace<'d> {
     /// The entries of a table of any notation.
     fn into_table(self) -> Option<&'d mut dyn TableLike> {
         match self {
-            Node::Item(item) => item.as_table_like_mut(),
-            Node::Value(value) => value.as_inline_table_mut().map(|t| t as &mut dyn TableLike),
-            Node::Table(table) => Some(table),
+            TomlPlace::Item(item) => item.as_table_like_mut(),
+            TomlPlace::Value(value) => value.as_inline_table_mut().map(|t| t as &mut dyn TableLike),
+            TomlPlace::Table(table) => Some(table),
         }
     }
 
     fn is_table(&self) -> bool {
         match self {
-            Node::Item(item) => item.is_table_like(),
-            Node::Value(value) => value.is_inline_table(),
-            Node::Table(_) => true,
+            TomlPlace::Item(item) => item.is_table_like(),
+            TomlPlace::Value(value) => value.is_inline_table(),
+            TomlPlace::Table(_) => true,
         }
     }
 
     /// Number of entries of an array of any notation.
     fn array_len(&self) -> Option<usize> {
         match self {
-            Node::Item(Item::ArrayOfTables(array)) => Some(array.len()),
-            Node::Item(Item::Value(Value::Array(array))) | Node::Value(Value::Array(array)) => Some(array.len()),
+            TomlPlace::Item(Item::ArrayOfTables(array)) => Some(array.len()),
+            TomlPlace::Item(Item::Value(Value::Array(array))) | TomlPlace::Value(Value::Array(array)) => {
+                Some(array.len())
+            }
             _ => None,
         }
     }
 
     /// Entry of an array of any notation.
-    fn into_entry(self, index: usize) -> Option<Node<'d>> {
+    fn into_entry(self, index: usize) -> Option<TomlPlace<'d>> {
         match self {
-            Node::Item(Item::ArrayOfTables(array)) => array.get_mut(index).map(Node::Table),
-            Node::Item(Item::Value(Value::Array(array))) | Node::Value(Value::Array(array)) => {
-                array.get_mut(index).map(Node::Value)
+            TomlPlace::Item(Item::ArrayOfTables(array)) => array.get_mut(index).map(TomlPlace::Table),
+            TomlPlace::Item(Item::Value(Value::Array(array))) | TomlPlace::Value(Value::Array(array)) => {
+                array.get_mut(index).map(TomlPlace::Value)
             }
             _ => None,
         }
@@ -169,12 +171,12 @@ impl<'d> Node<'d> {
     /// Puts a value here; comments around the old one stay.
     fn replace(self, mut value: Value) -> Result<(), &'static str> {
         match self {
-            Node::Item(Item::Value(old)) | Node::Value(old) => {
+            TomlPlace::Item(Item::Value(old)) | TomlPlace::Value(old) => {
                 *value.decor_mut() = old.decor().clone();
                 *old = value;
             }
-            Node::Item(item) => *item = Item::Value(value),
-            Node::Table(table) => match value {
+            TomlPlace::Item(item) => *item = Item::Value(value),
+            TomlPlace::Table(table) => match value {
                 Value::InlineTable(new) => *table = new.into_table(),
                 _ => return Err("a table"),
             },
@@ -184,18 +186,18 @@ impl<'d> Node<'d> {
 }
 
 /// Sets the value at a path and makes missing tables. Returns the path, in which indices now differ from keys.
-fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Refusal> {
-    let lost = || Refusal::new(path, "no entry", "an entry that can be changed");
-    let mut node = Node::Table(document.as_table_mut());
+fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, OverrideRefusal> {
+    let lost = || OverrideRefusal::new(path, "no entry", "an entry that can be changed");
+    let mut node = TomlPlace::Table(document.as_table_mut());
     let mut at = Path::default();
     for (i, segment) in path.0.iter().enumerate() {
         let last = i + 1 == path.0.len();
         if node.is_table() {
             let Segment::Key(key) = segment else {
-                return Err(Refusal::new(path, format!("an index into {at}, which is a table"), "a key"));
+                return Err(OverrideRefusal::new(path, format!("an index into {at}, which is a table"), "a key"));
             };
             at = at.key(key);
-            let inline = !matches!(node, Node::Table(_) | Node::Item(Item::Table(_)));
+            let inline = !matches!(node, TomlPlace::Table(_) | TomlPlace::Item(Item::Table(_)));
             let Some(table) = node.into_table() else { return Err(lost()) };
             if table.get(key).is_none() {
                 let new = if last { Item::Value(value.clone()) } else { new_table(inline) };
@@ -205,21 +207,23 @@ fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Re
                 }
             }
             let Some(item) = table.get_mut(key) else { return Err(lost()) };
-            node = Node::Item(item);
+            node = TomlPlace::Item(item);
         } else if let Some(count) = node.array_len() {
-            let index = array_index(segment, count).map_err(|(found, expected)| Refusal::new(path, found, expected))?;
+            let index =
+                array_index(segment, count).map_err(|(found, expected)| OverrideRefusal::new(path, found, expected))?;
             at = at.index(index);
             let Some(entry) = node.into_entry(index) else { return Err(lost()) };
             node = entry;
         } else {
-            return Err(Refusal::new(
+            return Err(OverrideRefusal::new(
                 path,
                 format!("a value at {at}"),
                 "a table or an array that the key leads through",
             ));
         }
     }
-    node.replace(value).map_err(|expected| Refusal::new(path, "a value that is no table for a [[table]]", expected))?;
+    node.replace(value)
+        .map_err(|expected| OverrideRefusal::new(path, "a value that is no table for a [[table]]", expected))?;
     Ok(at)
 }
 

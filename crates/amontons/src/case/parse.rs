@@ -7,7 +7,7 @@ use super::files::Files;
 use super::identity::identity;
 use super::overrides::Applied;
 use super::path::Doubtful;
-use super::place::{At, Finding, Origin};
+use super::place::{At, CaseOrigin, PathFault};
 use super::schema::rules;
 use super::text::text as file_text;
 use super::verify::{Expected, Verify};
@@ -117,7 +117,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         faults.extend(overrides::faults(overrides));
         // A text whose only faults are duplicate keys can be checked further, unless overrides could change it.
         if overrides.is_empty() && only_duplicates {
-            let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &[] };
+            let origin = CaseOrigin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &[] };
             faults.extend(
                 build_case(document.get_ref(), &source.files, false)
                     .1
@@ -130,7 +130,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     let applied = overrides::apply(&source.text, overrides)
         .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
     let Applied { text, set, mut faults } = applied;
-    let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &set };
+    let origin = CaseOrigin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &set };
     // An override may end the run before the times of checks in the file; `verify` reports those that it lacks.
     let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
     let (case, findings) = match DeTable::parse(&text) {
@@ -150,8 +150,8 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
 }
 
 /// A finding about the file as a whole.
-fn whole(found: impl Into<String>) -> Finding {
-    Finding::new(path::Path::default(), At::Value, found, "a case file")
+fn whole(found: impl Into<String>) -> PathFault {
+    PathFault::new(path::Path::default(), At::Value, found, "a case file")
 }
 
 /// Keys of a case that name files, with their values for the copies.
@@ -162,7 +162,7 @@ fn build_case(
     document: &DeTable<'_>,
     files: &Files,
     has_other_end: bool,
-) -> (Option<(Case, References)>, Vec<Finding>) {
+) -> (Option<(Case, References)>, Vec<PathFault>) {
     let check::Checked { value, mut findings, doubtful, limits, scale } = check::check(&rules(), document);
     let mut raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
@@ -179,7 +179,7 @@ fn build_case(
     let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));
     let blocks = mesh::blocks(&raw.mesh);
     let doubtful = Doubtful::new(doubtful);
-    let notes = build::Notes { doubtful: &doubtful, limits: &limits, scale };
+    let notes = build::SchemaNotes { doubtful: &doubtful, limits: &limits, scale };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
     let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references, skipped }| {

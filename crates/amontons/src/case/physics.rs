@@ -1,9 +1,9 @@
 //! The equations of a case: they follow from the keys of its materials, and every other key must belong to one of them.
 
 use super::path::Path;
-use super::place::{At, Finding};
+use super::place::{At, PathFault};
 use super::raw::{self, Datum, Friction, Heat, HeatTerm, Scalar, Wear};
-use super::schema::{View, rules};
+use super::schema::{SchemaView, rules};
 use crate::contact::{ConductanceFormula, FrictionFormula};
 use crate::expression::Formula;
 use crate::problem::Physics;
@@ -12,7 +12,7 @@ use crate::problem::Physics;
 /// capacity or a conductivity, and both if one expands or gives off heat as it is strained.
 ///
 /// Missing keys, and data of equations that the case does not have, go to the findings.
-pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
+pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<PathFault>) -> Physics {
     let own = raw.region.iter().enumerate();
     let own = own.filter_map(|(i, region)| Some((format!("region[{i}].material"), region.material.as_ref()?)));
     let materials: Vec<(String, &raw::Material)> =
@@ -34,7 +34,7 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
         (false, false) => {
             let expected =
                 "`density` and `elasticity` for mechanics, `heat_capacity` and `conductivity` for heat, or all four";
-            findings.push(Finding::new(
+            findings.push(PathFault::new(
                 path("material"),
                 At::Value,
                 "a material without keys of mechanics or heat",
@@ -56,7 +56,7 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     let (what, expected) =
         if mechanics { ("heat", "keys of mechanics only") } else { ("mechanics", "keys of heat only") };
     findings.extend(others.into_iter().map(|(key, found)| {
-        Finding::new(
+        PathFault::new(
             path(&key),
             At::Value,
             format!("{found} in a case without {what}"),
@@ -72,7 +72,7 @@ fn required(
     raw: &raw::Case,
     materials: &[(String, &raw::Material)],
     [mechanics, heat]: [bool; 2],
-    findings: &mut Vec<Finding>,
+    findings: &mut Vec<PathFault>,
 ) {
     for (prefix, material) in materials {
         if mechanics {
@@ -88,7 +88,7 @@ fn required(
     let lacking = |(_, contact): &(String, &raw::Contact)| mechanics && contact.normal.is_none();
     for (prefix, _) in raw.contact.iter().flat_map(raw::Contacts::each).filter(lacking) {
         let expected = "a table (law of the contact pressure p_ν (2.8))";
-        findings.push(Finding::new(path(&format!("{prefix}.normal")), At::Missing, "no such key", expected));
+        findings.push(PathFault::new(path(&format!("{prefix}.normal")), At::Missing, "no such key", expected));
     }
 }
 
@@ -98,7 +98,7 @@ pub(super) fn is_warmed(raw: &raw::Case) -> bool {
 }
 
 /// Notes keys of the heat equation in addition to a given temperature. Friction and wear may depend on it.
-fn beside_temperature(raw: &raw::Case, materials: &[(String, &raw::Material)], findings: &mut Vec<Finding>) {
+fn beside_temperature(raw: &raw::Case, materials: &[(String, &raw::Material)], findings: &mut Vec<PathFault>) {
     let sees_only = |key: &str| key.rsplit('.').next().is_some_and(|last| ["friction", "wear"].contains(&last));
     let mut others = of_heat(raw);
     others.retain(|(key, _)| !sees_only(key));
@@ -114,7 +114,7 @@ fn beside_temperature(raw: &raw::Case, materials: &[(String, &raw::Material)], f
     findings.extend(others.into_iter().map(|(key, found)| {
         let expected = "no key of the heat equation: the temperature is known at all places and times";
         let hint = "remove it, or remove the temperature, for which heat is then solved";
-        Finding::new(path(&key), At::Value, format!("{found} beside a temperature that is given"), expected)
+        PathFault::new(path(&key), At::Value, format!("{found} beside a temperature that is given"), expected)
             .hint(Some(hint.to_owned()))
     }));
 }
@@ -124,14 +124,14 @@ fn path(text: &str) -> Path {
 }
 
 /// Notes a required key of a material that is missing.
-fn needs(prefix: &str, key: &str, given: bool, findings: &mut Vec<Finding>) {
+fn needs(prefix: &str, key: &str, given: bool, findings: &mut Vec<PathFault>) {
     if given {
         return;
     }
     let schema = rules();
     let expected =
-        View::new(&schema).property("material").and_then(|material| Some(material.property(key)?.expected()));
-    findings.push(Finding::new(
+        SchemaView::new(&schema).property("material").and_then(|material| Some(material.property(key)?.expected()));
+    findings.push(PathFault::new(
         path(&format!("{prefix}.{key}")),
         At::Missing,
         "no such key",

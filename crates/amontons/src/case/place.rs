@@ -24,7 +24,7 @@ pub(super) enum At {
 
 /// A fault by its path, before its place is looked up.
 #[derive(Clone, Debug)]
-pub(super) struct Finding {
+pub(super) struct PathFault {
     pub path: Path,
     pub at: At,
     pub found: String,
@@ -32,28 +32,28 @@ pub(super) struct Finding {
     pub hint: Option<String>,
 }
 
-impl Finding {
+impl PathFault {
     /// A finding without a hint.
-    pub fn new(path: Path, at: At, found: impl Into<String>, expected: impl Into<String>) -> Finding {
-        Finding { path, at, found: found.into(), expected: expected.into(), hint: None }
+    pub fn new(path: Path, at: At, found: impl Into<String>, expected: impl Into<String>) -> PathFault {
+        PathFault { path, at, found: found.into(), expected: expected.into(), hint: None }
     }
 
     /// Adds a hint to the finding, if there is one.
-    pub fn hint(mut self, hint: Option<String>) -> Finding {
+    pub fn hint(mut self, hint: Option<String>) -> PathFault {
         self.hint = hint;
         self
     }
 }
 
-impl From<Fault> for Finding {
-    fn from(fault: Fault) -> Finding {
+impl From<Fault> for PathFault {
+    fn from(fault: Fault) -> PathFault {
         let path = Path::parse(&fault.path).unwrap_or_default();
-        Finding::new(path, At::Value, fault.found, fault.expected).hint(fault.hint)
+        PathFault::new(path, At::Value, fault.found, fault.expected).hint(fault.hint)
     }
 }
 
 /// The file and the overrides that a case was read from.
-pub(super) struct Origin<'a> {
+pub(super) struct CaseOrigin<'a> {
     pub lines: Lines<'a>,
     /// The document in the file, before overrides.
     pub document: &'a DeTable<'a>,
@@ -61,11 +61,11 @@ pub(super) struct Origin<'a> {
     pub overrides: &'a [(Path, String)],
 }
 
-impl Origin<'_> {
+impl CaseOrigin<'_> {
     /// Looks up the place of a finding.
-    pub fn locate(&self, finding: Finding) -> CaseFault {
+    pub fn locate(&self, finding: PathFault) -> CaseFault {
         let place = self.place(&finding.path, finding.at);
-        let Finding { path, found, expected, hint, .. } = finding;
+        let PathFault { path, found, expected, hint, .. } = finding;
         CaseFault { place, path: path.to_string(), found, expected, hint }
     }
 

@@ -9,7 +9,7 @@ use crate::problem::ProblemData;
 use crate::tensor::Point;
 
 /// The place of a raw probe, and the path of its table.
-struct Target<'r> {
+struct ProbeTarget<'r> {
     path: String,
     at: Option<&'r Vec<f64>>,
     on: Option<&'r String>,
@@ -47,7 +47,7 @@ impl Build<'_> {
                     None,
                 );
             }
-            let target = Target {
+            let target = ProbeTarget {
                 path,
                 at: probe.at.as_ref(),
                 on: probe.on.as_ref(),
@@ -71,7 +71,7 @@ impl Build<'_> {
     /// The probe of a check of `[verify]`, or `None` if it has faults.
     pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
         let raw::Check::Probe { field, at, on, contact, region, take, about, .. } = check else { return None };
-        let target = Target {
+        let target = ProbeTarget {
             path: format!("verify.check[{i}]"),
             at: at.as_ref(),
             on: on.as_ref(),
@@ -87,7 +87,7 @@ impl Build<'_> {
         Some(probe)
     }
 
-    fn probe_place(&mut self, target: &Target, problem: &ProblemData) -> Option<ProbePlace> {
+    fn probe_place(&mut self, target: &ProbeTarget, problem: &ProblemData) -> Option<ProbePlace> {
         let path = &target.path;
         let take = target.take.map(|take| match take {
             raw::Over::Mean => Take::Mean,
@@ -130,13 +130,13 @@ impl Build<'_> {
     }
 
     /// A point of the body, or of a contact.
-    fn probe_point(&mut self, target: &Target, dim: usize) -> Option<ProbePlace> {
+    fn probe_point(&mut self, target: &ProbeTarget, dim: usize) -> Option<ProbePlace> {
         let point = self.probe_coordinates(&format!("{}.at", target.path), target.at?, dim)?;
         Some(target.contact.map_or(ProbePlace::At(point), |name| ProbePlace::AtContact(point, name.clone())))
     }
 
     /// The reference point of a moment, if given.
-    fn probe_about(&mut self, target: &Target, dim: usize) -> Result<Option<Point>, ()> {
+    fn probe_about(&mut self, target: &ProbeTarget, dim: usize) -> Result<Option<Point>, ()> {
         let Some(about) = target.about else { return Ok(None) };
         self.probe_coordinates(&format!("{}.about", target.path), about, dim).map(Some).ok_or(())
     }
@@ -152,7 +152,7 @@ impl Build<'_> {
     }
 
     /// Notes the reason why a probe cannot be read; `quantity` is the key of the quantity.
-    fn check_probe(&mut self, target: &Target, quantity: &str, problem: &ProblemData, probe: &Probe) {
+    fn check_probe(&mut self, target: &ProbeTarget, quantity: &str, problem: &ProblemData, probe: &Probe) {
         // On a mesh with faults points outside are unknown.
         let mesh_unknown = self.findings.iter().any(|finding| finding.path.is_in("mesh"));
         let Err(error) = ProbeSet::check(problem, probe) else { return };

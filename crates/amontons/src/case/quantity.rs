@@ -15,7 +15,7 @@ pub(super) struct Unit {
 
 /// A number with a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Quantity {
+pub(super) struct NumberWithUnit {
     /// The number in SI units, for °C alone on the Celsius scale.
     pub number: f64,
     pub unit: Unit,
@@ -23,8 +23,8 @@ pub(super) struct Quantity {
 
 /// A text that begins with a number.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Reading {
-    Quantity(Quantity),
+pub(super) enum NumberText {
+    Quantity(NumberWithUnit),
     /// A number and an unknown word.
     Unknown(String),
 }
@@ -193,7 +193,7 @@ fn factor(word: &str) -> Option<Unit> {
 }
 
 /// Reads a number with a unit, or returns `None` for another text, such as an expression.
-pub(super) fn read(text: &str) -> Option<Reading> {
+pub(super) fn read(text: &str) -> Option<NumberText> {
     let text = text.trim();
     let (mantissa, exponent, rest) = number(text)?;
     let is_apart = rest.starts_with([' ', '\u{a0}']);
@@ -203,11 +203,11 @@ pub(super) fn read(text: &str) -> Option<Reading> {
     }
     let Some(unit) = Unit::parse(word) else {
         // `2x` is an expression without its `*`, not a quantity with an unknown unit.
-        return is_apart.then(|| Reading::Unknown(word.to_owned()));
+        return is_apart.then(|| NumberText::Unknown(word.to_owned()));
     };
     // One rounding only: 7 mm are 0.007 to the last bit.
     let number = format!("{mantissa}e{}", exponent.saturating_add(unit.ten)).parse::<f64>().ok()? * unit.factor;
-    Some(Reading::Quantity(Quantity { number, unit }))
+    Some(NumberText::Quantity(NumberWithUnit { number, unit }))
 }
 
 /// Digits and exponent of the number at the start of a text, and the rest of the text.
@@ -267,7 +267,7 @@ mod tests {
 
     fn number(text: &str) -> f64 {
         match read(text) {
-            Some(Reading::Quantity(quantity)) => quantity.number,
+            Some(NumberText::Quantity(quantity)) => quantity.number,
             other => panic!("{text}: {other:?}"),
         }
     }
@@ -332,7 +332,7 @@ mod tests {
             "3 m/",
             "1 KPa",
         ] {
-            assert!(matches!(read(text), Some(Reading::Unknown(_))), "{text}");
+            assert!(matches!(read(text), Some(NumberText::Unknown(_))), "{text}");
         }
     }
 

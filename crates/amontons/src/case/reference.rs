@@ -3,9 +3,9 @@
 
 use serde_json::Value;
 
-use super::schema::{View, schema};
+use super::schema::{SchemaView, schema};
 use crate::hypotheses::FindingId;
-use crate::output::{Table, quantities, shown};
+use crate::output::{ResultTable, quantities, shown};
 use crate::units::{Measure, Units};
 
 /// The kind of a word.
@@ -23,7 +23,7 @@ pub enum Word {
 
 /// A word with its meaning.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct GlossaryEntry {
     /// Its kind.
     pub word: Word,
     /// Its place; for a key the table, `[contact.friction] with law = "coulomb"`.
@@ -42,26 +42,26 @@ pub struct Entry {
 const VALUES: &str = "a table in the place of a value";
 
 /// The name of a value in a file.
-fn of_table(table: Table) -> &'static str {
+fn of_table(table: ResultTable) -> &'static str {
     match table {
-        Table::Summary => "key",
-        Table::History | Table::Contact => "column",
-        Table::Fields | Table::Surface => "array",
+        ResultTable::Summary => "key",
+        ResultTable::History | ResultTable::Contact => "column",
+        ResultTable::Fields | ResultTable::Surface => "array",
     }
 }
 
 /// All words: keys in the order of their tables, then quantities, values of results and findings.
 #[must_use]
-pub fn reference() -> Vec<Entry> {
+pub fn reference() -> Vec<GlossaryEntry> {
     let schema = schema();
     let mut all = Vec::new();
-    keys(&View::new(&schema), "", "above all tables", &mut all);
+    keys(&SchemaView::new(&schema), "", "above all tables", &mut all);
     // Tables of values come last; regions repeat [material].
     all.sort_by_key(|entry| entry.place == VALUES);
     all.retain(|entry| !entry.place.starts_with("[region.material"));
     let unit =
         |measure: Option<Measure>| measure.map_or_else(String::new, |measure| Units::SPACE.of(measure).to_owned());
-    let other = |word: Word, place: &str, name: String, meaning: String, expected: String| Entry {
+    let other = |word: Word, place: &str, name: String, meaning: String, expected: String| GlossaryEntry {
         word,
         place: place.to_owned(),
         name,
@@ -89,12 +89,12 @@ pub fn reference() -> Vec<Entry> {
 /// The entries that match a word: a name, a path such as `contact.friction.coefficient` or `final.von_mises_max`, or
 /// the end of one.
 #[must_use]
-pub fn explain(word: &str) -> Vec<Entry> {
-    let place = |entry: &Entry| {
+pub fn explain(word: &str) -> Vec<GlossaryEntry> {
+    let place = |entry: &GlossaryEntry| {
         let header = entry.place.split(']').next().unwrap_or_default();
         header.trim_start_matches('[').to_owned()
     };
-    let is_meant = |entry: &Entry| {
+    let is_meant = |entry: &GlossaryEntry| {
         let path = format!(".{}.{}", place(entry), entry.name);
         let has_end = matches!(entry.word, Word::Key | Word::Value) && path.ends_with(&format!(".{word}"));
         entry.name == word || has_end
@@ -103,7 +103,7 @@ pub fn explain(word: &str) -> Vec<Entry> {
 }
 
 /// Collects the keys of a table with this header and of the tables in it.
-fn keys(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
+fn keys(table: &SchemaView, section: &str, header: &str, all: &mut Vec<GlossaryEntry>) {
     let Some((tag, variants)) = table.variants() else {
         return keys_of(table, section, header, all);
     };
@@ -112,11 +112,11 @@ fn keys(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
     }
 }
 
-fn keys_of(table: &View, section: &str, header: &str, all: &mut Vec<Entry>) {
+fn keys_of(table: &SchemaView, section: &str, header: &str, all: &mut Vec<GlossaryEntry>) {
     let required = table.required();
-    let properties: Vec<(&str, View)> =
+    let properties: Vec<(&str, SchemaView)> =
         table.keys().into_iter().filter_map(|name| Some((name, table.property(name)?))).collect();
-    all.extend(properties.iter().map(|(name, property)| Entry {
+    all.extend(properties.iter().map(|(name, property)| GlossaryEntry {
         word: Word::Key,
         place: header.to_owned(),
         name: (*name).to_owned(),
@@ -184,9 +184,9 @@ pub fn similar(word: &str) -> Option<String> {
 
 /// The entries as JSON.
 #[must_use]
-pub fn json(entries: &[Entry]) -> Value {
-    let of = |entry: &Entry| {
-        let Entry { word, place, name, meaning, expected, is_required } = entry;
+pub fn json(entries: &[GlossaryEntry]) -> Value {
+    let of = |entry: &GlossaryEntry| {
+        let GlossaryEntry { word, place, name, meaning, expected, is_required } = entry;
         let word = match word {
             Word::Key => "key",
             Word::Quantity => "quantity",

@@ -51,7 +51,7 @@ pub(super) fn rules() -> Value {
     let mut schema = schemars::schema_for!(raw::Case);
     NoNull.transform(&mut schema);
     Implied.transform(&mut schema);
-    Tags.transform(&mut schema);
+    LawTags.transform(&mut schema);
     schema.to_value()
 }
 
@@ -89,9 +89,9 @@ impl Transform for Implied {
 }
 
 /// Gives the tag of a table, such as `law = "coulomb"`, the description of the table that it selects.
-struct Tags;
+struct LawTags;
 
-impl Transform for Tags {
+impl Transform for LawTags {
     fn transform(&mut self, schema: &mut schemars::Schema) {
         transform_subschemas(self, schema);
         let Some(object) = schema.as_object_mut() else { return };
@@ -138,7 +138,7 @@ impl Transform for NoNull {
 
 /// A place in a schema, references resolved.
 #[derive(Clone, Copy)]
-pub(super) struct View<'s> {
+pub(super) struct SchemaView<'s> {
     root: &'s Value,
     node: &'s Value,
     /// Description of the nearest key above.
@@ -174,14 +174,14 @@ impl Limits {
     }
 }
 
-impl<'s> View<'s> {
+impl<'s> SchemaView<'s> {
     /// The schema as a whole.
-    pub fn new(root: &'s Value) -> View<'s> {
-        View { root, node: root, about: None, measured: None, bounds: root }
+    pub fn new(root: &'s Value) -> SchemaView<'s> {
+        SchemaView { root, node: root, about: None, measured: None, bounds: root }
     }
 
     /// A part of this schema, with the description of the whole unless it has its own.
-    fn at(&self, node: &'s Value) -> View<'s> {
+    fn at(&self, node: &'s Value) -> SchemaView<'s> {
         let description = node.get("description").and_then(Value::as_str);
         let about = description.or(self.about);
         let measured = if node.get(OF_THE_KEY).is_some() { self.measured } else { description.or(self.measured) };
@@ -192,12 +192,12 @@ impl<'s> View<'s> {
                 None => break,
             }
         }
-        View { root: self.root, node, about, measured, bounds }
+        SchemaView { root: self.root, node, about, measured, bounds }
     }
 
     /// A form of this value, with the same description.
-    fn form(&self, node: &'s Value) -> View<'s> {
-        View { about: self.about, measured: self.measured, ..self.at(node) }
+    fn form(&self, node: &'s Value) -> SchemaView<'s> {
+        SchemaView { about: self.about, measured: self.measured, ..self.at(node) }
     }
 
     fn list(&self, keyword: &str) -> impl Iterator<Item = &'s Value> + use<'s> {
@@ -219,13 +219,13 @@ impl<'s> View<'s> {
     }
 
     /// The schema of a key of a table, or of any key of a table with free keys.
-    pub fn property(&self, key: &str) -> Option<View<'s>> {
+    pub fn property(&self, key: &str) -> Option<SchemaView<'s>> {
         let named = self.properties().and_then(|p| p.get(key));
         named.or_else(|| self.node.get("additionalProperties").filter(|p| p.is_object())).map(|p| self.at(p))
     }
 
     /// The schema of the entries of an array.
-    pub fn items(&self) -> Option<View<'s>> {
+    pub fn items(&self) -> Option<SchemaView<'s>> {
         self.node.get("items").map(|items| self.at(items))
     }
 
@@ -236,16 +236,16 @@ impl<'s> View<'s> {
     }
 
     /// The forms that a value may take, such as number or string.
-    pub fn alternatives(&self) -> Vec<View<'s>> {
+    pub fn alternatives(&self) -> Vec<SchemaView<'s>> {
         let forms = self.list("anyOf").map(|v| self.form(v).bounded(self.bounds));
         // A coefficient among the forms of a tensor has several forms itself.
         forms.flat_map(|form| if form.node.get("anyOf").is_some() { form.alternatives() } else { vec![form] }).collect()
     }
 
     /// Takes over the bounds of the key above, if that has any.
-    fn bounded(self, bounds: &'s Value) -> View<'s> {
+    fn bounded(self, bounds: &'s Value) -> SchemaView<'s> {
         let has_its_own = BOUNDS.iter().any(|(keyword, _)| self.bounds.get(*keyword).is_some());
-        if has_its_own { self } else { View { bounds, ..self } }
+        if has_its_own { self } else { SchemaView { bounds, ..self } }
     }
 
     /// The words that a string may be.
@@ -255,7 +255,7 @@ impl<'s> View<'s> {
     }
 
     /// The tables selected by a tag: the key of the tag, and the tables by their tags.
-    pub fn variants(&self) -> Option<(&'s str, Vec<(&'s str, View<'s>)>)> {
+    pub fn variants(&self) -> Option<(&'s str, Vec<(&'s str, SchemaView<'s>)>)> {
         let mut tag = None;
         let mut variants = Vec::new();
         for variant in self.list("oneOf") {
@@ -299,15 +299,15 @@ impl<'s> View<'s> {
     }
 
     /// The table, or array of tables, among the forms allowed here.
-    pub fn table(&self) -> View<'s> {
+    pub fn table(&self) -> SchemaView<'s> {
         let is_table =
-            |form: &View| form.kind() == "object" || form.items().is_some_and(|items| items.kind() == "object");
+            |form: &SchemaView| form.kind() == "object" || form.items().is_some_and(|items| items.kind() == "object");
         self.one_of_several().or_else(|| self.alternatives().into_iter().find(is_table)).unwrap_or(*self)
     }
 
     /// True if a number or a text is allowed here as well as a table, other than the name of one.
     pub fn has_scalars(&self) -> bool {
-        let is_scalar = |form: &View| !matches!(form.kind(), "object" | "array");
+        let is_scalar = |form: &SchemaView| !matches!(form.kind(), "object" | "array");
         self.short_for().is_none() && self.alternatives().iter().any(is_scalar)
     }
 
@@ -444,7 +444,7 @@ impl<'s> View<'s> {
     }
 
     /// The table that may also be given as an array.
-    fn one_of_several(&self) -> Option<View<'s>> {
+    fn one_of_several(&self) -> Option<SchemaView<'s>> {
         let forms = self.alternatives();
         let several = forms.iter().any(|form| form.items().is_some_and(|items| items.kind() == "object"));
         forms.into_iter().find(|form| several && form.kind() == "object")

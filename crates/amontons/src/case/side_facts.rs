@@ -4,9 +4,9 @@
 use std::cell::OnceCell;
 
 use crate::contact::Supports;
-use crate::contact::mortar::{Sides, bearing_nodes, covered_shares, mean_facet};
+use crate::contact::mortar::{FacingSides, bearing_nodes, covered_shares, mean_facet};
 use crate::element::{Element, ShapeTable};
-use crate::material::{Constants, Material};
+use crate::material::{Material, OperatorConstants};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::BoundaryCondition;
 use crate::space::Space;
@@ -103,7 +103,7 @@ impl<'m> SideFacts<'m> {
     fn stiffness(&self, side: &str) -> Option<f64> {
         self.mean(side, |material, map| {
             let tangent = material.elasticity.tangent(&map.position, &Sym::ZERO);
-            Constants::of_linear(&tangent, self.mesh.dim).lipschitz
+            OperatorConstants::of_linear(&tangent, self.mesh.dim).lipschitz
         })
     }
 
@@ -120,9 +120,9 @@ impl<'m> SideFacts<'m> {
         self.mesh.check_nodes().is_err() || bearing_nodes(&self.pair(nonmortar, mortar)) >= self.mesh.dim
     }
 
-    fn pair(&self, nonmortar: &'m FacetSet, mortar: &'m FacetSet) -> Sides<'m> {
+    fn pair(&self, nonmortar: &'m FacetSet, mortar: &'m FacetSet) -> FacingSides<'m> {
         let (mesh, supports) = (self.mesh, Supports::NONE);
-        Sides { mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false }
+        FacingSides { mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false }
     }
 
     /// Size of a facet along the side in m, and measure of the side, in m^(d−1).

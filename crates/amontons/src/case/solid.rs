@@ -5,13 +5,13 @@ use super::path::Path;
 use super::place::At;
 use super::raw;
 use crate::contact::mortar::surface_of;
-use crate::contact::obstacle::Facets;
+use crate::contact::obstacle::ClosedSurface;
 use crate::mesh::defects::defects;
 use crate::mesh::{self, stl};
 use crate::tensor::{Point, Rotation};
 
 /// A solid in a file, with its scale and rotation.
-pub(super) struct FromFile<'r> {
+pub(super) struct SolidFromFile<'r> {
     pub file: &'r str,
     pub scale: f64,
     pub turn: Option<&'r raw::Turn>,
@@ -19,7 +19,7 @@ pub(super) struct FromFile<'r> {
 
 impl Build<'_> {
     /// The surface of the solid in a file, scaled and rotated, or `None`, with a note, if it has a fault.
-    pub(super) fn facets(&mut self, path: &str, from: &FromFile) -> Option<Facets> {
+    pub(super) fn facets(&mut self, path: &str, from: &SolidFromFile) -> Option<ClosedSurface> {
         let (key, name) = (format!("{path}.file"), from.file);
         let bytes = match self.loader.get(&Path::parse(&key).unwrap_or_default(), name) {
             Ok(bytes) => bytes,
@@ -44,7 +44,7 @@ impl Build<'_> {
             }
         };
         facets.iter_mut().flatten().for_each(place);
-        match Facets::new(&facets) {
+        match ClosedSurface::new(&facets) {
             Ok(surface) => Some(surface),
             Err(fault) => {
                 let found = fault.found(self.dim, &|x| self.place(x));

@@ -3,7 +3,7 @@
 use super::fault::Source;
 use super::parse::{Case, parse};
 use super::request::{ReferenceRequest, StudyRequest, StudyRequestError};
-use crate::convergence::{Level, Reference, Study, Vary};
+use crate::convergence::{Reference, Study, StudyLevel, Vary};
 
 fn refuse<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T, StudyRequestError> {
     Err(StudyRequestError::Request { found: found.into(), expected: expected.into() })
@@ -33,11 +33,11 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
             format!("a reference finer than the finest level, {last}"),
         );
     }
-    let level = |level: usize| -> Result<Level, StudyRequestError> {
+    let level = |level: usize| -> Result<StudyLevel, StudyRequestError> {
         let mut overrides = overrides.to_vec();
         overrides.extend(refined(&case, request.vary, request.power, level)?);
         let case = parse(source, &overrides)?;
-        Ok(Level { level, text: case.fingerprint(), problem: case.problem })
+        Ok(StudyLevel { level, text: case.fingerprint(), problem: case.problem })
     };
     let reference = match (finest, &case.exact) {
         (Some(finest), _) => Reference::Level(Box::new(level(finest)?)),
@@ -52,14 +52,14 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
 ///
 /// # Errors
 /// The case has faults, or the levels do not fit it.
-pub fn meshes(source: &Source, overrides: &[String], levels: &[usize]) -> Result<Vec<Level>, StudyRequestError> {
+pub fn meshes(source: &Source, overrides: &[String], levels: &[usize]) -> Result<Vec<StudyLevel>, StudyRequestError> {
     let case = parse(source, overrides)?;
     check_levels(levels)?;
     let level = |&level: &usize| {
         let mut overrides = overrides.to_vec();
         overrides.extend(refined(&case, Vary::Space, 1, level)?);
         let case = parse(source, &overrides)?;
-        Ok(Level { level, problem: case.problem, text: case.text })
+        Ok(StudyLevel { level, problem: case.problem, text: case.text })
     };
     levels.iter().map(level).collect()
 }

@@ -10,7 +10,7 @@ pub(super) type SyntaxError = (String, Option<Range<usize>>);
 /// The kind of error found by the TOML parser. The parser reports it in words only, which are interpreted here and
 /// nowhere else.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum SyntaxFault {
     /// A duplicate key; the rest of the text can be read.
     Duplicate,
     /// Elements of an array without a comma between them; the rest is misread.
@@ -25,19 +25,19 @@ pub(super) enum Kind {
     Other(String),
 }
 
-impl Kind {
-    pub(super) fn of(message: &str) -> Kind {
+impl SyntaxFault {
+    pub(super) fn of(message: &str) -> SyntaxFault {
         const VALID: &str = "valid TOML";
         let (what, expected) = message.split_once(", expected ").unwrap_or((message, VALID));
         match (what, expected) {
-            ("duplicate key", _) => Kind::Duplicate,
-            ("missing comma between array elements", _) => Kind::MissingComma,
-            (_, "literal string") => Kind::NoValue,
+            ("duplicate key", _) => SyntaxFault::Duplicate,
+            ("missing comma between array elements", _) => SyntaxFault::MissingComma,
+            (_, "literal string") => SyntaxFault::NoValue,
             _ if what.starts_with("unclosed") => {
-                Kind::Unclosed(if expected == "nothing" { VALID } else { expected }.to_owned())
+                SyntaxFault::Unclosed(if expected == "nothing" { VALID } else { expected }.to_owned())
             }
-            (_, "nothing") => Kind::Superfluous,
-            _ => Kind::Other(expected.to_owned()),
+            (_, "nothing") => SyntaxFault::Superfluous,
+            _ => SyntaxFault::Other(expected.to_owned()),
         }
     }
 }
@@ -55,31 +55,31 @@ pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> SyntaxFaults {
     let mut only_duplicates = true;
     let lines = Lines::of(text);
     for (message, span) in errors {
-        let kind = Kind::of(&message);
+        let kind = SyntaxFault::of(&message);
         let span = span.unwrap_or(0..0);
         let place = lines.place(span.clone());
         let FaultPlace::File { line, .. } = place else { continue };
         if faults.last().is_none_or(|(last, _)| *last != line) {
-            only_duplicates &= kind == Kind::Duplicate;
+            only_duplicates &= kind == SyntaxFault::Duplicate;
             faults.push((line, fault(text, &message, &kind, span, place)));
         }
-        if matches!(kind, Kind::Unclosed(_) | Kind::MissingComma) {
+        if matches!(kind, SyntaxFault::Unclosed(_) | SyntaxFault::MissingComma) {
             break;
         }
     }
     SyntaxFaults { faults: faults.into_iter().map(|(_, fault)| fault).collect(), only_duplicates }
 }
 
-fn fault(text: &str, message: &str, kind: &Kind, span: Range<usize>, place: FaultPlace) -> CaseFault {
+fn fault(text: &str, message: &str, kind: &SyntaxFault, span: Range<usize>, place: FaultPlace) -> CaseFault {
     let (found, at_end) = excerpt(text, span);
     let what = || message.split_once(", expected ").map_or(message, |(what, _)| what).to_owned();
     let (found, expected, hint) = match kind {
-        Kind::Duplicate => (format!("{found} again"), "each key once in its table".to_owned(), None),
-        Kind::NoValue if at_end => (found, "a value".to_owned(), None),
-        Kind::NoValue => (found, "a value".to_owned(), Some("put strings in quotes".to_owned())),
-        Kind::MissingComma => (found, "`,` or `]`".to_owned(), Some("close the array before it".to_owned())),
-        Kind::Superfluous => (found, "valid TOML".to_owned(), Some(what())),
-        Kind::Other(expected) | Kind::Unclosed(expected) => (found, expected.clone(), Some(what())),
+        SyntaxFault::Duplicate => (format!("{found} again"), "each key once in its table".to_owned(), None),
+        SyntaxFault::NoValue if at_end => (found, "a value".to_owned(), None),
+        SyntaxFault::NoValue => (found, "a value".to_owned(), Some("put strings in quotes".to_owned())),
+        SyntaxFault::MissingComma => (found, "`,` or `]`".to_owned(), Some("close the array before it".to_owned())),
+        SyntaxFault::Superfluous => (found, "valid TOML".to_owned(), Some(what())),
+        SyntaxFault::Other(expected) | SyntaxFault::Unclosed(expected) => (found, expected.clone(), Some(what())),
     };
     CaseFault { place, path: String::new(), found, expected, hint }
 }
@@ -105,13 +105,13 @@ mod tests {
     /// The words of the parser are known; it gives no other information.
     #[test]
     fn the_words_of_the_parser_are_known() {
-        let kinds = |text: &str| -> Vec<Kind> {
-            toml::de::DeTable::parse_recoverable(text).1.iter().map(|error| Kind::of(error.message())).collect()
+        let kinds = |text: &str| -> Vec<SyntaxFault> {
+            toml::de::DeTable::parse_recoverable(text).1.iter().map(|error| SyntaxFault::of(error.message())).collect()
         };
-        assert_eq!(kinds("a = 1\na = 2\n"), [Kind::Duplicate]);
-        assert_eq!(kinds("a = [\"x\" \"y\"]\n"), [Kind::MissingComma]);
-        assert_eq!(kinds("a = word\n"), [Kind::NoValue]);
-        assert!(matches!(kinds("a = [1, 2\n")[..], [Kind::Unclosed(_), ..]));
+        assert_eq!(kinds("a = 1\na = 2\n"), [SyntaxFault::Duplicate]);
+        assert_eq!(kinds("a = [\"x\" \"y\"]\n"), [SyntaxFault::MissingComma]);
+        assert_eq!(kinds("a = word\n"), [SyntaxFault::NoValue]);
+        assert!(matches!(kinds("a = [1, 2\n")[..], [SyntaxFault::Unclosed(_), ..]));
         assert!(kinds("a = 1\n").is_empty());
     }
 }

@@ -5,7 +5,7 @@ use super::raw::Column;
 
 /// The reason why a file gives no times and values: the key of the case concerned, and the message.
 #[derive(Debug, PartialEq)]
-pub(super) struct Refusal {
+pub(super) struct TableRefusal {
     pub key: &'static str,
     pub found: String,
     pub expected: String,
@@ -17,8 +17,8 @@ fn refuse<T>(
     found: String,
     expected: impl Into<String>,
     hint: Option<String>,
-) -> Result<T, Refusal> {
-    Err(Refusal { key, found, expected: expected.into(), hint })
+) -> Result<T, TableRefusal> {
+    Err(TableRefusal { key, found, expected: expected.into(), hint })
 }
 
 /// Two columns of the file `name`: increasing times, and values.
@@ -33,7 +33,7 @@ pub(super) fn read(
     bytes: &[u8],
     time: Option<&Column>,
     value: Option<&Column>,
-) -> Result<(Vec<f64>, Vec<f64>), Refusal> {
+) -> Result<(Vec<f64>, Vec<f64>), TableRefusal> {
     let text = text(name, bytes)?;
     let mut lines = text
         .lines()
@@ -92,7 +92,7 @@ pub(super) fn read(
     Ok((times, values))
 }
 
-fn text<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, Refusal> {
+fn text<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, TableRefusal> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Ok(text.trim_start_matches('\u{feff}')),
         Err(error) => {
@@ -108,7 +108,7 @@ fn text<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, Refusal> {
 }
 
 /// The number in a field of a table.
-fn entry(field: &str, place: &str, title: impl Fn() -> String) -> Result<f64, Refusal> {
+fn entry(field: &str, place: &str, title: impl Fn() -> String) -> Result<f64, TableRefusal> {
     match field.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => {
@@ -126,7 +126,7 @@ fn find(
     otherwise: usize,
     headers: Option<&[String]>,
     count: usize,
-) -> Result<usize, Refusal> {
+) -> Result<usize, TableRefusal> {
     let number = match column {
         Some(Column::Name(wanted)) => {
             let Some(headers) = headers else {

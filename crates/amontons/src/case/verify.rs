@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::request::StudyRequest;
-use crate::convergence::Row;
+use crate::convergence::ErrorRow;
 use crate::output::Probe;
 
 /// The reference values of a benchmark.
@@ -47,7 +47,7 @@ pub enum Check {
         /// The time in s, or `None` for an extreme or the last value.
         time: Option<f64>,
         /// Value taken if no time is given.
-        take: Take,
+        take: ColumnTake,
         /// The reference value.
         is: Comparison,
     },
@@ -81,7 +81,7 @@ impl Check {
 
 /// The value taken from a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Take {
+pub enum ColumnTake {
     /// The last.
     Last,
     /// The smallest.
@@ -120,7 +120,7 @@ impl ErrorName {
 
     /// The error in a row.
     #[must_use]
-    pub fn of(self, row: &Row) -> f64 {
+    pub fn of(self, row: &ErrorRow) -> f64 {
         match self {
             ErrorName::W => row.error_w,
             ErrorName::U => row.error_u,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::mortar::{Image, Mortar, MortarRow, Share};
+use super::mortar::{Mortar, MortarRow, NodeShare, SectorImage};
 use super::{
     Fluid, FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair,
     Preload, WearLaw,
@@ -10,7 +10,7 @@ use super::{
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
-use crate::quadrature::{Rule, Shape};
+use crate::quadrature::{QuadratureRule, Shape};
 use crate::tensor::Point;
 
 #[cfg(test)]
@@ -219,7 +219,7 @@ pub struct PointOnBoundary {
     pub own: usize,
     /// Numbers of the entries of `nodes` whose nodes are in another sector: vectors there are turned into the sector of
     /// the point. Empty except at the cut of a sector.
-    pub turned: Vec<(usize, Image)>,
+    pub turned: Vec<(usize, SectorImage)>,
     /// The geometric gap of a pair in m; zero at a foundation.
     pub gap: f64,
     /// Amount added to −ν·(B X) to bring the gap into the range of the distances about the point, m.
@@ -228,7 +228,7 @@ pub struct PointOnBoundary {
     pub closed: f64,
     /// For a pair, shares by which quantities at the point are distributed to the nodes of its own and of the other
     /// side; empty at a foundation.
-    pub shares: [Vec<Share>; 2],
+    pub shares: [Vec<NodeShare>; 2],
     /// Directions along the side in which friction has no component because both sides of a pair are held alike in
     /// them; filled up with zeros.
     pub held: [Point; 3],
@@ -236,7 +236,7 @@ pub struct PointOnBoundary {
 
 impl PointOnBoundary {
     /// The entries of the jump: contact node, value, and the sector of the node if it differs from that of the point.
-    pub fn entries(&self) -> impl Iterator<Item = (usize, f64, Option<&Image>)> {
+    pub fn entries(&self) -> impl Iterator<Item = (usize, f64, Option<&SectorImage>)> {
         let mut turned = self.turned.iter().peekable();
         self.nodes.iter().enumerate().map(move |(entry, &(node, value))| {
             (node, value, turned.next_if(|(turned, _)| *turned == entry).map(|(_, image)| image))
@@ -491,7 +491,7 @@ impl Lumping {
             // The integral of a vertex function over the triangle is zero up to round-off.
             if sum.abs() < 1e-12 * element.shape.measure() { 0.0 } else { sum }
         };
-        let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
+        let nodes = QuadratureRule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
         Lumping {
             table: ShapeTable::of_rule(element, nodes),
             shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect(),

@@ -49,12 +49,12 @@ pub fn read_vector(shares: &[(usize, f64)], value: impl Fn(usize) -> Point) -> P
 
 /// Weighted sums of shares by contact point, and the sum of the weights.
 #[derive(Default)]
-struct Sum {
+struct WeightedSum {
     shares: BTreeMap<usize, f64>,
     weight: f64,
 }
 
-impl Sum {
+impl WeightedSum {
     fn add(&mut self, shares: impl Iterator<Item = (usize, f64)>, weight: f64) {
         for (point, share) in shares {
             *self.shares.entry(point).or_default() += weight * share;
@@ -109,7 +109,7 @@ impl ContactBoundary {
                     block.element.nodes.iter().zip(facet).filter_map(|(at, node)| Some((at, *own.get(node)?)))
                 {
                     (linear.shape_functions)(at, &mut values);
-                    let mut sum = Sum::default();
+                    let mut sum = WeightedSum::default();
                     for (vertex, &value) in facet.iter().zip(&values).take(vertices).filter(|(_, value)| **value > 0.0)
                     {
                         sum.add(means.get(vertex).into_iter().flatten().copied(), value);
@@ -136,7 +136,7 @@ impl ContactBoundary {
 /// The shares of contact points in the value at each vertex of a side.
 fn means(mesh: &Mesh, set: &FacetSet, own: &BTreeMap<u32, usize>) -> BTreeMap<u32, Shares> {
     let ends = ends(set);
-    let mut sums: BTreeMap<u32, Sum> = BTreeMap::new();
+    let mut sums: BTreeMap<u32, WeightedSum> = BTreeMap::new();
     for block in &set.blocks {
         let (n, vertices) = (block.element.nodes.len(), block.element.shape.vertices());
         let phi = at_nodes(block.element);

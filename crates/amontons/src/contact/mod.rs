@@ -29,8 +29,8 @@ pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Side};
 pub use fluid::{Fluid, Leak, Ways, Wet};
 pub use foundation::LumpedFoundation;
 pub use friction::{
-    Bound, Capped, Cone, Coulomb, FrictionFormula, FrictionLaw, Frictionless, NoSlip, Orthotropic, StaticKinetic,
-    Tabulated, Tresca, Variable,
+    Bound, Capped, Cone, Coulomb, FrictionFormula, FrictionLaw, FrictionVariable, Frictionless, NoSlip,
+    OrthotropicFriction, StaticKinetic, Tabulated, Tresca,
 };
 pub use heat::{
     ConductanceFormula, ConstantConductance, FRICTION, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated,

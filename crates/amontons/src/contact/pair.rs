@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
-use super::mortar::{Mortar, Sides};
+use super::mortar::{FacingSides, Mortar};
 use super::{Contact, ContactBoundary, PointOnBoundary, Side};
 
 use crate::mesh::{FacetSet, Link, Mesh, cross};
@@ -76,11 +76,11 @@ impl Supports<'_> {
 impl Contact {
     /// The sides of a pair on a mesh with the nodes at `x`; `None` if the foundation is rigid.
     #[must_use]
-    pub fn pairing<'a>(&self, mesh: &'a Mesh, x: &'a [Point], supports: Supports<'a>) -> Option<Sides<'a>> {
+    pub fn pairing<'a>(&self, mesh: &'a Mesh, x: &'a [Point], supports: Supports<'a>) -> Option<FacingSides<'a>> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let [nonmortar, mortar] = [self.bearing(), self.facing()?].map(|side| mesh.facets.get(side).unwrap_or(&NONE));
         let keeps_all = self.pair.as_ref().is_some_and(Pair::is_updated);
-        Some(Sides { mesh, x, nonmortar, mortar, supports, keeps_all })
+        Some(FacingSides { mesh, x, nonmortar, mortar, supports, keeps_all })
     }
 }
 
@@ -93,7 +93,7 @@ fn mortars<'a>(
     place: impl Fn(&Contact) -> Option<&'a [Point]>,
 ) -> Vec<(usize, Mortar)> {
     let of_each = contacts.iter().enumerate();
-    let (numbers, sides): (Vec<usize>, Vec<Sides>) =
+    let (numbers, sides): (Vec<usize>, Vec<FacingSides>) =
         of_each.filter_map(|(i, contact)| Some((i, contact.pairing(mesh, place(contact)?, supports)?))).unzip();
     numbers.into_iter().zip(Mortar::all(&sides)).collect()
 }

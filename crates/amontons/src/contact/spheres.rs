@@ -14,12 +14,12 @@ pub(super) struct Spheres {
     /// Numbers of the parts, grouped by sphere.
     order: Vec<usize>,
     /// The spheres; the root comes first.
-    all: Vec<Sphere>,
+    all: Vec<BoundingSphere>,
 }
 
 /// A sphere around the parts `from..to` in the order of the tree.
 #[derive(Clone, Debug)]
-struct Sphere {
+struct BoundingSphere {
     centre: Point,
     radius: f64,
     from: usize,
@@ -51,7 +51,7 @@ impl Spheres {
         };
         let radius = own.iter().map(|&part| reach(part)).fold(0.0, f64::max) * (1.0 + ROUND_OFF);
         let place = self.all.len();
-        self.all.push(Sphere { centre, radius, from, to, halves: None });
+        self.all.push(BoundingSphere { centre, radius, from, to, halves: None });
         if to - from > LEAF {
             let spread = |c: usize| bounds[c][1] - bounds[c][0];
             let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);

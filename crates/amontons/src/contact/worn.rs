@@ -25,7 +25,7 @@ use crate::quadrature::rule;
 const NONE: f64 = 1e-12;
 
 /// Values by vertex of a side.
-type Shares = Vec<(usize, f64)>;
+type VertexValues = Vec<(usize, f64)>;
 
 /// The sides of pairs that wear, with the vertices that keep the depth.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +40,7 @@ pub struct WornSides {
 struct WornSide {
     name: String,
     /// The vertices whose linear functions do not vanish at each node of the side, with the values there.
-    vertices: BTreeMap<u32, Shares>,
+    vertices: BTreeMap<u32, VertexValues>,
     /// A_a by vertex, m^(d−1).
     areas: Vec<f64>,
 }
@@ -115,7 +115,7 @@ impl WornSides {
     }
 
     /// The shares of a point in the vertices of the sides `on` and `with` that wear, with the numbers of these sides.
-    fn of_point(&self, contacts: &[Contact], point: &PointOnBoundary) -> [Option<(usize, Shares)>; 2] {
+    fn of_point(&self, contacts: &[Contact], point: &PointOnBoundary) -> [Option<(usize, VertexValues)>; 2] {
         let sides = self.of_contact.get(point.contact).copied().unwrap_or_default();
         let [own, other] = &point.shares;
         let shares = if contacts[point.contact].sign() > 0.0 { [own, other] } else { [other, own] };

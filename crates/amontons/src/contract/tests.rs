@@ -1,11 +1,11 @@
 //! Tests that every law, element and backend satisfies its contract, and that violations are caught.
 
 use super::*;
-use crate::contact::obstacle::{Nearest, Shape};
+use crate::contact::obstacle::{Nearest, ObstacleShape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
 use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::linalg::{Pencil, SolveError};
-use crate::material::Constants;
+use crate::material::OperatorConstants;
 use crate::material::{Isotropic, StressState};
 use crate::output::{Memory, OutputError, RunStart, Sink, Snapshot, Summary};
 use crate::step::March;
@@ -134,20 +134,20 @@ fn every_contact_law_keeps_its_contract() {
 
 #[test]
 fn every_shape_keeps_its_contract() {
-    use crate::contact::obstacle::{Cylinder, Plane, Sphere, Surface, Wave};
+    use crate::contact::obstacle::{Cylinder, LevelSet, Plane, Sphere, Wave};
     use crate::expression::Expression;
     use crate::field::Field;
     let fixed = |p: [f64; 3]| p.map(Field::Constant);
     let level = Expression::parse("x^2/4 + y^2 - 1").unwrap();
     let about = [0.3, 2.5, 0.2];
     for dim in [2, 3] {
-        let shapes: [Box<dyn Shape>; 6] = [
+        let shapes: [Box<dyn ObstacleShape>; 6] = [
             Box::new(Plane::new(fixed([0.1, 0.2, 0.0]), [0.3, 1.0, 0.0]).unwrap()),
             Box::new(Sphere::new(fixed([0.0; 3]), 1.2, false).unwrap()),
             Box::new(Sphere::new(fixed([0.0; 3]), 5.0, true).unwrap()),
             Box::new(Cylinder::new(fixed([0.1, 0.0, 0.0]), [0.0, 0.0, 1.0], 0.9, false).unwrap()),
             Box::new(Wave::new(fixed([0.0; 3]), [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], 0.1, 1.0).unwrap()),
-            Box::new(Surface::new(level.clone()).unwrap()),
+            Box::new(LevelSet::new(level.clone()).unwrap()),
         ];
         for shape in shapes {
             assert_shape(shape.as_ref(), &about, 1.0, dim);
@@ -158,7 +158,7 @@ fn every_shape_keeps_its_contract() {
 /// A plane whose distance is measured along y.
 #[derive(Debug)]
 struct Slanted;
-impl Shape for Slanted {
+impl ObstacleShape for Slanted {
     fn nearest(&self, x: &Point, _t: f64) -> Nearest {
         Nearest { distance: x[1] - 0.5 * x[0], normal: [-0.5 / 1.25f64.sqrt(), 1.0 / 1.25f64.sqrt(), 0.0] }
     }
@@ -187,9 +187,9 @@ impl TensorLaw for Boastful {
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
         self.0.tangent(x, xi)
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         let c = self.0.constants();
-        Constants { monotonicity: 2.0 * c.monotonicity, ..c }
+        OperatorConstants { monotonicity: 2.0 * c.monotonicity, ..c }
     }
 }
 

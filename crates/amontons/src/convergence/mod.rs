@@ -11,6 +11,8 @@ mod transfer;
 
 pub use crate::mesh::Locator;
 pub use limit::{ConstantsRow, ConstantsTable, Limit, limit};
-pub use norms::{Errors, Exact, Products, against_exact, of_difference};
-pub use study::{Level, Reference, ReferenceProgress, Row, Study, StudyError, StudySettings, StudyTable, Vary, slope};
+pub use norms::{Errors, Exact, InnerProducts, against_exact, of_difference};
+pub use study::{
+    ErrorRow, Reference, ReferenceProgress, Study, StudyError, StudyLevel, StudySettings, StudyTable, Vary, slope,
+};
 pub use transfer::{Transfer, TransferError};

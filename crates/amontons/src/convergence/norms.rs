@@ -127,7 +127,7 @@ fn add_squares(map: &CellMap, weight: f64, cell: &[u32], compared: &Compared, su
 }
 
 /// The inner products required for norms on one mesh: (·, ·) and (ε(·), ε(·)).
-pub struct Products<'a> {
+pub struct InnerProducts<'a> {
     /// (·, ·)_{L²}.
     pub mass: &'a BlockMatrix,
     /// (ε(·), ε(·)).
@@ -136,7 +136,7 @@ pub struct Products<'a> {
 
 /// Norms of a difference of two states on the same mesh.
 #[must_use]
-pub fn of_difference(products: &Products, u: &[f64], w: &[f64], theta: &[f64]) -> Errors {
+pub fn of_difference(products: &InnerProducts, u: &[f64], w: &[f64], theta: &[f64]) -> Errors {
     let norm = |matrix: &BlockMatrix, v: &[f64]| dot(v, &matrix.apply(v)).max(0.0).sqrt();
     Errors {
         w: norm(products.mass, w),

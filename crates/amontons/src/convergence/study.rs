@@ -33,7 +33,7 @@ pub enum Vary {
 
 /// One level of a study.
 #[derive(Clone, Debug)]
-pub struct Level {
+pub struct StudyLevel {
     /// The number that names it.
     pub level: usize,
     /// The problem on its mesh with its steps.
@@ -46,7 +46,7 @@ pub struct Level {
 #[derive(Clone, Debug)]
 pub enum Reference {
     /// The solution on a finer level.
-    Level(Box<Level>),
+    Level(Box<StudyLevel>),
     /// A closed form.
     Exact(Exact),
 }
@@ -57,7 +57,7 @@ pub struct Study {
     /// Quantity that is refined.
     pub vary: Vary,
     /// The levels, coarsest first.
-    pub levels: Vec<Level>,
+    pub levels: Vec<StudyLevel>,
     /// Solution with which they are compared.
     pub reference: Reference,
 }
@@ -69,9 +69,9 @@ pub struct StudySettings<'a> {
     /// Called after every step with level, step, and number of steps.
     pub progress: Option<&'a (dyn Fn(usize, usize, usize) + Sync)>,
     /// Loads finished levels of an earlier attempt: states at all times of a level, or `None`.
-    pub load: Option<&'a (dyn Fn(&Level) -> Option<Vec<State>> + Sync)>,
+    pub load: Option<&'a (dyn Fn(&StudyLevel) -> Option<Vec<State>> + Sync)>,
     /// Keeps a finished level.
-    pub keep: Option<&'a (dyn Fn(&Level, &[State]) + Sync)>,
+    pub keep: Option<&'a (dyn Fn(&StudyLevel, &[State]) + Sync)>,
     /// Loads the progress of the reference in an earlier attempt with the same levels.
     pub load_reference: Option<&'a (dyn Fn() -> Option<ReferenceProgress> + Sync)>,
     /// Keeps the progress of the reference when the study is interrupted, and once per minute.
@@ -105,7 +105,7 @@ pub struct ReferenceProgress {
 
 /// A row of the table: the errors of a level, each the maximum over the times of the level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct ErrorRow {
     /// The number that names the level.
     pub level: usize,
     /// Spacing of the mesh, [`crate::mesh::Mesh::spacing`], m.
@@ -134,7 +134,7 @@ pub struct StudyTable {
     /// Quantity that was refined.
     pub vary: Vary,
     /// The rows, coarsest first.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ErrorRow>,
     /// Least-squares slopes of the logarithms over all rows, by name of the error.
     pub slopes: Vec<(String, f64)>,
     /// True if every comparison was made by interpolation between nested meshes.
@@ -217,7 +217,7 @@ impl Study {
         }
     }
 
-    fn against(&self, reference: &Level, settings: &StudySettings) -> Result<StudyTable, StudyError> {
+    fn against(&self, reference: &StudyLevel, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         let steps = reference.problem.timeline.steps();
         for level in &self.levels {
             if !steps.is_multiple_of(level.problem.timeline.steps()) {
@@ -279,15 +279,16 @@ impl Study {
         Ok(self.table(self.levels.iter().zip(&worst).map(|(level, worst)| worst.row(level)).collect(), nested))
     }
 
-    fn table(&self, mut rows: Vec<Row>, nested: bool) -> StudyTable {
-        let size = |row: &Row| if self.vary == Vary::Time { row.k } else { row.h };
+    fn table(&self, mut rows: Vec<ErrorRow>, nested: bool) -> StudyTable {
+        let size = |row: &ErrorRow| if self.vary == Vary::Time { row.k } else { row.h };
         for i in 1..rows.len() {
             let (a, b) = (&rows[i - 1], &rows[i]);
             let order = (a.error / b.error).ln() / (size(a) / size(b)).ln();
             // Zero errors have no order.
             rows[i].order = order.is_finite().then_some(order);
         }
-        let fit = |value: fn(&Row) -> f64| slope(&rows.iter().map(|row| (size(row), value(row))).collect::<Vec<_>>());
+        let fit =
+            |value: fn(&ErrorRow) -> f64| slope(&rows.iter().map(|row| (size(row), value(row))).collect::<Vec<_>>());
         let slopes = vec![
             ("error_w", fit(|r| r.error_w)),
             ("error_u", fit(|r| r.error_u)),
@@ -301,7 +302,7 @@ impl Study {
 }
 
 /// The states of a level after each step, loaded or computed.
-fn trajectory(level: &Level, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
+fn trajectory(level: &StudyLevel, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
     if let Some(states) =
         settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.timeline.steps())
     {
@@ -353,11 +354,11 @@ impl Worst {
         }
     }
 
-    fn row(&self, level: &Level) -> Row {
+    fn row(&self, level: &StudyLevel) -> ErrorRow {
         let Errors { w, u, theta, u_h } = self.errors;
         let mesh = &level.problem.mesh;
         let h = mesh.spacing();
-        Row {
+        ErrorRow {
             level: level.level,
             h,
             k: level.problem.timeline.longest(),
@@ -390,7 +391,7 @@ fn check(settings: &StudySettings) -> Result<(), StudyError> {
 }
 
 fn scheme_of(
-    level: &Level,
+    level: &StudyLevel,
     discrete: &Arc<Discretization>,
     settings: &StudySettings,
 ) -> Result<Box<dyn Scheme>, StudyError> {
@@ -400,7 +401,7 @@ fn scheme_of(
 
 /// Makes all steps of a level and passes on each state.
 fn walk(
-    level: &Level,
+    level: &StudyLevel,
     settings: &StudySettings,
     mut visit: impl FnMut(&State) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {

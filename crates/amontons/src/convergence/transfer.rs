@@ -4,12 +4,12 @@
 //! A rounded body differs from mesh to mesh: the cells of the finer mesh extend beyond those of the coarser one by the
 //! distance of chord and arc. There the coarse function is extended beyond its cell.
 
-use crate::convergence::norms::{Errors, Products, of_difference};
+use crate::convergence::norms::{Errors, InnerProducts, of_difference};
 use crate::discretization::Discretization;
 use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
 use crate::linalg::BlockMatrix;
-use crate::mesh::{At, Locator, OUTSIDE, reference_point};
 use crate::mesh::{CellMap, Mesh};
+use crate::mesh::{CellPlace, Locator, OUTSIDE, reference_point};
 use crate::quadrature::{Shape, rule};
 use crate::state::State;
 use crate::tensor::{Point, Sym};
@@ -48,13 +48,13 @@ enum Way {
     /// Nested: the coarse function is interpolated at the nodes of the reference, exactly if edges are straight.
     Interpolate(Vec<Vec<(u32, f64)>>),
     /// Not nested: squares are integrated over the intersections of the cells.
-    Intersect(Vec<Piece>),
+    Intersect(Vec<CommonTriangle>),
 }
 
 /// A triangle inside one cell of each mesh.
-struct Piece {
-    fine: At,
-    coarse: At,
+struct CommonTriangle {
+    fine: CellPlace,
+    coarse: CellPlace,
     corners: [Point; 3],
 }
 
@@ -75,7 +75,7 @@ impl<'a> Transfer<'a> {
         let located = nested(fine, &locator).or_else(|| outside().and_then(|_| rounded(fine, &locator)));
         let way = if let Some(located) = located {
             let mut values = [0.0; MAX_NODES];
-            let mut entry = |&(at, x): &(At, Point)| -> Vec<(u32, f64)> {
+            let mut entry = |&(at, x): &(CellPlace, Point)| -> Vec<(u32, f64)> {
                 let (element, nodes) = locator.cell(at);
                 (element.shape_functions)(&x, &mut values[..nodes.len()]);
                 nodes.iter().copied().zip(values).collect()
@@ -119,7 +119,7 @@ impl<'a> Transfer<'a> {
                     }
                     out
                 };
-                let products = Products { mass: &self.reference.mass, strain: self.strain };
+                let products = InnerProducts { mass: &self.reference.mass, strain: self.strain };
                 of_difference(
                     &products,
                     &difference(dim, &coarse.u, &reference.u),
@@ -131,13 +131,13 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    fn over_pieces(&self, pieces: &[Piece], coarse: &State, reference: &State) -> Errors {
+    fn over_pieces(&self, pieces: &[CommonTriangle], coarse: &State, reference: &State) -> Errors {
         let fine = &*self.reference.mesh;
         let dim = fine.dim;
         // The squared difference of two linear functions is quadratic.
         let quadrature = rule(Shape::Triangle, 2);
         let table = ShapeTable::new(&P1_TRIANGLE, 0);
-        let nodes_of = |mesh: &'a Mesh, at: At| -> &'a [u32] {
+        let nodes_of = |mesh: &'a Mesh, at: CellPlace| -> &'a [u32] {
             let block = &mesh.blocks[at.0 as usize];
             let n = block.element.nodes.len();
             &block.nodes[at.1 as usize * n..(at.1 as usize + 1) * n]
@@ -182,7 +182,7 @@ impl<'a> Transfer<'a> {
 /// Positions of the nodes of the fine mesh in the coarse one; `None` unless every cell of the fine mesh lies in a
 /// coarse cell whose functions its own ones contain. A node on the faces of two bodies is located in the coarse cell of
 /// its own cell.
-fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
+fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(CellPlace, Point)>> {
     let mut located = vec![None; fine.points.len()];
     for block in &fine.blocks {
         for cell in block.cells() {
@@ -209,7 +209,7 @@ fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
 /// imply that it divides coarse edges into equal parts. Each node is in a cell of its region that contains it or is
 /// next to it. The corners of coarse cells lie on the arcs, so functions extended from neighbouring cells to an arc
 /// differ little.
-fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
+fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(CellPlace, Point)>> {
     let parts = (fine.cell_count() as f64 / coarse.mesh().cell_count() as f64).powf(1.0 / fine.dim as f64);
     if (parts - parts.round()).abs() > 1e-6 {
         return None;
@@ -227,12 +227,12 @@ fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
 }
 
 /// Triangles that make up the intersections of the cells of two meshes.
-fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
+fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<CommonTriangle> {
     let mut pieces = Vec::new();
     for (b, block) in fine.blocks.iter().enumerate() {
         for (c, cell) in block.cells().enumerate() {
             let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
-            let mut candidates: Vec<At> = coarse
+            let mut candidates: Vec<CellPlace> = coarse
                 .range(corners.iter().copied(), 0.0)
                 .into_iter()
                 .flat_map(|i| coarse.bucket(i).iter().copied())
@@ -246,7 +246,7 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
                     polygon = clip(&polygon, &points[nodes[k] as usize], &points[nodes[(k + 1) % 3] as usize]);
                 }
                 for k in 1..polygon.len().saturating_sub(1) {
-                    pieces.push(Piece {
+                    pieces.push(CommonTriangle {
                         fine: (b as u32, c as u32),
                         coarse: at,
                         corners: [polygon[0], polygon[k], polygon[k + 1]],

@@ -16,10 +16,10 @@ use crate::time::Rule;
 /// of a field z with ż + z/τ = u̇, and one z at the nodes serves all branches of this time. Where τ varies e is the
 /// strain of no field, and is kept at the points of the cells at which the forms need it.
 #[derive(Debug)]
-pub struct Relaxation(Kind);
+pub struct Relaxation(BranchKind);
 
 #[derive(Debug)]
-enum Kind {
+enum BranchKind {
     /// One τ in s, with ∫ 𝓖ε(·):ε(·).
     Same { time: f64, form: BlockMatrix },
     /// The springs by region, and τ in s at the points of the cells.
@@ -44,7 +44,10 @@ impl Relaxation {
         let same = problem.relaxation_times().into_iter().map(|time| {
             let is_its = |branch: &&Branch| !branch.time_varies() && branch.time.to_bits() == time.to_bits();
             let of = |m: &Material| branches_of(m).iter().filter(is_its).cloned().collect::<Vec<_>>();
-            Relaxation(Kind::Same { time, form: form(problem, graph, problem.materials.iter().map(of).collect()) })
+            Relaxation(BranchKind::Same {
+                time,
+                form: form(problem, graph, problem.materials.iter().map(of).collect()),
+            })
         });
         let varying = (0..problem.varying_branches()).map(|number| {
             let of = |m: &Material| m.varying_branches().nth(number).unwrap_or(&ZERO).clone();
@@ -55,7 +58,7 @@ impl Relaxation {
                 springs.get(region).or(springs.last()).map_or(f64::INFINITY, |spring| spring.at(x).time)
             });
             let (mesh, graph) = (Arc::clone(mesh), Arc::clone(graph));
-            Relaxation(Kind::Varying { mesh, dilatation, graph, springs, times })
+            Relaxation(BranchKind::Varying { mesh, dilatation, graph, springs, times })
         });
         same.chain(varying).collect()
     }
@@ -64,8 +67,8 @@ impl Relaxation {
     #[must_use]
     pub fn size(&self, fields: usize) -> usize {
         match &self.0 {
-            Kind::Same { .. } => fields,
-            Kind::Varying { mesh, dilatation, times, .. } => {
+            BranchKind::Same { .. } => fields,
+            BranchKind::Varying { mesh, dilatation, times, .. } => {
                 StrainPoints { mesh, dilatation }.components() * times.len()
             }
         }
@@ -76,8 +79,10 @@ impl Relaxation {
     pub fn step(&self, rule: Rule, bar: &[f64], w: &[f64]) -> Vec<f64> {
         let gamma = rule.gamma;
         match &self.0 {
-            Kind::Same { time, .. } => bar.iter().zip(w).map(|(z, w)| factor(rule, *time) * (z + gamma * w)).collect(),
-            Kind::Varying { mesh, dilatation, times, .. } => {
+            BranchKind::Same { time, .. } => {
+                bar.iter().zip(w).map(|(z, w)| factor(rule, *time) * (z + gamma * w)).collect()
+            }
+            BranchKind::Varying { mesh, dilatation, times, .. } => {
                 let points = StrainPoints { mesh, dilatation };
                 let mut strains = points.strains(w);
                 let count = points.components();
@@ -93,8 +98,8 @@ impl Relaxation {
     #[must_use]
     pub fn force(&self, state: &[f64]) -> Vec<f64> {
         match &self.0 {
-            Kind::Same { form, .. } => form.apply(state),
-            Kind::Varying { mesh, dilatation, springs, .. } => {
+            BranchKind::Same { form, .. } => form.apply(state),
+            BranchKind::Varying { mesh, dilatation, springs, .. } => {
                 StrainPoints { mesh, dilatation }.force(&laws(springs), state).into()
             }
         }
@@ -103,8 +108,8 @@ impl Relaxation {
     /// Adds γ/(1 + γ/τ) ∫ 𝓖ε(·):ε(·), the derivative of [`Relaxation::force`] by w_n.
     pub(super) fn add_stiffness(&self, rule: Rule, matrix: &mut BlockMatrix) {
         match &self.0 {
-            Kind::Same { time, form } => matrix.add_scaled(rule.gamma * factor(rule, *time), form),
-            Kind::Varying { mesh, dilatation, graph, springs, times } => {
+            BranchKind::Same { time, form } => matrix.add_scaled(rule.gamma * factor(rule, *time), form),
+            BranchKind::Varying { mesh, dilatation, graph, springs, times } => {
                 let factors: Vec<f64> = times.iter().map(|time| factor(rule, *time)).collect();
                 let points = StrainPoints { mesh, dilatation };
                 matrix.add_scaled(rule.gamma, &points.form(graph, &laws(springs), &factors));
@@ -115,8 +120,8 @@ impl Relaxation {
     /// Energy ½ ∫ e:𝓖e of the springs, J.
     pub(crate) fn energy(&self, state: &[f64]) -> f64 {
         match &self.0 {
-            Kind::Same { form, .. } => 0.5 * dot(state, &form.apply(state)),
-            Kind::Varying { .. } => 0.5 * self.products(state)[0],
+            BranchKind::Same { form, .. } => 0.5 * dot(state, &form.apply(state)),
+            BranchKind::Varying { .. } => 0.5 * self.products(state)[0],
         }
     }
 
@@ -124,12 +129,12 @@ impl Relaxation {
     pub(crate) fn balance(&self, old: &[f64], new: &[f64], k: f64) -> Relaxed {
         let change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
         match &self.0 {
-            Kind::Same { time, form } => {
+            BranchKind::Same { time, form } => {
                 let product = dot(new, &form.apply(new));
                 let scheme = 0.5 * dot(&change, &form.apply(&change));
                 Relaxed { stored: 0.5 * product, dissipated: k / time * product, scheme }
             }
-            Kind::Varying { .. } => {
+            BranchKind::Varying { .. } => {
                 let ([product, rate], scheme) = (self.products(new), 0.5 * self.products(&change)[0]);
                 Relaxed { stored: 0.5 * product, dissipated: k * rate, scheme }
             }
@@ -138,7 +143,7 @@ impl Relaxation {
 
     /// ∫ e:𝓖e and ∫ e:𝓖e/τ of strains at the points.
     fn products(&self, strains: &[f64]) -> [f64; 2] {
-        let Kind::Varying { mesh, dilatation, springs, times, .. } = &self.0 else { return [0.0; 2] };
+        let BranchKind::Varying { mesh, dilatation, springs, times, .. } = &self.0 else { return [0.0; 2] };
         let rates: Vec<f64> = times.iter().map(|time| 1.0 / time).collect();
         StrainPoints { mesh, dilatation }.products(&laws(springs), strains, &rates)
     }

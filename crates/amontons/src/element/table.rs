@@ -1,7 +1,7 @@
 //! Shape functions at fixed reference points, evaluated once for all cells.
 
 use super::Element;
-use crate::quadrature::{Rule, rule};
+use crate::quadrature::{QuadratureRule, rule};
 use crate::tensor::Point;
 
 /// An element at the points of a quadrature rule: values and reference gradients of its shape functions, and weights.
@@ -26,12 +26,12 @@ impl ShapeTable {
     /// The element at some points, with weight 1 each.
     #[must_use]
     pub fn at(element: &'static Element, points: &[Point]) -> ShapeTable {
-        ShapeTable::of_rule(element, Rule { points: points.to_vec(), weights: vec![1.0; points.len()] })
+        ShapeTable::of_rule(element, QuadratureRule { points: points.to_vec(), weights: vec![1.0; points.len()] })
     }
 
     /// The element at the points of a rule.
     #[must_use]
-    pub fn of_rule(element: &'static Element, rule: Rule) -> ShapeTable {
+    pub fn of_rule(element: &'static Element, rule: QuadratureRule) -> ShapeTable {
         let n = element.nodes.len();
         let (mut values, mut gradients) = (vec![0.0; n * rule.points.len()], vec![[0.0; 3]; n * rule.points.len()]);
         for (q, x) in rule.points.iter().enumerate() {

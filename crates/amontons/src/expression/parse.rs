@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::ops::Op;
-use super::program::{Graph, NodeId};
+use super::program::{NodeId, OperationGraph};
 use super::{ExpressionError, Variable};
 
 /// Longest expression, in bytes.
@@ -117,7 +117,7 @@ enum Token {
 
 /// Result of the parser: the graph, its root, and the variables mentioned.
 pub(super) struct Parsed {
-    pub(super) graph: Graph,
+    pub(super) graph: OperationGraph,
     pub(super) root: NodeId,
     pub(super) variables: [bool; 4],
 }
@@ -139,7 +139,7 @@ pub(super) fn parse<'s>(source: &'s str, names: &'s [&'s str]) -> Result<Parsed,
         previous: Token::End,
         previous_span: 0..0,
         depth: 0,
-        graph: Graph::default(),
+        graph: OperationGraph::default(),
         variables: [false; 4],
     };
     parser.advance()?;
@@ -159,7 +159,7 @@ struct Parser<'a> {
     previous: Token,
     previous_span: Range<usize>,
     depth: usize,
-    graph: Graph,
+    graph: OperationGraph,
     variables: [bool; 4],
 }
 

@@ -16,7 +16,7 @@ const STACK_SLOTS: usize = 64;
 /// Number of points up to which evaluation point by point is faster than evaluation of a block.
 const FEW_POINTS: usize = 2;
 
-type Block = [f64; LANES];
+type OperandBlock = [f64; LANES];
 
 /// Replaces a NaN by one fixed bit pattern: its sign and payload depend on the compiler, unlike all other results.
 #[inline]
@@ -27,30 +27,30 @@ fn canonical(value: f64) -> f64 {
 /// A node of the graph under construction; operands are earlier nodes. Operations with fewer than three operands repeat
 /// the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Node {
+enum Operation {
     Constant(u64),
     Variable(Variable),
     Apply(Op, [usize; 3]),
 }
 
-/// A handle to a node of a [`Graph`].
+/// A handle to a node of an [`OperationGraph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct NodeId(usize);
 
 /// The distinct operations of an expression, with constants folded.
 #[derive(Debug, Default)]
-pub(super) struct Graph {
-    nodes: Vec<Node>,
-    known: HashMap<Node, usize>,
+pub(super) struct OperationGraph {
+    nodes: Vec<Operation>,
+    known: HashMap<Operation, usize>,
 }
 
-impl Graph {
+impl OperationGraph {
     pub(super) fn constant(&mut self, value: f64) -> NodeId {
-        self.insert(Node::Constant(value.to_bits()))
+        self.insert(Operation::Constant(value.to_bits()))
     }
 
     pub(super) fn variable(&mut self, variable: Variable) -> NodeId {
-        self.insert(Node::Variable(variable))
+        self.insert(Operation::Variable(variable))
     }
 
     pub(super) fn unary(&mut self, op: Op, a: NodeId) -> NodeId {
@@ -59,7 +59,7 @@ impl Graph {
 
     pub(super) fn binary(&mut self, op: Op, a: NodeId, b: NodeId) -> NodeId {
         if op == Op::Power
-            && let Node::Constant(bits) = self.nodes[b.0]
+            && let Operation::Constant(bits) = self.nodes[b.0]
             && let Some(n) = small_integer(f64::from_bits(bits))
         {
             return self.integer_power(a, n);
@@ -87,17 +87,17 @@ impl Graph {
     fn apply(&mut self, op: Op, operands: [NodeId; 3]) -> NodeId {
         let nodes = operands.map(|operand| operand.0);
         let constants = nodes.map(|node| match self.nodes[node] {
-            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            Operation::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         });
         if let [Some(a), Some(b), Some(c)] = constants {
             let file = [a, b, c];
-            return self.constant(apply(op, Numbers { file: &file, operands: [0, 1, 2] }));
+            return self.constant(apply(op, PointOperands { file: &file, operands: [0, 1, 2] }));
         }
-        self.insert(Node::Apply(op, nodes))
+        self.insert(Operation::Apply(op, nodes))
     }
 
-    fn insert(&mut self, node: Node) -> NodeId {
+    fn insert(&mut self, node: Operation) -> NodeId {
         NodeId(*self.known.entry(node).or_insert_with(|| {
             self.nodes.push(node);
             self.nodes.len() - 1
@@ -107,7 +107,7 @@ impl Graph {
 
 /// The inputs on which the value of a node depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
+enum Dependence {
     Constant,
     Time,
     Space,
@@ -141,8 +141,8 @@ pub(super) struct Program {
 
 /// The instructions evaluated at every point. Slots are allocated as needed and reused.
 fn body(
-    nodes: &[Node],
-    stages: &[Stage],
+    nodes: &[Operation],
+    stages: &[Dependence],
     last_use: &[Option<usize>],
     slot: &mut [usize],
     slots: &mut usize,
@@ -150,10 +150,10 @@ fn body(
     let mut body = Vec::new();
     let mut free = Vec::new();
     for (i, node) in nodes.iter().enumerate() {
-        let Node::Apply(op, operands) = *node else {
+        let Operation::Apply(op, operands) = *node else {
             continue;
         };
-        if stages[i] != Stage::Space || last_use[i].is_none() {
+        if stages[i] != Dependence::Space || last_use[i].is_none() {
             continue;
         }
         // The result takes its slot before the operands release theirs: an instruction never writes what it reads, so
@@ -165,7 +165,7 @@ fn body(
         let [a, b, c] = operands;
         body.push(Instruction { op, slot: slot[i], operands: operands.map(|o| slot[o]) });
         for (operand, first) in [(a, true), (b, b != a), (c, c != a && c != b)] {
-            if first && stages[operand] == Stage::Space && last_use[operand] == Some(i) {
+            if first && stages[operand] == Dependence::Space && last_use[operand] == Some(i) {
                 free.push(slot[operand]);
             }
         }
@@ -174,7 +174,7 @@ fn body(
 }
 
 impl Program {
-    pub(super) fn new(graph: &Graph, root: NodeId) -> Program {
+    pub(super) fn new(graph: &OperationGraph, root: NodeId) -> Program {
         let nodes = &graph.nodes;
         let last_use = last_uses(nodes, root.0);
         let live = |node: usize| last_use[node].is_some();
@@ -183,7 +183,7 @@ impl Program {
         let mut slot = vec![0; nodes.len()];
         let mut constants = Vec::new();
         for (i, node) in nodes.iter().enumerate() {
-            if let Node::Constant(bits) = node
+            if let Operation::Constant(bits) = node
                 && live(i)
             {
                 slot[i] = constants.len();
@@ -195,13 +195,13 @@ impl Program {
         let mut time = None;
         let mut prologue = Vec::new();
         for (i, node) in nodes.iter().enumerate() {
-            if stages[i] != Stage::Time || !live(i) {
+            if stages[i] != Dependence::Time || !live(i) {
                 continue;
             }
             slot[i] = uniform;
             uniform += 1;
             match *node {
-                Node::Apply(op, operands) => {
+                Operation::Apply(op, operands) => {
                     let operands = operands.map(|operand| slot[operand]);
                     prologue.push(Instruction { op, slot: slot[i], operands });
                 }
@@ -212,7 +212,7 @@ impl Program {
         let mut slots = uniform;
         let mut axes = Vec::new();
         for (i, node) in nodes.iter().enumerate() {
-            if let Node::Variable(variable) = node
+            if let Operation::Variable(variable) = node
                 && let Some(axis) = variable.axis()
                 && live(i)
             {
@@ -251,7 +251,7 @@ impl Program {
                     slopes[slot][axis] = 1.0;
                 }
                 for &Instruction { op, slot, operands } in self.prologue.iter().chain(&self.body) {
-                    let value = apply(op, Numbers { file, operands });
+                    let value = apply(op, PointOperands { file, operands });
                     slopes[slot] = partials(op, operands.map(|o| file[o]), operands.map(|o| &slopes[o]), value);
                     file[slot] = value;
                 }
@@ -284,7 +284,7 @@ impl Program {
     }
 
     fn blocks(&self, points: &[[f64; 3]], uniform: &[f64], out: &mut [f64]) {
-        let mut blocks: Vec<Block> = vec![[0.0; LANES]; self.slots - self.uniform];
+        let mut blocks: Vec<OperandBlock> = vec![[0.0; LANES]; self.slots - self.uniform];
         for (points, out) in points.chunks(LANES).zip(out.chunks_mut(LANES)) {
             for &(axis, slot) in &self.axes {
                 for (lane, point) in blocks[slot - self.uniform].iter_mut().zip(points) {
@@ -297,7 +297,7 @@ impl Program {
                     continue;
                 };
                 let result = &mut result[..points.len()];
-                apply(op, Blocks { uniform, before, after, operands, result });
+                apply(op, BlockOperands { uniform, before, after, operands, result });
             }
             for (out, &value) in out.iter_mut().zip(&blocks[self.result - self.uniform]) {
                 *out = canonical(value);
@@ -326,16 +326,16 @@ fn with_slots<S: Copy + Default + Send + 'static, T>(count: usize, run: impl FnO
 
 fn run(instructions: &[Instruction], file: &mut [f64]) {
     for &Instruction { op, slot, operands } in instructions {
-        file[slot] = apply(op, Numbers { file, operands });
+        file[slot] = apply(op, PointOperands { file, operands });
     }
 }
 
 /// For every node the last node that reads it; `None` if the root does not depend on it.
-fn last_uses(nodes: &[Node], root: usize) -> Vec<Option<usize>> {
+fn last_uses(nodes: &[Operation], root: usize) -> Vec<Option<usize>> {
     let mut last_use = vec![None; nodes.len()];
     last_use[root] = Some(nodes.len());
     for (i, node) in nodes.iter().enumerate().rev() {
-        if let Node::Apply(_, operands) = node
+        if let Operation::Apply(_, operands) = node
             && last_use[i].is_some()
         {
             for &operand in operands {
@@ -346,15 +346,15 @@ fn last_uses(nodes: &[Node], root: usize) -> Vec<Option<usize>> {
     last_use
 }
 
-fn stages(nodes: &[Node]) -> Vec<Stage> {
+fn stages(nodes: &[Operation]) -> Vec<Dependence> {
     let mut stages = Vec::with_capacity(nodes.len());
     for node in nodes {
         stages.push(match node {
-            Node::Constant(_) => Stage::Constant,
-            Node::Variable(Variable::T) => Stage::Time,
-            Node::Variable(_) => Stage::Space,
-            Node::Apply(_, [a, b, c]) => {
-                let [a, b, c]: [Stage; 3] = [stages[*a], stages[*b], stages[*c]];
+            Operation::Constant(_) => Dependence::Constant,
+            Operation::Variable(Variable::T) => Dependence::Time,
+            Operation::Variable(_) => Dependence::Space,
+            Operation::Apply(_, [a, b, c]) => {
+                let [a, b, c]: [Dependence; 3] = [stages[*a], stages[*b], stages[*c]];
                 a.max(b).max(c)
             }
         });
@@ -363,12 +363,12 @@ fn stages(nodes: &[Node]) -> Vec<Stage> {
 }
 
 /// Operands at one point.
-struct Numbers<'a> {
+struct PointOperands<'a> {
     file: &'a [f64],
     operands: [usize; 3],
 }
 
-impl Operands for Numbers<'_> {
+impl Operands for PointOperands<'_> {
     type Output = f64;
 
     #[inline]
@@ -390,49 +390,49 @@ impl Operands for Numbers<'_> {
 }
 
 /// Operands at a block of points; the length of `result` is their number.
-struct Blocks<'a> {
+struct BlockOperands<'a> {
     uniform: &'a [f64],
-    before: &'a [Block],
-    after: &'a [Block],
+    before: &'a [OperandBlock],
+    after: &'a [OperandBlock],
     operands: [usize; 3],
     result: &'a mut [f64],
 }
 
-enum Source<'a> {
+enum Operand<'a> {
     Uniform(f64),
-    Lanes(&'a Block),
+    Lanes(&'a OperandBlock),
 }
 
-impl<'a> Blocks<'a> {
+impl<'a> BlockOperands<'a> {
     #[inline]
-    fn source(&self, operand: usize) -> Source<'a> {
+    fn source(&self, operand: usize) -> Operand<'a> {
         let slot = self.operands[operand];
         let Some(block) = slot.checked_sub(self.uniform.len()) else {
-            return Source::Uniform(self.uniform[slot]);
+            return Operand::Uniform(self.uniform[slot]);
         };
-        Source::Lanes(match block.checked_sub(self.before.len() + 1) {
+        Operand::Lanes(match block.checked_sub(self.before.len() + 1) {
             Some(block) => &self.after[block],
             None => &self.before[block],
         })
     }
 
     /// The operand as a block, for operations too rare to have a loop per kind of operand.
-    fn block(&self, operand: usize) -> Block {
+    fn block(&self, operand: usize) -> OperandBlock {
         match self.source(operand) {
-            Source::Uniform(value) => [value; LANES],
-            Source::Lanes(lanes) => *lanes,
+            Operand::Uniform(value) => [value; LANES],
+            Operand::Lanes(lanes) => *lanes,
         }
     }
 }
 
-impl Operands for Blocks<'_> {
+impl Operands for BlockOperands<'_> {
     type Output = ();
 
     #[inline]
     fn unary(self, function: impl Fn(f64) -> f64) {
         match self.source(0) {
-            Source::Uniform(a) => self.result.fill(function(a)),
-            Source::Lanes(a) => {
+            Operand::Uniform(a) => self.result.fill(function(a)),
+            Operand::Lanes(a) => {
                 for (result, &a) in self.result.iter_mut().zip(a) {
                     *result = function(a);
                 }
@@ -443,22 +443,22 @@ impl Operands for Blocks<'_> {
     #[inline]
     fn binary(self, function: impl Fn(f64, f64) -> f64) {
         match (self.source(0), self.source(1)) {
-            (Source::Lanes(a), Source::Lanes(b)) => {
+            (Operand::Lanes(a), Operand::Lanes(b)) => {
                 for ((result, &a), &b) in self.result.iter_mut().zip(a).zip(b) {
                     *result = function(a, b);
                 }
             }
-            (Source::Lanes(a), Source::Uniform(b)) => {
+            (Operand::Lanes(a), Operand::Uniform(b)) => {
                 for (result, &a) in self.result.iter_mut().zip(a) {
                     *result = function(a, b);
                 }
             }
-            (Source::Uniform(a), Source::Lanes(b)) => {
+            (Operand::Uniform(a), Operand::Lanes(b)) => {
                 for (result, &b) in self.result.iter_mut().zip(b) {
                     *result = function(a, b);
                 }
             }
-            (Source::Uniform(a), Source::Uniform(b)) => self.result.fill(function(a, b)),
+            (Operand::Uniform(a), Operand::Uniform(b)) => self.result.fill(function(a, b)),
         }
     }
 

@@ -65,11 +65,11 @@ pub enum Coefficient<T> {
     /// A function of the position.
     Varying(Arc<Function<T>>),
     /// A function of the position and the temperature.
-    Thermal(Arc<Thermal<T>>),
+    Thermal(Arc<TemperatureDependent<T>>),
 }
 
 /// A function of the position and the temperature.
-pub struct Thermal<T> {
+pub struct TemperatureDependent<T> {
     temperatures: Vec<f64>,
     at: Box<AtTemperature<T>>,
     /// The integral over the temperature from 0; `None` if not known.
@@ -93,7 +93,7 @@ impl<T> Coefficient<T> {
         value: impl Fn(&Point, f64) -> T + Send + Sync + 'static,
     ) -> Coefficient<T> {
         let temperatures = temperatures.to_vec();
-        Coefficient::Thermal(Arc::new(Thermal { temperatures, at: Box::new(value), integral: None }))
+        Coefficient::Thermal(Arc::new(TemperatureDependent { temperatures, at: Box::new(value), integral: None }))
     }
 
     /// True if it depends on position or temperature.
@@ -203,7 +203,7 @@ impl From<Field> for Coefficient<f64> {
             Field::Constant(value) => Coefficient::Constant(value),
             Field::Thermal(table) => {
                 let whole = table.clone();
-                Coefficient::Thermal(Arc::new(Thermal {
+                Coefficient::Thermal(Arc::new(TemperatureDependent {
                     temperatures: table.temperatures().to_vec(),
                     at: Box::new(move |x, theta| table.value(x, theta)),
                     integral: Some(Box::new(move |x, theta| whole.integral(x, theta))),

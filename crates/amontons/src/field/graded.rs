@@ -8,10 +8,10 @@ use super::reference;
 use crate::tensor::Point;
 
 /// The law at a position, time and temperature.
-type At<T> = dyn Fn(&Point, f64, f64) -> Arc<T> + Send + Sync;
+type LawFunction<T> = dyn Fn(&Point, f64, f64) -> Arc<T> + Send + Sync;
 
 /// A law with the position, time and temperature for which it holds.
-pub struct Instance<T: ?Sized> {
+pub struct LawInstance<T: ?Sized> {
     /// The position, m.
     pub x: Point,
     /// The time, s; 0 for laws that do not change with time.
@@ -39,15 +39,15 @@ pub struct Instance<T: ?Sized> {
 /// assert_eq!((law.constants().monotonicity, law.constants().lipschitz), (1.0, 2.0));
 /// ```
 pub struct Graded<T: ?Sized> {
-    at: Arc<At<T>>,
+    at: Arc<LawFunction<T>>,
     t: f64,
     changes: bool,
     /// The temperatures between which the law is known, K; empty if it is independent of the temperature.
     temperatures: Arc<[f64]>,
     /// True if one of the laws is nonlinear (elasticity), or has a bound that drops when slip starts (friction).
     special: bool,
-    least: Instance<T>,
-    most: Instance<T>,
+    least: LawInstance<T>,
+    most: LawInstance<T>,
 }
 
 impl<T: ?Sized> Graded<T> {
@@ -71,7 +71,7 @@ impl<T: ?Sized> Graded<T> {
         at: impl Fn(&Point, f64, f64) -> Arc<T> + Send + Sync + 'static,
         size: impl Fn(&T) -> ([f64; 2], bool),
     ) -> Graded<T> {
-        let instance = |x: &Point, t: f64, theta: f64| Instance {
+        let instance = |x: &Point, t: f64, theta: f64| LawInstance {
             x: *x,
             t,
             theta: (!temperatures.is_empty()).then_some(theta),
@@ -121,7 +121,7 @@ impl<T: ?Sized> Graded<T> {
 
     /// The laws at which the least and the largest constant are attained.
     #[must_use]
-    pub fn extremes(&self) -> [&Instance<T>; 2] {
+    pub fn extremes(&self) -> [&LawInstance<T>; 2] {
         [&self.least, &self.most]
     }
 
@@ -136,9 +136,9 @@ impl<T: ?Sized> Graded<T> {
     }
 }
 
-impl<T: ?Sized> Clone for Instance<T> {
-    fn clone(&self) -> Instance<T> {
-        Instance { x: self.x, t: self.t, theta: self.theta, law: Arc::clone(&self.law) }
+impl<T: ?Sized> Clone for LawInstance<T> {
+    fn clone(&self) -> LawInstance<T> {
+        LawInstance { x: self.x, t: self.t, theta: self.theta, law: Arc::clone(&self.law) }
     }
 }
 
@@ -163,7 +163,7 @@ impl<T: fmt::Debug + ?Sized> fmt::Debug for Graded<T> {
 impl<T: ?Sized + 'static> Graded<T> {
     /// The law derived from this one at each point by `other`, which must keep the order of constants.
     pub(crate) fn map(&self, other: impl Fn(&T, &Point) -> Arc<T> + Send + Sync + 'static) -> Graded<T> {
-        let [least, most] = self.extremes().map(|i| Instance { law: other(i.law.as_ref(), &i.x), ..i.clone() });
+        let [least, most] = self.extremes().map(|i| LawInstance { law: other(i.law.as_ref(), &i.x), ..i.clone() });
         let at = Arc::clone(&self.at);
         let at = move |x: &Point, t: f64, theta: f64| other(at(x, t, theta).as_ref(), x);
         Graded { at: Arc::new(at), temperatures: Arc::clone(&self.temperatures), least, most, ..*self }

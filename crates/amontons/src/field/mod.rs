@@ -6,8 +6,8 @@ mod graded;
 mod table;
 mod thermal;
 
-pub use coefficient::{Coefficient, InSpace, Thermal};
-pub use graded::{Graded, Instance};
+pub use coefficient::{Coefficient, InSpace, TemperatureDependent};
+pub use graded::{Graded, LawInstance};
 pub use table::{TableError, TimeTable};
 pub use thermal::TemperatureTable;
 #[cfg(feature = "case")]

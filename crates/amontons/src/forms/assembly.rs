@@ -17,7 +17,7 @@ pub(super) fn of_region<'a, T: ?Sized>(list: &[&'a T], region: usize) -> Option<
 }
 
 /// Quantities at a point of a cell, from which forms are computed.
-pub(super) struct Cell<'a> {
+pub(super) struct CellPoint<'a> {
     pub mesh: &'a Mesh,
     table: &'a ShapeTable,
     pub map: CellMap<'a>,
@@ -47,11 +47,11 @@ pub(super) fn strain_components(mesh: &Mesh) -> usize {
     if mesh.axisymmetric { 4 } else { mandel_len(mesh.dim) }
 }
 
-impl<'a> Cell<'a> {
-    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a ShapeTable, strains: Option<&[Dilatation]>) -> Cell<'a> {
+impl<'a> CellPoint<'a> {
+    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a ShapeTable, strains: Option<&[Dilatation]>) -> CellPoint<'a> {
         let (components, fields) = (strain_components(mesh), block.element.nodes.len() * mesh.dim);
         let has_mean = strains.is_some_and(|all| is_mean(all, block.region));
-        Cell {
+        CellPoint {
             mesh,
             table,
             map: CellMap::new(mesh, table),
@@ -67,7 +67,7 @@ impl<'a> Cell<'a> {
     }
 
     /// Calls `form` with this cell and the weight at each of its points.
-    pub fn integrate(&mut self, mut form: impl FnMut(&mut Cell<'a>, f64)) {
+    pub fn integrate(&mut self, mut form: impl FnMut(&mut CellPoint<'a>, f64)) {
         if !self.mean.is_empty() {
             self.average();
         }
@@ -189,7 +189,7 @@ pub(super) fn by_cells(
     degree: impl Fn(&Element) -> usize,
     strains: Option<&[Dilatation]>,
     size: impl Fn(&Element) -> usize,
-    form: impl Fn(&mut Cell, &mut [f64]) + Sync,
+    form: impl Fn(&mut CellPoint, &mut [f64]) + Sync,
     mut add: impl FnMut(&[u32], usize, &[f64]),
 ) {
     let mut points = 0;
@@ -201,7 +201,7 @@ pub(super) fn by_cells(
         for nodes in block.nodes.chunks(n * together) {
             let kept = &mut kept[..nodes.len() / n * size];
             kept.par_chunks_mut(TASK * size).zip(nodes.par_chunks(TASK * n)).enumerate().for_each_init(
-                || Cell::new(mesh, block, &table, strains),
+                || CellPoint::new(mesh, block, &table, strains),
                 |cell, (task, (kept, nodes))| {
                     kept.fill(0.0);
                     cell.first = points + task * TASK * table.len();
@@ -226,7 +226,7 @@ pub(super) fn assemble(
     shape: (usize, usize),
     degree: impl Fn(&Element) -> usize,
     strains: Option<&[Dilatation]>,
-    form: impl Fn(&mut Cell, &mut [f64]) + Sync,
+    form: impl Fn(&mut CellPoint, &mut [f64]) + Sync,
 ) -> BlockMatrix {
     let mut matrix = BlockMatrix::zero(graph, shape.0, shape.1);
     by_cells(

@@ -52,7 +52,7 @@ use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{TensorLaw, arrays};
 use crate::mesh::Mesh;
 use crate::tensor::{Sym, dot};
-use assembly::{Cell, assemble, of_region};
+use assembly::{CellPoint, assemble, of_region};
 
 /// (θ, η)_{L²(Ω)}, and (w, v)_H per component.
 #[must_use]
@@ -74,7 +74,7 @@ pub(crate) fn weighted_at(
     theta: &[f64],
 ) -> BlockMatrix {
     let factor =
-        |cell: &Cell| factors.get(cell.region).or(factors.last()).map_or(1.0, |factor| cell.local(factor, theta));
+        |cell: &CellPoint| factors.get(cell.region).or(factors.last()).map_or(1.0, |factor| cell.local(factor, theta));
     assemble(
         mesh,
         graph,
@@ -109,7 +109,7 @@ pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> Block
 /// [`a`] or [`b`] with full or mean dilatation.
 #[must_use]
 pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: &[Dilatation]) -> BlockMatrix {
-    let at_rest = |law: &dyn TensorLaw, cell: &Cell| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
+    let at_rest = |law: &dyn TensorLaw, cell: &CellPoint| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
     all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], at_rest))
 }
 
@@ -154,7 +154,7 @@ pub(crate) fn d_at<K: InSpace<Sym>>(
 /// nearly incompressible bodies would still lock.
 #[must_use]
 pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>], dilatation: &[Dilatation]) -> BlockMatrix {
-    let tensor = |cell: &Cell| of_region(expansion, cell.region).map(|m| m.at(&cell.map.position));
+    let tensor = |cell: &CellPoint| of_region(expansion, cell.region).map(|m| m.at(&cell.map.position));
     works(mesh, graph, dilatation, |e| mesh.value_products(e, true), tensor)
 }
 
@@ -164,7 +164,7 @@ fn works(
     graph: &Arc<Graph>,
     dilatation: &[Dilatation],
     degree: impl Fn(&Element) -> usize,
-    tensor: impl Fn(&Cell) -> Option<Sym> + Sync,
+    tensor: impl Fn(&CellPoint) -> Option<Sym> + Sync,
 ) -> BlockMatrix {
     assemble(mesh, graph, (mesh.dim, 1), degree, Some(dilatation), |cell, out| {
         cell.integrate(|cell, weight| {

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::assembly::{Cell, by_cells, of_region, strain_components};
+use super::assembly::{CellPoint, by_cells, of_region, strain_components};
 use super::state::{strain, vector};
 use super::stiffness;
 use crate::element::{Element, ShapeTable};
@@ -55,7 +55,7 @@ impl StrainPoints<'_> {
         &self,
         strains: Option<&[Dilatation]>,
         size: usize,
-        of: impl Fn(&Cell, &mut [f64]) + Sync,
+        of: impl Fn(&CellPoint, &mut [f64]) + Sync,
     ) -> Vec<f64> {
         let mut all = Vec::with_capacity(size * self.count());
         by_cells(

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::assembly::{Cell, by_cells, of_region, strain_components};
+use super::assembly::{CellPoint, by_cells, of_region, strain_components};
 use super::stiffness;
 use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
@@ -12,7 +12,7 @@ use crate::mesh::Mesh;
 use crate::tensor::Sym;
 
 /// The strain of the field `u`, node-major, at the point of a cell.
-pub(super) fn strain(cell: &Cell, u: &[f64]) -> Sym {
+pub(super) fn strain(cell: &CellPoint, u: &[f64]) -> Sym {
     let (dim, mut strain) = (cell.mesh.dim, Sym::ZERO);
     for m in 0..strain_components(cell.mesh) {
         for (entries, &node) in cell.strain_row(m).chunks_exact(dim).zip(cell.nodes) {
@@ -25,7 +25,7 @@ pub(super) fn strain(cell: &Cell, u: &[f64]) -> Sym {
 }
 
 /// Applies `with` to a law at the point of a cell, at the nodal temperature `theta` if given.
-fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
+fn local<R>(law: &dyn TensorLaw, cell: &CellPoint, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
     let warm = if theta.is_empty() { None } else { law.at_temperature(&cell.map.position, cell.scalar(theta)) };
     taking_part(|| with(warm.as_deref().unwrap_or(law)))
 }
@@ -35,7 +35,7 @@ fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&
 /// `laws` is a list by region; `u` has d components per node, and `theta` the temperature per node, or is empty.
 #[must_use]
 pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: &[Dilatation], u: &[f64], theta: &[f64]) -> Vec<f64> {
-    let value = |cell: &Cell| {
+    let value = |cell: &CellPoint| {
         let law = of_region(laws, cell.region)?;
         let strain = strain(cell, u);
         Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
@@ -48,7 +48,7 @@ pub(super) fn vector(
     mesh: &Mesh,
     dilatation: &[Dilatation],
     degree: impl Fn(&Element) -> usize,
-    tensor: impl Fn(&Cell) -> Option<Sym> + Sync,
+    tensor: impl Fn(&CellPoint) -> Option<Sym> + Sync,
 ) -> Vec<f64> {
     let dim = mesh.dim;
     let mut out = vec![0.0; mesh.points.len() * dim];
@@ -85,7 +85,7 @@ pub fn energy(
     u: &[f64],
     theta: &[f64],
 ) -> Option<f64> {
-    let of_cell = |cell: &mut Cell, energy: &mut [f64]| {
+    let of_cell = |cell: &mut CellPoint, energy: &mut [f64]| {
         let Some(law) = of_region(laws, cell.region) else { return };
         cell.integrate(|cell, weight| {
             let strain = strain(cell, u);
@@ -114,7 +114,7 @@ pub fn tangent(
     u: &[f64],
     theta: &[f64],
 ) -> BlockMatrix {
-    let tangent = |law: &dyn TensorLaw, cell: &Cell| {
+    let tangent = |law: &dyn TensorLaw, cell: &CellPoint| {
         // If all laws are linear, strains are neither needed nor available.
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
         local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::assembly::{Cell, assemble as sum, of_region, strain_components};
+use super::assembly::{CellPoint, assemble as sum, of_region, strain_components};
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
@@ -40,7 +40,7 @@ pub(super) fn assemble(
     dilatation: &[Dilatation],
     laws: &[&dyn TensorLaw],
     factor: &[f64],
-    tangent: impl Fn(&dyn TensorLaw, &Cell) -> SymMap + Sync,
+    tangent: impl Fn(&dyn TensorLaw, &CellPoint) -> SymMap + Sync,
 ) -> BlockMatrix {
     let known: Vec<Option<Stiffness>> = laws
         .iter()
@@ -113,7 +113,7 @@ fn by_pairs<const D: usize>(gradients: &[Point], weight: f64, map: &Stiffness, i
 }
 
 /// Adds ε(φ_i)·𝓒ε(φ_j) for all basis fields of a cell from the rows of their strains.
-fn by_strains(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
+fn by_strains(cell: &CellPoint, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
     match strain_components(cell.mesh) {
         1 => strain_products::<1>(cell, weight, map, is_symmetric, out),
         3 => strain_products::<3>(cell, weight, map, is_symmetric, out),
@@ -123,7 +123,7 @@ fn by_strains(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &
 }
 
 /// Uses the M leading components of strains, which alone are nonzero: component 33 of a plane law does no work.
-fn strain_products<const M: usize>(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
+fn strain_products<const M: usize>(cell: &CellPoint, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
     let (n, d) = (cell.nodes.len(), cell.mesh.dim);
     let rows: [&[f64]; M] = std::array::from_fn(|m| cell.strain_row(m));
     for j in 0..n {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::assembly::{Cell, assemble, by_cells, of_region};
+use super::assembly::{CellPoint, assemble, by_cells, of_region};
 use super::state::{strain, vector};
 use super::works;
 use crate::field::Coefficient;
@@ -32,7 +32,7 @@ fn slope(coefficient: &Coefficient<Sym>, x: &Point, theta: f64) -> Sym {
 fn scalars(
     mesh: &Mesh,
     degree: impl Fn(&crate::element::Element) -> usize,
-    form: impl Fn(&mut Cell, &mut [f64]) + Sync,
+    form: impl Fn(&mut CellPoint, &mut [f64]) + Sync,
 ) -> Vec<f64> {
     let mut out = vec![0.0; mesh.points.len()];
     by_cells(
@@ -68,7 +68,7 @@ pub(crate) fn stored_heat(mesh: &Mesh, capacity: &[Coefficient<f64>], theta: &[f
 }
 
 /// ∇θ at the point of a cell, from differences to its first node: exactly zero for a uniform temperature.
-fn gradient(cell: &Cell, theta: &[f64]) -> Point {
+fn gradient(cell: &CellPoint, theta: &[f64]) -> Point {
     let first = cell.nodes.first().map_or(0.0, |&node| theta[node as usize]);
     let mut sum = [0.0; 3];
     for (&node, g) in cell.nodes.iter().zip(&cell.map.gradients) {

@@ -157,14 +157,14 @@ pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str)
         return Some(format!("{upper} = {lipschitz:.6e}"));
     }
     // −M is a lower bound of monotonicity that every law with the Lipschitz constant M satisfies.
-    refuted(problem, law, crate::material::Constants { monotonicity: -lipschitz, lipschitz }, ["m", upper])
+    refuted(problem, law, crate::material::OperatorConstants { monotonicity: -lipschitz, lipschitz }, ["m", upper])
 }
 
 /// Two arguments that contradict the constants of a law, or a nonzero value at zero.
 fn refuted(
     problem: &Problem,
     law: &dyn TensorLaw,
-    constants: crate::material::Constants,
+    constants: crate::material::OperatorConstants,
     [m, upper]: [&str; 2],
 ) -> Option<String> {
     let dim = problem.mesh.tensor_dim();

@@ -119,7 +119,7 @@ impl Constants {
     fn of_laws(problem: &Problem) -> Constants {
         // Several materials together have the least m and the largest M.
         let materials = &problem.materials;
-        let extremes = |law: fn(&crate::material::Material) -> crate::material::Constants| {
+        let extremes = |law: fn(&crate::material::Material) -> crate::material::OperatorConstants| {
             let all = || materials.iter().map(law);
             (
                 all().fold(f64::INFINITY, |least, c| least.min(c.monotonicity)),

@@ -75,7 +75,7 @@ fn judge(problem: &Problem, discrete: &Discretization, constants: &Constants, te
         return not_judged("the body has no material, or does not have this side", "material");
     };
     let boundary = ContactBoundary::new(&problem.mesh, facets, contact.quadrature);
-    let body = Body::new(problem, discrete, material, boundary);
+    let body = FreeBody::new(problem, discrete, material, boundary);
     if let Some((x, penetration)) = body.touching(contact) {
         let message = format!("the body touches the foundation at t = 0, at {}", at(&x));
         return Finding::new(ID, FindingStatus::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
@@ -100,7 +100,7 @@ fn judge(problem: &Problem, discrete: &Discretization, constants: &Constants, te
 }
 
 /// The bound of u_ν at the point where it is nearest to the gap, or exceeds it most.
-struct Bound {
+struct ReachBound {
     normal: f64,
     gap: f64,
     x: Point,
@@ -109,7 +109,7 @@ struct Bound {
     of_every_motion: bool,
 }
 
-impl Bound {
+impl ReachBound {
     fn finding(&self, units: Units) -> Finding {
         let place = format!("{}, t = {}", at(&self.x), units.exact(self.t, Measure::Time));
         let numbers = |finding: Finding| finding.numbers(Some(self.normal), Some(self.gap));
@@ -135,7 +135,7 @@ impl Bound {
 }
 
 /// The body without contact.
-struct Body<'a> {
+struct FreeBody<'a> {
     problem: &'a Problem,
     discrete: &'a Discretization,
     /// The one material of the body.
@@ -147,17 +147,17 @@ struct Body<'a> {
     theta: Vec<f64>,
 }
 
-impl<'a> Body<'a> {
+impl<'a> FreeBody<'a> {
     fn new(
         problem: &'a Problem,
         discrete: &'a Discretization,
         material: &'a Material,
         boundary: ContactBoundary,
-    ) -> Body<'a> {
+    ) -> FreeBody<'a> {
         let mesh = &problem.mesh;
         let space = problem.displacement_space();
         let scalar = Space::new(mesh, 1, std::iter::empty());
-        Body {
+        FreeBody {
             problem,
             discrete,
             material,
@@ -236,7 +236,7 @@ impl<'a> Body<'a> {
         &self,
         contact: &Contact,
         c_f: Option<f64>,
-    ) -> Result<Result<Bound, (&'static str, &'static str)>, SolveError> {
+    ) -> Result<Result<ReachBound, (&'static str, &'static str)>, SolveError> {
         let (problem, discrete, m) = (self.problem, self.discrete, self.material);
         let mesh = &problem.mesh;
         let (mut a, mass) = (discrete.a.clone(), &discrete.mass);
@@ -257,7 +257,7 @@ impl<'a> Body<'a> {
         let load = forms::mechanical_load(problem);
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
-        let heat = Heat::new(problem, m, mass, &self.theta, c_f);
+        let heat = TemperatureBound::new(problem, m, mass, &self.theta, c_f);
         let thermal = largest_norm(problem, |m| &m.expansion);
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
         let k = problem.timeline.longest();
@@ -267,7 +267,7 @@ impl<'a> Body<'a> {
         .max(0.0)
         .sqrt();
         let (mut strain, mut theta) = ((energy(&a, &self.u) / m_a).sqrt(), heat.start);
-        let mut worst: Option<Bound> = None;
+        let mut worst: Option<ReachBound> = None;
         let (varies, gap_varies) = (loads_vary(problem), contact.gap_depends_on_time());
         let of_every_motion = thermal == 0.0 && problem.contacts.iter().all(at_rest);
         let mut gap = gaps(0.0);
@@ -292,7 +292,7 @@ impl<'a> Body<'a> {
             for (((terms, g_x), gap), point) in normals.iter().zip(&reach).zip(&gap).zip(&self.boundary.points) {
                 let normal = terms.iter().map(|&(dof, factor)| factor * statics[dof]).sum::<f64>() + y * g_x.sqrt();
                 if worst.as_ref().is_none_or(|w| normal - gap > w.normal - w.gap || normal.is_nan()) {
-                    worst = Some(Bound { normal, gap: *gap, x: point.x, t, of_every_motion });
+                    worst = Some(ReachBound { normal, gap: *gap, x: point.x, t, of_every_motion });
                 }
             }
         }
@@ -362,7 +362,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// The bound of ‖θ‖.
-struct Heat<'a> {
+struct TemperatureBound<'a> {
     problem: &'a Problem,
     /// ‖θ₀‖.
     start: f64,
@@ -373,13 +373,19 @@ struct Heat<'a> {
     source: Option<f64>,
 }
 
-impl<'a> Heat<'a> {
-    fn new(problem: &'a Problem, m: &Material, mass: &BlockMatrix, theta: &[f64], c_f: Option<f64>) -> Heat<'a> {
+impl<'a> TemperatureBound<'a> {
+    fn new(
+        problem: &'a Problem,
+        m: &Material,
+        mass: &BlockMatrix,
+        theta: &[f64],
+        c_f: Option<f64>,
+    ) -> TemperatureBound<'a> {
         let lambda = c_f.filter(|c| *c < 1.0).map_or(0.0, |c| c * c / (1.0 - c * c));
         let m_d = m.conductivity.at(&ANYWHERE).eigenvalues(problem.mesh.dim).first().map_or(0.0, |e| e.max(0.0));
         let own = problem.region_loads.iter().map(|load| &load.heat_source);
         let varies = own.chain([&problem.heat_source]).any(Field::depends_on_time);
-        Heat {
+        TemperatureBound {
             problem,
             start: dot(theta, &mass.apply(theta)).max(0.0).sqrt(),
             rates: [m.heat_capacity.at(&ANYWHERE) / problem.timeline.longest(), m_d * lambda],

@@ -87,7 +87,7 @@ fn minorized(problem: &Problem, discrete: &Arc<Discretization>) -> Arc<Discretiz
 }
 
 /// The mechanical system of a step for any k.
-struct Step<'a> {
+struct StepOperator<'a> {
     problem: &'a Problem,
     discrete: Arc<Discretization>,
     /// c*, the largest of the contacts, Pa/m.
@@ -100,8 +100,8 @@ struct Step<'a> {
 }
 
 /// K_u at one step length, minus [`MARGIN`] of its diagonal, and its factored system once needed.
-struct At<'a> {
-    step: &'a Step<'a>,
+struct StepMatrix<'a> {
+    step: &'a StepOperator<'a>,
     /// γ of the rule in time, s.
     gamma: f64,
     less: Arc<BlockMatrix>,
@@ -115,8 +115,8 @@ struct Least {
     below: f64,
 }
 
-impl<'a> Step<'a> {
-    fn new(problem: &'a Problem, discrete: &Arc<Discretization>, losses: &[[f64; 2]]) -> Step<'a> {
+impl<'a> StepOperator<'a> {
+    fn new(problem: &'a Problem, discrete: &Arc<Discretization>, losses: &[[f64; 2]]) -> StepOperator<'a> {
         let discrete = minorized(problem, discrete);
         let [loss, with_speed] = [0, 1].map(|i| losses.iter().map(|l| l[i]).fold(0.0, f64::max));
         let share = |[own, own_with_speed]: [f64; 2]| {
@@ -135,14 +135,14 @@ impl<'a> Step<'a> {
                 .collect();
             weights.add(&nodes, &form);
         }
-        Step { problem, discrete, loss, with_speed, weights, shares }
+        StepOperator { problem, discrete, loss, with_speed, weights, shares }
     }
 
     /// K_u = ρM/k + B + kA at step length k.
-    fn at(&self, k: f64) -> At<'_> {
+    fn at(&self, k: f64) -> StepMatrix<'_> {
         let rule = self.problem.scheme.rule(k);
         let matrix = self.discrete.mechanical_matrix(rule);
-        At { step: self, gamma: rule.gamma, less: Arc::new(less_margin(matrix)), system: None }
+        StepMatrix { step: self, gamma: rule.gamma, less: Arc::new(less_margin(matrix)), system: None }
     }
 
     /// True if the heat equation of a step has one solution: C/k + D is positive definite.
@@ -193,11 +193,11 @@ impl<'a> Step<'a> {
     }
 }
 
-impl At<'_> {
+impl StepMatrix<'_> {
     /// True if K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
     fn dominates(&mut self, loss: f64) -> Result<bool, SolveError> {
         let step = self.step;
-        let Step { problem, discrete, weights, .. } = step;
+        let StepOperator { problem, discrete, weights, .. } = step;
         let lost = loss * self.gamma;
         let system = match self.system() {
             Ok(system) => system,
@@ -237,7 +237,7 @@ impl At<'_> {
         let made = if let Some(system) = self.system.take() {
             system
         } else {
-            let Step { problem, discrete, .. } = self.step;
+            let StepOperator { problem, discrete, .. } = self.step;
             let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
             System::new(&problem.backend, &self.less, &layout)?
         };
@@ -324,7 +324,11 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
 }
 
 /// The system to test, or the finding that explains why there is none.
-fn prepare<'a>(problem: &'a Problem, discrete: &Arc<Discretization>, id: FindingId) -> Result<Step<'a>, Box<Finding>> {
+fn prepare<'a>(
+    problem: &'a Problem,
+    discrete: &Arc<Discretization>,
+    id: FindingId,
+) -> Result<StepOperator<'a>, Box<Finding>> {
     if problem.contacts.is_empty() {
         return Err(Box::new(Finding::new(
             id,
@@ -361,7 +365,7 @@ fn prepare<'a>(problem: &'a Problem, discrete: &Arc<Discretization>, id: Finding
         let message = "conductivity or heat capacity depend on the temperature: the heat equation of a step is not linear, and how many solutions it has is not checked";
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material")));
     }
-    let step = Step::new(problem, discrete, &losses);
+    let step = StepOperator::new(problem, discrete, &losses);
     match step.heat_is_definite(problem.timeline.longest()) {
         Ok(true) => Ok(step),
         Ok(false) => {
@@ -414,7 +418,7 @@ pub(super) fn unique(problem: &Problem, discrete: &Arc<Discretization>) -> Findi
         .map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
-fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
+fn judge(step: &StepOperator, id: FindingId) -> Result<Finding, SolveError> {
     let k = step.problem.timeline.longest();
     let needed = step.loss * k;
     let mut at = step.at(k);
@@ -490,7 +494,7 @@ fn enough(problem: &Problem, steps: f64) -> Finding {
         .repair(format!("time.steps = {steps}"))
 }
 
-fn search(step: &Step) -> Result<Finding, SolveError> {
+fn search(step: &StepOperator) -> Result<Finding, SolveError> {
     let (id, problem) = (FindingId::TimeStep, step.problem);
     let steps = |doubling: u32| problem.timeline.steps() as f64 * f64::from(1u32 << doubling);
     let k = |doubling: u32| problem.timeline.end() / steps(doubling);

@@ -2,13 +2,13 @@
 
 use super::laws::{ROUND_OFF, attained, norm};
 use super::{Finding, FindingId, FindingStatus};
-use crate::problem::{Problem, Sample};
+use crate::problem::{MaterialSample, Problem};
 use crate::tensor::Sym;
 
 /// (H3): 𝓚 is positive definite.
-pub(super) fn conductivity(problem: &Problem, values: &[Sample<Sym>]) -> Finding {
-    let eigenvalues = |sample: &Sample<Sym>| sample.value.eigenvalues(problem.mesh.dim);
-    let least_of = |sample: &Sample<Sym>| eigenvalues(sample).first().copied().unwrap_or(0.0);
+pub(super) fn conductivity(problem: &Problem, values: &[MaterialSample<Sym>]) -> Finding {
+    let eigenvalues = |sample: &MaterialSample<Sym>| sample.value.eigenvalues(problem.mesh.dim);
+    let least_of = |sample: &MaterialSample<Sym>| eigenvalues(sample).first().copied().unwrap_or(0.0);
     let worst = values.iter().min_by(|a, b| least_of(a).total_cmp(&least_of(b)));
     let all = worst.map_or_else(Vec::new, eigenvalues);
     let (least, largest) = (all.first().copied().unwrap_or(0.0), all.last().copied().unwrap_or(0.0));
@@ -32,7 +32,7 @@ pub(super) fn conductivity(problem: &Problem, values: &[Sample<Sym>]) -> Finding
 /// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
 pub(super) fn bounded(
     problem: &Problem,
-    values: &[Sample<Sym>],
+    values: &[MaterialSample<Sym>],
     bound: Option<f64>,
     id: FindingId,
     [name, upper, place]: [&str; 3],

@@ -11,7 +11,7 @@ use super::graph::Graph;
 use super::multigrid::Multigrid;
 use super::relief::Relief;
 use super::sparse::BlockMatrix;
-use super::stop::Stop;
+use super::stop::StopFlag;
 use super::supernodal::Interruptible;
 use super::unknowns::{Layout, Unknowns};
 use crate::machine;
@@ -65,7 +65,7 @@ impl Backend for Automatic {
     }
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
-        let (direct, multigrid) = (Interruptible(Stop::when(flag)), Multigrid::stopped_by(flag));
+        let (direct, multigrid) = (Interruptible(StopFlag::when(flag)), Multigrid::stopped_by(flag));
         Some(Arc::new(Automatic { direct, multigrid, work: self.work, before: Arc::clone(&self.before) }))
     }
 

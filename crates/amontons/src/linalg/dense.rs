@@ -6,10 +6,10 @@ use faer::Mat;
 
 use super::condensed::Condensed;
 use super::error::SolveError;
-use super::factor::{Backend, Columns, Factor};
+use super::factor::{Backend, Factor, LowerTriangle};
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
-use super::stop::Stop;
+use super::stop::StopFlag;
 use super::unknowns::Unknowns;
 
 /// A dense factorization, for small systems and as the reference of the sparse one.
@@ -27,7 +27,7 @@ struct DenseFactor {
 impl Backend for Dense {
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
         let size = unknowns.len();
-        let lower = Columns::new(matrix, unknowns);
+        let lower = LowerTriangle::new(matrix, unknowns);
         let mut l = Mat::<f64>::zeros(size, size);
         for j in 0..size {
             for (row, value) in lower.column(j) {
@@ -78,7 +78,7 @@ impl Factor for DenseFactor {
         let n = self.l.nrows() - self.interior;
         let s = self.l.submatrix(self.interior, self.interior, n, n);
         let whole = Mat::from_fn(n, n, |i, j| s[(i.max(j), i.min(j))]);
-        Box::new(Schur::new(Arc::new(whole), self.nodes.clone(), Stop::default()))
+        Box::new(Schur::new(Arc::new(whole), self.nodes.clone(), StopFlag::default()))
     }
     fn stored(&self) -> usize {
         self.l.nrows() * (self.l.nrows() + 1) / 2

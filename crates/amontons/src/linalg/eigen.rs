@@ -123,7 +123,7 @@ fn lanczos(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
 /// 517): the space of the Ritz vectors grows by the residual, solved with K to a few digits.
 fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     let mut next = start(pencil, ROUGH)?;
-    let mut space = Searched::default();
+    let mut space = SearchSubspace::default();
     let mut best = vec![0.0; next.len()];
     for _ in 0..STEPS {
         if !space.add(pencil, std::mem::take(&mut next))? {
@@ -148,13 +148,13 @@ fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
 
 /// Vectors orthonormal for x·Ky with their products.
 #[derive(Default)]
-struct Searched {
+struct SearchSubspace {
     basis: Vec<Vec<f64>>,
     numerators: Vec<Vec<f64>>,
     denominators: Vec<Vec<f64>>,
 }
 
-impl Searched {
+impl SearchSubspace {
     /// Adds a vector; false if there is none or it depends on those before.
     fn add(&mut self, pencil: &impl Pencil, mut x: Vec<f64>) -> Result<bool, SolveError> {
         let size = dot(&x, &pencil.denominator(&x)?).max(0.0).sqrt();

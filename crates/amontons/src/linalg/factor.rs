@@ -94,21 +94,21 @@ pub trait Factor: Debug + Send + Sync {
 }
 
 /// The lower half of a matrix in elimination order by columns, rows ascending, the diagonal first.
-pub(super) struct Columns {
+pub(super) struct LowerTriangle {
     pub start: Vec<u32>,
     pub rows: Vec<u32>,
     pub values: Vec<f64>,
 }
 
-impl Columns {
+impl LowerTriangle {
     /// The rows and columns of `matrix` that `unknowns` names.
-    pub fn new(matrix: &BlockMatrix, unknowns: &Unknowns) -> Columns {
+    pub fn new(matrix: &BlockMatrix, unknowns: &Unknowns) -> LowerTriangle {
         let (components, _) = matrix.block_shape();
         let mut position = vec![u32::MAX; matrix.graph().len() * components];
         for (k, &dof) in unknowns.dofs.iter().enumerate() {
             position[dof as usize] = k as u32;
         }
-        let mut lower = Columns { start: vec![0], rows: Vec::new(), values: Vec::new() };
+        let mut lower = LowerTriangle { start: vec![0], rows: Vec::new(), values: Vec::new() };
         let mut column: Vec<(u32, f64)> = Vec::new();
         for (k, &dof) in unknowns.dofs.iter().enumerate() {
             let (i, r) = (dof as usize / components, dof as usize % components);

@@ -13,9 +13,9 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
 use super::error::SolveError;
-use super::factor::Columns;
+use super::factor::LowerTriangle;
 use super::lu::work_space;
-use super::stop::Stop;
+use super::stop::StopFlag;
 
 /// Columns that are eliminated at once.
 const BLOCK: usize = 128;
@@ -35,18 +35,18 @@ pub(super) struct Supernodes<'a> {
 }
 
 /// The columns of a supernode, dense.
-struct Panel<'a> {
+struct DenseSupernode<'a> {
     columns: Range<usize>,
     leading: usize,
     values: &'a mut [f64],
 }
 
 /// What the work on all panels shares.
-struct Work<'a> {
+struct EliminationWorkspace<'a> {
     /// The row of the panel at hand for each row of the matrix.
     place: Vec<u32>,
     product: Vec<f64>,
-    stop: &'a Stop,
+    stop: &'a StopFlag,
 }
 
 /// Updates that wait: for each supernode those below it that have rows among its columns, as a list.
@@ -97,9 +97,9 @@ impl<'a> Supernodes<'a> {
     ///
     /// # Errors
     /// When a pivot is not positive, or the work is to end.
-    pub fn factorize(&self, lower: &Columns, values: &mut [f64], stop: &Stop) -> Result<(), SolveError> {
+    pub fn factorize(&self, lower: &LowerTriangle, values: &mut [f64], stop: &StopFlag) -> Result<(), SolveError> {
         let (count, size) = (self.symbolic.n_supernodes(), self.owner.len());
-        let mut work = Work { place: vec![0u32; size], product: Vec::new(), stop };
+        let mut work = EliminationWorkspace { place: vec![0u32; size], product: Vec::new(), stop };
         let mut waiting = Waiting { head: vec![NONE; count], link: vec![NONE; count], next: vec![0; count] };
         for s in 0..count {
             stop.go_on()?;
@@ -109,7 +109,8 @@ impl<'a> Supernodes<'a> {
                 work.place[row as usize] = k as u32;
             }
             let (before, own) = values.split_at_mut(self.places[s]);
-            let mut panel = Panel { columns: columns.clone(), leading, values: &mut own[..leading * columns.len()] };
+            let mut panel =
+                DenseSupernode { columns: columns.clone(), leading, values: &mut own[..leading * columns.len()] };
             for (column, own) in columns.clone().zip(panel.values.chunks_exact_mut(leading)) {
                 for (row, value) in lower.column(column) {
                     own[work.place[row as usize] as usize] = value;
@@ -147,9 +148,9 @@ impl<'a> Supernodes<'a> {
         &self,
         d: usize,
         from: usize,
-        panel: &mut Panel,
+        panel: &mut DenseSupernode,
         before: &[f64],
-        work: &mut Work,
+        work: &mut EliminationWorkspace,
     ) -> Result<usize, SolveError> {
         let (pattern, width, used) = (self.pattern(d), self.columns(d).len(), self.eliminated(d));
         let to = from + pattern[from..].partition_point(|&row| (row as usize) < panel.columns.end);
@@ -197,7 +198,7 @@ impl<'a> Supernodes<'a> {
 ///
 /// # Errors
 /// The column that has no pivot, or the wish that the work ends.
-pub(super) fn has_factor(matrix: MatRef<f64>, shift: f64, stop: &Stop) -> Result<(), Ended> {
+pub(super) fn has_factor(matrix: MatRef<f64>, shift: f64, stop: &StopFlag) -> Result<(), Ended> {
     let n = matrix.nrows();
     let mut values = Vec::with_capacity(n * n);
     (0..n).for_each(|j| values.extend(matrix.col(j).iter().copied()));
@@ -226,7 +227,12 @@ impl Ended {
 
 /// Eliminates the first `eliminated` of the columns of a panel, the lower half of which is given: L below these, and
 /// what is left of the matrix in the columns after them.
-fn eliminate(panel: &mut [f64], [leading, columns]: [usize; 2], eliminated: usize, stop: &Stop) -> Result<(), Ended> {
+fn eliminate(
+    panel: &mut [f64],
+    [leading, columns]: [usize; 2],
+    eliminated: usize,
+    stop: &StopFlag,
+) -> Result<(), Ended> {
     for first in (0..eliminated).step_by(BLOCK) {
         let width = BLOCK.min(eliminated - first);
         let (_, rest) = panel.split_at_mut(first * leading);
@@ -278,7 +284,7 @@ mod tests {
         let matrix = sample(n);
         for eliminated in [0, 1, BLOCK, BLOCK + 5, n] {
             let mut panel = matrix.clone();
-            assert!(eliminate(&mut panel, [n, n], eliminated, &Stop::default()).is_ok());
+            assert!(eliminate(&mut panel, [n, n], eliminated, &StopFlag::default()).is_ok());
             for (i, j) in (0..n).step_by(7).flat_map(|i| (0..=i).step_by(5).map(move |j| (i, j))) {
                 let l = |i: usize, k: usize| panel[k * n + i];
                 let product: f64 = (0..eliminated.min(j + 1)).map(|k| l(i, k) * l(j, k)).sum();
@@ -294,9 +300,9 @@ mod tests {
         let n = BLOCK + 9;
         let mut panel = sample(n);
         panel[(BLOCK + 3) * n + BLOCK + 3] = -1.0;
-        let found = eliminate(&mut panel, [n, n], n, &Stop::default());
+        let found = eliminate(&mut panel, [n, n], n, &StopFlag::default());
         assert!(matches!(found, Err(Ended::NotPositive(column)) if column == BLOCK + 3));
-        let stop = Stop::when(&Arc::new(AtomicBool::new(true)));
+        let stop = StopFlag::when(&Arc::new(AtomicBool::new(true)));
         assert!(matches!(eliminate(&mut sample(n), [n, n], n, &stop), Err(Ended::Stopped(SolveError::Interrupted))));
         assert_eq!(stop.looks(), 1);
     }
@@ -305,7 +311,7 @@ mod tests {
     #[test]
     fn the_flag_is_looked_at_between_pieces() {
         let n = 3000;
-        let stop = Stop::default();
+        let stop = StopFlag::default();
         assert!(eliminate(&mut sample(n), [n, n], n, &stop).is_ok());
         let largest = 2 * n * n * BLOCK;
         assert!(largest <= PIECE && stop.looks() >= n / BLOCK, "{} looks", stop.looks());

@@ -29,7 +29,7 @@ pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &
     for &node in last {
         is_last[node as usize] = true;
     }
-    let mut nodes = Nodes::new(graph, points);
+    let mut nodes = PlacedNodes::new(graph, points);
     let mut inner: Vec<u32> = (0..n as u32).filter(|&i| keep[i as usize] && !is_last[i as usize]).collect();
     inner.sort_unstable_by_key(|&i| nodes.rank[i as usize]);
     let mut order = Vec::with_capacity(inner.len() + last.len());
@@ -96,7 +96,7 @@ pub fn column_lengths(graph: &Graph, ordering: &Ordering, weights: &[u32]) -> Ve
             i = parent[i as usize];
         }
     }
-    let mut rows = Rows { ancestor: (0..n as u32).collect(), latest: vec![NONE; n], leaf: vec![NONE; n] };
+    let mut rows = FactorRows { ancestor: (0..n as u32).collect(), latest: vec![NONE; n], leaf: vec![NONE; n] };
     for &j in &post {
         let (at, up) = (j as usize, parent[j as usize]);
         if up != NONE {
@@ -127,7 +127,7 @@ pub fn column_lengths(graph: &Graph, ordering: &Ordering, weights: &[u32]) -> Ve
 }
 
 /// The rows of a factor as subtrees of the elimination tree, seen leaf by leaf in postorder.
-struct Rows {
+struct FactorRows {
     /// Towards the root of the part of the tree that has been seen.
     ancestor: Vec<u32>,
     /// First descendant of the last leaf of each row, and that leaf.
@@ -135,7 +135,7 @@ struct Rows {
     leaf: Vec<u32>,
 }
 
-impl Rows {
+impl FactorRows {
     /// Whether position j, whose first descendant is given, is a leaf of row i; and the least common ancestor of it and
     /// the leaf before, [`NONE`] for the first leaf.
     fn leaf(&mut self, i: usize, j: u32, first: u32) -> Option<u32> {
@@ -194,7 +194,7 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
 }
 
 /// The nodes that are ordered, and where they are.
-struct Nodes<'a> {
+struct PlacedNodes<'a> {
     graph: &'a Graph,
     points: &'a [Point],
     /// The number of each node in the order of places, which breaks ties: nodes that are numbered in another way are
@@ -204,8 +204,8 @@ struct Nodes<'a> {
     half: Vec<u8>,
 }
 
-impl<'a> Nodes<'a> {
-    fn new(graph: &'a Graph, points: &'a [Point]) -> Nodes<'a> {
+impl<'a> PlacedNodes<'a> {
+    fn new(graph: &'a Graph, points: &'a [Point]) -> PlacedNodes<'a> {
         let mut by_place: Vec<u32> = (0..points.len() as u32).collect();
         // Rows along x, as generated meshes are numbered. Nodes at one place keep the order of their numbers.
         let compared = |a: &Point, b: &Point| {
@@ -215,7 +215,7 @@ impl<'a> Nodes<'a> {
         by_place.sort_by(|&a, &b| compared(&points[a as usize], &points[b as usize]));
         let mut rank = vec![0; points.len()];
         by_place.iter().enumerate().for_each(|(k, &node)| rank[node as usize] = k as u32);
-        Nodes { graph, points, rank, half: vec![0; points.len()] }
+        PlacedNodes { graph, points, rank, half: vec![0; points.len()] }
     }
 
     /// Sorts nodes along an axis, or selects the one at a position.

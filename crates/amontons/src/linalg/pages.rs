@@ -10,50 +10,50 @@ use bytemuck::Pod;
 
 /// Numbers, zero at first. In large pages they take no memory where they have not been written to.
 #[derive(Debug)]
-pub(super) struct Numbers<T = f64> {
-    memory: Memory<T>,
+pub(super) struct PagedNumbers<T = f64> {
+    memory: PageStore<T>,
     count: usize,
 }
 
 #[derive(Debug)]
-enum Memory<T> {
+enum PageStore<T> {
     Plain(Vec<T>),
     #[cfg(target_os = "linux")]
     Mapped(memmap2::MmapMut),
 }
 
-impl<T: Pod> Numbers<T> {
+impl<T: Pod> PagedNumbers<T> {
     /// So many zeros; none where the memory cannot be had.
-    pub fn zeros(count: usize) -> Option<Numbers<T>> {
+    pub fn zeros(count: usize) -> Option<PagedNumbers<T>> {
         #[cfg(target_os = "linux")]
         if let Some(map) = mapped(count.checked_mul(size_of::<T>())?) {
-            return Some(Numbers { memory: Memory::Mapped(map), count });
+            return Some(PagedNumbers { memory: PageStore::Mapped(map), count });
         }
         let mut numbers = Vec::new();
         numbers.try_reserve_exact(count).ok()?;
         numbers.resize(count, T::zeroed());
-        Some(Numbers { memory: Memory::Plain(numbers), count })
+        Some(PagedNumbers { memory: PageStore::Plain(numbers), count })
     }
 
     /// So many numbers, zero at first and then filled in. Where there is no memory for them the program ends, as it
     /// does for a vector.
-    pub fn of(count: usize, fill: impl FnOnce(&mut [T])) -> Numbers<T> {
-        let plain = || Numbers { memory: Memory::Plain(vec![T::zeroed(); count]), count };
-        let mut numbers = Numbers::zeros(count).unwrap_or_else(plain);
+    pub fn of(count: usize, fill: impl FnOnce(&mut [T])) -> PagedNumbers<T> {
+        let plain = || PagedNumbers { memory: PageStore::Plain(vec![T::zeroed(); count]), count };
+        let mut numbers = PagedNumbers::zeros(count).unwrap_or_else(plain);
         fill(&mut numbers);
         numbers
     }
 
     /// The first of the numbers. The memory of the others is given back if it is more than that.
-    pub fn first(self, count: usize) -> Numbers<T> {
+    pub fn first(self, count: usize) -> PagedNumbers<T> {
         let count = count.min(self.count);
         if 2 * count < self.count
-            && let Some(mut first) = Numbers::zeros(count)
+            && let Some(mut first) = PagedNumbers::zeros(count)
         {
             first.copy_from_slice(&self[..count]);
             return first;
         }
-        Numbers { count, ..self }
+        PagedNumbers { count, ..self }
     }
 }
 
@@ -72,30 +72,30 @@ fn mapped(bytes: usize) -> Option<memmap2::MmapMut> {
     Some(map)
 }
 
-impl<T: Pod> Clone for Numbers<T> {
-    fn clone(&self) -> Numbers<T> {
-        Numbers::of(self.count, |same| same.copy_from_slice(self))
+impl<T: Pod> Clone for PagedNumbers<T> {
+    fn clone(&self) -> PagedNumbers<T> {
+        PagedNumbers::of(self.count, |same| same.copy_from_slice(self))
     }
 }
 
-impl<T: Pod> Deref for Numbers<T> {
+impl<T: Pod> Deref for PagedNumbers<T> {
     type Target = [T];
 
     fn deref(&self) -> &[T] {
         match &self.memory {
-            Memory::Plain(numbers) => &numbers[..self.count],
+            PageStore::Plain(numbers) => &numbers[..self.count],
             #[cfg(target_os = "linux")]
-            Memory::Mapped(map) => &bytemuck::cast_slice(map)[..self.count],
+            PageStore::Mapped(map) => &bytemuck::cast_slice(map)[..self.count],
         }
     }
 }
 
-impl<T: Pod> DerefMut for Numbers<T> {
+impl<T: Pod> DerefMut for PagedNumbers<T> {
     fn deref_mut(&mut self) -> &mut [T] {
         match &mut self.memory {
-            Memory::Plain(numbers) => &mut numbers[..self.count],
+            PageStore::Plain(numbers) => &mut numbers[..self.count],
             #[cfg(target_os = "linux")]
-            Memory::Mapped(map) => &mut bytemuck::cast_slice_mut(map)[..self.count],
+            PageStore::Mapped(map) => &mut bytemuck::cast_slice_mut(map)[..self.count],
         }
     }
 }
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn numbers_stay() {
         for count in [0, 1, 1000, 3_000_001] {
-            let mut numbers = Numbers::<f64>::zeros(count).expect("memory");
+            let mut numbers = PagedNumbers::<f64>::zeros(count).expect("memory");
             assert!(numbers.len() == count && numbers.iter().all(|number| number.to_bits() == 0));
             numbers.iter_mut().enumerate().for_each(|(i, number)| *number = i as f64);
             for kept in [count, count - count / 5, count / 7] {
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn copies_are_apart() {
         for count in [0, 7, 5_000_003] {
-            let numbers = Numbers::of(count, |all| all.iter_mut().enumerate().for_each(|(i, x)| *x = i as f32));
+            let numbers = PagedNumbers::of(count, |all| all.iter_mut().enumerate().for_each(|(i, x)| *x = i as f32));
             let mut copy = numbers.clone();
             assert_eq!(copy[..], numbers[..]);
             copy.iter_mut().for_each(|x| *x = -1.0);

@@ -26,24 +26,24 @@ pub(super) struct Panel {
 
 /// Positions that follow each other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(super) struct PositionRange {
     first: u32,
     length: u32,
 }
 
-impl Run {
+impl PositionRange {
     #[inline(always)]
     fn range(self) -> Range<usize> {
         self.first as usize..(self.first + self.length) as usize
     }
 
     /// Appends positions to a list: where they stand in it.
-    pub fn append(positions: impl IntoIterator<Item = u32>, list: &mut Vec<Run>) -> Range<usize> {
+    pub fn append(positions: impl IntoIterator<Item = u32>, list: &mut Vec<PositionRange>) -> Range<usize> {
         let begin = list.len();
         for position in positions {
             match list[begin..].last_mut() {
                 Some(run) if run.first + run.length == position => run.length += 1,
-                _ => list.push(Run { first: position, length: 1 }),
+                _ => list.push(PositionRange { first: position, length: 1 }),
             }
         }
         begin..list.len()
@@ -132,7 +132,7 @@ impl Panel {
 
     /// Solves L y = r on the columns, and adds what they take from the rows below.
     #[inline(always)]
-    pub fn forward(&self, values: &[f64], rows: &[Run], vector: &mut [f64], dense: &mut Vec<f64>) {
+    pub fn forward(&self, values: &[f64], rows: &[PositionRange], vector: &mut [f64], dense: &mut Vec<f64>) {
         let n = self.columns;
         dense.clear();
         dense.extend_from_slice(&vector[self.first..self.first + n]);
@@ -179,7 +179,7 @@ impl Panel {
 
     /// Solves Lᵀ x = y on the columns with the rows below known.
     #[inline(always)]
-    pub fn backward(&self, values: &[f64], rows: &[Run], vector: &mut [f64], dense: &mut Vec<f64>) {
+    pub fn backward(&self, values: &[f64], rows: &[PositionRange], vector: &mut [f64], dense: &mut Vec<f64>) {
         let n = self.columns;
         dense.clear();
         dense.extend_from_slice(&vector[self.first..self.first + n]);
@@ -217,8 +217,8 @@ mod tests {
     #[test]
     fn the_rows_of_panels_stay_apart() {
         let mut list = Vec::new();
-        let places =
-            [&[1, 2, 3, 7][..], &[8, 9], &[], &[10, 12]].map(|rows| Run::append(rows.iter().copied(), &mut list));
+        let places = [&[1, 2, 3, 7][..], &[8, 9], &[], &[10, 12]]
+            .map(|rows| PositionRange::append(rows.iter().copied(), &mut list));
         assert_eq!(places, [0..2, 2..3, 3..3, 3..5]);
         let rows = places
             .map(|place| list[place].iter().flat_map(|run| run.first..run.first + run.length).collect::<Vec<u32>>());

@@ -54,9 +54,9 @@ fn products_of<const C: usize, const B: usize, T: Send + 'static>(
         .zip(a_u.par_chunks_mut(length))
         .zip(a_w.par_chunks_mut(length).zip(b_w.par_chunks_mut(length)))
         .enumerate();
-    let of_rows = |(chunk, ((mass_w, a_u), (a_w, b_w))): (usize, (Rows, Rows)), rest: &mut [f64]| {
+    let of_rows = |(chunk, ((mass_w, a_u), (a_w, b_w))): (usize, (RowPair, RowPair)), rest: &mut [f64]| {
         let out = [&mut *mass_w, &mut *a_u, a_w, &mut *b_w];
-        Arch::new().dispatch(Products::<C, B> { mass, a, b, first: chunk * CHUNK, u, w, out });
+        Arch::new().dispatch(ProductRows::<C, B> { mass, a, b, first: chunk * CHUNK, u, w, out });
         then(chunk * length, [mass_w, a_u, b_w], rest)
     };
     let made = if rest.is_empty() {
@@ -81,7 +81,7 @@ pub fn thermal_products<T: Send + 'static>(
     let mut out = [vec![0.0; theta.len()], vec![0.0; theta.len()]];
     let [mass_theta, d_theta] = &mut out;
     let rows = mass_theta.par_chunks_mut(CHUNK).zip(d_theta.par_chunks_mut(CHUNK)).enumerate();
-    let of_rows = |(chunk, (mass_theta, d_theta)): (usize, Rows), rest: &mut [f64]| {
+    let of_rows = |(chunk, (mass_theta, d_theta)): (usize, RowPair), rest: &mut [f64]| {
         let out = [&mut *mass_theta, &mut *d_theta];
         Arch::new().dispatch(ThermalProducts { mass, d, first: chunk * CHUNK, theta, out });
         then(chunk * CHUNK, [mass_theta, d_theta], rest)
@@ -95,10 +95,10 @@ pub fn thermal_products<T: Send + 'static>(
 }
 
 /// Rows of two products.
-type Rows<'a> = (&'a mut [f64], &'a mut [f64]);
+type RowPair<'a> = (&'a mut [f64], &'a mut [f64]);
 
 /// Rows of M w, A u, A w and B w, from the row of a node on.
-struct Products<'a, const C: usize, const B: usize> {
+struct ProductRows<'a, const C: usize, const B: usize> {
     mass: &'a BlockMatrix,
     a: &'a BlockMatrix,
     b: &'a BlockMatrix,
@@ -108,12 +108,12 @@ struct Products<'a, const C: usize, const B: usize> {
     out: [&'a mut [f64]; 4],
 }
 
-impl<const C: usize, const B: usize> NullaryFnOnce for Products<'_, C, B> {
+impl<const C: usize, const B: usize> NullaryFnOnce for ProductRows<'_, C, B> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Products { mass, a, b, first, u, w, out } = self;
+        let ProductRows { mass, a, b, first, u, w, out } = self;
         let graph = &**a.graph();
         let [mass_w, a_u, a_w, b_w] = out.map(|rows| rows.as_chunks_mut::<C>().0);
         for (k, mass_w) in mass_w.iter_mut().enumerate() {

@@ -13,7 +13,7 @@ use super::error::SolveError;
 use super::krylov::gmres;
 use super::lu::{Cholesky, Lu, SparseLu, Square};
 use super::numeric::{Ended, has_factor};
-use super::stop::Stop;
+use super::stop::StopFlag;
 use super::tangent::{Spring, Tangent};
 use super::turn::{Turn, turn};
 use super::vectors::max_abs;
@@ -62,14 +62,14 @@ pub(super) struct Schur {
     /// First unknown of each node, and their number.
     nodes: Vec<usize>,
     is_large: bool,
-    kept: VecDeque<Kept>,
+    kept: VecDeque<KeptTangent>,
     factorizations: usize,
-    stop: Stop,
+    stop: StopFlag,
 }
 
 /// One of the last few tangents J.
 #[derive(Debug)]
-enum Kept {
+enum KeptTangent {
     /// With the factor of S + J.
     Factor(Tangent, Factors),
     /// By its key alone: the run that this one goes on from had the factor.
@@ -93,11 +93,11 @@ impl Factors {
     }
 }
 
-impl Kept {
+impl KeptTangent {
     fn is(&self, tangent: &Tangent, turns: &[Turn]) -> bool {
         match self {
-            Kept::Factor(kept, _) => kept.is_same(tangent),
-            Kept::Known(key) => *key == tangent_key(tangent, turns),
+            KeptTangent::Factor(kept, _) => kept.is_same(tangent),
+            KeptTangent::Known(key) => *key == tangent_key(tangent, turns),
         }
     }
 }
@@ -119,7 +119,7 @@ pub(super) const STIFFLESS: f64 = 1e-8;
 
 impl Schur {
     /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
-    pub fn new(s: Arc<Mat<f64>>, nodes: Vec<usize>, stop: Stop) -> Schur {
+    pub fn new(s: Arc<Mat<f64>>, nodes: Vec<usize>, stop: StopFlag) -> Schur {
         let scale = scale(&s, &nodes);
         let (is_large, largest) = (s.nrows() >= LARGE, s.norm_max());
         Schur {
@@ -199,13 +199,13 @@ impl Schur {
         }
         let found = self.kept.iter().position(|kept| kept.is(tangent, &self.turns));
         let kept = match found.and_then(|found| self.kept.remove(found)) {
-            Some(factor @ Kept::Factor(..)) => factor,
+            Some(factor @ KeptTangent::Factor(..)) => factor,
             known => {
                 self.factorizations += usize::from(known.is_none());
-                Kept::Factor(tangent.clone(), self.factorized(tangent))
+                KeptTangent::Factor(tangent.clone(), self.factorized(tangent))
             }
         };
-        if let Kept::Factor(_, factor) = &kept {
+        if let KeptTangent::Factor(_, factor) = &kept {
             factor.solve(b);
         }
         self.kept.truncate(KEPT - 1);
@@ -315,7 +315,7 @@ impl Condensed for Schur {
                 turn(&mut s, turns);
                 self.turned = Some(s);
             }
-            self.kept.retain(|kept| matches!(kept, Kept::Known(_)));
+            self.kept.retain(|kept| matches!(kept, KeptTangent::Known(_)));
         }
     }
 
@@ -332,15 +332,15 @@ impl Condensed for Schur {
     }
 
     fn kept(&self) -> Vec<TangentKey> {
-        let key = |kept: &Kept| match kept {
-            Kept::Factor(tangent, _) => tangent_key(tangent, &self.turns),
-            Kept::Known(key) => *key,
+        let key = |kept: &KeptTangent| match kept {
+            KeptTangent::Factor(tangent, _) => tangent_key(tangent, &self.turns),
+            KeptTangent::Known(key) => *key,
         };
         self.kept.iter().map(key).collect()
     }
 
     fn recall(&mut self, kept: &[TangentKey]) {
-        self.kept = kept.iter().take(KEPT).map(|key| Kept::Known(*key)).collect();
+        self.kept = kept.iter().take(KEPT).map(|key| KeptTangent::Known(*key)).collect();
     }
 }
 
@@ -407,8 +407,8 @@ mod tests {
         let first: Vec<usize> = (0..nodes).map(|node| node * dim).collect();
         let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         let (mut factor, mut iteration) = (
-            Schur::new(Arc::new(s.clone()), first.clone(), Stop::default()),
-            Schur::new(Arc::new(s), first, Stop::default()),
+            Schur::new(Arc::new(s.clone()), first.clone(), StopFlag::default()),
+            Schur::new(Arc::new(s), first, StopFlag::default()),
         );
         iteration.is_large = true;
         let (mut x, mut y) = (b.clone(), b.clone());

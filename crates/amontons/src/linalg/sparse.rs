@@ -10,11 +10,11 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::graph::{Graph, bodies, leaders};
-use super::pages::Numbers;
+use super::pages::PagedNumbers;
 use super::repeats;
 use super::vectors::{max_abs, zeros};
 use crate::mesh::Link;
-use crate::space::{Frame, RigidNodes};
+use crate::space::{NodeFrame, RigidNodes};
 use crate::tensor::Point;
 
 /// A matrix of R × C blocks, one for each pair of nodes that share a cell; the entry of components
@@ -24,7 +24,7 @@ pub struct BlockMatrix {
     graph: Arc<Graph>,
     rows: usize,
     cols: usize,
-    values: Numbers,
+    values: PagedNumbers,
     /// What products read in place of `values`, where rows repeat.
     repeated: Option<Repeated>,
     /// Whether A x = 0 for every x that is the same at all nodes.
@@ -49,7 +49,7 @@ impl BlockMatrix {
             graph: Arc::clone(graph),
             rows,
             cols,
-            values: Numbers::of(graph.columns.len() * rows * cols, |_| {}),
+            values: PagedNumbers::of(graph.columns.len() * rows * cols, |_| {}),
             repeated: None,
             of_differences: false,
         }
@@ -173,13 +173,13 @@ impl BlockMatrix {
 
     /// The matrix Q A Qᵀ of the components in the directions of the nodes, Q their rows; A itself without directions.
     #[must_use]
-    pub fn in_frames(self: &Arc<BlockMatrix>, frames: &[Frame]) -> Arc<BlockMatrix> {
+    pub fn in_frames(self: &Arc<BlockMatrix>, frames: &[NodeFrame]) -> Arc<BlockMatrix> {
         if frames.is_empty() {
             return Arc::clone(self);
         }
         let (mut turned, n) =
             (BlockMatrix { repeated: None, of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
-        for Frame { node, axes } in frames {
+        for NodeFrame { node, axes } in frames {
             let own = self.graph.start[*node as usize];
             for (k, &j) in self.graph.row(*node as usize).iter().enumerate() {
                 let block = &mut turned.values[(own + k) * n * n..][..n * n];
@@ -320,7 +320,7 @@ impl BlockMatrix {
         let mut y = zeros(self.graph.len() * self.rows * components);
         let width = self.rows * components;
         y.par_chunks_mut((CHUNK * width).max(1)).enumerate().for_each(|(chunk, y)| {
-            Arch::new().dispatch(Rows { matrix: self, first: chunk * CHUNK, components, x, y });
+            Arch::new().dispatch(SparseProductRows { matrix: self, first: chunk * CHUNK, components, x, y });
         });
         y
     }
@@ -430,7 +430,7 @@ impl BlockMatrix {
 }
 
 /// Rows of a product, from the row of a node on.
-struct Rows<'a> {
+struct SparseProductRows<'a> {
     matrix: &'a BlockMatrix,
     first: usize,
     components: usize,
@@ -438,12 +438,12 @@ struct Rows<'a> {
     y: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Rows<'_> {
+impl NullaryFnOnce for SparseProductRows<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Rows { matrix, first, components, x, y } = self;
+        let SparseProductRows { matrix, first, components, x, y } = self;
         match (matrix.rows, matrix.cols, components) {
             (1, 1, 1) => matrix.rows_of::<1, 1>(first, x, y),
             (1, 1, 2) => matrix.diagonal_rows_of::<2>(first, x, y),

@@ -7,16 +7,16 @@ use super::error::SolveError;
 
 /// Whether work is to end.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Stop {
+pub(super) struct StopFlag {
     flag: Option<Arc<AtomicBool>>,
     /// How often the flag has been looked at.
     looks: Arc<AtomicUsize>,
 }
 
-impl Stop {
+impl StopFlag {
     /// When the flag becomes true.
-    pub fn when(flag: &Arc<AtomicBool>) -> Stop {
-        Stop { flag: Some(Arc::clone(flag)), looks: Arc::default() }
+    pub fn when(flag: &Arc<AtomicBool>) -> StopFlag {
+        StopFlag { flag: Some(Arc::clone(flag)), looks: Arc::default() }
     }
 
     /// An error if the work is to end.

@@ -15,14 +15,14 @@ use faer::{Mat, Side};
 
 use super::condensed::Condensed;
 use super::error::SolveError;
-use super::factor::{Backend, Columns, Factor};
+use super::factor::{Backend, Factor, LowerTriangle};
 use super::numeric::{Supernodes, has_factor};
-use super::pages::Numbers;
-use super::panel::{Panel, Run};
+use super::pages::PagedNumbers;
+use super::panel::{Panel, PositionRange};
 use super::repeats::{ROUND_OFF, Repeats};
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
-use super::stop::Stop;
+use super::stop::StopFlag;
 use super::sweeps::Task;
 use super::unknowns::Unknowns;
 use crate::machine;
@@ -37,13 +37,13 @@ impl Backend for Supernodal {
     }
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
-        Some(Arc::new(Interruptible(Stop::when(flag))))
+        Some(Arc::new(Interruptible(StopFlag::when(flag))))
     }
 }
 
 /// The same, which ends its work when it is told to.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Interruptible(pub Stop);
+pub(super) struct Interruptible(pub StopFlag);
 
 impl Backend for Interruptible {
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
@@ -64,7 +64,7 @@ const NUMBER: f64 = 8.0;
 
 #[derive(Debug)]
 struct SupernodalFactor {
-    values: Numbers,
+    values: PagedNumbers,
     root: Task,
     size: usize,
     interior: usize,
@@ -73,17 +73,17 @@ struct SupernodalFactor {
     nodes: Vec<usize>,
     /// Stiffness of the bodies whose motions are kept, by the number of each of these.
     rigid: Vec<(usize, f64)>,
-    stop: Stop,
+    stop: StopFlag,
 }
 
 impl SupernodalFactor {
     /// The factor of the interior, and S. A body that only contact holds has a singular S; S + J with the contact
     /// forces is not singular then. S may be indefinite as far as the mean of the diagonal of K on Γ_C makes up for it.
-    fn new(matrix: &BlockMatrix, unknowns: &Unknowns, stop: &Stop) -> Result<SupernodalFactor, SolveError> {
+    fn new(matrix: &BlockMatrix, unknowns: &Unknowns, stop: &StopFlag) -> Result<SupernodalFactor, SolveError> {
         let (size, interior) = (unknowns.len(), unknowns.interior);
         if size == 0 {
             return Ok(SupernodalFactor {
-                values: Numbers::zeros(0).ok_or(SolveError::Memory { size })?,
+                values: PagedNumbers::zeros(0).ok_or(SolveError::Memory { size })?,
                 root: Task::default(),
                 size,
                 interior,
@@ -94,14 +94,14 @@ impl SupernodalFactor {
             });
         }
         let too_large = || SolveError::Memory { size };
-        let lower = Columns::new(matrix, unknowns);
+        let lower = LowerTriangle::new(matrix, unknowns);
         let symbolic = symbolic(&lower, size)?;
         // Memory that is only promised would end the program when it is written to.
         let bytes = NUMBER * symbolic.len_val() as f64;
         if machine::physical_memory().is_some_and(|memory| bytes > memory.bytes) {
             return Err(too_large());
         }
-        let mut values = Numbers::zeros(symbolic.len_val()).ok_or_else(too_large)?;
+        let mut values = PagedNumbers::zeros(symbolic.len_val()).ok_or_else(too_large)?;
         let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(too_large()) };
         let supernodes = Supernodes::new(symbolic, interior);
         supernodes.factorize(&lower, &mut values, stop)?;
@@ -115,7 +115,7 @@ impl SupernodalFactor {
             .collect();
         let shift = rigid.iter().fold(shift, |shift, (_, value)| shift.max(*value));
         has_factor(s.as_ref(), shift, stop).map_err(|error| error.of(interior, size))?;
-        let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
+        let mut root = SupernodeTree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         let values = values.first(stored);
         let nodes = unknowns.kept_nodes(matrix.block_shape().0);
@@ -151,7 +151,7 @@ fn compact(root: &mut Task, values: &mut [f64]) -> usize {
 }
 
 /// The pattern of the factor.
-fn symbolic(lower: &Columns, size: usize) -> Result<SymbolicCholesky<u32>, SolveError> {
+fn symbolic(lower: &LowerTriangle, size: usize) -> Result<SymbolicCholesky<u32>, SolveError> {
     // Of the identity as its order `faer` takes the upper half.
     let (start, rows) = lower.transposed_pattern();
     let pattern = SymbolicSparseColMatRef::new_checked(size, size, &start, None, &rows);
@@ -186,7 +186,7 @@ impl Factor for SupernodalFactor {
 }
 
 /// The supernodes of a factor, for cutting them into tasks.
-struct Tree<'a> {
+struct SupernodeTree<'a> {
     supernodes: &'a Supernodes<'a>,
     symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
     interior: usize,
@@ -200,12 +200,12 @@ struct Tree<'a> {
     work: Vec<usize>,
 }
 
-impl<'a> Tree<'a> {
+impl<'a> SupernodeTree<'a> {
     fn new(
         symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
         supernodes: &'a Supernodes<'a>,
         interior: usize,
-    ) -> Tree<'a> {
+    ) -> SupernodeTree<'a> {
         let begin = symbolic.supernode_begin();
         let count = (0..symbolic.n_supernodes()).take_while(|&s| (begin[s] as usize) < interior).count();
         let mut owner = vec![u32::MAX; interior];
@@ -214,7 +214,7 @@ impl<'a> Tree<'a> {
                 owner[column] = s as u32;
             }
         }
-        let mut tree = Tree {
+        let mut tree = SupernodeTree {
             supernodes,
             symbolic,
             interior,
@@ -332,7 +332,7 @@ impl<'a> Tree<'a> {
                 Panel {
                     first: first - own.start,
                     columns,
-                    below: Run::append(below.map(&local), &mut rows),
+                    below: PositionRange::append(below.map(&local), &mut rows),
                     values: self.supernodes.offset(s),
                     leading: last - first + view.pattern().len(),
                 }
@@ -410,7 +410,7 @@ mod tests {
         let layout =
             Layout { points: &mesh.points, components, free: &free, frames: &[], links: &[], rigid: &[], contact };
         let unknowns = Unknowns::new(&matrix, &layout);
-        let factor = SupernodalFactor::new(&matrix, &unknowns, &Stop::default()).expect("a factor");
+        let factor = SupernodalFactor::new(&matrix, &unknowns, &StopFlag::default()).expect("a factor");
         let mut expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
         expected.iter_mut().zip(&free).filter(|(_, free)| !**free).for_each(|(value, _)| *value = 0.0);
         let mut x = unknowns.gather(&matrix.apply(&expected));

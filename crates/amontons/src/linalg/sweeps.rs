@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::panel::{Panel, Run};
+use super::panel::{Panel, PositionRange};
 
 thread_local! {
     /// Memory of the vectors of a sweep that a thread begins, and what it works in at the panels of a task. Both are
@@ -26,7 +26,7 @@ pub(super) struct Task {
     pub own: std::ops::Range<usize>,
     pub panels: Vec<Panel>,
     /// The rows below the panels.
-    pub rows: Vec<Run>,
+    pub rows: Vec<PositionRange>,
     /// Positions in the parent's vector of the ancestors touched; those of the root are the unknowns of Γ_C.
     pub ancestors: Vec<u32>,
 }

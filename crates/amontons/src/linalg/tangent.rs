@@ -25,7 +25,7 @@ const ROUND_OFF: f64 = 1e-12;
 pub struct Tangent {
     /// The rows of N of all points, one after the other.
     shares: Vec<Share>,
-    points: Vec<Point>,
+    points: Vec<PointContribution>,
     springs: Vec<Spring>,
 }
 
@@ -57,7 +57,7 @@ impl Spring {
 
 /// ω Fᵀ T N of a point: F = N but for terms that have no such form.
 #[derive(Clone, Debug, PartialEq)]
-struct Point {
+struct PointContribution {
     /// F and N in [`Tangent::shares`].
     force: Range<usize>,
     jump: Range<usize>,
@@ -87,7 +87,7 @@ impl Tangent {
             return;
         }
         let place = self.push(row.iter().copied());
-        self.points.push(Point { force: place.clone(), jump: place, weight, slope });
+        self.points.push(PointContribution { force: place.clone(), jump: place, weight, slope });
     }
 
     /// Adds f nᵀ times a factor, f and n with an entry for each of some unknowns.
@@ -96,7 +96,7 @@ impl Tangent {
         let (force, jump) = (self.push(force.iter().map(along)), self.push(jump.iter().map(along)));
         let mut slope = [[0.0; 3]; 3];
         slope[0][0] = 1.0;
-        self.points.push(Point { force, jump, weight: factor, slope });
+        self.points.push(PointContribution { force, jump, weight: factor, slope });
     }
 
     /// Adds values on the diagonal, each by itself.
@@ -154,7 +154,7 @@ impl Tangent {
         self.points.iter().map(|point| self.of_point(point).collect())
     }
 
-    fn of_point<'a>(&'a self, point: &'a Point) -> impl Iterator<Item = Entry> + Clone + 'a {
+    fn of_point<'a>(&'a self, point: &'a PointContribution) -> impl Iterator<Item = Entry> + Clone + 'a {
         let entries = self.shares[point.force.clone()].iter().flat_map(|(row, on)| {
             self.shares[point.jump.clone()].iter().map(|(column, of)| {
                 let force = |a: usize| (0..3).map(|b| point.slope[a][b] * of[b]).sum::<f64>();
@@ -186,7 +186,7 @@ impl Tangent {
             let force = named(&point.force);
             let jump = if point.jump == point.force { force.clone() } else { named(&point.jump) };
             if !force.is_empty() && !jump.is_empty() {
-                part.points.push(Point { force, jump, ..point.clone() });
+                part.points.push(PointContribution { force, jump, ..point.clone() });
             }
         }
         part
@@ -225,7 +225,7 @@ impl Tangent {
 
     /// What tells it from another one.
     pub(super) fn bits(&self) -> impl Iterator<Item = u64> + '_ {
-        let of_point = |point: &Point| {
+        let of_point = |point: &PointContribution| {
             let places = [point.force.start, point.force.end, point.jump.start, point.jump.end].map(|at| at as u64);
             let numbers = std::iter::once(point.weight).chain(point.slope.into_iter().flatten());
             places.into_iter().chain(numbers.map(f64::to_bits))

@@ -13,7 +13,7 @@ use super::sparse::BlockMatrix;
 use super::vectors::{BLOCK, copy, zeros};
 use crate::mesh::{Link, Mesh, leader};
 use crate::space::rigid::rigid_of;
-use crate::space::{self, Frame, RigidNodes, Space, frame, links};
+use crate::space::{self, NodeFrame, RigidNodes, Space, frame, links};
 use crate::tensor::Point;
 
 /// Where the unknowns of a matrix are.
@@ -26,7 +26,7 @@ pub struct Layout<'a> {
     /// Whether a degree of freedom, node-major, is free.
     pub free: &'a [bool],
     /// Directions of the degrees of freedom where they are not the axes.
-    pub frames: &'a [Frame],
+    pub frames: &'a [NodeFrame],
     /// Nodes that follow others; what is at them is at these.
     pub links: &'a [Link],
     /// Nodes that move as rigid bodies; what is at them is at the first of them.
@@ -111,7 +111,7 @@ pub struct Unknowns {
     /// Coordinates of all nodes, for a backend that asks for them; may be empty.
     pub points: Arc<[Point]>,
     /// Directions of the degrees of freedom of nodes where they are not the axes, and the number of those of a node.
-    pub frames: (Arc<[Frame]>, usize),
+    pub frames: (Arc<[NodeFrame]>, usize),
     /// Nodes that follow others.
     pub links: Arc<[Link]>,
     /// Nodes that move as rigid bodies.

@@ -1,6 +1,6 @@
 //! A constitutive law that is evaluated for many points at once.
 
-use super::{Constants, Material, TensorLaw};
+use super::{Material, OperatorConstants, TensorLaw};
 use crate::arrays::{Arrays, Inputs};
 use crate::tensor::{Point, Sym, SymMap};
 
@@ -14,7 +14,7 @@ pub struct ArrayTensor {
     /// The potential in J/m³; `None` if the law has none.
     pub potential: Option<Arrays>,
     /// m and M of (H1), (H2).
-    pub constants: Constants,
+    pub constants: OperatorConstants,
 }
 
 fn inputs(x: &Point, xi: &Sym) -> Inputs {
@@ -30,7 +30,7 @@ impl TensorLaw for ArrayTensor {
         let entries: [f64; 36] = self.tangent.at(&inputs(x, xi));
         SymMap(std::array::from_fn(|i| std::array::from_fn(|j| entries[6 * i + j])))
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         self.constants
     }
     fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Constants, TensorLaw};
+use super::{OperatorConstants, TensorLaw};
 use crate::field::Graded;
 use crate::tensor::{Point, Sym, SymMap};
 
@@ -30,7 +30,7 @@ impl Graded<dyn TensorLaw> {
             temperatures,
             move |x, _, theta| at(x, theta),
             |law| {
-                let Constants { monotonicity, lipschitz } = law.constants();
+                let OperatorConstants { monotonicity, lipschitz } = law.constants();
                 ([monotonicity, lipschitz], !law.is_linear())
             },
         )
@@ -50,9 +50,9 @@ impl TensorLaw for Graded<dyn TensorLaw> {
     fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
         Some(self)
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         let [least, most] = self.extremes().map(|instance| instance.law.constants());
-        Constants { monotonicity: least.monotonicity, lipschitz: most.lipschitz }
+        OperatorConstants { monotonicity: least.monotonicity, lipschitz: most.lipschitz }
     }
     fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
         self.at(x).potential(x, xi)

@@ -1,6 +1,6 @@
 //! Isotropic nonlinear laws that split into a linear spherical and a nonlinear deviatoric part.
 
-use super::{Constants, LawError, ShearLaw, TensorLaw, in_range};
+use super::{LawError, OperatorConstants, ShearLaw, TensorLaw, in_range};
 use crate::tensor::{Point, Sym, SymMap};
 
 /// ξ ↦ κ tr(ξ) I + c(‖ξ^D‖) ξ^D in three dimensions, c a [`ShearLaw`]; [`super::Reduced`] makes it plane.
@@ -55,9 +55,9 @@ impl<S: ShearLaw> TensorLaw for Hencky<S> {
         }
         map
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         let [least, most] = self.shear.range();
-        Constants { monotonicity: least.min(3.0 * self.bulk), lipschitz: most.max(3.0 * self.bulk) }
+        OperatorConstants { monotonicity: least.min(3.0 * self.bulk), lipschitz: most.max(3.0 * self.bulk) }
     }
     fn potential(&self, _x: &Point, xi: &Sym) -> Option<f64> {
         Some(0.5 * self.bulk * xi.trace().powi(2) + self.shear.potential(xi.deviator().norm()))
@@ -216,11 +216,11 @@ mod tests {
                     if i % 3 == 0 && dim > 1 {
                         xi = Sym([0.0, 0.0, size, 0.0, 0.0, 0.0]);
                     }
-                    let tangent = Constants::of_linear(&law.tangent(&X, &xi), dim);
+                    let tangent = OperatorConstants::of_linear(&law.tangent(&X, &xi), dim);
                     least = least.min(tangent.monotonicity);
                     most = most.max(tangent.lipschitz);
                 }
-                let Constants { monotonicity: m, lipschitz: big } = law.constants();
+                let OperatorConstants { monotonicity: m, lipschitz: big } = law.constants();
                 assert!(least >= m * (1.0 - 1e-9) && least <= 1.03 * m, "{law:?}: m = {m}, sampled {least}");
                 assert!(most <= big * (1.0 + 1e-9) && most >= 0.97 * big, "{law:?}: M = {big}, sampled {most}");
             }

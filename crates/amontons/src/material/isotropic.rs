@@ -1,6 +1,6 @@
 //! The linear isotropic law of the paper, (5.1).
 
-use super::{Constants, StressState, TensorLaw};
+use super::{OperatorConstants, StressState, TensorLaw};
 use crate::tensor::{Point, Sym, SymMap};
 
 /// A linear isotropic operator τ ↦ λ tr(τ) I + c τ, constant over the body.
@@ -65,8 +65,8 @@ impl TensorLaw for Isotropic {
     fn is_linear(&self) -> bool {
         true
     }
-    fn constants(&self) -> Constants {
-        Constants::of_linear(&self.map, self.dim)
+    fn constants(&self) -> OperatorConstants {
+        OperatorConstants::of_linear(&self.map, self.dim)
     }
     fn bounds(&self) -> [SymMap; 2] {
         [self.map; 2]

@@ -1,7 +1,7 @@
 //! Linear laws of any symmetry: anisotropic and orthotropic stiffness or viscosity with an orientation.
 
 use super::reduced::reduce;
-use super::{Constants, LawError, StressState, TensorLaw, in_range};
+use super::{LawError, OperatorConstants, StressState, TensorLaw, in_range};
 use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_index, mandel_len, mandel_weight, symmetric_eigenvalues};
 
 /// A linear operator with up to 21 constants, uniform over the body, reduced to `dim` dimensions as in
@@ -11,7 +11,7 @@ use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_index, mandel_len, mand
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
     map: SymMap,
-    constants: Constants,
+    constants: OperatorConstants,
 }
 
 /// Index pairs in Voigt's order: 11 22 33 23 13 12.
@@ -19,7 +19,7 @@ const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 
 
 /// The engineering constants of an orthotropic material in its own axes 1, 2, 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orthotropic {
+pub struct OrthotropicConstants {
     /// E₁, E₂, E₃ in Pa (or Pa s for a viscosity).
     pub young: [f64; 3],
     /// ν₁₂, ν₁₃, ν₂₃: ν_ij is minus the ratio of the strain along j to that along i under uniaxial stress along i.
@@ -60,12 +60,12 @@ impl Linear {
     /// Fails if moduli are not positive, or if the compliance is not positive definite for the Poisson ratios; |ν_ij| <
     /// (E_i/E_j)^½ is necessary.
     pub fn orthotropic(
-        constants: &Orthotropic,
+        constants: &OrthotropicConstants,
         orientation: &Rotation,
         dim: usize,
         state: StressState,
     ) -> Result<Linear, LawError> {
-        let Orthotropic { young, poisson, shear } = *constants;
+        let OrthotropicConstants { young, poisson, shear } = *constants;
         for (modulus, name) in young.into_iter().chain(shear).zip(["E₁", "E₂", "E₃", "G₁₂", "G₁₃", "G₂₃"])
         {
             in_range(name, modulus, "a positive number", modulus > 0.0)?;
@@ -98,7 +98,7 @@ impl Linear {
     }
 
     /// A map on the strains of a body, in Pa or Pa s, with its constants there.
-    pub(super) fn with_constants(map: &SymMap, constants: Constants) -> Linear {
+    pub(super) fn with_constants(map: &SymMap, constants: OperatorConstants) -> Linear {
         Linear { map: *map, constants }
     }
 
@@ -109,7 +109,7 @@ impl Linear {
             return Err(LawError::NotPositive { what: "matrix, in Mandel's scaling,", least, most });
         }
         let map = reduce(&orientation.map(material), mandel_len(dim), state);
-        Ok(Linear { map, constants: Constants::of_linear(&map, dim) })
+        Ok(Linear { map, constants: OperatorConstants::of_linear(&map, dim) })
     }
 }
 
@@ -135,7 +135,7 @@ impl TensorLaw for Linear {
     fn is_linear(&self) -> bool {
         true
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         self.constants
     }
     fn bounds(&self) -> [SymMap; 2] {
@@ -149,8 +149,8 @@ mod tests {
     use crate::material::{Carreau, Hencky, Isotropic, reduced};
 
     const X: Point = [0.0; 3];
-    const PINE: Orthotropic =
-        Orthotropic { young: [9.6, 0.77, 0.43], poisson: [0.31, 0.36, 0.64], shear: [0.8, 0.76, 0.08] };
+    const PINE: OrthotropicConstants =
+        OrthotropicConstants { young: [9.6, 0.77, 0.43], poisson: [0.31, 0.36, 0.64], shear: [0.8, 0.76, 0.08] };
 
     fn states() -> impl Iterator<Item = (usize, StressState)> {
         (1..=3).flat_map(|dim| [StressState::PlaneStress, StressState::PlaneStrain].map(|state| (dim, state)))
@@ -173,7 +173,7 @@ mod tests {
     fn isotropic_constants_give_the_isotropic_law() -> Result<(), LawError> {
         let (e, nu) = (2.1e11, 0.3);
         let (lambda, shear) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 0.5 * e / (1.0 + nu));
-        let constants = Orthotropic { young: [e; 3], poisson: [nu; 3], shear: [shear; 3] };
+        let constants = OrthotropicConstants { young: [e; 3], poisson: [nu; 3], shear: [shear; 3] };
         let voigt = std::array::from_fn(|i| {
             std::array::from_fn(|j| if i < 3 && j < 3 { lambda } else { 0.0 } + if i != j { 0.0 } else if i < 3 { 2.0 * shear } else { shear })
         });
@@ -201,7 +201,7 @@ mod tests {
     /// section 2.6).
     #[test]
     fn plane_stress_is_the_reduced_stiffness_of_laminates() -> Result<(), LawError> {
-        let Orthotropic { young: [e1, e2, _], poisson: [nu12, ..], shear: [g, ..] } = PINE;
+        let OrthotropicConstants { young: [e1, e2, _], poisson: [nu12, ..], shear: [g, ..] } = PINE;
         let one = 1.0 - nu12 * nu12 * e2 / e1;
         let (q11, q12, q22, q66) = (e1 / one, nu12 * e2 / one, e2 / one, g);
         for angle in [0.0, 0.35, -1.2] {
@@ -237,7 +237,7 @@ mod tests {
     /// 1/E_x = c⁴/E₁ + s⁴/E₂ + (1/G₁₂ − 2ν₁₂/E₁) s²c² (Jones 1999, eq. 2.97) in one dimension.
     #[test]
     fn compliance_in_space_plane_strain_and_along_a_line() -> Result<(), LawError> {
-        let Orthotropic { young: [e1, e2, e3], poisson: [nu12, nu13, nu23], shear: [g12, g13, g23] } = PINE;
+        let OrthotropicConstants { young: [e1, e2, e3], poisson: [nu12, nu13, nu23], shear: [g12, g13, g23] } = PINE;
         let s = [
             [1.0 / e1, -nu12 / e1, -nu13 / e1],
             [-nu12 / e1, 1.0 / e2, -nu23 / e2],
@@ -295,8 +295,8 @@ mod tests {
 
     #[test]
     fn impossible_constants_are_refused_with_their_numbers() {
-        let law = |change: fn(&mut Orthotropic)| {
-            let mut constants = Orthotropic { young: [2.0; 3], poisson: [0.2; 3], shear: [1.0; 3] };
+        let law = |change: fn(&mut OrthotropicConstants)| {
+            let mut constants = OrthotropicConstants { young: [2.0; 3], poisson: [0.2; 3], shear: [1.0; 3] };
             change(&mut constants);
             Linear::orthotropic(&constants, &Rotation::IDENTITY, 2, StressState::PlaneStress)
         };

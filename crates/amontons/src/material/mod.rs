@@ -20,27 +20,27 @@ pub use arrays::ArrayTensor;
 pub(crate) use arrays::{arrays, material_arrays};
 pub use hencky::Hencky;
 pub use isotropic::Isotropic;
-pub use linear::{Linear, Orthotropic};
-pub use prony::{Balance, Branch, Prony};
+pub use linear::{Linear, OrthotropicConstants};
+pub use prony::{Branch, BranchBalance, Prony};
 pub use reduced::{Reduced, reduced};
 pub use shear::{Carreau, ShearLaw, VonMisesProjection};
 
 /// Constants of an operator on 𝕊^d: (H1) and (H2) require `monotonicity` > 0 and a finite `lipschitz`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constants {
+pub struct OperatorConstants {
     /// m: (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ − ξ₂‖².
     pub monotonicity: f64,
     /// M: ‖A(ξ₁) − A(ξ₂)‖ ≤ M ‖ξ₁ − ξ₂‖.
     pub lipschitz: f64,
 }
 
-impl Constants {
+impl OperatorConstants {
     /// The constants of a symmetric linear map: its extreme eigenvalues on 𝕊^d.
     #[must_use]
-    pub fn of_linear(map: &SymMap, dim: usize) -> Constants {
+    pub fn of_linear(map: &SymMap, dim: usize) -> OperatorConstants {
         let e = map.eigenvalues(dim);
         let lipschitz = e.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        Constants { monotonicity: e.first().copied().unwrap_or(0.0), lipschitz }
+        OperatorConstants { monotonicity: e.first().copied().unwrap_or(0.0), lipschitz }
     }
 }
 
@@ -122,7 +122,7 @@ pub trait TensorLaw: Debug + Send + Sync {
         Some(graded.at_temperature(x, theta))
     }
     /// m and M of (H1), (H2) on 𝕊^d.
-    fn constants(&self) -> Constants;
+    fn constants(&self) -> OperatorConstants;
     /// W with dW/dξ the value on 𝕊^d and W(0) = 0, for 𝓔 the stored energy in J/m³; `None` if there is none.
     fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
         self.is_linear().then(|| 0.5 * self.value(x, xi).dot(xi))
@@ -131,7 +131,7 @@ pub trait TensorLaw: Debug + Send + Sync {
     ///
     /// They keep the constants optimal when a law is reduced to a plane ([`Reduced`]); m and M alone would not.
     fn bounds(&self) -> [SymMap; 2] {
-        let Constants { monotonicity, lipschitz } = self.constants();
+        let OperatorConstants { monotonicity, lipschitz } = self.constants();
         [monotonicity, lipschitz].map(|c| SymMap::isotropic(3, 0.0, c))
     }
 }
@@ -274,9 +274,12 @@ pub fn isotropic_samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
 pub fn samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
     let mut laws = isotropic_samples();
     // Pine and a carbon-fibre ply, in Pa.
-    let pine =
-        Orthotropic { young: [9.6e9, 0.77e9, 0.43e9], poisson: [0.31, 0.36, 0.64], shear: [0.8e9, 0.76e9, 0.08e9] };
-    let ply = Orthotropic { young: [140e9, 10e9, 10e9], poisson: [0.3, 0.3, 0.45], shear: [5e9, 5e9, 3.4e9] };
+    let pine = OrthotropicConstants {
+        young: [9.6e9, 0.77e9, 0.43e9],
+        poisson: [0.31, 0.36, 0.64],
+        shear: [0.8e9, 0.76e9, 0.08e9],
+    };
+    let ply = OrthotropicConstants { young: [140e9, 10e9, 10e9], poisson: [0.3, 0.3, 0.45], shear: [5e9, 5e9, 3.4e9] };
     for dim in 1..=3 {
         for state in [StressState::PlaneStress, StressState::PlaneStrain] {
             for (constants, angles) in [(&pine, [0.4, 0.0, 0.0]), (&ply, [0.3, 0.9, -0.5])] {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Constants, LawError, Linear, TensorLaw, in_range};
+use super::{LawError, Linear, OperatorConstants, TensorLaw, in_range};
 use crate::field::{Coefficient, Graded};
 use crate::tensor::{Point, Sym, SymMap};
 
@@ -99,8 +99,8 @@ impl TensorLaw for Branch {
     fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
         self.graded.as_ref()
     }
-    fn constants(&self) -> Constants {
-        self.graded.as_ref().map_or_else(|| Constants::of_linear(&self.modulus, 3), TensorLaw::constants)
+    fn constants(&self) -> OperatorConstants {
+        self.graded.as_ref().map_or_else(|| OperatorConstants::of_linear(&self.modulus, 3), TensorLaw::constants)
     }
 }
 
@@ -111,9 +111,9 @@ fn scaled(mut map: SymMap, factor: f64) -> SymMap {
 
 /// The spring at a point with `ratio` times the modulus of a linear law.
 fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
-    let Constants { monotonicity, lipschitz } =
+    let OperatorConstants { monotonicity, lipschitz } =
         law.graded().map_or_else(|| law.constants(), |graded| graded.at(x).constants());
-    let constants = Constants { monotonicity: ratio * monotonicity, lipschitz: ratio * lipschitz };
+    let constants = OperatorConstants { monotonicity: ratio * monotonicity, lipschitz: ratio * lipschitz };
     Arc::new(Linear::with_constants(&scaled(law.tangent(x, &Sym::ZERO), ratio), constants))
 }
 
@@ -130,7 +130,7 @@ fn bounds(coefficient: &Coefficient<f64>, points: &[Point]) -> [f64; 2] {
 
 /// The energy identity of one step of all branches, in J/m³: `work = stored + dissipated + scheme`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Balance {
+pub struct BranchBalance {
     /// Work of the relaxing stress at the end of the step on the increment of strain.
     pub work: f64,
     /// Increase of the stored energy.
@@ -269,8 +269,8 @@ impl Prony {
 
     /// The energy identity of the step of length `k` from `before` to `after` with this strain increment.
     #[must_use]
-    pub fn balance(&self, before: &[Sym], after: &[Sym], increment: &Sym, k: f64) -> Balance {
-        let mut sum = Balance::default();
+    pub fn balance(&self, before: &[Sym], after: &[Sym], increment: &Sym, k: f64) -> BranchBalance {
+        let mut sum = BranchBalance::default();
         for ((term, old), new) in self.terms.iter().zip(before).zip(after) {
             let (stress, change) = (term.modulus.apply(new), *new - *old);
             sum.work += stress.dot(increment);

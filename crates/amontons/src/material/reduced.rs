@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Constants, StressState, TensorLaw};
+use super::{OperatorConstants, StressState, TensorLaw};
 use crate::tensor::{Point, Sym, SymMap, mandel_len};
 
 /// A three-dimensional law reduced to `dim` dimensions: plane strain, plane stress, uniaxial strain or stress.
@@ -25,7 +25,7 @@ pub struct Reduced<L> {
     /// U of the three-dimensional law: the metric of the local iteration.
     upper: SymMap,
     bounds: [SymMap; 2],
-    constants: Constants,
+    constants: OperatorConstants,
 }
 
 /// `law` in `dim` dimensions; unchanged in three.
@@ -41,8 +41,9 @@ impl<L: TensorLaw> Reduced<L> {
         let kept = mandel_len(dim);
         let [lower, upper] = law.bounds();
         let bounds = [lower, upper].map(|map| leading(&reduce(&map, kept, state), kept));
-        let monotonicity = Constants::of_linear(&bounds[0], dim).monotonicity;
-        let constants = Constants { monotonicity, lipschitz: Constants::of_linear(&bounds[1], dim).lipschitz };
+        let monotonicity = OperatorConstants::of_linear(&bounds[0], dim).monotonicity;
+        let constants =
+            OperatorConstants { monotonicity, lipschitz: OperatorConstants::of_linear(&bounds[1], dim).lipschitz };
         Reduced { law, kept, state, upper, bounds, constants }
     }
 
@@ -107,7 +108,7 @@ impl<L: TensorLaw> TensorLaw for Reduced<L> {
     fn is_linear(&self) -> bool {
         self.law.is_linear()
     }
-    fn constants(&self) -> Constants {
+    fn constants(&self) -> OperatorConstants {
         self.constants
     }
     fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
@@ -180,7 +181,7 @@ fn solve(map: &SymMap, kept: usize, right: &Sym) -> Sym {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Carreau, Hencky, LawError, Linear, Orthotropic, VonMisesProjection};
+    use crate::material::{Carreau, Hencky, LawError, Linear, OrthotropicConstants, VonMisesProjection};
     use crate::tensor::Rotation;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -195,7 +196,7 @@ mod tests {
         fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
             self.0.tangent(x, xi)
         }
-        fn constants(&self) -> Constants {
+        fn constants(&self) -> OperatorConstants {
             self.0.constants()
         }
         fn bounds(&self) -> [SymMap; 2] {
@@ -219,7 +220,8 @@ mod tests {
 
     #[test]
     fn the_local_iteration_takes_a_handful_of_evaluations() -> Result<(), LawError> {
-        let ply = Orthotropic { young: [140e9, 10e9, 10e9], poisson: [0.3, 0.3, 0.45], shear: [5e9, 5e9, 3.4e9] };
+        let ply =
+            OrthotropicConstants { young: [140e9, 10e9, 10e9], poisson: [0.3, 0.3, 0.45], shear: [5e9, 5e9, 3.4e9] };
         for dim in [1, 2] {
             let usual = [
                 ("projection", counts(Hencky::new(2.0, VonMisesProjection::new(1.0, 5.0, 1e-3)?)?, dim)),

@@ -145,7 +145,7 @@ impl Cyclic {
             std::array::from_fn(|c| x[c] + self.through[c])
         };
         let near = SAME * shortest(mesh, sets);
-        let (mut links, places) = (Links::default(), Places::new(mesh, &second));
+        let (mut links, places) = (Links::default(), SortedNodes::new(mesh, &second));
         for &node in &first {
             let x = image(node);
             let (partner, distance) = places.nearest(&x);
@@ -206,13 +206,13 @@ fn shortest(mesh: &Mesh, sets: [&FacetSet; 2]) -> f64 {
 }
 
 /// Nodes sorted by the coordinate of largest extent.
-struct Places {
+struct SortedNodes {
     along: usize,
     nodes: Vec<(u32, Point)>,
 }
 
-impl Places {
-    fn new(mesh: &Mesh, nodes: &[u32]) -> Places {
+impl SortedNodes {
+    fn new(mesh: &Mesh, nodes: &[u32]) -> SortedNodes {
         let mut nodes: Vec<(u32, Point)> = nodes.iter().map(|&node| (node, mesh.points[node as usize])).collect();
         let spread = |c: usize| {
             let extremes = nodes
@@ -222,7 +222,7 @@ impl Places {
         };
         let along = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
         nodes.sort_unstable_by(|(_, a), (_, b)| a[along].total_cmp(&b[along]));
-        Places { along, nodes }
+        SortedNodes { along, nodes }
     }
 
     /// The node nearest to a position, and its distance: searched outwards until all others are farther away in that

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::locator::{At, Grid, Locator};
+use super::locator::{CellBoxes, CellPlace, Locator};
 use super::read::MeshFileError;
 use super::surface::SurfaceLocator;
 use super::{Block, Mesh, gmsh, vtu};
@@ -13,7 +13,7 @@ use crate::tensor::Point;
 #[derive(Debug)]
 pub struct MeshData {
     mesh: Mesh,
-    grid: Arc<Grid>,
+    grid: Arc<CellBoxes>,
     /// Locator of the cells as a surface, if the mesh is one.
     surface: Option<SurfaceLocator>,
     values: Values,
@@ -48,7 +48,7 @@ impl MeshData {
             axisymmetric: false,
             thickness: None,
         };
-        let grid = Arc::new(Grid::new(&mesh));
+        let grid = Arc::new(CellBoxes::new(&mesh));
         Ok(MeshData { mesh, grid, surface: None, values })
     }
 
@@ -88,8 +88,8 @@ impl MeshData {
     }
 
     /// The mean of the values at positions in cells.
-    fn above(&self, places: &[(At, Point)]) -> f64 {
-        let value = |&((block, cell), x): &(At, Point)| match &self.values {
+    fn above(&self, places: &[(CellPlace, Point)]) -> f64 {
+        let value = |&((block, cell), x): &(CellPlace, Point)| match &self.values {
             Values::Cells(values) => values[block as usize][cell as usize],
             Values::Nodes(values) => {
                 let (element, nodes) = self.mesh.cell_at((block, cell));

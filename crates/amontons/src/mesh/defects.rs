@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 
 pub use coincident::coincident;
 
-use super::topology::{self, Key, Owner, key};
+use super::topology::{self, Owner, SortedFacet, key};
 use super::{Block, Mesh};
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, dot, length};
@@ -197,9 +197,9 @@ impl std::fmt::Display for Defects {
 
 /// Collects defects by kind, in the order of first occurrence of the kinds.
 #[derive(Default)]
-struct List(Vec<(std::mem::Discriminant<Defect>, Option<String>, Defects)>);
+struct DefectList(Vec<(std::mem::Discriminant<Defect>, Option<String>, Defects)>);
 
-impl List {
+impl DefectList {
     fn add(&mut self, defect: Defect) {
         let kind = std::mem::discriminant(&defect);
         let side = defect.side();
@@ -224,7 +224,7 @@ impl List {
 /// crack or of parts that touch without a common node are no defects: see [`coincident`].
 #[must_use]
 pub fn defects(mesh: &Mesh) -> Vec<Defects> {
-    let mut list = List::default();
+    let mut list = DefectList::default();
     indices(mesh, &mut list);
     if !list.0.is_empty() {
         // Further checks are not possible.
@@ -248,7 +248,7 @@ fn extent(mesh: &Mesh, nodes: &[u32]) -> f64 {
     nodes.iter().map(|&n| length(&std::array::from_fn(|d| mesh.points[n as usize][d] - origin[d]))).fold(0.0, f64::max)
 }
 
-fn indices(mesh: &Mesh, list: &mut List) {
+fn indices(mesh: &Mesh, list: &mut DefectList) {
     let nodes = mesh.points.len();
     let known = |node: u32| (node as usize) < nodes;
     for (number, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
@@ -295,7 +295,7 @@ fn points_of(element: &'static Element) -> ShapeTable {
     }
 }
 
-fn jacobians(mesh: &Mesh, list: &mut List) {
+fn jacobians(mesh: &Mesh, list: &mut DefectList) {
     let mut cell = 0;
     for block in &mesh.blocks {
         let table = points_of(block.element);
@@ -316,7 +316,7 @@ fn jacobians(mesh: &Mesh, list: &mut List) {
     }
 }
 
-fn duplicates(mesh: &Mesh, list: &mut List) {
+fn duplicates(mesh: &Mesh, list: &mut DefectList) {
     // Cells with the same lowest node and the same sum of squares are compared node by node.
     let mut marks: Vec<(u32, u64, u32)> = Vec::with_capacity(mesh.cell_count());
     for cell in mesh.blocks.iter().flat_map(Block::cells) {
@@ -363,9 +363,9 @@ fn duplicates(mesh: &Mesh, list: &mut List) {
 }
 
 /// Checks the facets of cells and of sides; returns the facets with a single cell.
-fn facets(mesh: &Mesh, list: &mut List) -> Vec<Owner> {
+fn facets(mesh: &Mesh, list: &mut DefectList) -> Vec<Owner> {
     // The facets of sides with the number of times they are listed.
-    let mut sides: Vec<HashMap<Key, usize>> = Vec::new();
+    let mut sides: Vec<HashMap<SortedFacet, usize>> = Vec::new();
     let mut on_side = vec![false; mesh.points.len()];
     for set in mesh.facets.values() {
         let mut keys = HashMap::new();
@@ -378,7 +378,7 @@ fn facets(mesh: &Mesh, list: &mut List) -> Vec<Owner> {
         sides.push(keys);
     }
     let mut boundary = Vec::new();
-    let mut found: Vec<HashMap<Key, Option<[usize; 2]>>> = vec![HashMap::new(); sides.len()];
+    let mut found: Vec<HashMap<SortedFacet, Option<[usize; 2]>>> = vec![HashMap::new(); sides.len()];
     topology::by_facet(mesh, |key, owners| {
         if let [owner] = owners {
             boundary.push(*owner);
@@ -418,7 +418,7 @@ fn facets(mesh: &Mesh, list: &mut List) -> Vec<Owner> {
     boundary
 }
 
-fn unused(mesh: &Mesh, list: &mut List) {
+fn unused(mesh: &Mesh, list: &mut DefectList) {
     let mut used = vec![false; mesh.points.len()];
     for &n in mesh.blocks.iter().flat_map(|block| &block.nodes) {
         used[n as usize] = true;

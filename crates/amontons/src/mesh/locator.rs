@@ -10,30 +10,30 @@ use crate::tensor::{Point, length};
 pub(crate) const OUTSIDE: f64 = -1e-9;
 
 /// A cell of a mesh: block, and cell in the block.
-pub(crate) type At = (u32, u32);
+pub(crate) type CellPlace = (u32, u32);
 
 /// The cells of a mesh, sorted into the boxes of a background grid.
 #[derive(Debug)]
-pub(crate) struct Grid {
+pub(crate) struct CellBoxes {
     low: Point,
     width: Point,
     count: [usize; 3],
-    buckets: Vec<Vec<At>>,
+    buckets: Vec<Vec<CellPlace>>,
 }
 
-impl Grid {
+impl CellBoxes {
     /// Sorts the cells of a mesh.
-    pub(crate) fn new(mesh: &Mesh) -> Grid {
-        Grid::of(mesh, mesh.dim)
+    pub(crate) fn new(mesh: &Mesh) -> CellBoxes {
+        CellBoxes::of(mesh, mesh.dim)
     }
 
     /// Sorts the cells of a mesh by the first `dim` coordinates.
-    pub(crate) fn of(mesh: &Mesh, dim: usize) -> Grid {
+    pub(crate) fn of(mesh: &Mesh, dim: usize) -> CellBoxes {
         let (low, high) = bounds(mesh.points.iter());
         let side = ((mesh.cell_count() as f64).powf(1.0 / dim as f64).ceil() as usize).max(1);
         let count = std::array::from_fn(|d| if d < dim { side } else { 1 });
         let width = std::array::from_fn(|d| ((high[d] - low[d]) / count[d] as f64).max(f64::MIN_POSITIVE));
-        let mut grid = Grid { low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
+        let mut grid = CellBoxes { low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
         for (b, block) in mesh.blocks.iter().enumerate() {
             for (c, cell) in block.cells().enumerate() {
                 for bucket in grid.range(
@@ -48,7 +48,7 @@ impl Grid {
     }
 
     /// Cells in the boxes touched by the bounding box of some points.
-    pub(crate) fn near<'p>(&self, points: impl Iterator<Item = &'p Point>) -> impl Iterator<Item = At> {
+    pub(crate) fn near<'p>(&self, points: impl Iterator<Item = &'p Point>) -> impl Iterator<Item = CellPlace> {
         self.range(points, 0.0).into_iter().flat_map(|bucket| self.buckets[bucket].iter().copied())
     }
 
@@ -74,7 +74,7 @@ impl Grid {
 
 impl Mesh {
     /// Element and nodes of a cell.
-    pub(super) fn cell_at(&self, (block, cell): At) -> (&'static Element, &[u32]) {
+    pub(super) fn cell_at(&self, (block, cell): CellPlace) -> (&'static Element, &[u32]) {
         let block = &self.blocks[block as usize];
         let n = block.element.nodes.len();
         (block.element, &block.nodes[cell as usize * n..(cell as usize + 1) * n])
@@ -84,18 +84,18 @@ impl Mesh {
 /// Finds the cell of a mesh that contains a point.
 pub struct Locator<'a> {
     mesh: &'a Mesh,
-    grid: Arc<Grid>,
+    grid: Arc<CellBoxes>,
 }
 
 impl<'a> Locator<'a> {
     /// Sorts the cells of a mesh.
     #[must_use]
     pub fn new(mesh: &'a Mesh) -> Locator<'a> {
-        Locator::of(mesh, Arc::new(Grid::new(mesh)))
+        Locator::of(mesh, Arc::new(CellBoxes::new(mesh)))
     }
 
     /// The locator of a mesh whose cells are already sorted.
-    pub(crate) fn of(mesh: &'a Mesh, grid: Arc<Grid>) -> Locator<'a> {
+    pub(crate) fn of(mesh: &'a Mesh, grid: Arc<CellBoxes>) -> Locator<'a> {
         Locator { mesh, grid }
     }
 
@@ -104,18 +104,18 @@ impl<'a> Locator<'a> {
         self.mesh
     }
 
-    /// Boxes touched by the bounding box of some points; see [`Grid::range`].
+    /// Boxes touched by the bounding box of some points; see [`CellBoxes::range`].
     pub(crate) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
         self.grid.range(points, wider)
     }
 
     /// Cells of a box.
-    pub(crate) fn bucket(&self, bucket: usize) -> &[At] {
+    pub(crate) fn bucket(&self, bucket: usize) -> &[CellPlace] {
         &self.grid.buckets[bucket]
     }
 
     /// Element and nodes of a cell.
-    pub(crate) fn cell(&self, at: At) -> (&'static Element, &'a [u32]) {
+    pub(crate) fn cell(&self, at: CellPlace) -> (&'static Element, &'a [u32]) {
         self.mesh.cell_at(at)
     }
 
@@ -137,16 +137,16 @@ impl<'a> Locator<'a> {
     }
 
     /// The cell in which a point lies deepest, and its reference coordinates there; `None` outside the mesh.
-    pub(crate) fn find(&self, p: &Point) -> Option<(At, Point)> {
+    pub(crate) fn find(&self, p: &Point) -> Option<(CellPlace, Point)> {
         deepest(self.near(p, OUTSIDE))
     }
 
     /// Like [`Locator::find`] among the cells of a region. If the point lies outside all of them by less than a cell
     /// height, the nearest cell: the one with the shortest outer part of the line from its centre to the point.
-    pub(crate) fn find_near(&self, p: &Point, region: usize) -> Option<(At, Point)> {
+    pub(crate) fn find_near(&self, p: &Point, region: usize) -> Option<(CellPlace, Point)> {
         let cells =
             || self.near(p, -1.0).filter(|(_, (block, _), _)| self.mesh.blocks[*block as usize].region == region);
-        let beyond = |(_, at, x): &(f64, At, Point)| {
+        let beyond = |(_, at, x): &(f64, CellPlace, Point)| {
             let (element, nodes) = self.cell(*at);
             let (centre, mut inside, mut outside) = (element.centre(), 0.0, 1.0);
             for _ in 0..30 {
@@ -168,8 +168,8 @@ impl<'a> Locator<'a> {
     }
 
     /// The cells in which a point lies deeper than `least`, with its depth and its reference coordinates there.
-    fn near(&self, p: &Point, least: f64) -> impl Iterator<Item = (f64, At, Point)> {
-        let at = move |at: At| {
+    fn near(&self, p: &Point, least: f64) -> impl Iterator<Item = (f64, CellPlace, Point)> {
+        let at = move |at: CellPlace| {
             let (element, nodes) = self.cell(at);
             let x = reference_point(self.mesh, element, nodes, p)?;
             Some((element.shape.depth(&x), at, x)).filter(|(depth, ..)| *depth > least)
@@ -178,7 +178,7 @@ impl<'a> Locator<'a> {
         let far = if least < OUTSIDE { 0.5 } else { 0.0 };
         let corner = |side: f64| std::array::from_fn(|d| p[d] + side * far * self.grid.width[d]);
         let buckets = self.range([&corner(-1.0), &corner(1.0)].into_iter(), 0.0);
-        let mut seen: Vec<At> = buckets.iter().flat_map(|&bucket| self.bucket(bucket)).copied().collect();
+        let mut seen: Vec<CellPlace> = buckets.iter().flat_map(|&bucket| self.bucket(bucket)).copied().collect();
         if buckets.len() > 1 {
             let mut before = Vec::with_capacity(seen.len());
             seen.retain(|at| {
@@ -193,8 +193,8 @@ impl<'a> Locator<'a> {
 }
 
 /// The cell in which a point lies deepest; the first of several.
-fn deepest(cells: impl Iterator<Item = (f64, At, Point)>) -> Option<(At, Point)> {
-    let deeper = |best: Option<(f64, At, Point)>, found: (f64, At, Point)| match best {
+fn deepest(cells: impl Iterator<Item = (f64, CellPlace, Point)>) -> Option<(CellPlace, Point)> {
+    let deeper = |best: Option<(f64, CellPlace, Point)>, found: (f64, CellPlace, Point)| match best {
         Some(best) if best.0 >= found.0 => Some(best),
         _ => Some(found),
     };

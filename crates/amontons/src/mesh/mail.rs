@@ -12,7 +12,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, Read, of_vtk};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, NodeSet, of_vtk};
 use crate::tensor::Point;
 
 /// The types of cells: name in the file, dimension, number of nodes, VTK type; 0 for an unsupported one.
@@ -55,16 +55,16 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
 }
 
 /// Reads the mesh and the list of skipped contents.
-pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     let text = String::from_utf8_lossy(bytes);
-    let mut lines = Lines::new(&text);
-    let mut file = File::default();
+    let mut lines = MailLines::new(&text);
+    let mut file = MailFile::default();
     while let Some((line, words)) = lines.next() {
         let Some(first) = words.first() else { continue };
         if first.eq_ignore_ascii_case("FIN") {
             return file.loose()?.into_read(FilePosition::Line);
         }
-        file.take(&Section::of(line, &words, &mut lines)?)?;
+        file.take(&MailBlock::of(line, &words, &mut lines)?)?;
     }
     Err(syntax(lines.number.max(1), "the end of the file", "FIN, which ends a mesh of Code_Aster; it may be truncated"))
 }
@@ -79,15 +79,15 @@ fn quoted(word: &str) -> String {
 }
 
 /// The nonempty lines, with their numbers.
-struct Lines<'t> {
+struct MailLines<'t> {
     text: std::str::Lines<'t>,
     /// Number of the last line.
     number: usize,
 }
 
-impl<'t> Lines<'t> {
-    fn new(text: &'t str) -> Lines<'t> {
-        Lines { text: text.lines(), number: 0 }
+impl<'t> MailLines<'t> {
+    fn new(text: &'t str) -> MailLines<'t> {
+        MailLines { text: text.lines(), number: 0 }
     }
 
     /// The words of the next nonempty line. An equals sign is a separate word.
@@ -116,23 +116,23 @@ fn at_equals(word: &str) -> impl Iterator<Item = &str> {
 }
 
 /// A block: its keyword with line and parameters, and its words with their lines.
-struct Section<'t> {
+struct MailBlock<'t> {
     line: usize,
     keyword: String,
     parameters: BTreeMap<String, &'t str>,
     words: Vec<(usize, &'t str)>,
 }
 
-impl<'t> Section<'t> {
+impl<'t> MailBlock<'t> {
     /// The block that begins with these words, read to its end.
-    fn of(line: usize, words: &[&'t str], lines: &mut Lines<'t>) -> Result<Section<'t>, MeshFileError> {
+    fn of(line: usize, words: &[&'t str], lines: &mut MailLines<'t>) -> Result<MailBlock<'t>, MeshFileError> {
         let keyword = words.first().copied().unwrap_or_default().to_ascii_uppercase();
         let is_known = ["TITRE", "COOR_1D", "COOR_2D", "COOR_3D", "GROUP_MA", "GROUP_NO"].contains(&keyword.as_str())
             || TYPES.iter().any(|(name, ..)| *name == keyword);
         if !is_known {
             return Err(syntax(line, quoted(words.first().copied().unwrap_or_default()), KEYWORDS));
         }
-        let mut section = Section { line, keyword, parameters: BTreeMap::new(), words: Vec::new() };
+        let mut section = MailBlock { line, keyword, parameters: BTreeMap::new(), words: Vec::new() };
         // The rest of the keyword line holds the first words of the block, further head lines are remarks.
         let others = section.head(words.get(1..).unwrap_or_default());
         section.words.extend(others.into_iter().map(|word| (line, word)));
@@ -170,7 +170,7 @@ impl<'t> Section<'t> {
 }
 
 /// A cell of the file.
-struct Cell<'t> {
+struct MailCell<'t> {
     line: usize,
     /// Its index in [`TYPES`].
     kind: usize,
@@ -180,20 +180,20 @@ struct Cell<'t> {
 
 /// The contents of the blocks.
 #[derive(Default)]
-struct File<'t> {
+struct MailFile<'t> {
     points: Vec<Point>,
     nodes: HashMap<&'t str, u32>,
     /// Line of the coordinates.
     given: Option<usize>,
-    cells: Vec<Cell<'t>>,
+    cells: Vec<MailCell<'t>>,
     of_name: HashMap<&'t str, usize>,
     /// Groups of cells and of nodes, with the lines and names of their members.
     groups: Vec<(String, Vec<(usize, &'t str)>)>,
     node_groups: Vec<(String, Vec<(usize, &'t str)>)>,
 }
 
-impl<'t> File<'t> {
-    fn take(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
+impl<'t> MailFile<'t> {
+    fn take(&mut self, section: &MailBlock<'t>) -> Result<(), MeshFileError> {
         match section.keyword.as_str() {
             "TITRE" => Ok(()),
             "COOR_1D" => self.coordinates(section, 1),
@@ -205,7 +205,7 @@ impl<'t> File<'t> {
     }
 
     /// Reads nodes: a name and one coordinate per dimension of the space.
-    fn coordinates(&mut self, section: &Section<'t>, dim: usize) -> Result<(), MeshFileError> {
+    fn coordinates(&mut self, section: &MailBlock<'t>, dim: usize) -> Result<(), MeshFileError> {
         if let Some(before) = self.given.replace(section.line) {
             let found = format!("{} after the coordinates of line {before}", section.keyword);
             return Err(syntax(section.line, found, "the coordinates of all nodes in one block"));
@@ -236,7 +236,7 @@ impl<'t> File<'t> {
     }
 
     /// Reads cells of one type: a name and the names of the nodes.
-    fn cells(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
+    fn cells(&mut self, section: &MailBlock<'t>) -> Result<(), MeshFileError> {
         let found = TYPES.iter().enumerate().find(|(_, (name, ..))| *name == section.keyword);
         let Some((kind, &(code, _, nodes, vtk))) = found else { return Ok(()) };
         if vtk == 0 && !section.words.is_empty() {
@@ -264,13 +264,13 @@ impl<'t> File<'t> {
                 ));
             }
             let nodes = of_cell.iter().map(|(_, node)| *node).collect();
-            self.cells.push(Cell { line, kind, nodes, groups: BTreeSet::new() });
+            self.cells.push(MailCell { line, kind, nodes, groups: BTreeSet::new() });
         }
         Ok(())
     }
 
     /// Reads a group, whose name is a parameter or the first word.
-    fn group(&mut self, section: &Section<'t>) -> Result<(), MeshFileError> {
+    fn group(&mut self, section: &MailBlock<'t>) -> Result<(), MeshFileError> {
         let (name, members) = match (section.parameters.get("NOM"), section.words.split_first()) {
             (Some(name), _) => (*name, section.words.as_slice()),
             (None, Some(((_, name), rest))) => (*name, rest),

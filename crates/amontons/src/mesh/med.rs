@@ -12,7 +12,7 @@ use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::Mesh;
 use super::read::{
-    CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFileError, NUMBER, NodeSet, Read, Room, of_vtk,
+    CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, NUMBER, NodeSet, Room, of_vtk,
 };
 use crate::tensor::Point;
 
@@ -61,7 +61,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
 }
 
 /// Reads the mesh and the list of skipped contents.
-pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     let file = File::from_bytes(bytes.to_vec())
         .map_err(|error| refuse(format!("no HDF5, which a MED file is: {error}; it may be truncated")))?;
     let root = file.root();
@@ -76,7 +76,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
     let room = Room::of(bytes);
     let points = points(&mesh, &step, room)?;
     let families = child(&root, "FAS").and_then(|all| child(&all, name));
-    let mut read = Reading { room, points: points.len(), blocks: Vec::new(), groups: Groups::default() };
+    let mut read = MedReader { room, points: points.len(), blocks: Vec::new(), groups: MedGroups::default() };
     if let Some(cells) = child(&step, "MAI") {
         let of_cells = families_of(families.as_ref(), "ELEME", room)?;
         for kind in cells.groups().map_err(told("MAI"))? {
@@ -162,9 +162,9 @@ fn families_of(families: Option<&Group>, of: &str, room: Room) -> Result<Familie
 
 /// Tags of the groups per dimension, in the order of occurrence.
 #[derive(Default)]
-struct Groups(BTreeMap<(usize, String), i64>);
+struct MedGroups(BTreeMap<(usize, String), i64>);
 
-impl Groups {
+impl MedGroups {
     fn tag(&mut self, dim: usize, name: &str) -> i64 {
         let next = self.0.len() as i64;
         *self.0.entry((dim, name.to_owned())).or_insert(next)
@@ -175,17 +175,17 @@ impl Groups {
     }
 }
 
-struct Reading {
+struct MedReader {
     room: Room,
     /// Number of nodes.
     points: usize,
     blocks: Vec<LooseBlock>,
-    groups: Groups,
+    groups: MedGroups,
 }
 
 type Families = BTreeMap<i64, BTreeSet<String>>;
 
-impl Reading {
+impl MedReader {
     /// Reads the cells of one type.
     fn cells(&mut self, group: &Group, code: &str, families: &Families) -> Result<(), MeshFileError> {
         let Some(&(name, dim, nodes, vtk)) = TYPES.iter().find(|(name, ..)| *name == code) else {

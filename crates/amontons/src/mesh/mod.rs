@@ -35,10 +35,10 @@ pub use generate::{Diagonal, Elements, rectangle_nodes};
 pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
-pub(crate) use locator::{At, OUTSIDE, reference_point};
+pub(crate) use locator::{CellPlace, OUTSIDE, reference_point};
 pub use locus::Locus;
 pub use read::{
-    EXTENSIONS, FilePosition, Include, MeshFileError, Plane, Read, Skipped, parse, parse_file, read, read_all,
+    EXTENSIONS, FilePosition, Include, MeshFile, MeshFileError, PlaneState, Skipped, parse, parse_file, read, read_all,
     read_confined,
 };
 

@@ -25,7 +25,7 @@ impl Mesh {
     /// # Errors
     /// [`MeshError::TooLarge`] if there are too many nodes.
     pub fn refined(&self) -> Result<Mesh, MeshError> {
-        let mut nodes = Nodes::new(self);
+        let mut nodes = RefinedNodes::new(self);
         let mut blocks: Vec<Block> = Vec::new();
         for block in &self.blocks {
             for cell in block.cells() {
@@ -79,15 +79,15 @@ fn element_of(parent: &'static Element, shape: Shape) -> &'static Element {
 }
 
 /// The nodes of the finer mesh.
-struct Nodes {
+struct RefinedNodes {
     points: Vec<Point>,
     known: HashMap<Weights, u32>,
 }
 
-impl Nodes {
-    fn new(mesh: &Mesh) -> Nodes {
+impl RefinedNodes {
+    fn new(mesh: &Mesh) -> RefinedNodes {
         let known = (0..mesh.points.len() as u32).map(|node| (vec![(node, UNIT as i64)], node)).collect();
-        Nodes { points: mesh.points.clone(), known }
+        RefinedNodes { points: mesh.points.clone(), known }
     }
 
     /// Positions of the vertices of a cell.

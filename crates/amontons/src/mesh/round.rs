@@ -9,7 +9,7 @@ use crate::element::{P1_SEGMENT, Q1_QUADRILATERAL};
 use crate::tensor::Point;
 
 /// A plane section of bilinear quadrilaterals.
-struct Section {
+struct CrossSection {
     mesh: Mesh,
     /// From this node on, nodes lie on circles around the origin, and so do the middles between two of them.
     curved: usize,
@@ -46,7 +46,7 @@ fn check_radii(inner: f64, outer: f64) -> Result<(), MeshError> {
 }
 
 /// A ring, or a sector of it starting at the angle 0.
-fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize; 2]) -> Section {
+fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize; 2]) -> CrossSection {
     let steps = if sector.is_some() { around + 1 } else { around };
     let at = |i: usize, j: usize| ((j % steps) * (radial + 1) + i) as u32;
     let mut points = Vec::with_capacity(steps * (radial + 1));
@@ -69,11 +69,11 @@ fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize;
         facets.insert("start".to_owned(), side((0..radial).flat_map(|i| [at(i, 0), at(i + 1, 0)]).collect()));
         facets.insert("end".to_owned(), side((0..radial).flat_map(|i| [at(i + 1, around), at(i, around)]).collect()));
     }
-    Section { mesh: plane(points, cells, facets), curved: 0 }
+    CrossSection { mesh: plane(points, cells, facets), curved: 0 }
 }
 
 /// A disc: a square of n × n cells in the middle, n = around/4, and layers between it and the circle.
-fn disc(radius: f64, [radial, around]: [usize; 2]) -> Section {
+fn disc(radius: f64, [radial, around]: [usize; 2]) -> CrossSection {
     /// Half the side of the square over the radius: makes cells at its sides and corners about equal.
     const SQUARE: f64 = 0.45;
     let n = around / 4;
@@ -110,7 +110,7 @@ fn disc(radius: f64, [radial, around]: [usize; 2]) -> Section {
     );
     let outer = FacetSet::of(&P1_SEGMENT, (0..around).flat_map(|p| [at(radial, p), at(radial, p + 1)]).collect());
     let curved = points.len() - around;
-    Section { mesh: plane(points, cells, BTreeMap::from([("outer".to_owned(), outer)])), curved }
+    CrossSection { mesh: plane(points, cells, BTreeMap::from([("outer".to_owned(), outer)])), curved }
 }
 
 fn plane(points: Vec<Point>, nodes: Vec<u32>, facets: BTreeMap<String, FacetSet>) -> Mesh {
@@ -127,7 +127,7 @@ fn plane(points: Vec<Point>, nodes: Vec<u32>, facets: BTreeMap<String, FacetSet>
     }
 }
 
-impl Section {
+impl CrossSection {
     /// The section, or the body swept from it in layers, with the requested elements.
     fn into_mesh(self, elements: Elements, sweep: Option<(f64, usize)>) -> Result<Mesh, MeshError> {
         let (size, curved) = (self.mesh.points.len(), self.curved);

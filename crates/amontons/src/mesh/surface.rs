@@ -1,7 +1,7 @@
 //! Projection of a point onto a surface in space or a line in the plane.
 
 use super::Mesh;
-use super::locator::{At, Grid, OUTSIDE};
+use super::locator::{CellBoxes, CellPlace, OUTSIDE};
 use crate::element::{Element, MAX_NODES};
 use crate::tensor::{Point, dot, length};
 
@@ -14,7 +14,7 @@ const BESIDE: f64 = -0.1;
 /// The cells of a mesh of one dimension less than its space.
 #[derive(Debug)]
 pub(super) struct SurfaceLocator {
-    grid: Grid,
+    grid: CellBoxes,
     /// Distance up to which points belong to it, m.
     near: f64,
 }
@@ -30,16 +30,16 @@ impl SurfaceLocator {
                 largest = cell.iter().map(to).fold(largest, f64::max);
             }
         }
-        SurfaceLocator { grid: Grid::of(mesh, mesh.dim + 1), near: NEAR * largest }
+        SurfaceLocator { grid: CellBoxes::of(mesh, mesh.dim + 1), near: NEAR * largest }
     }
 
     /// The cells below a point, with the reference coordinates: the nearest one, and others that meet it there.
-    pub fn below(&self, mesh: &Mesh, p: &Point) -> Vec<(At, Point)> {
+    pub fn below(&self, mesh: &Mesh, p: &Point) -> Vec<(CellPlace, Point)> {
         let corners = [-self.near, self.near].map(|by| p.map(|x| x + by));
-        let mut seen: Vec<At> = self.grid.near(corners.iter()).collect();
+        let mut seen: Vec<CellPlace> = self.grid.near(corners.iter()).collect();
         seen.sort_unstable();
         seen.dedup();
-        let project = |at: At| {
+        let project = |at: CellPlace| {
             let (element, nodes) = mesh.cell_at(at);
             let (x, distance) = project(mesh, element, nodes, p)?;
             Some((at, x, distance, element.shape.depth(&x))).filter(|_| distance <= self.near)

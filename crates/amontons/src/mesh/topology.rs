@@ -4,10 +4,10 @@ use super::Mesh;
 use crate::element::Element;
 
 /// Nodes of a facet, ascending, followed by `u32::MAX`.
-pub(super) type Key = [u32; 9];
+pub(super) type SortedFacet = [u32; 9];
 
 /// The key of a facet with these nodes, at most nine.
-pub(super) fn key(nodes: impl Iterator<Item = u32>) -> Key {
+pub(super) fn key(nodes: impl Iterator<Item = u32>) -> SortedFacet {
     let mut key = [u32::MAX; 9];
     let mut count = 0;
     for (place, node) in key.iter_mut().zip(nodes) {
@@ -51,7 +51,7 @@ impl Owner {
 
 /// Visits every facet once with its cells, in the order of its key. Facets are binned by their lowest node and sorted
 /// there, so the work is nearly linear in the number of cells.
-pub(super) fn by_facet(mesh: &Mesh, mut visit: impl FnMut(&Key, &[Owner])) {
+pub(super) fn by_facet(mesh: &Mesh, mut visit: impl FnMut(&SortedFacet, &[Owner])) {
     let each = |body: &mut dyn FnMut(usize, Owner)| {
         for (b, block) in mesh.blocks.iter().enumerate() {
             for (c, cell) in block.cells().enumerate() {
@@ -73,7 +73,7 @@ pub(super) fn by_facet(mesh: &Mesh, mut visit: impl FnMut(&Key, &[Owner])) {
         owners[next[lowest]] = owner;
         next[lowest] += 1;
     });
-    let mut bin: Vec<(Key, Owner)> = Vec::new();
+    let mut bin: Vec<(SortedFacet, Owner)> = Vec::new();
     let mut same: Vec<Owner> = Vec::new();
     for range in starts.windows(2) {
         bin.clear();

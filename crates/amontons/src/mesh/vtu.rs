@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::data::Values;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, Read, complete_data, of_vtk};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, complete_data, of_vtk};
 use super::{Block, Mesh};
 use crate::element;
 use crate::tensor::Point;
@@ -29,7 +29,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
 }
 
 /// Reads the mesh and the list of skipped contents.
-pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     let wanted = |name: &str| REGION.contains(&name) || SIDE.contains(&name);
     let grid = vtu::parse(bytes, wanted).map_err(|message| MeshFileError::Grid { message })?;
     loose(grid)?.into_read(FilePosition::Cell)

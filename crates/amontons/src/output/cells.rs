@@ -8,7 +8,7 @@ use crate::linalg::max_abs;
 use crate::material::{Branch, Material, Prony, TensorLaw, material_arrays};
 use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
-use crate::quadrature::{self, Rule};
+use crate::quadrature::{self, QuadratureRule};
 use crate::state::State;
 use crate::tensor::{Point, Sym, safe_scale};
 
@@ -48,7 +48,7 @@ pub(super) struct Tables {
 
 impl Tables {
     /// Tables of the points that `rule` gives for the element of each block.
-    pub fn new(problem: &Problem, rule: impl Fn(&Element) -> Rule) -> Tables {
+    pub fn new(problem: &Problem, rule: impl Fn(&Element) -> QuadratureRule) -> Tables {
         let mesh = &problem.mesh;
         let points = mesh.blocks.iter().map(|block| ShapeTable::of_rule(block.element, rule(block.element))).collect();
         let has_fits = problem.varying_branches() > 0;
@@ -229,7 +229,7 @@ fn branches<'a>(problem: &Problem, material: &'a Material, state: &'a State) -> 
 /// Values at the centre of every cell, block by block.
 #[must_use]
 pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
-    let tables = Tables::new(problem, |element| Rule { points: vec![element.centre()], weights: vec![1.0] });
+    let tables = Tables::new(problem, |element| QuadratureRule { points: vec![element.centre()], weights: vec![1.0] });
     all_at_once(&material_arrays(&problem.materials), || {
         let mut values = Vec::with_capacity(problem.mesh.cell_count());
         for (b, block) in problem.mesh.blocks.iter().enumerate() {

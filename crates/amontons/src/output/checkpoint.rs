@@ -9,7 +9,7 @@
 //! | 4 | version of the format, little-endian, in `VERSION` |
 //! | 32 | SHA-256 of the data that the state depends on, [`Identity`] |
 //! | 8 | length of the body, little-endian |
-//! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
+//! | … | the body: the fields of `CheckpointBody` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
 //! | 32 | SHA-256 of all bytes before |
 
 use std::io::Write;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::files::{LONGEST, Written, move_file, sync_folder, write_atomically};
+use super::files::{LONGEST, WrittenFile, move_file, sync_folder, write_atomically};
 use super::{Identity, OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::discretization::Discretization;
@@ -127,7 +127,7 @@ pub enum CheckpointError {
 
 /// The body of the file; it mirrors the types of the scheme so that the format changes only on purpose.
 #[derive(Serialize, Deserialize)]
-struct Body {
+struct CheckpointBody {
     case: Identity,
     k: f64,
     step: usize,
@@ -186,8 +186,8 @@ struct ReportPoint {
 
 const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
-impl Body {
-    fn new(case: &Identity, now: &Snapshot) -> Body {
+impl CheckpointBody {
+    fn new(case: &Identity, now: &Snapshot) -> CheckpointBody {
         let report = now.report.map(|report| {
             let contact = &report.contact;
             let temperatures = contact.temperature.iter().zip(&contact.opposite);
@@ -226,19 +226,19 @@ impl Body {
                 points: points.collect(),
             }
         });
-        Body {
+        CheckpointBody {
             case: case.clone(),
             k: now.problem.timeline.longest(),
             work: now.work,
             kept: now.scheme.map(Scheme::kept).unwrap_or_default(),
             report,
-            ..Body::of_state(now.state)
+            ..CheckpointBody::of_state(now.state)
         }
     }
 
-    fn of_state(state: &State) -> Body {
+    fn of_state(state: &State) -> CheckpointBody {
         let state = state.clone();
-        Body {
+        CheckpointBody {
             case: Identity::default(),
             k: 0.0,
             step: state.step,
@@ -412,7 +412,7 @@ impl Checkpoint {
 /// Writes a checkpoint into a results folder. If `keeps` is true, the newest one there becomes the previous one.
 pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
     let path = folder.join(FILE);
-    let body = postcard::to_stdvec(&Body::new(case, now))
+    let body = postcard::to_stdvec(&CheckpointBody::new(case, now))
         .map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
     let bytes = seal(&case.hash(), &body);
     let newer = folder.join(NEWER);
@@ -426,8 +426,8 @@ pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool)
 }
 
 /// The files of the checkpoints as they are on the disk.
-pub(super) fn written(folder: &Path) -> Vec<(&'static str, Written)> {
-    let of = |name: &'static str| Some((name, Written::read(&folder.join(name)).ok()?));
+pub(super) fn written(folder: &Path) -> Vec<(&'static str, WrittenFile)> {
+    let of = |name: &'static str| Some((name, WrittenFile::read(&folder.join(name)).ok()?));
     [FILE, PREVIOUS].into_iter().filter_map(of).collect()
 }
 
@@ -452,7 +452,7 @@ fn seal(case: &[u8; HASH], body: &[u8]) -> Vec<u8> {
 
 /// Writes the states of one level of a study. A case with the same fingerprint finds them again.
 pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<(), OutputError> {
-    let bodies: Vec<Body> = states.iter().map(Body::of_state).collect();
+    let bodies: Vec<CheckpointBody> = states.iter().map(CheckpointBody::of_state).collect();
     let body = postcard::to_stdvec(&bodies)
         .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
     let bytes = seal(&Sha256::digest(case).into(), &body);
@@ -470,14 +470,14 @@ pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, Checkpo
             keys: vec!["the text has changed".to_owned()],
         });
     }
-    let bodies: Vec<Body> = decode(path, body)?;
+    let bodies: Vec<CheckpointBody> = decode(path, body)?;
     Ok(bodies.into_iter().map(|body| body.into_checkpoint().state).collect())
 }
 
 /// The checkpoint in `bytes`, which must belong to a case of this identity.
 fn of_case(path: &Path, bytes: &[u8], case: &Identity) -> Result<Checkpoint, CheckpointError> {
     let (hash, body) = unseal(path, bytes)?;
-    let body: Body = decode(path, body)?;
+    let body: CheckpointBody = decode(path, body)?;
     if *hash != case.hash() || body.case != *case {
         let keys = body.case.differences(case);
         return Err(CheckpointError::OtherCase { path: path.to_owned(), keys });

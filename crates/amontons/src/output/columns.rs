@@ -2,7 +2,7 @@
 //!
 //! Writers, readers, pictures and the guide take names and units from here.
 
-use super::shown::{Lives, Shown, Table};
+use super::shown::{Lives, ResultTable, Shown};
 use super::{ContactSummary, Snapshot};
 use crate::contact::{PointOnBoundary, Quadrature, names, names_of_points};
 use crate::inclusion::PointState;
@@ -15,7 +15,7 @@ use crate::units::Measure;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A kind of table: the data from which its rows are made.
-pub trait Rows {
+pub trait TableRows {
     /// A row, borrowed from a run.
     type Row<'a>;
     /// Location of the values of its columns, except maxima.
@@ -25,31 +25,31 @@ pub trait Rows {
 /// `history.csv`: one row per step.
 pub enum History {}
 
-impl Rows for History {
+impl TableRows for History {
     type Row<'a> = StepRow<'a>;
     const LIVES: Lives = Lives::Whole;
 }
 
 /// `contact.csv`: one row per contact point.
-pub enum OnContact {}
+pub enum ContactColumns {}
 
-impl Rows for OnContact {
+impl TableRows for ContactColumns {
     type Row<'a> = PointRow<'a>;
     const LIVES: Lives = Lives::Point;
 }
 
 /// A column of a table, or the columns of a vector.
-pub struct Column<T: Rows> {
+pub struct Column<T: TableRows> {
     /// Its name; the columns of a vector add `_x`, `_y`, `_z`.
     pub name: &'static str,
     /// The quantity that it measures, or `None` for text.
     pub measure: Option<Measure>,
     lives: Lives,
-    value: Value<T>,
+    value: ColumnValue<T>,
 }
 
 /// Function that takes the value of a column from a row.
-enum Value<T: Rows> {
+enum ColumnValue<T: TableRows> {
     Number(fn(&T::Row<'_>) -> f64),
     Vector(fn(&T::Row<'_>) -> Point),
     /// A vector on Γ_C, which may have a component out of the plane of the body.
@@ -59,30 +59,30 @@ enum Value<T: Rows> {
     Text(fn(&T::Row<'_>) -> String),
 }
 
-impl<T: Rows> Column<T> {
+impl<T: TableRows> Column<T> {
     const fn number(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> f64) -> Column<T> {
-        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Number(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: ColumnValue::Number(value) }
     }
 
     /// A column with the maximum over the contact points.
     const fn largest(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> f64) -> Column<T> {
-        Column { name, measure: Some(measure), lives: Lives::Point, value: Value::Number(value) }
+        Column { name, measure: Some(measure), lives: Lives::Point, value: ColumnValue::Number(value) }
     }
 
     const fn vector(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
-        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Vector(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: ColumnValue::Vector(value) }
     }
 
     const fn on_contact(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
-        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::OnContact(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: ColumnValue::OnContact(value) }
     }
 
     const fn optional(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Option<f64>) -> Column<T> {
-        Column { name, measure: Some(measure), lives: T::LIVES, value: Value::Optional(value) }
+        Column { name, measure: Some(measure), lives: T::LIVES, value: ColumnValue::Optional(value) }
     }
 
     const fn text(name: &'static str, value: fn(&T::Row<'_>) -> String) -> Column<T> {
-        Column { name, measure: None, lives: T::LIVES, value: Value::Text(value) }
+        Column { name, measure: None, lives: T::LIVES, value: ColumnValue::Text(value) }
     }
 
     /// The name of component `c` of a vector: `contact_force_x`. A vector without a name is the position: `x`.
@@ -95,15 +95,15 @@ impl<T: Rows> Column<T> {
     /// Its names and measured quantities, with `dim` components for vectors and `on_contact` for vectors on Γ_C.
     fn named(&self, [dim, on_contact]: [usize; 2]) -> Vec<(String, Option<Measure>)> {
         let names = match self.value {
-            Value::Vector(_) => (0..dim).map(|c| self.component(c)).collect(),
-            Value::OnContact(_) => (0..on_contact).map(|c| self.component(c)).collect(),
+            ColumnValue::Vector(_) => (0..dim).map(|c| self.component(c)).collect(),
+            ColumnValue::OnContact(_) => (0..on_contact).map(|c| self.component(c)).collect(),
             _ => vec![self.name.to_owned()],
         };
         names.into_iter().map(|name| (name, self.measure)).collect()
     }
 
     /// Its names with measured quantity and location, for a body in space.
-    fn shown(&self, table: Table) -> Vec<Shown> {
+    fn shown(&self, table: ResultTable) -> Vec<Shown> {
         let shown = |(name, measure)| Shown::new(table, name, measure, self.lives);
         self.named([3, 3]).into_iter().map(shown).collect()
     }
@@ -312,11 +312,11 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     let (dim, on_contact) = (now.problem.mesh.dim, now.problem.components_of_force());
     let mut values = Vec::new();
     let mut add = |column: &Column<History>, step: &StepRow| match column.value {
-        Value::Number(value) => values.push(value(step)),
-        Value::Vector(value) => values.extend(value(step).iter().take(dim)),
-        Value::OnContact(value) => values.extend(value(step).iter().take(on_contact)),
-        Value::Optional(value) => values.extend(value(step)),
-        Value::Text(_) => values.push(f64::NAN),
+        ColumnValue::Number(value) => values.push(value(step)),
+        ColumnValue::Vector(value) => values.extend(value(step).iter().take(dim)),
+        ColumnValue::OnContact(value) => values.extend(value(step).iter().take(on_contact)),
+        ColumnValue::Optional(value) => values.extend(value(step)),
+        ColumnValue::Text(_) => values.push(f64::NAN),
     };
     let all = StepRow::new(now, report, None);
     for column in of_step(now.problem) {
@@ -375,7 +375,7 @@ impl PointRow<'_> {
     }
 }
 
-columns! { OnContact:
+columns! { ContactColumns:
     NODE = text("node", |row| row.node().to_string());
     POSITION = vector("", Measure::Length, |row| row.point.x);
     PENETRATION = number("penetration", Measure::Length, |row| row.state.penetration);
@@ -398,7 +398,7 @@ columns! { OnContact:
 }
 
 /// The columns of `contact.csv` in their order.
-const OF_POINT: &[&Column<OnContact>] = &[
+const OF_POINT: &[&Column<ContactColumns>] = &[
     &NODE,
     &POSITION,
     &PENETRATION,
@@ -441,12 +441,12 @@ pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
         return Vec::new();
     }
     let numbers = |value: &dyn Fn(&PointRow) -> f64| ContactValues::Numbers(rows.iter().map(value).collect());
-    let values = |column: &&Column<OnContact>| match column.value {
-        Value::Number(value) => vec![numbers(&value)],
-        Value::Vector(value) => (0..dim).map(|c| numbers(&|row| value(row)[c])).collect(),
-        Value::OnContact(value) => (0..on_contact).map(|c| numbers(&|row| value(row)[c])).collect(),
-        Value::Optional(value) => vec![numbers(&|row| value(row).unwrap_or(f64::NAN))],
-        Value::Text(value) => vec![ContactValues::Words(rows.iter().map(value).collect())],
+    let values = |column: &&Column<ContactColumns>| match column.value {
+        ColumnValue::Number(value) => vec![numbers(&value)],
+        ColumnValue::Vector(value) => (0..dim).map(|c| numbers(&|row| value(row)[c])).collect(),
+        ColumnValue::OnContact(value) => (0..on_contact).map(|c| numbers(&|row| value(row)[c])).collect(),
+        ColumnValue::Optional(value) => vec![numbers(&|row| value(row).unwrap_or(f64::NAN))],
+        ColumnValue::Text(value) => vec![ContactValues::Words(rows.iter().map(value).collect())],
     };
     contact_measures(now.problem).into_iter().map(|(name, _)| name).zip(OF_POINT.iter().flat_map(values)).collect()
 }
@@ -469,12 +469,12 @@ fn points<'a>(now: &'a Snapshot<'a>, called: &'a [String]) -> Vec<PointRow<'a>> 
 pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
     let (dim, on_contact) = (now.problem.mesh.dim, now.problem.components_on_contact());
     let line = |row: &PointRow| {
-        let cell = |column: &&Column<OnContact>| match column.value {
-            Value::Number(value) => format!("{:?}", value(row)),
-            Value::Vector(value) => super::csv::join(&value(row)[..dim]),
-            Value::OnContact(value) => super::csv::join(&value(row)[..on_contact]),
-            Value::Optional(value) => value(row).map_or_else(String::new, |value| format!("{value:?}")),
-            Value::Text(value) => quoted(&value(row)),
+        let cell = |column: &&Column<ContactColumns>| match column.value {
+            ColumnValue::Number(value) => format!("{:?}", value(row)),
+            ColumnValue::Vector(value) => super::csv::join(&value(row)[..dim]),
+            ColumnValue::OnContact(value) => super::csv::join(&value(row)[..on_contact]),
+            ColumnValue::Optional(value) => value(row).map_or_else(String::new, |value| format!("{value:?}")),
+            ColumnValue::Text(value) => quoted(&value(row)),
         };
         OF_POINT.iter().map(cell).collect::<Vec<_>>().join(",")
     };
@@ -503,10 +503,10 @@ pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
         &FOUNDATION_TEMPERATURE,
         &OBSTACLE_DISPLACEMENT,
     ]);
-    all.into_iter().flat_map(|column| column.shown(Table::History))
+    all.into_iter().flat_map(|column| column.shown(ResultTable::History))
 }
 
 /// Every column that `contact.csv` can have, in space.
 pub(super) fn contact_shown() -> impl Iterator<Item = Shown> {
-    OF_POINT.iter().flat_map(|column| column.shown(Table::Contact))
+    OF_POINT.iter().flat_map(|column| column.shown(ResultTable::Contact))
 }

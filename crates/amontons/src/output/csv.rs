@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::columns::{contact_measures, contact_rows};
 use sha2::{Digest, Sha256};
 
-use super::files::{LONGEST, Written, write_atomically};
+use super::files::{LONGEST, WrittenFile, write_atomically};
 use super::manifest::hexadecimal;
 use super::{OutputError, Snapshot};
 use crate::machine;
@@ -28,7 +28,7 @@ pub(super) fn join(values: &[f64]) -> String {
 
 /// A table with one row per step, as it grows.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(super) struct StepTable {
     path: PathBuf,
     file: File,
     /// Length and hash of the file so far.
@@ -36,15 +36,15 @@ pub(super) struct Rows {
     hash: Sha256,
 }
 
-impl Rows {
+impl StepTable {
     /// A file with a header and no rows.
-    pub fn create(path: PathBuf, columns: &[String]) -> Result<Rows, OutputError> {
+    pub fn create(path: PathBuf, columns: &[String]) -> Result<StepTable, OutputError> {
         let header = columns.join(",") + "\n";
-        Rows::begin(path, &header)
+        StepTable::begin(path, &header)
     }
 
     /// The file of a run that continues after `steps` steps; later rows are cut off.
-    pub fn reopen(path: PathBuf, columns: &[String], steps: usize) -> Result<Rows, OutputError> {
+    pub fn reopen(path: PathBuf, columns: &[String], steps: usize) -> Result<StepTable, OutputError> {
         let text = machine::read_text(&path, LONGEST).map_err(OutputError::io("read", &path))?;
         let inconsistent =
             |found: String, expected: String| OutputError::Inconsistent { path: path.clone(), found, expected };
@@ -63,14 +63,14 @@ impl Rows {
                 format!("a row for each of the {steps} steps of the checkpoint"),
             ));
         }
-        Rows::begin(path, &(header + "\n" + &rows.concat()))
+        StepTable::begin(path, &(header + "\n" + &rows.concat()))
     }
 
     /// A file with this text, to which rows are added.
-    fn begin(path: PathBuf, text: &str) -> Result<Rows, OutputError> {
+    fn begin(path: PathBuf, text: &str) -> Result<StepTable, OutputError> {
         write_atomically(&path, |out| out.write_all(text.as_bytes()))?;
         let file = OpenOptions::new().append(true).open(&path).map_err(OutputError::io("open", &path))?;
-        Ok(Rows { path, file, bytes: text.len() as u64, hash: Sha256::new_with_prefix(text) })
+        Ok(StepTable { path, file, bytes: text.len() as u64, hash: Sha256::new_with_prefix(text) })
     }
 
     /// Adds the row of a step in one piece.
@@ -83,8 +83,8 @@ impl Rows {
     }
 
     /// Length and hash of the file so far.
-    pub fn written(&self) -> Written {
-        Written { bytes: self.bytes, sha256: hexadecimal(&self.hash.clone().finalize()) }
+    pub fn written(&self) -> WrittenFile {
+        WrittenFile { bytes: self.bytes, sha256: hexadecimal(&self.hash.clone().finalize()) }
     }
 
     /// Flushes the rows to the disk.
@@ -99,7 +99,7 @@ impl Rows {
 }
 
 /// Writes the contact points, one row per point.
-pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<Written, OutputError> {
+pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<WrittenFile, OutputError> {
     let names: Vec<String> = contact_measures(now.problem).into_iter().map(|(name, _)| name).collect();
     write_atomically(path, |out| {
         writeln!(out, "{}", names.join(","))?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::files::{LONGEST, Written, write_json};
+use super::files::{LONGEST, WrittenFile, write_json};
 use super::manifest::{Manifest, hexadecimal};
 use super::{Outcome, OutputError, Summary};
 use crate::hypotheses::Finding;
@@ -16,7 +16,7 @@ pub(super) const CERTIFICATE: &str = "certificate.json";
 
 /// `certificate.json`: the findings on the data, with version and inputs they depend on.
 #[derive(Debug, Serialize, Deserialize)]
-struct Certificate {
+struct StoredCertificate {
     version: String,
     /// SHA-256 of the inputs, as in `manifest.json`.
     input_sha256: String,
@@ -28,9 +28,9 @@ pub(super) fn write_certificate(
     folder: &Path,
     fingerprint: &str,
     findings: &[Finding],
-) -> Result<Written, OutputError> {
+) -> Result<WrittenFile, OutputError> {
     let (version, input_sha256) = (env!("CARGO_PKG_VERSION").to_owned(), hash(fingerprint));
-    write_json(&folder.join(CERTIFICATE), &Certificate { version, input_sha256, findings: findings.to_vec() })
+    write_json(&folder.join(CERTIFICATE), &StoredCertificate { version, input_sha256, findings: findings.to_vec() })
 }
 
 /// The certificate in a results folder, or `None` if it belongs to other inputs or another version of the program.
@@ -39,7 +39,7 @@ pub(super) fn write_certificate(
 #[must_use]
 pub fn known_certificate(folder: &Path, fingerprint: &str) -> Option<Vec<Finding>> {
     let text = machine::read_text(&folder.join(CERTIFICATE), LONGEST).ok()?;
-    let kept: Certificate = serde_json::from_str(&text).ok()?;
+    let kept: StoredCertificate = serde_json::from_str(&text).ok()?;
     (kept.version == env!("CARGO_PKG_VERSION") && kept.input_sha256 == hash(fingerprint)).then_some(kept.findings)
 }
 

@@ -18,21 +18,21 @@ pub(crate) const LONGEST: u64 = 1 << 36;
 
 /// A file as it was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Written {
+pub(crate) struct WrittenFile {
     /// Its length.
     pub bytes: u64,
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
 }
 
-impl Written {
+impl WrittenFile {
     /// The record of a file with these bytes.
-    pub fn of(bytes: &[u8]) -> Written {
-        Written { bytes: bytes.len() as u64, sha256: hexadecimal(&Sha256::digest(bytes)) }
+    pub fn of(bytes: &[u8]) -> WrittenFile {
+        WrittenFile { bytes: bytes.len() as u64, sha256: hexadecimal(&Sha256::digest(bytes)) }
     }
 
     /// The record of a file on the disk.
-    pub fn read(path: &Path) -> io::Result<Written> {
+    pub fn read(path: &Path) -> io::Result<WrittenFile> {
         let mut out = Out::new(io::sink());
         io::copy(&mut machine::open(path)?, &mut out)?;
         Ok(out.written())
@@ -51,8 +51,8 @@ impl<W: Write> Out<W> {
         Out { to, hash: Sha256::new(), bytes: 0 }
     }
 
-    fn written(&self) -> Written {
-        Written { bytes: self.bytes, sha256: hexadecimal(&self.hash.clone().finalize()) }
+    fn written(&self) -> WrittenFile {
+        WrittenFile { bytes: self.bytes, sha256: hexadecimal(&self.hash.clone().finalize()) }
     }
 }
 
@@ -76,7 +76,7 @@ impl<W: Write> Write for Out<W> {
 pub(super) fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut Out<BufWriter<File>>) -> io::Result<()>,
-) -> Result<Written, OutputError> {
+) -> Result<WrittenFile, OutputError> {
     let (temporary, file) = temporary(path).map_err(OutputError::io("write", path))?;
     let result = (|| {
         let mut out = Out::new(BufWriter::new(file));
@@ -99,12 +99,12 @@ pub(super) fn write_atomically(
 pub(super) fn make_atomically<E>(
     path: &Path,
     make: impl FnOnce(&Path) -> Result<(), E>,
-) -> Result<Result<Written, E>, OutputError> {
+) -> Result<Result<WrittenFile, E>, OutputError> {
     let (temporary, _) = temporary(path).map_err(OutputError::io("write", path))?;
     let made = make(&temporary);
     let result = match made {
         Ok(()) => (|| {
-            let written = Written::read(&temporary)?;
+            let written = WrittenFile::read(&temporary)?;
             File::open(&temporary)?.sync_all()?;
             fs::rename(&temporary, path)?;
             sync_folder(path.parent())?;
@@ -140,7 +140,7 @@ pub(super) fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
 }
 
 /// Writes a value as indented JSON, atomically.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<Written, OutputError> {
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<WrittenFile, OutputError> {
     write_atomically(path, |out| {
         serde_json::to_writer_pretty(&mut *out, value)?;
         out.write_all(b"\n")
@@ -238,7 +238,7 @@ mod tests {
         let written = write_atomically(&path, |out| out.write_all(b"abc")).unwrap();
         // FIPS 180-4, example B.1.
         assert_eq!(written.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-        assert_eq!((written.bytes, &Written::read(&path).unwrap()), (3, &written));
+        assert_eq!((written.bytes, &WrittenFile::read(&path).unwrap()), (3, &written));
         assert_eq!(fs::read(&mine).unwrap(), b"mine");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 2, "no temporary file is left");
         fs::remove_dir_all(&folder).unwrap();

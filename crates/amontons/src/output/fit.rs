@@ -9,7 +9,7 @@ const DEPENDENT: f64 = 1e-7;
 pub(super) struct Fit<'e> {
     /// Number of points.
     count: usize,
-    local: Local,
+    local: PatchAxes,
     exponents: &'e [[i32; 3]],
     /// The columns that do not depend on earlier ones: their numbers, the columns one after the other, and the
     /// components of each along the earlier ones and itself (R by columns).
@@ -20,13 +20,13 @@ pub(super) struct Fit<'e> {
 
 /// The coordinates of a patch.
 #[derive(Clone, Copy)]
-struct Local {
+struct PatchAxes {
     origin: Point,
     /// Reciprocal size of the patch by direction, which makes the matrix dimensionless.
     scale: Point,
 }
 
-impl Local {
+impl PatchAxes {
     fn of(&self, x: &Point) -> Point {
         std::array::from_fn(|d| (x[d] - self.origin[d]) * self.scale[d])
     }
@@ -38,7 +38,7 @@ impl<'e> Fit<'e> {
     pub fn new(exponents: &'e [[i32; 3]], origin: &Point, points: &[Point]) -> (Fit<'e>, bool) {
         let extent = |d: usize| points.iter().fold(0.0f64, |most, p| most.max((p[d] - origin[d]).abs()));
         let scale = std::array::from_fn(|d| Some(extent(d)).filter(|e| *e > 0.0).map_or(1.0, f64::recip));
-        let (local, count, all) = (Local { origin: *origin, scale }, points.len(), exponents.len());
+        let (local, count, all) = (PatchAxes { origin: *origin, scale }, points.len(), exponents.len());
         let mut fit = Fit {
             count,
             local,

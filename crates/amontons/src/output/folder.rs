@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::columns::{contact_measures, history_columns, history_measures, history_values};
-use super::csv::{Rows, write_contact};
+use super::csv::{StepTable, write_contact};
 use super::earlier::{CERTIFICATE, write_certificate};
-use super::files::{LONGEST, Written, create_folder, remove_file, remove_folder, write_atomically, write_json};
+use super::files::{LONGEST, WrittenFile, create_folder, remove_file, remove_folder, write_atomically, write_json};
 use super::inputs::{Input, fingerprint, write_inputs};
-use super::manifest::{Manifest, Settings};
+use super::manifest::{Manifest, ManifestSettings};
 use super::owned::{self, STAGING};
 use super::room::demand;
 use super::{
@@ -102,10 +102,10 @@ impl FolderOptions {
         fingerprint(&self.text, &self.inputs)
     }
 
-    fn settings(&self) -> Settings {
+    fn settings(&self) -> ManifestSettings {
         let CheckpointInterval { steps, time } = self.checkpoint;
         let longest = time.or(steps.is_none().then_some(LONGEST_INTERVAL));
-        Settings {
+        ManifestSettings {
             every: self.every,
             checkpoint_seconds: longest.map(|time| time.as_secs_f64()),
             checkpoint_steps: steps,
@@ -123,8 +123,8 @@ pub struct Folder {
     /// The earlier run in the folder, to be replaced once this one has made a step.
     replaces: Option<Manifest>,
     manifest: Manifest,
-    history: Option<Rows>,
-    probes: Option<(ProbeSet, Rows)>,
+    history: Option<StepTable>,
+    probes: Option<(ProbeSet, StepTable)>,
     /// The recovery of stresses on the mesh of the run, from its first snapshot on.
     recovery: Option<StressRecovery>,
     /// Step and time of the field snapshots; time and file of the sides of contact.
@@ -261,8 +261,8 @@ impl Folder {
     /// Lists the files that the run may write.
     fn list_names(&self, manifest: &mut Manifest) {
         owned::NAMES.into_iter().filter(|name| *name != manifest::FILE).for_each(|name| manifest.name(name));
-        self.options.inputs.iter().for_each(|input| manifest.list(&input.path, Some(Written::of(&input.bytes))));
-        manifest.list("case.toml", Some(Written::of(self.options.text.as_bytes())));
+        self.options.inputs.iter().for_each(|input| manifest.list(&input.path, Some(WrittenFile::of(&input.bytes))));
+        manifest.list("case.toml", Some(WrittenFile::of(self.options.text.as_bytes())));
     }
 
     /// Replaces the results of the earlier run by those of this one.
@@ -318,8 +318,8 @@ impl Folder {
     fn probe_rows(
         &self,
         problem: &Problem,
-        open: impl FnOnce(&[String]) -> Result<Rows, OutputError>,
-    ) -> Result<Option<(ProbeSet, Rows)>, OutputError> {
+        open: impl FnOnce(&[String]) -> Result<StepTable, OutputError>,
+    ) -> Result<Option<(ProbeSet, StepTable)>, OutputError> {
         let probes = &self.options.probes;
         if probes.is_empty() {
             return Ok(None);
@@ -366,8 +366,8 @@ impl Folder {
         let sides = surface::sides(&problem.contacts).map(|side| side.name);
         manifest.parts(&problem.mesh.regions, sides.collect());
         self.manifest = manifest;
-        self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);
-        self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
+        self.history = Some(StepTable::create(root.join(HISTORY), &history_columns(problem))?);
+        self.probes = self.probe_rows(problem, |columns| StepTable::create(root.join(PROBES), columns))?;
         if self.is_due(0) {
             self.write_fields(&start.from)?;
         }
@@ -400,7 +400,7 @@ impl Folder {
     /// Takes over the tables of a finished run. They must still have the noted hashes, so that rows changed since are
     /// not accepted under a new hash. The old hashes are then forgotten because the tables grow.
     fn take_over_tables(&mut self) -> Result<(), OutputError> {
-        let noted: Vec<(&str, Written)> = self
+        let noted: Vec<(&str, WrittenFile)> = self
             .manifest
             .outputs()
             .into_iter()
@@ -413,7 +413,7 @@ impl Folder {
             let path = self.path.join(name);
             let found = machine::read(&path, LONGEST).map_err(OutputError::io("read", &path))?;
             let whole = usize::try_from(noted.bytes).ok().and_then(|bytes| found.get(..bytes));
-            if whole.map(Written::of).as_ref() != Some(noted) {
+            if whole.map(WrittenFile::of).as_ref() != Some(noted) {
                 let (found, expected) = ("another hash than that in manifest.json", "the file that the run wrote");
                 return Err(OutputError::Inconsistent { path, found: found.to_owned(), expected: expected.to_owned() });
             }
@@ -431,8 +431,8 @@ impl Folder {
     fn go_on(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, step) = (start.from.problem, start.from.state.step);
         self.take_over_tables()?;
-        self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
-        self.probes = self.probe_rows(problem, |columns| Rows::reopen(self.path.join(PROBES), columns, step))?;
+        self.history = Some(StepTable::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
+        self.probes = self.probe_rows(problem, |columns| StepTable::reopen(self.path.join(PROBES), columns, step))?;
         self.keep_snapshots(problem, step)?;
         let mut manifest = self.manifest.clone();
         manifest.change(&self.options.fingerprint(), self.options.settings());
@@ -450,7 +450,7 @@ impl Folder {
     /// Writes the case and its files again if they differ from those of the continued run.
     fn write_inputs_again(&self) -> Result<(), OutputError> {
         let path = self.path.join("case.toml");
-        if Written::read(&path).ok() != Some(Written::of(self.options.text.as_bytes())) {
+        if WrittenFile::read(&path).ok() != Some(WrittenFile::of(self.options.text.as_bytes())) {
             write_atomically(&path, |out| out.write_all(self.options.text.as_bytes()))?;
         }
         write_inputs(&self.path, &self.options.inputs)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::files::Written;
+use super::files::WrittenFile;
 use super::folder::FIELDS;
 use super::manifest::Manifest;
 use super::packed::{self, StoredFields};
@@ -46,7 +46,7 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
     }
     for (name, written) in &listed {
         let path = folder.join(name);
-        match (Written::read(&path), written) {
+        match (WrittenFile::read(&path), written) {
             (Ok(now), Some(then)) if now == **then => found.intact += 1,
             (Ok(now), Some(then)) if now.bytes != then.bytes => {
                 found.faults.push(format!("{name} has {} bytes, {} were written", now.bytes, then.bytes));

@@ -3,7 +3,7 @@
 use super::{Snapshot, cell_values, largest_strain, nodal_stress};
 use crate::contact::{Contact, ContactPoint, Leak};
 use crate::hypotheses::warnings::{Figures, Penetration};
-use crate::material::{Constants, Material};
+use crate::material::{Material, OperatorConstants};
 use crate::model::cell_heights;
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym};
@@ -47,7 +47,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
 fn stiffness(problem: &Problem) -> f64 {
     let Some(x) = problem.mesh.points.first() else { return 0.0 };
     let of = |material: &Material| {
-        Constants::of_linear(&material.elasticity.tangent(x, &Sym::ZERO), problem.mesh.tensor_dim()).lipschitz
+        OperatorConstants::of_linear(&material.elasticity.tangent(x, &Sym::ZERO), problem.mesh.tensor_dim()).lipschitz
     };
     problem.materials.iter().map(of).fold(0.0, f64::max)
 }

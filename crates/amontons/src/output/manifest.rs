@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::OutputError;
-use super::files::{LONGEST, Written, write_atomically};
+use super::files::{LONGEST, WrittenFile, write_atomically};
 use crate::equation::{ACCEPTED, REFINE};
 use crate::inclusion::TOLERANCE;
 use crate::machine;
@@ -26,7 +26,7 @@ pub(crate) struct Manifest {
     case: String,
     /// SHA-256 of `case.toml` and of the files it refers to, hexadecimal.
     input_sha256: String,
-    settings: Settings,
+    settings: ManifestSettings,
     tolerances: Tolerances,
     platform: Platform,
     threads: usize,
@@ -48,7 +48,7 @@ pub(crate) struct Manifest {
     /// The files that the run has written, with lengths and hashes once it has ended. Files in the snapshot folders
     /// belong to the run even if they are not listed.
     #[serde(default)]
-    outputs: Option<BTreeMap<String, Option<Written>>>,
+    outputs: Option<BTreeMap<String, Option<WrittenFile>>>,
     /// The step of the snapshot written only because the run ended there.
     #[serde(default)]
     passing: Option<usize>,
@@ -58,7 +58,7 @@ pub(crate) struct Manifest {
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Settings {
+pub(crate) struct ManifestSettings {
     /// Steps between field snapshots.
     pub every: usize,
     /// Most seconds between checkpoints.
@@ -108,7 +108,7 @@ struct Session {
 
 impl Manifest {
     /// The manifest of a run that starts now.
-    pub fn new(fingerprint: &str, settings: Settings) -> Manifest {
+    pub fn new(fingerprint: &str, settings: ManifestSettings) -> Manifest {
         Manifest {
             program: PROGRAM.to_owned(),
             version: version(),
@@ -136,7 +136,7 @@ impl Manifest {
     }
 
     /// Notes the inputs and settings of a new session.
-    pub fn change(&mut self, fingerprint: &str, settings: Settings) {
+    pub fn change(&mut self, fingerprint: &str, settings: ManifestSettings) {
         let before = std::mem::replace(&mut self.settings, settings).overrides;
         self.settings.overrides.splice(0..0, before);
         self.input_sha256 = hexadecimal(&Sha256::digest(fingerprint));
@@ -153,7 +153,7 @@ impl Manifest {
     }
 
     /// Settings of the last session.
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &ManifestSettings {
         &self.settings
     }
 
@@ -169,7 +169,7 @@ impl Manifest {
     }
 
     /// The files listed by the run, by their paths in the folder. Paths that lead out of the folder are left out.
-    pub fn outputs(&self) -> Vec<(&str, Option<&Written>)> {
+    pub fn outputs(&self) -> Vec<(&str, Option<&WrittenFile>)> {
         let inside = |name: &str| {
             let mut parts = Path::new(name).components();
             parts.by_ref().all(|part| matches!(part, Component::Normal(_)))
@@ -184,7 +184,7 @@ impl Manifest {
     }
 
     /// Notes a file that the run writes, with its length and hash once they are known.
-    pub fn list(&mut self, name: &str, written: Option<Written>) {
+    pub fn list(&mut self, name: &str, written: Option<WrittenFile>) {
         self.outputs.get_or_insert_default().insert(name.to_owned(), written);
     }
 

@@ -78,11 +78,11 @@ pub use probe::ProbeSet;
 pub use probe_place::{Probe, ProbeError, ProbePlace, Take};
 pub use quantity::{Base, Quantity, Selection, quantities};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
-pub use shown::{Lives, Shown, Table, shown};
+pub use shown::{Lives, ResultTable, Shown, shown};
 pub use study::StudyFolder;
 #[cfg(feature = "case")]
 pub(crate) use summary::of_last;
-pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
+pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, SolverCounts, Summary, UnknownCounts};
 #[cfg(feature = "plot")]
 pub(crate) use surface::{measures as surface_measures, sides as surface_sides};
 pub use vtu::OutputField;

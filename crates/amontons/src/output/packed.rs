@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::OutputError;
-use super::files::{LONGEST, Written, make_atomically};
+use super::files::{LONGEST, WrittenFile, make_atomically};
 use super::folder::fields_file;
 use super::vtu::write_grid;
 use crate::machine;
-use crate::vtkhdf::{self, Reader, Series, WriteError};
+use crate::vtkhdf::{self, GridSeries, Reader, WriteError};
 use crate::vtu::{self, Grid};
 
 /// Name of the file in a results folder.
@@ -33,7 +33,7 @@ pub enum FieldsFormat {
 /// Result of packing.
 pub(super) enum Packed {
     /// The file is written.
-    Written(Written),
+    Written(WrittenFile),
     /// The snapshots cannot be packed.
     Refused(String),
 }
@@ -43,7 +43,7 @@ pub(super) fn pack(root: &Path, at: &[(usize, f64)], units: &BTreeMap<String, St
     let path = root.join(FILE);
     let source = |index: usize, wanted: &dyn Fn(&str) -> bool| read(&root.join(fields_file(at[index].0)), wanted);
     let unit = |name: &str| units.get(name).cloned();
-    let series = Series { at, source: &source, unit: &unit, room: Series::room() };
+    let series = GridSeries { at, source: &source, unit: &unit, room: GridSeries::room() };
     match make_atomically(&path, |temporary| vtkhdf::write(temporary, &series))? {
         Ok(written) => Ok(Packed::Written(written)),
         Err(WriteError::Snapshots(why)) => Ok(Packed::Refused(why)),

@@ -5,16 +5,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::cells::Tables;
 use super::probe_place::{Probe, ProbeError, ProbePlace, Take};
 use super::probe_take::{faced, on_contact, reduce};
-use super::quantity::{Base, OF_WHOLE, OnContact, Quantity, Selection};
-use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
-use super::whole::Whole;
+use super::quantity::{Base, ContactQuantity, OF_WHOLE, Quantity, Selection};
+use super::recovery::{Recovery, SamplingPoint, Stencil, evaluate, sampling};
+use super::whole::WholeQuantity;
 use super::{PointValues, Snapshot};
 use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{Problem, ProblemData};
-use crate::quadrature::{Rule, rule};
+use crate::quadrature::{QuadratureRule, rule};
 use crate::tensor::{Point, length};
 
 /// Probes of a problem, prepared: weights of nodes and of sampling points.
@@ -24,7 +24,7 @@ pub struct ProbeSet {
     names: Vec<String>,
     probes: Vec<Prepared>,
     tables: Tables,
-    samples: Vec<Sample>,
+    samples: Vec<SamplingPoint>,
 }
 
 #[derive(Debug)]
@@ -34,7 +34,7 @@ struct Prepared {
     /// Contact points of a quantity of contact.
     contact: OnPoints,
     /// A quantity of a side as a whole.
-    whole: Option<Whole>,
+    whole: Option<WholeQuantity>,
     spots: Vec<Spot>,
 }
 
@@ -68,15 +68,15 @@ impl ProbeSet {
     /// The number of the first probe that cannot be read, and the reason.
     pub fn new(problem: &Problem, probes: &[Probe]) -> Result<ProbeSet, (usize, ProbeError)> {
         let mesh = &problem.mesh;
-        let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
+        let (mut builder, mut prepared, mut names) = (ProbeBuilder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
             let (contact, whole, spots) = builder.spots(probe).map_err(|error| (i, error))?;
             prepared.push(Prepared { quantity: probe.quantity, take: probe.place.take(), contact, whole, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
-        let samples: BTreeSet<Sample> =
+        let samples: BTreeSet<SamplingPoint> =
             prepared.iter().flat_map(|p| &p.spots).flat_map(|spot| &spot.samples).map(|(sample, _)| *sample).collect();
-        let samples: Vec<Sample> = samples.into_iter().collect();
+        let samples: Vec<SamplingPoint> = samples.into_iter().collect();
         for spot in prepared.iter_mut().flat_map(|p| &mut p.spots) {
             let numbered = spot
                 .samples
@@ -92,7 +92,7 @@ impl ProbeSet {
     /// # Errors
     /// The reason why not.
     pub fn check(problem: &ProblemData, probe: &Probe) -> Result<(), ProbeError> {
-        Builder::new(problem).check(probe).map(|_| ())
+        ProbeBuilder::new(problem).check(probe).map(|_| ())
     }
 
     /// Names of the columns, those of one probe together.
@@ -139,7 +139,7 @@ impl Prepared {
 
 impl Prepared {
     /// The values of a quantity of contact.
-    fn on_points(&self, dim: usize, now: &Snapshot, quantity: OnContact) -> Vec<f64> {
+    fn on_points(&self, dim: usize, now: &Snapshot, quantity: ContactQuantity) -> Vec<f64> {
         if let Some(side) = &self.contact.worn {
             let of_side = now.discretization.worn.of_side(side, &now.state.surface.worn.depths);
             return vec![of_side.map_or(0.0, |of_side| reduce(self.take, faced(of_side).into_iter()))];
@@ -148,12 +148,12 @@ impl Prepared {
         let turned = |i: usize| points.get(i).is_some_and(|point| self.contact.turned.contains(&point.contact));
         let value = |i: usize| {
             let value = on_contact(now, quantity, i);
-            let is_vector = matches!(quantity, OnContact::Traction | OnContact::SlipVelocity);
+            let is_vector = matches!(quantity, ContactQuantity::Traction | ContactQuantity::SlipVelocity);
             if is_vector && turned(i) { value.map(|component| 0.0 - component) } else { value }
         };
         let mean = |shares: &[(usize, f64)]| match (shares, quantity) {
             (&[(i, _)], _) => value(i),
-            (_, OnContact::Traction) => read_vector(shares, value),
+            (_, ContactQuantity::Traction) => read_vector(shares, value),
             _ => [read(shares, |i| value(i)[0]), 0.0, 0.0],
         };
         let contact_of = |i: usize| now.problem.contacts.get(points.get(i)?.contact);
@@ -174,7 +174,7 @@ impl Prepared {
 
 /// The points of a cell: first those of the recovery, then those of a rule for integrals of expressions linear in the
 /// gradients.
-fn points(element: &Element) -> Rule {
+fn points(element: &Element) -> QuadratureRule {
     let (mut all, integral) = (sampling(element), rule(element.shape, integral_degree(element)));
     all.points.extend(integral.points);
     all.weights.extend(integral.weights);
@@ -187,13 +187,13 @@ fn integral_degree(element: &Element) -> usize {
 }
 
 /// The place of a probe in a mesh.
-enum Found<'a> {
+enum LocatedProbe<'a> {
     /// Contact points with their weights, and the contacts whose vectors change sign.
     Contact(Vec<(usize, f64)>, Vec<usize>),
     /// The depth of wear of a side of a pair.
     Worn,
     /// A quantity of a side as a whole.
-    Whole(Whole),
+    Whole(WholeQuantity),
     Point {
         block: usize,
         cell: usize,
@@ -204,10 +204,10 @@ enum Found<'a> {
 }
 
 /// Data that a probe reads: contact points, a side as a whole, or spots in the body.
-type Read = (OnPoints, Option<Whole>, Vec<Spot>);
+type ProbeData = (OnPoints, Option<WholeQuantity>, Vec<Spot>);
 
 /// Prepares probes; each patch of the recovery is computed once.
-struct Builder<'a> {
+struct ProbeBuilder<'a> {
     problem: &'a ProblemData,
     mesh: &'a Mesh,
     locator: Option<Locator<'a>>,
@@ -216,9 +216,9 @@ struct Builder<'a> {
     stencils: BTreeMap<(usize, u32), Stencil>,
 }
 
-impl<'a> Builder<'a> {
-    fn new(problem: &'a ProblemData) -> Builder<'a> {
-        Builder {
+impl<'a> ProbeBuilder<'a> {
+    fn new(problem: &'a ProblemData) -> ProbeBuilder<'a> {
+        ProbeBuilder {
             problem,
             mesh: &problem.mesh,
             locator: None,
@@ -228,13 +228,14 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn spots(&mut self, probe: &Probe) -> Result<Read, ProbeError> {
+    fn spots(&mut self, probe: &Probe) -> Result<ProbeData, ProbeError> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
-            Found::Contact(points, turned) => {
+            LocatedProbe::Contact(points, turned) => {
                 // Tractions alternate between the nodes of quadratic facets: extremes are taken of their means about
                 // vertices.
-                let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
+                let is_traction =
+                    matches!(quantity.base, Base::Contact(ContactQuantity::Pressure | ContactQuantity::Traction));
                 let is_extreme = matches!(probe.place.take(), Some(Take::Max | Take::Min));
                 let extremes = match &probe.place {
                     ProbePlace::On(name, _) if is_traction && is_extreme => {
@@ -249,21 +250,21 @@ impl<'a> Builder<'a> {
                 let values = extremes.unwrap_or_else(alone);
                 return Ok((OnPoints { values, turned, worn: None }, None, Vec::new()));
             }
-            Found::Worn => {
+            LocatedProbe::Worn => {
                 let worn = if let ProbePlace::On(name, _) = &probe.place { Some(name.clone()) } else { None };
                 return Ok((OnPoints { worn, ..OnPoints::default() }, None, Vec::new()));
             }
-            Found::Whole(whole) => return Ok((OnPoints::default(), Some(whole), Vec::new())),
-            Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
-            Found::Side(set, take) => self.on(quantity, set, take),
-            Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
-            Found::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
+            LocatedProbe::Whole(whole) => return Ok((OnPoints::default(), Some(whole), Vec::new())),
+            LocatedProbe::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
+            LocatedProbe::Side(set, take) => self.on(quantity, set, take),
+            LocatedProbe::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
+            LocatedProbe::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
         };
         Ok((OnPoints::default(), None, spots))
     }
 
     /// Checks that the body has the quantity at the place of the probe. Returns the place in the mesh.
-    fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
+    fn check(&mut self, probe: &Probe) -> Result<LocatedProbe<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
         let on_side = matches!(probe.place, ProbePlace::On(..) | ProbePlace::Contact(..));
         let physics = self.problem.physics;
@@ -287,7 +288,7 @@ impl<'a> Builder<'a> {
             ProbePlace::Contact(..) | ProbePlace::AtContact(..) if !of_contact => {
                 Err(ProbeError::OfBody(quantity.name()))
             }
-            _ if OF_WHOLE.contains(&quantity.base) => Whole::new(self.problem, probe).map(Found::Whole),
+            _ if OF_WHOLE.contains(&quantity.base) => WholeQuantity::new(self.problem, probe).map(LocatedProbe::Whole),
             ProbePlace::Contact(name, _) => self.of_contact(name),
             ProbePlace::AtContact(point, name) => {
                 let only = self.contact(name)?;
@@ -301,7 +302,7 @@ impl<'a> Builder<'a> {
             ProbePlace::On(side, take) => {
                 let set =
                     mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
-                let Base::Contact(of) = quantity.base else { return Ok(Found::Side(set, *take)) };
+                let Base::Contact(of) = quantity.base else { return Ok(LocatedProbe::Side(set, *take)) };
                 self.of_side(side, of).ok_or_else(|| ProbeError::Contact(quantity.name()))
             }
             ProbePlace::Region(..) if of_contact => Err(ProbeError::Contact(quantity.name())),
@@ -311,7 +312,7 @@ impl<'a> Builder<'a> {
                     .iter()
                     .position(|known| known == name)
                     .ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?;
-                Ok(Found::Region(region, *take))
+                Ok(LocatedProbe::Region(region, *take))
             }
         }
     }
@@ -338,17 +339,17 @@ impl<'a> Builder<'a> {
     }
 
     /// The points of a contact by its name.
-    fn of_contact(&mut self, name: &str) -> Result<Found<'a>, ProbeError> {
+    fn of_contact(&mut self, name: &str) -> Result<LocatedProbe<'a>, ProbeError> {
         let number = self.contact(name)?;
         let is_turned = self.problem.contacts.get(number).is_some_and(|contact| contact.sign() < 0.0);
         let points = self.boundary().points.iter().enumerate().filter(|(_, point)| point.contact == number);
         let points = points.map(|(i, point)| (i, point.weight)).collect();
-        Ok(Found::Contact(points, if is_turned { vec![number] } else { Vec::new() }))
+        Ok(LocatedProbe::Contact(points, if is_turned { vec![number] } else { Vec::new() }))
     }
 
     /// Returns the points, or an error if their side bears the points of several contacts.
-    fn alone(&mut self, found: Found<'a>) -> Result<Found<'a>, ProbeError> {
-        let Found::Contact(points, _) = &found else { return Ok(found) };
+    fn alone(&mut self, found: LocatedProbe<'a>) -> Result<LocatedProbe<'a>, ProbeError> {
+        let LocatedProbe::Contact(points, _) = &found else { return Ok(found) };
         let contacts = &self.problem.contacts;
         let first = points.first().map(|(i, _)| *i);
         let number = first.and_then(|i| Some(self.boundary().points.get(i)?.contact));
@@ -367,7 +368,7 @@ impl<'a> Builder<'a> {
     /// Contact points for interpolation at a point of Γ_C: those of the nodes of the cell there, weighted by its shape
     /// functions, or the nearest one with Gauss quadrature or if a node has none. `None` for a point off Γ_C. Of
     /// several contacts the first one there counts, or `only`.
-    fn on_contact(&mut self, point: &Point, only: Option<usize>) -> Option<Found<'a>> {
+    fn on_contact(&mut self, point: &Point, only: Option<usize>) -> Option<LocatedProbe<'a>> {
         let mesh = self.mesh;
         let (block, cell, x) = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point)?;
         let (element, nodes) = (mesh.blocks[block].element, mesh.blocks[block].cells().nth(cell)?);
@@ -410,34 +411,34 @@ impl<'a> Builder<'a> {
         let points = weights.filter(|weights| !weights.is_empty()).or_else(nearest)?;
         let contacts = self.problem.contacts.iter().enumerate();
         let turned = contacts.filter(|(_, contact)| contact.sign() < 0.0).map(|(i, _)| i).collect();
-        Some(Found::Contact(points, turned))
+        Some(LocatedProbe::Contact(points, turned))
     }
 
     /// The points of the contacts of a side, on either side of a pair, or the depth of wear of a side of a pair. `None`
     /// for a side without contact.
-    fn of_side(&mut self, side: &str, quantity: OnContact) -> Option<Found<'a>> {
+    fn of_side(&mut self, side: &str, quantity: ContactQuantity) -> Option<LocatedProbe<'a>> {
         let contacts = &self.problem.contacts;
         let of_side = |contact: &Contact| contact.sides().any(|name| name == side);
         let all: Vec<usize> = (0..contacts.len()).filter(|&i| of_side(&contacts[i])).collect();
         if all.is_empty() {
             return None;
         }
-        if quantity == OnContact::Wear && all.iter().any(|&i| contacts[i].pair.is_some()) {
-            return Some(Found::Worn);
+        if quantity == ContactQuantity::Wear && all.iter().any(|&i| contacts[i].pair.is_some()) {
+            return Some(LocatedProbe::Worn);
         }
         let turned = all.iter().copied().filter(|&i| contacts[i].bearing() != side).collect();
         let points = self.boundary().points.iter().enumerate().filter(|(_, point)| all.contains(&point.contact));
-        Some(Found::Contact(points.map(|(i, point)| (i, point.weight)).collect(), turned))
+        Some(LocatedProbe::Contact(points.map(|(i, point)| (i, point.weight)).collect(), turned))
     }
 
-    fn find(&mut self, point: &Point) -> Result<Found<'a>, ProbeError> {
+    fn find(&mut self, point: &Point) -> Result<LocatedProbe<'a>, ProbeError> {
         let mesh = self.mesh;
         let found = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point);
         let reach = |fold: fn(f64, f64) -> f64| {
             (0..mesh.dim).filter_map(|d| mesh.points.iter().map(|p| p[d]).reduce(fold)).collect()
         };
         let outside = || ProbeError::Outside { low: reach(f64::min), high: reach(f64::max) };
-        found.map(|(block, cell, x)| Found::Point { block, cell, x }).ok_or_else(outside)
+        found.map(|(block, cell, x)| LocatedProbe::Point { block, cell, x }).ok_or_else(outside)
     }
 
     /// The recovered value at a node of a region.

@@ -2,7 +2,7 @@
 
 use super::Snapshot;
 use super::probe_place::Take;
-use super::quantity::OnContact;
+use super::quantity::ContactQuantity;
 use crate::contact::Status;
 use crate::tensor::Point;
 
@@ -16,18 +16,18 @@ pub(super) fn faced<T>(all: impl Iterator<Item = (f64, T)>) -> Vec<(f64, T)> {
 }
 
 /// The value at a contact point, a scalar in the first component; NaN for results of a step at t = 0.
-pub(super) fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point {
+pub(super) fn on_contact(now: &Snapshot, quantity: ContactQuantity, i: usize) -> Point {
     let (surface, state) = (&now.state.surface, now.report.and_then(|report| report.contact.states.get(i)));
     let number = |value: Option<f64>| [value.unwrap_or(f64::NAN), 0.0, 0.0];
     let vector = |value: Option<Point>| value.unwrap_or([f64::NAN; 3]);
     match quantity {
-        OnContact::Wear => number(surface.wear.get(i).copied()),
-        OnContact::FrictionWork => number(surface.friction_work.get(i).copied()),
-        OnContact::Pressure => number(state.map(|state| state.pressure)),
-        OnContact::Penetration => number(state.map(|state| state.penetration)),
-        OnContact::Touching => number(state.map(|state| f64::from(u8::from(state.status != Status::Open)))),
-        OnContact::Traction => vector(state.map(|state| state.q.map(|q| 0.0 - q))),
-        OnContact::SlipVelocity => vector(state.map(|state| state.slip)),
+        ContactQuantity::Wear => number(surface.wear.get(i).copied()),
+        ContactQuantity::FrictionWork => number(surface.friction_work.get(i).copied()),
+        ContactQuantity::Pressure => number(state.map(|state| state.pressure)),
+        ContactQuantity::Penetration => number(state.map(|state| state.penetration)),
+        ContactQuantity::Touching => number(state.map(|state| f64::from(u8::from(state.status != Status::Open)))),
+        ContactQuantity::Traction => vector(state.map(|state| state.q.map(|q| 0.0 - q))),
+        ContactQuantity::SlipVelocity => vector(state.map(|state| state.slip)),
     }
 }
 

@@ -42,12 +42,12 @@ pub enum Base {
     /// Heat supplied to the body by a prescribed temperature, W: its integral over a side.
     ReactionHeat,
     /// A quantity defined at the contact points only.
-    Contact(OnContact),
+    Contact(ContactQuantity),
 }
 
 /// A quantity at the contact points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OnContact {
+pub enum ContactQuantity {
     /// p_ν in Pa.
     Pressure,
     /// r in m; negative for an open gap.
@@ -142,13 +142,13 @@ const BASES: [(&str, Base, &[(&str, Selection)]); 23] = [
     ("total_moment", Base::TotalMoment, NO_NORMAL),
     ("rotation", Base::Rotation, NO_NORMAL),
     ("reaction_heat", Base::ReactionHeat, NUMBER),
-    ("pressure", Base::Contact(OnContact::Pressure), NUMBER),
-    ("penetration", Base::Contact(OnContact::Penetration), NUMBER),
-    ("traction", Base::Contact(OnContact::Traction), NO_NORMAL),
-    ("slip_velocity", Base::Contact(OnContact::SlipVelocity), NO_NORMAL),
-    ("touching", Base::Contact(OnContact::Touching), NUMBER),
-    ("wear", Base::Contact(OnContact::Wear), NUMBER),
-    ("friction_work", Base::Contact(OnContact::FrictionWork), NUMBER),
+    ("pressure", Base::Contact(ContactQuantity::Pressure), NUMBER),
+    ("penetration", Base::Contact(ContactQuantity::Penetration), NUMBER),
+    ("traction", Base::Contact(ContactQuantity::Traction), NO_NORMAL),
+    ("slip_velocity", Base::Contact(ContactQuantity::SlipVelocity), NO_NORMAL),
+    ("touching", Base::Contact(ContactQuantity::Touching), NUMBER),
+    ("wear", Base::Contact(ContactQuantity::Wear), NUMBER),
+    ("friction_work", Base::Contact(ContactQuantity::FrictionWork), NUMBER),
 ];
 
 /// Every quantity: its name, its meaning, and the quantity that it measures.
@@ -177,15 +177,15 @@ impl Quantity {
             Base::TotalMoment => "moment about a point of all that acts on a side",
             Base::Rotation => "rotation of the rigid motion nearest to the displacements",
             Base::ReactionHeat => "heat that a prescribed temperature supplies to the body",
-            Base::Contact(OnContact::Pressure) => "contact pressure p_ν",
-            Base::Contact(OnContact::Penetration) => "penetration r, negative where the gap is open",
-            Base::Contact(OnContact::Traction) => "what friction does to the side, σ_τ",
-            Base::Contact(OnContact::SlipVelocity) => "slip velocity of the side against what it faces",
-            Base::Contact(OnContact::Touching) => {
+            Base::Contact(ContactQuantity::Pressure) => "contact pressure p_ν",
+            Base::Contact(ContactQuantity::Penetration) => "penetration r, negative where the gap is open",
+            Base::Contact(ContactQuantity::Traction) => "what friction does to the side, σ_τ",
+            Base::Contact(ContactQuantity::SlipVelocity) => "slip velocity of the side against what it faces",
+            Base::Contact(ContactQuantity::Touching) => {
                 "1 where there is contact, 0 where the gap is open: its integral is the area"
             }
-            Base::Contact(OnContact::Wear) => "depth worn off",
-            Base::Contact(OnContact::FrictionWork) => "work of friction since the start",
+            Base::Contact(ContactQuantity::Wear) => "depth worn off",
+            Base::Contact(ContactQuantity::FrictionWork) => "work of friction since the start",
         };
         let ending = self.name();
         let component = |c: usize| {
@@ -227,18 +227,18 @@ impl Quantity {
     #[must_use]
     pub fn measure(self) -> Measure {
         match self.base {
-            Base::Displacement | Base::Contact(OnContact::Penetration | OnContact::Wear) => Measure::Length,
-            Base::Velocity | Base::Contact(OnContact::SlipVelocity) => Measure::Velocity,
+            Base::Displacement | Base::Contact(ContactQuantity::Penetration | ContactQuantity::Wear) => Measure::Length,
+            Base::Velocity | Base::Contact(ContactQuantity::SlipVelocity) => Measure::Velocity,
             Base::Temperature => Measure::Temperature,
             Base::Stress | Base::VonMises | Base::MeanStress | Base::Principal | Base::Hoop => Measure::Stress,
-            Base::Contact(OnContact::Pressure | OnContact::Traction) => Measure::Stress,
-            Base::Strain | Base::Contact(OnContact::Touching) => Measure::Number,
+            Base::Contact(ContactQuantity::Pressure | ContactQuantity::Traction) => Measure::Stress,
+            Base::Strain | Base::Contact(ContactQuantity::Touching) => Measure::Number,
             Base::HeatFlux => Measure::HeatFlux,
             Base::Reaction | Base::TotalForce => Measure::Force,
             Base::ReactionMoment | Base::TotalMoment => Measure::Moment,
             Base::Rotation => Measure::Angle,
             Base::ReactionHeat => Measure::Power,
-            Base::Contact(OnContact::FrictionWork) => Measure::SurfaceWork,
+            Base::Contact(ContactQuantity::FrictionWork) => Measure::SurfaceWork,
         }
     }
 
@@ -274,7 +274,7 @@ impl Quantity {
                 | Base::HeatFlux
                 | Base::Reaction
                 | Base::TotalForce
-                | Base::Contact(OnContact::Traction | OnContact::SlipVelocity)
+                | Base::Contact(ContactQuantity::Traction | ContactQuantity::SlipVelocity)
         )
     }
 

@@ -23,18 +23,18 @@ use crate::element::Element;
 use crate::material::material_arrays;
 use crate::mesh::Mesh;
 use crate::problem::Problem;
-use crate::quadrature::{Rule, Shape, rule};
+use crate::quadrature::{QuadratureRule, Shape, rule};
 use crate::state::State;
 use crate::tensor::{Point, Sym};
 
 /// A sampling point: block, cell of the block, point of the cell.
-pub(super) type Sample = (u32, u32, u32);
+pub(super) type SamplingPoint = (u32, u32, u32);
 
 /// A value at a node as a sum over sampling points, in ascending order.
-pub(super) type Stencil = Vec<(Sample, f64)>;
+pub(super) type Stencil = Vec<(SamplingPoint, f64)>;
 
 /// Sampling points with the polynomial that is fitted to their values.
-type Patch<'r> = (Vec<Sample>, Fit<'r>);
+type Patch<'r> = (Vec<SamplingPoint>, Fit<'r>);
 
 /// Largest sum of the magnitudes of the weights of a value, by degree of the polynomial. On even meshes of triangles
 /// and tetrahedra it is up to 8 at a corner of linear cells, two edges from an inner vertex, and up to 17 at one of
@@ -99,8 +99,9 @@ impl StressRecovery {
         let counts: Vec<usize> = recovery.points.iter().map(|rule| rule.points.len()).collect();
         let sizes = mesh.blocks.iter().zip(&counts).map(|(block, count)| block.len() * count);
         let starts: Vec<usize> = sizes.scan(0, |end, size| Some(std::mem::replace(end, *end + size))).collect();
-        let number =
-            |(block, cell, q): Sample| starts[block as usize] + cell as usize * counts[block as usize] + q as usize;
+        let number = |(block, cell, q): SamplingPoint| {
+            starts[block as usize] + cell as usize * counts[block as usize] + q as usize
+        };
         let numbered =
             |stencil: Stencil| stencil.into_iter().map(|(sample, weight)| (number(sample), weight)).collect();
         let of_region = |(region, nodes): (usize, &Vec<u32>)| {
@@ -131,7 +132,12 @@ impl StressRecovery {
 }
 
 /// Values of a state at some sampling points, ascending, of tables that begin with the points of [`sampling`].
-pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, samples: &[Sample]) -> Vec<PointValues> {
+pub(super) fn evaluate(
+    problem: &Problem,
+    state: &State,
+    tables: &Tables,
+    samples: &[SamplingPoint],
+) -> Vec<PointValues> {
     all_at_once(&material_arrays(&problem.materials), || {
         let mut values = Vec::with_capacity(samples.len());
         for part in samples.chunk_by(|a, b| a.0 == b.0) {
@@ -146,7 +152,7 @@ pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, sample
 }
 
 /// The points of a cell at which its stress is most accurate.
-pub(super) fn sampling(element: &Element) -> Rule {
+pub(super) fn sampling(element: &Element) -> QuadratureRule {
     // Three symmetric points; those of the collapsed square are not.
     const TRIANGLE: [[f64; 2]; 3] = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
     let quadratic = element.degree > 1;
@@ -159,7 +165,7 @@ pub(super) fn sampling(element: &Element) -> Rule {
         Shape::Tetrahedron => rule(Shape::Tetrahedron, 2).points,
         shape => rule(shape, 3).points,
     };
-    Rule { weights: vec![1.0; points.len()], points }
+    QuadratureRule { weights: vec![1.0; points.len()], points }
 }
 
 /// The patches of a mesh.
@@ -173,7 +179,7 @@ pub(super) struct Recovery<'m> {
     /// Nodes on the boundary of each region, ascending.
     boundary: Vec<Vec<u32>>,
     /// Sampling points of the blocks.
-    points: Vec<Rule>,
+    points: Vec<QuadratureRule>,
     /// Exponents of the polynomials of each degree from 0 on.
     exponents: Vec<Vec<[i32; 3]>>,
 }

@@ -52,7 +52,7 @@ impl Lives {
 
 /// The table or file of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Table {
+pub enum ResultTable {
     /// `summary.json`: numbers of the last good step.
     Summary,
     /// `history.csv`: one row per step.
@@ -65,16 +65,16 @@ pub enum Table {
     Surface,
 }
 
-impl Table {
+impl ResultTable {
     /// The name of the file.
     #[must_use]
     pub fn file(self) -> &'static str {
         match self {
-            Table::Summary => "summary.json",
-            Table::History => "history.csv",
-            Table::Contact => "contact.csv",
-            Table::Fields => "fields.pvd",
-            Table::Surface => "contact.pvd",
+            ResultTable::Summary => "summary.json",
+            ResultTable::History => "history.csv",
+            ResultTable::Contact => "contact.csv",
+            ResultTable::Fields => "fields.pvd",
+            ResultTable::Surface => "contact.pvd",
         }
     }
 }
@@ -83,7 +83,7 @@ impl Table {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// Its table.
-    pub table: Table,
+    pub table: ResultTable,
     /// Its name there: a key of `summary.json`, a column or an array.
     pub name: String,
     /// The quantity that it measures, or `None` for text, and for norms, whose units no other value has.
@@ -93,7 +93,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    pub(super) fn new(table: Table, name: impl Into<String>, measure: Option<Measure>, lives: Lives) -> Shown {
+    pub(super) fn new(table: ResultTable, name: impl Into<String>, measure: Option<Measure>, lives: Lives) -> Shown {
         Shown { table, name: name.into(), measure, lives }
     }
 
@@ -107,7 +107,8 @@ impl Shown {
 /// Every value that a run can show, for a body in space, without the names of sides.
 #[must_use]
 pub fn shown() -> Vec<Shown> {
-    let figures = FIGURES.iter().map(|figure| Shown::new(Table::Summary, figure.key, figure.measure, figure.lives));
+    let figures =
+        FIGURES.iter().map(|figure| Shown::new(ResultTable::Summary, figure.key, figure.measure, figure.lives));
     figures.chain(history_shown()).chain(contact_shown()).chain(vtu::shown()).chain(surface::shown()).collect()
 }
 
@@ -117,18 +118,18 @@ pub(super) struct Figure {
     key: &'static str,
     measure: Option<Measure>,
     lives: Lives,
-    value: Value,
+    value: FigureValue,
 }
 
 /// Function that takes a figure from a summary; `None` if a run does not have it.
-enum Value {
+enum FigureValue {
     Number(fn(&Final) -> Option<f64>),
     Vector(fn(&Final) -> &[f64]),
     OfContact(fn(&ContactSummary) -> Option<f64>),
     VectorOfContact(fn(&ContactSummary) -> &[f64]),
 }
 
-use Value::{Number, OfContact, Vector, VectorOfContact};
+use FigureValue::{Number, OfContact, Vector, VectorOfContact};
 
 impl Figure {
     /// Its numbers with their keys; for vectors the keys end with the component: `final.displacement_max[0]`.
@@ -145,7 +146,7 @@ impl Figure {
     }
 }
 
-const fn figure(key: &'static str, measure: Measure, lives: Lives, value: Value) -> Figure {
+const fn figure(key: &'static str, measure: Measure, lives: Lives, value: FigureValue) -> Figure {
     Figure { key, measure: Some(measure), lives, value }
 }
 

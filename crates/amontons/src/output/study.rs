@@ -8,7 +8,7 @@ use super::earlier::hash;
 use super::files::{LONGEST, create_folder, remove_folder, write_atomically, write_json};
 use super::inputs::{Input, write_inputs};
 use super::{FolderLock, OutputError, StudyTable, manifest};
-use crate::convergence::{Level, Reference, ReferenceProgress, Study};
+use crate::convergence::{Reference, ReferenceProgress, Study, StudyLevel};
 use crate::machine;
 use crate::state::State;
 
@@ -50,13 +50,13 @@ impl StudyFolder {
         &self.path
     }
 
-    fn file(&self, level: &Level) -> PathBuf {
+    fn file(&self, level: &StudyLevel) -> PathBuf {
         self.path.join("levels").join(format!("{}.bin", level.level))
     }
 
     /// The states of a level finished before with the same case, or `None` if they are missing or unreadable.
     #[must_use]
-    pub fn load(&self, level: &Level) -> Option<Vec<State>> {
+    pub fn load(&self, level: &StudyLevel) -> Option<Vec<State>> {
         // A level whose file is damaged or of another case is solved anew.
         read_states(&self.file(level), &key(level)).ok()
     }
@@ -65,7 +65,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// The states cannot be written.
-    pub fn keep(&self, level: &Level, states: &[State]) -> Result<(), OutputError> {
+    pub fn keep(&self, level: &StudyLevel, states: &[State]) -> Result<(), OutputError> {
         write_states(&self.file(level), &key(level), states)
     }
 
@@ -145,6 +145,6 @@ fn study_hash(study: &Study) -> String {
 }
 
 /// The data that the states of a level depend on.
-fn key(level: &Level) -> String {
+fn key(level: &StudyLevel) -> String {
     format!("{}\n{}", env!("CARGO_PKG_VERSION"), level.text)
 }

@@ -62,7 +62,7 @@ pub struct Summary {
     #[serde(default)]
     pub choices: Vec<Choice>,
     /// Work of the solver.
-    pub solver: Solver,
+    pub solver: SolverCounts,
     /// The last row of the audit, with `closing_error` and `heat_closing_error` divided by the turnover.
     pub energy: Ledger,
     /// Hypotheses and conditions with their numbers.
@@ -380,7 +380,7 @@ struct Weighted {
 
 /// Work of the solver, counted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Solver {
+pub struct SolverCounts {
     /// Newton iterations of mechanical steps.
     pub newton_mechanics_total: usize,
     /// Most Newton iterations of one mechanical step.
@@ -511,7 +511,7 @@ impl Summary {
             unknowns,
             last: Final::new(last, &figures),
             choices: problem.choices(),
-            solver: Solver {
+            solver: SolverCounts {
                 newton_mechanics_total: counts.newton_mechanics_total,
                 newton_mechanics_max: counts.newton_mechanics_max,
                 newton_heat_total: counts.newton_heat_total,

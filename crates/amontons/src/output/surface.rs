@@ -7,54 +7,54 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::files::{Written, write_atomically};
-use super::shown::{Lives, Shown, Table};
+use super::files::{WrittenFile, write_atomically};
+use super::shown::{Lives, ResultTable, Shown};
 use super::{OutputError, Snapshot};
-use crate::contact::mortar::{Image, Share};
+use crate::contact::mortar::{NodeShare, SectorImage};
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports, names_of_points};
 use crate::mesh::{FacetSet, link_of};
 use crate::problem::{Physics, with_supports};
 use crate::state::ContactReport;
 use crate::tensor::Point;
 use crate::units::Measure;
-use crate::vtu::write::{self as grid, Cells, Written as Array};
+use crate::vtu::write::{self as grid, Cells, WrittenArray as Array};
 
 /// An array at the points: name, measured quantity, whether a problem with these equations has it, and values.
-struct Field {
+struct SurfaceArray {
     name: &'static str,
     measure: Measure,
     is_of: fn(Physics) -> bool,
-    value: Value,
+    value: ArrayValue,
 }
 
 /// Nodal unknowns, which are also among the fields of the body.
 const UNKNOWNS: [&str; 2] = ["displacement", "temperature"];
 
-enum Value {
-    Scalar(fn(&Node) -> f64),
-    Vector(fn(&Node) -> Point),
-    Code(fn(&Node) -> i64),
+enum ArrayValue {
+    Scalar(fn(&SideNode) -> f64),
+    Vector(fn(&SideNode) -> Point),
+    Code(fn(&SideNode) -> i64),
 }
 
 const ALWAYS: fn(Physics) -> bool = |_| true;
 
-const fn field(name: &'static str, measure: Measure, is_of: fn(Physics) -> bool, value: Value) -> Field {
-    Field { name, measure, is_of, value }
+const fn field(name: &'static str, measure: Measure, is_of: fn(Physics) -> bool, value: ArrayValue) -> SurfaceArray {
+    SurfaceArray { name, measure, is_of, value }
 }
 
 /// The arrays in their order. `status` is 0 for open, 1 for stick and 2 for slip.
-static FIELDS: [Field; 11] = [
-    field("displacement", Measure::Length, Physics::has_mechanics, Value::Vector(|node| node.displacement)),
-    field("pressure", Measure::Stress, ALWAYS, Value::Scalar(|node| node.mean.pressure)),
-    field("gap", Measure::Length, ALWAYS, Value::Scalar(|node| node.mean.gap)),
-    field("traction", Measure::Stress, ALWAYS, Value::Vector(|node| node.mean.traction)),
-    field("slip_velocity", Measure::Velocity, ALWAYS, Value::Vector(|node| node.mean.slip)),
-    field("status", Measure::Number, ALWAYS, Value::Code(Node::status)),
-    field("temperature", Measure::Temperature, Physics::has_temperature, Value::Scalar(|node| node.temperature)),
-    field("heat_flux", Measure::HeatFlux, Physics::has_heat, Value::Scalar(|node| node.mean.flux)),
-    field("wear", Measure::Length, ALWAYS, Value::Scalar(|node| node.mean.wear)),
-    field("friction_work", Measure::SurfaceWork, ALWAYS, Value::Scalar(|node| node.mean.work)),
-    field("weight", Measure::Area, ALWAYS, Value::Scalar(|node| node.weight)),
+static FIELDS: [SurfaceArray; 11] = [
+    field("displacement", Measure::Length, Physics::has_mechanics, ArrayValue::Vector(|node| node.displacement)),
+    field("pressure", Measure::Stress, ALWAYS, ArrayValue::Scalar(|node| node.mean.pressure)),
+    field("gap", Measure::Length, ALWAYS, ArrayValue::Scalar(|node| node.mean.gap)),
+    field("traction", Measure::Stress, ALWAYS, ArrayValue::Vector(|node| node.mean.traction)),
+    field("slip_velocity", Measure::Velocity, ALWAYS, ArrayValue::Vector(|node| node.mean.slip)),
+    field("status", Measure::Number, ALWAYS, ArrayValue::Code(SideNode::status)),
+    field("temperature", Measure::Temperature, Physics::has_temperature, ArrayValue::Scalar(|node| node.temperature)),
+    field("heat_flux", Measure::HeatFlux, Physics::has_heat, ArrayValue::Scalar(|node| node.mean.flux)),
+    field("wear", Measure::Length, ALWAYS, ArrayValue::Scalar(|node| node.mean.wear)),
+    field("friction_work", Measure::SurfaceWork, ALWAYS, ArrayValue::Scalar(|node| node.mean.work)),
+    field("weight", Measure::Area, ALWAYS, ArrayValue::Scalar(|node| node.weight)),
 ];
 
 /// The arrays at the points with the quantities they measure.
@@ -64,16 +64,16 @@ pub(crate) fn measures() -> Vec<(String, Measure)> {
 
 /// Every array that the files can have.
 pub(super) fn shown() -> impl Iterator<Item = Shown> {
-    let of = |field: &Field| {
+    let of = |field: &SurfaceArray| {
         let lives = if UNKNOWNS.contains(&field.name) { Lives::Node } else { Lives::Mean };
-        Shown::new(Table::Surface, field.name, Some(field.measure), lives)
+        Shown::new(ResultTable::Surface, field.name, Some(field.measure), lives)
     };
-    let side = Shown::new(Table::Surface, "side", None, Lives::Whole);
+    let side = Shown::new(ResultTable::Surface, "side", None, Lives::Whole);
     FIELDS.iter().map(of).chain([side])
 }
 
 /// A side of a contact.
-pub(crate) struct Side<'a> {
+pub(crate) struct ContactSide<'a> {
     contact: usize,
     /// Name of the facet set.
     on: &'a str,
@@ -85,16 +85,16 @@ pub(crate) struct Side<'a> {
 
 /// The sides in the order of their numbers: per contact the side that bears its points, then the side that it faces if
 /// that is deformable.
-pub(crate) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
+pub(crate) fn sides(contacts: &[Contact]) -> impl Iterator<Item = ContactSide<'_>> {
     contacts.iter().zip(names_of_points(contacts)).enumerate().flat_map(|(i, (contact, name))| {
-        let bearing = Side { contact: i, on: contact.bearing(), name, bears: true };
-        let facing = contact.facing().map(|on| Side { contact: i, on, name: on.to_owned(), bears: false });
+        let bearing = ContactSide { contact: i, on: contact.bearing(), name, bears: true };
+        let facing = contact.facing().map(|on| ContactSide { contact: i, on, name: on.to_owned(), bears: false });
         std::iter::once(bearing).chain(facing)
     })
 }
 
 /// Writes the sides of contact after a step.
-pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Result<Written, OutputError> {
+pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Result<WrittenFile, OutputError> {
     static NONE: FacetSet = FacetSet { blocks: Vec::new() };
     let (problem, mesh) = (now.problem, &now.problem.mesh);
     let boundary = boundary(now, report);
@@ -119,12 +119,12 @@ pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Resu
     write_atomically(path, |out| grid::write(out, &points, cells, &arrays, &[side]))
 }
 
-impl Field {
-    fn array(&self, nodes: &[Node]) -> Array<'static> {
+impl SurfaceArray {
+    fn array(&self, nodes: &[SideNode]) -> Array<'static> {
         match self.value {
-            Value::Scalar(value) => Array::reals(self.name, 1, nodes.iter().map(value).collect::<Vec<f64>>()),
-            Value::Vector(value) => Array::reals(self.name, 3, nodes.iter().flat_map(value).collect::<Vec<f64>>()),
-            Value::Code(value) => Array::counts(self.name, nodes.iter().map(value).collect()),
+            ArrayValue::Scalar(value) => Array::reals(self.name, 1, nodes.iter().map(value).collect::<Vec<f64>>()),
+            ArrayValue::Vector(value) => Array::reals(self.name, 3, nodes.iter().flat_map(value).collect::<Vec<f64>>()),
+            ArrayValue::Code(value) => Array::counts(self.name, nodes.iter().map(value).collect()),
         }
     }
 }
@@ -145,9 +145,9 @@ fn on_side(
     now: &Snapshot,
     report: &ContactReport,
     boundary: &ContactBoundary,
-    side: &Side,
+    side: &ContactSide,
     of_side: &[u32],
-) -> Vec<Node> {
+) -> Vec<SideNode> {
     let (state, dim) = (now.state, now.problem.mesh.dim);
     let is_nodal = |contact: &Contact| contact.quadrature == Quadrature::Nodal;
     let contact = now.problem.contacts.get(side.contact);
@@ -156,17 +156,17 @@ fn on_side(
     let begin = |&node: &u32| {
         let first = node as usize * dim;
         let component = |c: usize| if c < dim { state.u.get(first + c).copied().unwrap_or(0.0) } else { 0.0 };
-        Node {
+        SideNode {
             displacement: std::array::from_fn(component),
             temperature: state.theta.get(node as usize).copied().unwrap_or(0.0),
-            ..Node::default()
+            ..SideNode::default()
         }
     };
     let worn = contact.map_or(1.0, |contact| contact.wear_fraction);
     let is_on = contact.is_some_and(|contact| side.on == contact.on);
     let mut points: Vec<Vec<OfPoint>> = vec![Vec::new(); of_side.len()];
     for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side.contact) {
-        let Some((values, status, weight)) = Values::at(now, report, i, point) else { continue };
+        let Some((values, status, weight)) = SidePointValues::at(now, report, i, point) else { continue };
         let mut values = if side.bears { values } else { values.across() };
         values.wear *= worn;
         let mut add = |node: Option<&u32>, of_point: OfPoint| {
@@ -174,7 +174,7 @@ fn on_side(
             points.get_mut(place.unwrap_or(usize::MAX)).into_iter().for_each(|points| points.push(of_point.clone()));
         };
         if is_pair {
-            for Share { node, part, turn } in &point.shares[usize::from(!side.bears)] {
+            for NodeShare { node, part, turn } in &point.shares[usize::from(!side.bears)] {
                 let values = turn.map_or(values, |turn| values.turned(&turn));
                 add(Some(node), OfPoint { values, status, weight: weight * part, is_own: false });
             }
@@ -209,7 +209,7 @@ fn on_side(
 
 /// Results at a contact point, seen from its side.
 #[derive(Clone, Copy, Default)]
-struct Values {
+struct SidePointValues {
     pressure: f64,
     /// g − u_ν.
     gap: f64,
@@ -223,12 +223,17 @@ struct Values {
     work: f64,
 }
 
-impl Values {
+impl SidePointValues {
     /// The results at point `i` with its status and weight.
-    fn at(now: &Snapshot, report: &ContactReport, i: usize, point: &PointOnBoundary) -> Option<(Values, Status, f64)> {
+    fn at(
+        now: &Snapshot,
+        report: &ContactReport,
+        i: usize,
+        point: &PointOnBoundary,
+    ) -> Option<(SidePointValues, Status, f64)> {
         let (state, surface) = (report.states.get(i)?, &now.state.surface);
         let of = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
-        let values = Values {
+        let values = SidePointValues {
             pressure: state.pressure,
             gap: 0.0 - state.penetration,
             traction: state.q.map(|q| 0.0 - q),
@@ -243,19 +248,19 @@ impl Values {
 
     /// The results seen from the other side of the pair: forces change sign, and heat that does not enter one body
     /// enters the other.
-    fn across(self) -> Values {
+    fn across(self) -> SidePointValues {
         let back = |vector: Point| vector.map(|component| 0.0 - component);
         let (traction, slip) = (back(self.traction), back(self.slip));
-        Values { traction, slip, flux: 0.0 - self.flux - self.rubbed, ..self }
+        SidePointValues { traction, slip, flux: 0.0 - self.flux - self.rubbed, ..self }
     }
 
     /// The results rotated back from an image to the sector of its node.
-    fn turned(self, turn: &Image) -> Values {
-        Values { traction: turn.back(&self.traction), slip: turn.back(&self.slip), ..self }
+    fn turned(self, turn: &SectorImage) -> SidePointValues {
+        SidePointValues { traction: turn.back(&self.traction), slip: turn.back(&self.slip), ..self }
     }
 
     /// Adds a share of other values.
-    fn add(&mut self, other: &Values, share: f64) {
+    fn add(&mut self, other: &SidePointValues, share: f64) {
         let vector =
             |sum: &mut Point, then: &Point| sum.iter_mut().zip(then).for_each(|(sum, then)| *sum += share * then);
         self.pressure += share * other.pressure;
@@ -272,7 +277,7 @@ impl Values {
 /// A contact point that a node takes part in, with the weight of its share.
 #[derive(Clone)]
 struct OfPoint {
-    values: Values,
+    values: SidePointValues,
     status: Status,
     weight: f64,
     /// True if it is the node's own point.
@@ -281,23 +286,23 @@ struct OfPoint {
 
 /// A node of a side.
 #[derive(Default)]
-struct Node {
+struct SideNode {
     displacement: Point,
     temperature: f64,
     /// The mean over its points, their weight, and the parts of the weight that are open, stick and slip.
-    mean: Values,
+    mean: SidePointValues,
     weight: f64,
     in_state: [f64; 3],
 }
 
-impl Node {
+impl SideNode {
     /// Sets the values from the node's own point, or else from the mean of the points that it takes part in.
     ///
     /// If nodes have their own points (`has_own`), a node without one is in the middle of a quadratic facet, whose area
     /// belongs to its vertices. Otherwise the area of a node is the sum of its shares. Shares of Gauss points are
     /// values of shape functions. Their sum is positive except at corners of quadratic facets, where magnitudes are
     /// used.
-    fn with(mut self, points: &[OfPoint], has_own: bool) -> Node {
+    fn with(mut self, points: &[OfPoint], has_own: bool) -> SideNode {
         if let Some(own) = points.iter().find(|point| point.is_own) {
             (self.mean, self.weight) = (own.values, own.weight);
             self.in_state[own.status as usize] = 1.0;
@@ -376,7 +381,7 @@ mod tests {
 
     /// Nodes of each side after the last step, with the report.
     #[derive(Default)]
-    struct Last(Vec<Vec<Node>>, ContactReport);
+    struct Last(Vec<Vec<SideNode>>, ContactReport);
 
     impl Sink for Last {
         fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
@@ -409,7 +414,7 @@ mod tests {
     }
 
     /// Σ ω f over the nodes of a side.
-    fn total(nodes: &[Node], f: impl Fn(&Node) -> f64) -> f64 {
+    fn total(nodes: &[SideNode], f: impl Fn(&SideNode) -> f64) -> f64 {
         nodes.iter().map(|node| node.weight * f(node)).sum()
     }
 
@@ -453,7 +458,7 @@ mod tests {
             assert_near(total(bearing, |node| node.mean.pressure), total(facing, |node| node.mean.pressure));
             assert_near(total(bearing, |node| node.mean.traction[0]), -total(facing, |node| node.mean.traction[0]));
             let rubbed: f64 = last.1.rubbed.iter().zip(&last.1.weights).map(|(power, weight)| power * weight).sum();
-            let leaves = |nodes: &[Node]| total(nodes, |node| node.mean.flux);
+            let leaves = |nodes: &[SideNode]| total(nodes, |node| node.mean.flux);
             assert_near(leaves(bearing) + leaves(facing), -rubbed);
             assert!(rubbed > 1e-3 && bearing.iter().any(|node| node.status() == 2), "the pair slides: {rubbed}");
             assert!(facing.iter().any(|node| node.mean.pressure > 0.0 && node.mean.gap < 0.0));

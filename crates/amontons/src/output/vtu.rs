@@ -3,15 +3,15 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::files::{Written, write_atomically};
-use super::shown::{Lives, Shown, Table};
+use super::files::{WrittenFile, write_atomically};
+use super::shown::{Lives, ResultTable, Shown};
 use super::{OutputError, Snapshot, StressRecovery, cell_values};
 use crate::material::VTK_COMPONENTS;
 use crate::problem::{Physics, Problem};
 use crate::tensor::{Point, Sym};
 use crate::units::Measure;
 use crate::vtu::Grid;
-use crate::vtu::write::{Cells, Written as Array, write};
+use crate::vtu::write::{Cells, WrittenArray as Array, write};
 
 /// An optional field of the files. Standard fields are displacement, velocity and recovered von Mises stress at the
 /// nodes and von Mises stress of the cells if the problem has mechanics, temperature at the nodes if it has heat, and
@@ -42,18 +42,18 @@ impl OutputField {
 }
 
 /// An array of the files, without its values.
-struct Field {
+struct VtuArray {
     name: &'static str,
     measure: Measure,
     lives: Lives,
 }
 
-const fn field(name: &'static str, measure: Measure, lives: Lives) -> Field {
-    Field { name, measure, lives }
+const fn field(name: &'static str, measure: Measure, lives: Lives) -> VtuArray {
+    VtuArray { name, measure, lives }
 }
 
 /// The arrays in the order in which they are written.
-static FIELDS: [Field; 14] = [
+static FIELDS: [VtuArray; 14] = [
     field("displacement", Measure::Length, Lives::Node),
     field("velocity", Measure::Velocity, Lives::Node),
     field("temperature", Measure::Temperature, Lives::Node),
@@ -72,7 +72,7 @@ static FIELDS: [Field; 14] = [
 
 /// Every array that the files can have.
 pub(super) fn shown() -> impl Iterator<Item = Shown> {
-    FIELDS.iter().map(|field| Shown::new(Table::Fields, field.name, Some(field.measure), field.lives))
+    FIELDS.iter().map(|field| Shown::new(ResultTable::Fields, field.name, Some(field.measure), field.lives))
 }
 
 /// The quantities measured by the arrays of the files.
@@ -87,14 +87,14 @@ pub(super) fn write_fields(
     now: &Snapshot,
     fields: &[OutputField],
     recovery: Option<&StressRecovery>,
-) -> Result<Written, OutputError> {
+) -> Result<WrittenFile, OutputError> {
     let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(now.problem.physics)).collect();
     let (points, cells) = (at_points(now, &fields, recovery), at_cells(now, &fields));
     write_atomically(path, |out| write(out, &now.problem.mesh.points, connectivity(now.problem), &points, &cells))
 }
 
 /// Writes a grid that was read, with the same bytes as [`write_fields`] wrote.
-pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<Written, OutputError> {
+pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<WrittenFile, OutputError> {
     let arrays = |data: &'_ std::collections::BTreeMap<String, crate::vtu::Array>| {
         let place = |name: &str| FIELDS.iter().position(|field| field.name == name).unwrap_or(FIELDS.len());
         let mut names: Vec<&String> = data.keys().collect();
@@ -195,7 +195,7 @@ fn tensors<'a>(name: &'static str, all: impl Iterator<Item = &'a Sym>) -> Array<
 }
 
 /// Writes the list of snapshots, pairs of a time and a file.
-pub(super) fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<Written, OutputError> {
+pub(super) fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<WrittenFile, OutputError> {
     write_atomically(path, |out| {
         writeln!(out, "<?xml version=\"1.0\"?>")?;
         writeln!(out, "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">")?;

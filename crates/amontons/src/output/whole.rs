@@ -12,7 +12,7 @@ use crate::tensor::Point;
 
 /// A quantity of a side, an edge, points or a region as a whole.
 #[derive(Debug)]
-pub(super) enum Whole {
+pub(super) enum WholeQuantity {
     Held(Held),
     Borne(Box<Borne>),
     Turned(Turned),
@@ -38,12 +38,12 @@ fn about(problem: &ProblemData, probe: &Probe) -> Point {
     probe.about.or_else(of_place).unwrap_or_default()
 }
 
-impl Whole {
+impl WholeQuantity {
     /// The quantity read by a probe.
     ///
     /// # Errors
     /// The reason why it cannot be read.
-    pub(super) fn new(problem: &ProblemData, probe: &Probe) -> Result<Whole, ProbeError> {
+    pub(super) fn new(problem: &ProblemData, probe: &Probe) -> Result<WholeQuantity, ProbeError> {
         let (mesh, quantity, name) = (&problem.mesh, probe.quantity, probe.quantity.name());
         if quantity.is_axial() && (mesh.axisymmetric || mesh.dim == 1) {
             let body = if mesh.axisymmetric { "a body of revolution" } else { "a body on a line" };
@@ -52,10 +52,10 @@ impl Whole {
         let about = quantity.is_moment().then(|| about(problem, probe));
         match (quantity.base, &probe.place) {
             (Base::Reaction | Base::ReactionHeat | Base::ReactionMoment, _) => held(problem, probe, about),
-            (Base::Rotation, _) => turned(mesh, probe)?.map(Whole::Turned).ok_or(ProbeError::Alone(name)),
+            (Base::Rotation, _) => turned(mesh, probe)?.map(WholeQuantity::Turned).ok_or(ProbeError::Alone(name)),
             (_, ProbePlace::On(on, Take::Integral)) => {
                 let set = mesh.named(on).ok_or_else(|| unknown(mesh))?;
-                Ok(Whole::Borne(Box::new(Borne::new(problem, set, about))))
+                Ok(WholeQuantity::Borne(Box::new(Borne::new(problem, set, about))))
             }
             (_, ProbePlace::On(..)) => Err(ProbeError::Resultant(name)),
             _ => Err(ProbeError::Whole(name)),
@@ -65,15 +65,15 @@ impl Whole {
     /// The vector, or a scalar in its place.
     pub(super) fn value(&self, now: &Snapshot) -> Point {
         match self {
-            Whole::Held(held) => held.resultant(now),
-            Whole::Borne(borne) => borne.value(now),
-            Whole::Turned(turned) => turned.value(now),
+            WholeQuantity::Held(held) => held.resultant(now),
+            WholeQuantity::Borne(borne) => borne.value(now),
+            WholeQuantity::Turned(turned) => turned.value(now),
         }
     }
 }
 
 /// The reactions at the nodes of a side, an edge or points.
-fn held(problem: &ProblemData, probe: &Probe, about: Option<Point>) -> Result<Whole, ProbeError> {
+fn held(problem: &ProblemData, probe: &Probe, about: Option<Point>) -> Result<WholeQuantity, ProbeError> {
     let (mesh, Quantity { base, .. }, name) = (&problem.mesh, probe.quantity, probe.quantity.name());
     let prescribed = if base == Base::ReactionHeat { "temperature" } else { "displacement" };
     let nodes = match &probe.place {
@@ -82,7 +82,7 @@ fn held(problem: &ProblemData, probe: &Probe, about: Option<Point>) -> Result<Wh
         ProbePlace::On(..) => return Err(ProbeError::Resultant(name)),
         ProbePlace::Region(..) | ProbePlace::Contact(..) => Vec::new(),
     };
-    Held::new(problem, base, &nodes, about).map(Whole::Held).ok_or(ProbeError::Free(name, prescribed))
+    Held::new(problem, base, &nodes, about).map(WholeQuantity::Held).ok_or(ProbeError::Free(name, prescribed))
 }
 
 /// The rotation of a side or a region, or `None` for a single point.

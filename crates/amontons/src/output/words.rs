@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::shown::placed;
-use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
+use super::{ContactSummary, Outcome, Seconds, SolverCounts, Summary};
 use crate::problem::Choice;
 use crate::units::{Extent, Measure, Units, beyond};
 
 /// A name and its text.
-type Row = (String, String);
+type WordRow = (String, String);
 
-fn row(name: &str, text: &str) -> Row {
+fn row(name: &str, text: &str) -> WordRow {
     (name.to_owned(), text.to_owned())
 }
 
@@ -54,7 +54,7 @@ impl Summary {
     }
 
     /// Contact on all sides together, and on each of several.
-    fn of_contact(&self) -> Vec<Row> {
+    fn of_contact(&self) -> Vec<WordRow> {
         let Some(contact) = self.last.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) else {
             return Vec::new();
         };
@@ -69,12 +69,12 @@ impl Summary {
     }
 
     /// The largest values of the fields.
-    fn of_fields(&self) -> Vec<Row> {
+    fn of_fields(&self) -> Vec<WordRow> {
         let (end, units) = (&self.last, self.units);
         let up_to =
             |key: &str, most: f64, measure| placed(key, &format!("up to {}", units.write_beside(most, 0.0, measure)));
         let of_von_mises = |most| row("von Mises stress", &up_to("final.von_mises_max", most, Measure::Stress));
-        let mut rows: Vec<Row> = end.von_mises_max.map(of_von_mises).into_iter().collect();
+        let mut rows: Vec<WordRow> = end.von_mises_max.map(of_von_mises).into_iter().collect();
         rows.extend(end.strain_max.map(|most| row("strain", &up_to("final.strain_max", most, Measure::Number))));
         if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
             let range = range(units, [min, max], Measure::Temperature);
@@ -120,7 +120,7 @@ fn phases(seconds: &Seconds) -> String {
 }
 
 /// The solver of the linear systems.
-fn systems(solver: &Solver) -> Row {
+fn systems(solver: &SolverCounts) -> WordRow {
     let way = match solver.backend.as_str() {
         "iterative" => format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations),
         _ => "by a factor".to_owned(),
@@ -129,8 +129,8 @@ fn systems(solver: &Solver) -> Row {
 }
 
 /// Halved and ambiguous steps, if there are any.
-fn halved(solver: &Solver) -> Option<Row> {
-    let Solver { halved_steps, ambiguous_steps, .. } = *solver;
+fn halved(solver: &SolverCounts) -> Option<WordRow> {
+    let SolverCounts { halved_steps, ambiguous_steps, .. } = *solver;
     let ambiguous = match ambiguous_steps {
         0 => "none of them remains ambiguous".to_owned(),
         some => format!("{some} of all steps remain ambiguous"),
@@ -146,7 +146,7 @@ fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
 }
 
 /// The extent of integrals over a body, or `None` if they cover all of it.
-fn extent(units: Units, mechanics: bool) -> Option<Row> {
+fn extent(units: Units, mechanics: bool) -> Option<WordRow> {
     let text = match units.extent {
         Extent::Line => "per unit of cross-section",
         Extent::Plane => "per unit of thickness",
@@ -163,7 +163,7 @@ fn lever(contact: &ContactSummary) -> f64 {
 }
 
 /// The moments of a contact, rounded relative to moments as large as `beside`.
-fn moments(contact: &ContactSummary, beside: f64, units: Units) -> impl Iterator<Item = Row> {
+fn moments(contact: &ContactSummary, beside: f64, units: Units) -> impl Iterator<Item = WordRow> {
     let about_axis = contact.moment.map(|moment| format!("{} about the axis", units.write(moment, Measure::Moment)));
     let about_origin = contact.moment_about_origin.as_ref().filter(|moment| moment.iter().any(|m| *m != 0.0));
     let about_origin = about_origin.map(|moment| units.vector_beside(moment, beside, Measure::Moment));
@@ -173,7 +173,7 @@ fn moments(contact: &ContactSummary, beside: f64, units: Units) -> impl Iterator
 
 /// Contact on one side or on all, rounded relative to the forces, stresses and moments in `beside`, with wear and
 /// foundation temperature if there are any. Between bodies at rest heat only.
-fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units) -> Vec<Row> {
+fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units) -> Vec<WordRow> {
     let [beside, stress, of_moment] = beside;
     let write = |value: f64, measure: Measure| units.write(value, measure);
     if contact.force.is_empty() {
@@ -229,23 +229,23 @@ fn touching(name: &str, contact: &ContactSummary, beside: [f64; 3], units: Units
 }
 
 /// The area wetted by a fluid, and the time of the first leak.
-fn wet(contact: &ContactSummary, units: Units) -> Option<Row> {
+fn wet(contact: &ContactSummary, units: Units) -> Option<WordRow> {
     let area = units.write(contact.wet_area?, Measure::Area);
     let leaks = contact.leaks_since.map(|t| format!(", comes through since t = {}", units.write(t, Measure::Time)));
     Some(row("fluid", &format!("wets {area}{}", leaks.unwrap_or_default())))
 }
 
 /// The tension of a bolt, and the distance by which its section is drawn together.
-fn tightened(contact: &ContactSummary, units: Units) -> Option<Row> {
+fn tightened(contact: &ContactSummary, units: Units) -> Option<WordRow> {
     let [tension, drawn] = [(contact.tension?, Measure::Force), (contact.drawn?, Measure::Length)]
         .map(|(value, of)| units.write(value, of));
     Some(row("tension", &format!("{tension}, drawn together by {drawn}")))
 }
 
 /// The heat through a contact of bodies at rest.
-fn at_rest(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
+fn at_rest(name: &str, contact: &ContactSummary, units: Units) -> Vec<WordRow> {
     let flow = contact.heat_flow.map(|flow| format!("heat through it {}", units.write(flow, Measure::Power)));
-    let mut rows: Vec<Row> = flow.map(|flow| row(name, &flow)).into_iter().collect();
+    let mut rows: Vec<WordRow> = flow.map(|flow| row(name, &flow)).into_iter().collect();
     rows.extend(by_mechanism(&contact.heat_passed, units));
     rows.extend(
         contact.foundation_temperature.map(|theta| row("foundation", &units.write(theta, Measure::Temperature))),
@@ -254,7 +254,7 @@ fn at_rest(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
 }
 
 /// Heat that has passed a contact, by mechanism, if there are several.
-fn by_mechanism(heat: &BTreeMap<String, f64>, units: Units) -> Option<Row> {
+fn by_mechanism(heat: &BTreeMap<String, f64>, units: Units) -> Option<WordRow> {
     let most = heat.values().fold(0.0, |most: f64, heat| most.max(heat.abs()));
     let write = |heat: f64| units.write_beside(heat, most, Measure::Energy);
     let ways: Vec<String> = heat.iter().map(|(way, heat)| format!("{way} {}", write(*heat))).collect();

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use gif::{Encoder, Frame, Repeat};
 
 use super::color::{Color, INK, VERMILION, WHITE};
-use super::field::Quantity;
+use super::field::DrawnQuantity;
 use super::folder::Results;
 use super::picture::Picture;
-use super::{Kind, Options, Panel, PlotError, Run, frames, oblique, plane, raster};
+use super::{DrawnRun, Options, PictureKind, PlotError, RunPanel, frames, oblique, plane, raster};
 use crate::output::write_file;
 
 /// Largest number of frames, and of nodes in all frames together.
@@ -28,20 +28,20 @@ const LAST: u16 = 150;
 /// # Errors
 /// As [`super::folder()`]; also [`PlotError::Data`] for a kind that is no field of a body or a field that the run
 /// lacks.
-pub fn animation(dir: &Path, kind: Kind, options: &Options) -> Result<PathBuf, PlotError> {
+pub fn animation(dir: &Path, kind: PictureKind, options: &Options) -> Result<PathBuf, PlotError> {
     let results = Results::read(dir)?;
     let times: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
     let most = (NODES / results.problem.mesh.points.len().max(1)).clamp(2, FRAMES);
     let chosen =
         if options.times.is_empty() { frames::evenly(times.len(), most) } else { frames::at(&options.times, &times)? };
-    let runs: Vec<Run> = chosen.into_iter().map(|i| results.run(i)).collect::<Result<_, _>>()?;
+    let runs: Vec<DrawnRun> = chosen.into_iter().map(|i| results.run(i)).collect::<Result<_, _>>()?;
     let pictures = pictures(kind, &runs, options)?;
     let into = dir.join("plots");
     std::fs::create_dir_all(&into).map_err(|source| PlotError::Write { path: into.clone(), source })?;
     let path = into.join(kind.file_name()).with_extension("gif");
     let bytes = encode(
         &pictures,
-        Quantity::of(kind),
+        DrawnQuantity::of(kind),
         pictures.first().map_or(options.pixels, |picture| picture.density(options.pixels)),
     )?;
     write_file(&path, &bytes).map_err(|source| PlotError::Write { path: path.clone(), source })?;
@@ -49,16 +49,16 @@ pub fn animation(dir: &Path, kind: Kind, options: &Options) -> Result<PathBuf, P
 }
 
 /// The frames as pictures.
-fn pictures(kind: Kind, runs: &[Run], options: &Options) -> Result<Vec<Picture>, PlotError> {
+fn pictures(kind: PictureKind, runs: &[DrawnRun], options: &Options) -> Result<Vec<Picture>, PlotError> {
     let name = runs.first().map_or("", |run| run.name.as_str());
-    if !matches!(kind, Kind::Deformed | Kind::VonMises | Kind::Temperature)
+    if !matches!(kind, PictureKind::Deformed | PictureKind::VonMises | PictureKind::Temperature)
         || !runs.iter().all(|run| kind.is_in(run))
         || !runs.iter().any(|run| kind.is_told_by(run))
     {
-        let what = Quantity::of(kind).name;
+        let what = DrawnQuantity::of(kind).name;
         return Err(PlotError::Data(format!("the run {name} has no {what} over a body in the plane or in space")));
     }
-    let panels: Vec<Panel> = runs.iter().map(|run| Panel { title: "", run }).collect();
+    let panels: Vec<RunPanel> = runs.iter().map(|run| RunPanel { title: "", run }).collect();
     let in_space = runs.iter().any(|run| run.solid.is_some());
     Ok(if in_space { oblique::frames(kind, &panels, options) } else { plane::frames(kind, &panels, options) })
 }
@@ -70,7 +70,7 @@ struct Palette {
 }
 
 impl Palette {
-    fn new(quantity: Quantity) -> Palette {
+    fn new(quantity: DrawnQuantity) -> Palette {
         let mix = |a: [u8; 3], b: Color, share: f64| {
             let b = [b.red, b.green, b.blue];
             [0, 1, 2].map(|c| (f64::from(a[c]) * (1.0 - share) + f64::from(b[c]) * share).round() as u8)
@@ -109,7 +109,7 @@ fn changed(before: &[u8], now: &[u8], width: usize) -> [usize; 4] {
     [left, top, right - left + 1, bottom - top + 1]
 }
 
-fn encode(pictures: &[Picture], quantity: Quantity, pixels: f64) -> Result<Vec<u8>, PlotError> {
+fn encode(pictures: &[Picture], quantity: DrawnQuantity, pixels: f64) -> Result<Vec<u8>, PlotError> {
     let fault = |error: gif::EncodingError| PlotError::Data(format!("the animation cannot be written: {error}"));
     let mut palette = Palette::new(quantity);
     let global: Vec<u8> = palette.colors.iter().flatten().copied().collect();
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn the_palette_has_white_and_the_colours_of_the_map() {
-        let quantity = Quantity::of(Kind::Deformed);
+        let quantity = DrawnQuantity::of(PictureKind::Deformed);
         let mut palette = Palette::new(quantity);
         assert!(palette.colors.len() <= 256, "{}", palette.colors.len());
         for color in [[255; 3], quantity.map.at(0.0), quantity.map.at(1.0)] {

@@ -2,7 +2,7 @@
 
 use super::color::{Color, GRID, INK, SOFT};
 use super::font;
-use super::picture::{Anchor, Line, Picture, Rect, Stroke};
+use super::picture::{Anchor, OutlinePiece, Picture, Rect, Stroke};
 use super::ticks::Ticks;
 use crate::units::{Measure, Units};
 
@@ -196,7 +196,11 @@ pub(super) fn legend(picture: &mut Picture, at: [f64; 2], width: f64, entries: &
             Sign::Box(color) => {
                 let place = Rect { x, y: middle - 6.0, width: 12.0, height: 12.0 };
                 let outline = Stroke::new(SOFT, 0.5);
-                picture.shape(vec![Line { points: place.corners(), closed: true }], Some(*color), Some(outline));
+                picture.shape(
+                    vec![OutlinePiece { points: place.corners(), closed: true }],
+                    Some(*color),
+                    Some(outline),
+                );
             }
             Sign::None => {}
         }

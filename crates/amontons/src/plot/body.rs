@@ -23,7 +23,7 @@ pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize
 
 /// A mesh in the plane.
 #[derive(Clone, Debug)]
-pub struct Body {
+pub struct PlaneMesh {
     pub(super) points: Vec<[f64; 2]>,
     /// Triangles: two per cell of four nodes, four or eight per quadratic cell.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -36,16 +36,16 @@ pub struct Body {
     pub(super) cells: usize,
 }
 
-impl Body {
+impl PlaneMesh {
     /// A body of triangles and quadrilaterals, linear or quadratic, given by nodes in the order of VTK.
     ///
     /// # Errors
     /// [`PlotError::Data`] if a cell has another number of nodes or a missing node, or a coordinate is not finite.
-    pub fn new<'a>(points: Vec<[f64; 2]>, cells: impl IntoIterator<Item = &'a [u32]>) -> Result<Body, PlotError> {
+    pub fn new<'a>(points: Vec<[f64; 2]>, cells: impl IntoIterator<Item = &'a [u32]>) -> Result<PlaneMesh, PlotError> {
         if let Some(node) = points.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
         }
-        let mut body = Body {
+        let mut body = PlaneMesh {
             points,
             triangles: Vec::new(),
             owners: Vec::new(),
@@ -100,12 +100,12 @@ impl Body {
     ///
     /// # Errors
     /// [`PlotError::Data`] if the mesh is not two-dimensional.
-    pub fn of_mesh(mesh: &Mesh) -> Result<Body, PlotError> {
+    pub fn of_mesh(mesh: &Mesh) -> Result<PlaneMesh, PlotError> {
         if mesh.dim != 2 {
             return Err(PlotError::Data(format!("the mesh is {}-dimensional, expected a plane one", mesh.dim)));
         }
         let points = mesh.points.iter().map(|p| [p[0], p[1]]).collect();
-        Body::new(points, mesh.blocks.iter().flat_map(crate::mesh::Block::cells))
+        PlaneMesh::new(points, mesh.blocks.iter().flat_map(crate::mesh::Block::cells))
     }
 
     fn signed_area(&self, around: &[u32]) -> f64 {
@@ -114,8 +114,8 @@ impl Body {
     }
 
     /// The body with its nodes at other positions.
-    pub(super) fn moved(&self, points: Vec<[f64; 2]>) -> Body {
-        Body { points, ..self.clone() }
+    pub(super) fn moved(&self, points: Vec<[f64; 2]>) -> PlaneMesh {
+        PlaneMesh { points, ..self.clone() }
     }
 
     /// Number of nodes.
@@ -222,8 +222,8 @@ mod tests {
     use super::*;
     use crate::mesh::{Diagonal, Elements};
 
-    fn rectangle(n: usize, diagonal: Diagonal) -> Result<Body, Box<dyn std::error::Error>> {
-        Ok(Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [2 * n, n], diagonal)?)?)
+    fn rectangle(n: usize, diagonal: Diagonal) -> Result<PlaneMesh, Box<dyn std::error::Error>> {
+        Ok(PlaneMesh::of_mesh(&Mesh::rectangle([2.0, 1.0], [2 * n, n], diagonal)?)?)
     }
 
     #[test]
@@ -259,7 +259,7 @@ mod tests {
     fn a_mesh_off_a_grid_shows_its_edges() -> Result<(), PlotError> {
         let points = vec![[0.0, 0.0], [1.0, 0.1], [0.9, 1.0], [0.1, 0.9], [0.45, 0.55]];
         let cells: [&[u32]; 4] = [&[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
-        let body = Body::new(points, cells)?;
+        let body = PlaneMesh::new(points, cells)?;
         assert_eq!(body.lines().len(), 8);
         assert_eq!(body.boundary.len(), 4);
         Ok(())
@@ -269,7 +269,7 @@ mod tests {
     fn quadrilaterals_are_two_triangles() -> Result<(), PlotError> {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         // Clockwise, to test that the orientation is corrected.
-        let body = Body::new(points, [[0u32, 3, 2, 1].as_slice()])?;
+        let body = PlaneMesh::new(points, [[0u32, 3, 2, 1].as_slice()])?;
         assert_eq!(
             (body.triangles.len(), body.owners.as_slice(), body.edges.len(), body.boundary.len()),
             (2, [0u32, 0].as_slice(), 4, 4)
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn quadratic_cells_are_covered() -> Result<(), Box<dyn std::error::Error>> {
         for elements in [Elements::P2, Elements::Q2] {
-            let body = Body::of_mesh(&Mesh::disc(1.0, [4, 32], elements)?)?;
+            let body = PlaneMesh::of_mesh(&Mesh::disc(1.0, [4, 32], elements)?)?;
             assert_eq!(body.areas().len(), body.triangles.len());
             // The polygon through the 64 nodes on the circle.
             let expected = 32.0 * (std::f64::consts::TAU / 64.0).sin();
@@ -296,7 +296,7 @@ mod tests {
     fn bad_cells_are_named() {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         for (cell, word) in [([0u32, 1].as_slice(), "2 nodes"), ([0, 1, 7].as_slice(), "node 7")] {
-            let error = Body::new(points.clone(), [cell]).map(|_| ()).map_err(|e| e.to_string());
+            let error = PlaneMesh::new(points.clone(), [cell]).map(|_| ()).map_err(|e| e.to_string());
             assert!(error.clone().is_err_and(|e| e.contains(word)), "{error:?}");
         }
     }

@@ -64,7 +64,7 @@ impl Chart {
 
 /// Charts above each other.
 #[derive(Clone, Debug)]
-pub(super) struct Column {
+pub(super) struct ChartColumn {
     /// Title; empty for none.
     pub title: String,
     pub x: [f64; 2],
@@ -104,7 +104,7 @@ impl Chart {
     }
 }
 
-impl Column {
+impl ChartColumn {
     fn label(&self, exponent: i32) -> String {
         axes::labelled(&self.x_label, exponent, self.x_units, self.x_measure)
     }
@@ -128,7 +128,7 @@ struct Heads {
 
 impl Heads {
     /// Layout below the title: a legend of this many lines, titles of the columns, a strip of bands.
-    fn new(legend_lines: Option<usize>, columns: &[Column]) -> Heads {
+    fn new(legend_lines: Option<usize>, columns: &[ChartColumn]) -> Heads {
         let mut top = MARGIN + TITLE + 6.0;
         let legend = top + LEGEND;
         if let Some(lines) = legend_lines {
@@ -165,7 +165,7 @@ fn shared_range<'c>(charts: impl Iterator<Item = &'c Chart>) -> Option<[f64; 2]>
 
 /// The marks of the vertical axis of a chart in a column and a row. For zeros only 0 has a mark: any other number would
 /// not come from the data.
-fn marks(columns: &[Column], (c, r): (usize, usize), range: [f64; 2], shared: bool) -> Ticks {
+fn marks(columns: &[ChartColumn], (c, r): (usize, usize), range: [f64; 2], shared: bool) -> Ticks {
     let chart = &columns[c].charts[r];
     let mut marks = ticks::in_units(range, MOST_MARKS, chart.units, chart.measure);
     let mut in_row = columns.iter().filter_map(|column| column.charts.get(r));
@@ -178,7 +178,7 @@ fn marks(columns: &[Column], (c, r): (usize, usize), range: [f64; 2], shared: bo
 }
 
 /// Draws columns of charts side by side under a title and a legend.
-pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], shared: bool) -> Picture {
+pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[ChartColumn], shared: bool) -> Picture {
     let width = if columns.len() > 2 { 340.0 } else { 430.0 };
     let rows = columns.iter().map(|c| c.charts.len()).max().unwrap_or(0);
     let range = |c: usize, r: usize| -> [f64; 2] {

@@ -5,11 +5,11 @@ use super::run::{ContactRow, SolidContact};
 use super::table::CsvTable;
 use crate::contact::{NoSlip, Status, read, read_vector};
 use crate::output::ContactValues;
-use crate::output::columns::{self, Column, OnContact};
+use crate::output::columns::{self, Column, ContactColumns};
 use crate::problem::Problem;
 
 /// A table with the columns of `contact.csv`.
-pub(super) trait Columns {
+pub(super) trait ContactTable {
     /// Number of rows.
     fn rows(&self) -> usize;
     /// True if there is a column of this name.
@@ -26,7 +26,7 @@ pub(super) trait Columns {
     fn fault(&self, what: String) -> PlotError;
 }
 
-impl Columns for CsvTable {
+impl ContactTable for CsvTable {
     fn rows(&self) -> usize {
         CsvTable::rows(self)
     }
@@ -51,7 +51,7 @@ impl Columns for CsvTable {
 }
 
 /// The columns of a run in memory.
-impl Columns for &[(String, ContactValues)] {
+impl ContactTable for &[(String, ContactValues)] {
     fn rows(&self) -> usize {
         self.first().map_or(0, |(_, values)| match values {
             ContactValues::Numbers(values) => values.len(),
@@ -134,8 +134,8 @@ impl Tractions for SolidContact {
 }
 
 /// The contact points of a body in space.
-pub(super) fn in_space(table: &impl Columns, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
-    let triple = |of: &Column<OnContact>| -> Result<[Vec<f64>; 3], PlotError> {
+pub(super) fn in_space(table: &impl ContactTable, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
+    let triple = |of: &Column<ContactColumns>| -> Result<[Vec<f64>; 3], PlotError> {
         Ok([table.numbers(&of.component(0))?, table.numbers(&of.component(1))?, table.numbers(&of.component(2))?])
     };
     let ([x, y, z], slip) = (triple(&columns::POSITION)?, triple(&columns::SLIP_VELOCITY)?);
@@ -155,13 +155,13 @@ pub(super) fn in_space(table: &impl Columns, sides: &[String]) -> Result<Vec<Sol
 }
 
 /// Wear and friction work; zero if the table lacks them.
-fn worn(table: &impl Columns, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
+fn worn(table: &impl ContactTable, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
     let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
     Ok([column(columns::WEAR.name)?, column(columns::FRICTION_WORK.name)?])
 }
 
 /// The side of each contact point; the first side if the table has no such column.
-fn on_sides(table: &impl Columns, sides: &[String]) -> Result<Vec<usize>, PlotError> {
+fn on_sides(table: &impl ContactTable, sides: &[String]) -> Result<Vec<usize>, PlotError> {
     if !table.has(columns::SIDE.name) {
         return Ok(vec![0; table.rows()]);
     }
@@ -171,7 +171,7 @@ fn on_sides(table: &impl Columns, sides: &[String]) -> Result<Vec<usize>, PlotEr
 }
 
 /// The states of the contact points.
-fn statuses(table: &impl Columns) -> Result<Vec<Status>, PlotError> {
+fn statuses(table: &impl ContactTable) -> Result<Vec<Status>, PlotError> {
     let status = |word: &String| {
         let known = [Status::Open, Status::Stick, Status::Slip];
         let fault = || table.fault(format!("the status `{word}` is none of open, stick, slip"));
@@ -181,13 +181,13 @@ fn statuses(table: &impl Columns) -> Result<Vec<Status>, PlotError> {
 }
 
 /// The contact points of a plane body.
-pub(super) fn in_plane(table: &impl Columns, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
-    let pairs = |of: &Column<OnContact>| -> Result<Vec<[f64; 2]>, PlotError> {
+pub(super) fn in_plane(table: &impl ContactTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
+    let pairs = |of: &Column<ContactColumns>| -> Result<Vec<[f64; 2]>, PlotError> {
         let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
     };
     // Components out of the plane exist only if a foundation slides that way.
-    let triples = |of: &Column<OnContact>| -> Result<Vec<[f64; 3]>, PlotError> {
+    let triples = |of: &Column<ContactColumns>| -> Result<Vec<[f64; 3]>, PlotError> {
         let (plane, out) = (pairs(of)?, of.component(2));
         let out = if table.has(&out) { table.numbers(&out)? } else { vec![0.0; plane.len()] };
         Ok(plane.into_iter().zip(out).map(|([x, y], z)| [x, y, z]).collect())

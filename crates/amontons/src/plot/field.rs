@@ -2,10 +2,10 @@
 
 use super::axes::{self, LABEL, NUMBER, Scale};
 use super::color::{Color, ColorMap, INK};
-use super::picture::{Anchor, Image, Line, Picture, Rect, Stroke};
+use super::picture::{Anchor, Image, OutlinePiece, Picture, Rect, Stroke};
 use super::plane::typeset;
 use super::ticks::{self, Ticks};
-use super::{Kind, font};
+use super::{PictureKind, font};
 use crate::output::Lives;
 use crate::units::{Measure, Units};
 
@@ -13,26 +13,33 @@ const BAR: f64 = 14.0;
 
 /// Name, symbol, measured quantity and colour map of a field.
 #[derive(Clone, Copy)]
-pub(super) struct Quantity {
+pub(super) struct DrawnQuantity {
     pub name: &'static str,
     pub symbol: &'static str,
     pub measure: Measure,
     pub map: ColorMap,
 }
 
-impl Quantity {
-    pub(super) fn of(kind: Kind) -> Quantity {
+impl DrawnQuantity {
+    pub(super) fn of(kind: PictureKind) -> DrawnQuantity {
         match kind {
-            Kind::VonMises => Quantity {
+            PictureKind::VonMises => DrawnQuantity {
                 name: "von Mises stress",
                 symbol: "σ_{vM}",
                 measure: Measure::Stress,
                 map: ColorMap::Viridis,
             },
-            Kind::Deformed => {
-                Quantity { name: "displacement", symbol: "‖u‖", measure: Measure::Length, map: ColorMap::Viridis }
+            PictureKind::Deformed => {
+                DrawnQuantity {
+                    name: "displacement", symbol: "‖u‖", measure: Measure::Length, map: ColorMap::Viridis
+                }
             }
-            _ => Quantity { name: "temperature", symbol: "θ", measure: Measure::Temperature, map: ColorMap::Inferno },
+            _ => DrawnQuantity {
+                name: "temperature",
+                symbol: "θ",
+                measure: Measure::Temperature,
+                map: ColorMap::Inferno,
+            },
         }
     }
 }
@@ -45,15 +52,15 @@ pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure, lives: 
 
 /// The extremes of a field of a body. Stresses are drawn as recovered at the nodes; the largest value at the centre of
 /// a cell, which the summary reports, is added.
-pub(super) fn extremes_of_body(kind: Kind, units: Units, extent: [f64; 2], cells: Option<f64>) -> String {
-    let measure = Quantity::of(kind).measure;
+pub(super) fn extremes_of_body(kind: PictureKind, units: Units, extent: [f64; 2], cells: Option<f64>) -> String {
+    let measure = DrawnQuantity::of(kind).measure;
     let of_nodes = |cells: f64| {
         let most = typeset(&units.write(cells, measure));
         let of_nodes = extremes(units, extent, measure, Lives::Recovered);
         format!("{of_nodes}; {}", Lives::Cell.after(&format!("up to {most}")))
     };
     match kind {
-        Kind::VonMises => cells.map_or_else(|| extremes(units, extent, measure, Lives::Cell), of_nodes),
+        PictureKind::VonMises => cells.map_or_else(|| extremes(units, extent, measure, Lives::Cell), of_nodes),
         _ => extremes(units, extent, measure, Lives::Node),
     }
 }
@@ -85,7 +92,7 @@ pub(super) fn shown(values: &[[f64; 3]], areas: &[f64], [lo, hi]: [f64; 2]) -> [
 }
 
 /// A colour bar, on the right of a frame or below it.
-pub(super) struct Bar {
+pub(super) struct ColorBar {
     map: ColorMap,
     pub range: [f64; 2],
     /// True if there are values above the range: the bar then ends in a point.
@@ -95,15 +102,21 @@ pub(super) struct Bar {
     below: bool,
 }
 
-impl Bar {
+impl ColorBar {
     const POINT: f64 = 10.0;
 
-    pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], units: Units, below: bool) -> Bar {
+    pub(super) fn new(
+        quantity: &DrawnQuantity,
+        range: [f64; 2],
+        extent: [f64; 2],
+        units: Units,
+        below: bool,
+    ) -> ColorBar {
         // A field of one value has a bar, too.
         let shown = axes::padded(range, 0.0);
         let ticks = ticks::in_units(shown, 7, units, quantity.measure);
         let label = axes::labelled(quantity.symbol, ticks.exponent, units, quantity.measure);
-        Bar { map: quantity.map, range: shown, pointed: extent[1] > shown[1], ticks, label, below }
+        ColorBar { map: quantity.map, range: shown, pointed: extent[1] > shown[1], ticks, label, below }
     }
 
     /// The values with a mark.
@@ -120,7 +133,7 @@ impl Bar {
     /// Draws the bar next to a frame.
     pub(super) fn draw(&self, picture: &mut Picture, rect: Rect) {
         const STEPS: u32 = 256;
-        let point = if self.pointed { Bar::POINT } else { 0.0 };
+        let point = if self.pointed { ColorBar::POINT } else { 0.0 };
         let place = if self.below {
             let width = (0.5 * rect.width).max(200.0).min(rect.width);
             Rect { x: rect.x, y: rect.bottom() + 56.0, width, height: BAR }
@@ -149,7 +162,7 @@ impl Bar {
             picture.polygon(vec![outline[first], tip, outline[first + 1]], Color { red, green, blue, opacity: 1.0 });
             outline.insert(first + 1, tip);
         }
-        picture.shape(vec![Line { points: outline, closed: true }], None, Some(Stroke::new(INK, 0.8)));
+        picture.shape(vec![OutlinePiece { points: outline, closed: true }], None, Some(Stroke::new(INK, 0.8)));
         if self.below {
             axes::x_marks(picture, place, &Scale::new(self.range, [place.x, place.right()]), &self.ticks, false, true);
             picture.text([place.right() + point + 12.0, place.bottom() - 2.0], LABEL, Anchor::Start, INK, &self.label);
@@ -180,13 +193,13 @@ impl Bar {
 mod tests {
     #![allow(clippy::float_cmp)] // the values are exact
 
-    use super::super::body::Body;
+    use super::super::body::PlaneMesh;
     use super::*;
     use crate::mesh::{Diagonal, Mesh};
 
     #[test]
     fn a_few_cells_far_above_the_rest_are_off_the_scale() -> Result<(), Box<dyn std::error::Error>> {
-        let body = Body::of_mesh(&Mesh::rectangle([1.0, 1.0], [20, 20], Diagonal::Right)?)?;
+        let body = PlaneMesh::of_mesh(&Mesh::rectangle([1.0, 1.0], [20, 20], Diagonal::Right)?)?;
         let mut stress: Vec<[f64; 3]> = (0..800).map(|c| [1.0 + f64::from(c) / 800.0; 3]).collect();
         assert_eq!(shown(&stress, &body.areas(), [1.0, 2.0]), [1.0, 2.0]);
         // Three of 800 cells are less than half a per cent of the area, ten are more.

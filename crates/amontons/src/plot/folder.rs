@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::body::Body;
-use super::run::{History, Rod, Run, Snapshot, Solid, SolidContact};
+use super::body::PlaneMesh;
+use super::run::{DrawnRun, HistoryColumns, PlaneSnapshot, Rod, SolidContact, SpaceSnapshot};
 use super::surface::Skin;
 use super::table::CsvTable;
 use super::{PlotError, contact, frames, ground, vtu};
@@ -21,13 +21,13 @@ const PLANE: [u8; 4] = [5, 9, 22, 28];
 /// VTK types of lines.
 const LINES: [u8; 2] = [3, 21];
 
-impl Run {
+impl DrawnRun {
     /// Reads the run in a results folder at its latest time: `case.toml`, `fields.pvd` with its latest snapshot or
     /// `fields.vtkhdf`, `contact.csv` and `history.csv`.
     ///
     /// # Errors
     /// A file is missing or was not written by a run; the error names the file.
-    pub fn read(folder: &Path) -> Result<Run, PlotError> {
+    pub fn read(folder: &Path) -> Result<DrawnRun, PlotError> {
         let results = Results::read(folder)?;
         results.run(results.snapshots.len() - 1)
     }
@@ -36,8 +36,8 @@ impl Run {
     /// the times of a strip that shows its changes, or at the latest only if the changes are still present there.
     ///
     /// # Errors
-    /// As [`Run::read`]; also [`PlotError::Data`] if a time is beyond the snapshots.
-    pub fn frames(folder: &Path, times: &[f64]) -> Result<Vec<Run>, PlotError> {
+    /// As [`DrawnRun::read`]; also [`PlotError::Data`] if a time is beyond the snapshots.
+    pub fn frames(folder: &Path, times: &[f64]) -> Result<Vec<DrawnRun>, PlotError> {
         let results = Results::read(folder)?;
         let snapshots: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
         let chosen = if times.is_empty() {
@@ -53,7 +53,7 @@ impl Run {
 pub(super) struct Results<'f> {
     folder: &'f Path,
     pub problem: Arc<Problem>,
-    pub history: History,
+    pub history: HistoryColumns,
     /// Times and files of the fields, at least one.
     pub snapshots: Vec<(f64, String)>,
     /// The file of all fields, or `None` if each snapshot has its own.
@@ -92,7 +92,7 @@ impl Results<'_> {
     }
 
     /// The run at the time of a snapshot.
-    pub(super) fn run(&self, snapshot: usize) -> Result<Run, PlotError> {
+    pub(super) fn run(&self, snapshot: usize) -> Result<DrawnRun, PlotError> {
         let (t, file) = &self.snapshots[snapshot];
         let path = self.folder.join(if self.packed.is_some() { PACKED } else { file });
         let format = |what: String| PlotError::Format { path: path.clone(), what };
@@ -109,7 +109,7 @@ impl Results<'_> {
             3
         };
         let sides = names_of_points(&self.problem.contacts);
-        let mut run = Run {
+        let mut run = DrawnRun {
             name: self.problem.name.clone(),
             dimension,
             t: *t,
@@ -118,7 +118,7 @@ impl Results<'_> {
             // With another mesh the foundation is unknown.
             problem: (self.problem.mesh.points.len() == grid.points.len()).then(|| self.problem.clone()),
             sides,
-            ..Run::default()
+            ..DrawnRun::default()
         };
         let table = if dimension > 1 { self.contact(snapshot)? } else { None };
         match (dimension, table) {
@@ -153,9 +153,10 @@ impl Results<'_> {
 }
 
 /// The fields of a plane body.
-fn plane(grid: &vtu::Grid) -> Result<Snapshot, String> {
-    let snapshot = Snapshot {
-        body: Body::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells()).map_err(|e| e.to_string())?,
+fn plane(grid: &vtu::Grid) -> Result<PlaneSnapshot, String> {
+    let snapshot = PlaneSnapshot {
+        body: PlaneMesh::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells())
+            .map_err(|e| e.to_string())?,
         displacement: displacement(grid)?.iter().map(|u| [u[0], u[1]]).collect(),
         temperature: temperature(grid)?,
         von_mises: von_mises(grid)?,
@@ -186,8 +187,8 @@ fn rod(grid: &vtu::Grid) -> Result<Rod, String> {
 }
 
 /// The fields of a body in space.
-fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> {
-    let solid = Solid {
+fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<SpaceSnapshot, String> {
+    let solid = SpaceSnapshot {
         surface: Skin::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells()))
             .map_err(|e| e.to_string())?,
         displacement: displacement(grid)?,
@@ -201,7 +202,7 @@ fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> 
     Ok(solid)
 }
 
-type Arrays = BTreeMap<String, vtu::Array>;
+type NamedArrays = BTreeMap<String, vtu::Array>;
 
 /// The temperature of each node; empty in a run of mechanics only.
 fn temperature(grid: &vtu::Grid) -> Result<Vec<f64>, String> {
@@ -226,7 +227,7 @@ fn displacement(grid: &vtu::Grid) -> Result<Vec<[f64; 3]>, String> {
     Ok(array(&grid.point_data, "displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect())
 }
 
-fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64], String> {
+fn array<'a>(data: &'a NamedArrays, name: &str, components: usize) -> Result<&'a [f64], String> {
     let array = data.get(name).ok_or_else(|| format!("it has no array {name}"))?;
     if array.components == components {
         Ok(&array.values)
@@ -235,7 +236,7 @@ fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64
     }
 }
 
-fn history(table: &CsvTable) -> Result<History, PlotError> {
+fn history(table: &CsvTable) -> Result<HistoryColumns, PlotError> {
     table.numbers(columns::TIME.name)?;
     table.names().iter().map(|name| Ok((name.clone(), table.numbers(name)?))).collect()
 }

@@ -32,21 +32,21 @@ pub(super) struct Glyph {
 
 /// A text laid out at size 1.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Layout {
+pub(super) struct TextLayout {
     pub glyphs: Vec<Glyph>,
     pub width: f64,
 }
 
 /// Lays out a text at size 1.
-pub(super) fn layout(text: &str) -> Layout {
-    let Some(face) = face() else { return Layout::default() };
+pub(super) fn layout(text: &str) -> TextLayout {
+    let Some(face) = face() else { return TextLayout::default() };
     let em = f64::from(face.units_per_em());
-    let mut out = Layout::default();
+    let mut out = TextLayout::default();
     for (part, place) in parts(text) {
         let (scale, y) = match place {
-            Place::Base => (1.0, 0.0),
-            Place::Sub => (SCRIPT, -LOWERED),
-            Place::Super => (SCRIPT, RAISED),
+            GlyphPlace::Base => (1.0, 0.0),
+            GlyphPlace::Sub => (SCRIPT, -LOWERED),
+            GlyphPlace::Super => (SCRIPT, RAISED),
         };
         for c in part.chars() {
             // A character missing in the font is shown by its box for missing glyphs.
@@ -69,30 +69,30 @@ pub(super) fn plain(text: &str) -> String {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum GlyphPlace {
     Base,
     Sub,
     Super,
 }
 
 /// Cuts a text at its markup; unclosed markup is text.
-fn parts(text: &str) -> Vec<(&str, Place)> {
+fn parts(text: &str) -> Vec<(&str, GlyphPlace)> {
     let mut parts = Vec::new();
     let mut rest = text;
     while let Some((start, place)) = next_script(rest) {
         let (before, script) = rest.split_at(start);
         let Some((inside, after)) = script[2..].split_once('}') else { break };
-        parts.push((before, Place::Base));
+        parts.push((before, GlyphPlace::Base));
         parts.push((inside, place));
         rest = after;
     }
-    parts.push((rest, Place::Base));
+    parts.push((rest, GlyphPlace::Base));
     parts
 }
 
-fn next_script(text: &str) -> Option<(usize, Place)> {
-    let sub = text.find("_{").map(|i| (i, Place::Sub));
-    let sup = text.find("^{").map(|i| (i, Place::Super));
+fn next_script(text: &str) -> Option<(usize, GlyphPlace)> {
+    let sub = text.find("_{").map(|i| (i, GlyphPlace::Sub));
+    let sup = text.find("^{").map(|i| (i, GlyphPlace::Super));
     match (sub, sup) {
         (Some(a), Some(b)) => Some(if a.0 < b.0 { a } else { b }),
         (a, b) => a.or(b),
@@ -169,9 +169,15 @@ mod tests {
     fn markup_sets_scripts_and_nothing_else() {
         assert_eq!(
             parts("p_{ν} (10^{3} Pa)"),
-            [("p", Place::Base), ("ν", Place::Sub), (" (10", Place::Base), ("3", Place::Super), (" Pa)", Place::Base)]
+            [
+                ("p", GlyphPlace::Base),
+                ("ν", GlyphPlace::Sub),
+                (" (10", GlyphPlace::Base),
+                ("3", GlyphPlace::Super),
+                (" Pa)", GlyphPlace::Base)
+            ]
         );
-        assert_eq!(parts("my_case {a} x_{"), [("my_case {a} x_{", Place::Base)]);
+        assert_eq!(parts("my_case {a} x_{"), [("my_case {a} x_{", GlyphPlace::Base)]);
         assert_eq!(plain("E^{hk}"), "Ehk");
         assert!(layout("x^{2}").width < layout("x2").width);
     }

@@ -4,16 +4,16 @@
 use std::collections::{HashMap, HashSet};
 
 use super::axes::{self, Sign};
-use super::body::{Body, window};
+use super::body::{PlaneMesh, window};
 use super::color::{Color, ColorMap, GREY, INK};
-use super::field::{self, Bar, Quantity};
-use super::picture::{Line, Picture, Rect, Stroke};
+use super::field::{self, ColorBar, DrawnQuantity};
+use super::picture::{OutlinePiece, Picture, Rect, Stroke};
 use super::plane::typeset;
 use super::profiles::{STATUSES, color};
-use super::run::{Run, Solid, SolidContact, at_corners};
-use super::sheet::{self, Frame, Plan, Room};
+use super::run::{DrawnRun, SolidContact, SpaceSnapshot, at_corners};
+use super::sheet::{self, Margins, PanelPlan, SheetPanel};
 use super::surface::{dot, norm};
-use super::{Kind, Options, Panel, PlotError, shade, title};
+use super::{Options, PictureKind, PlotError, RunPanel, shade, title};
 use crate::contact::Status;
 use crate::output::Lives;
 use crate::units::{Measure, Units};
@@ -24,19 +24,19 @@ const DENSITY: f64 = 2.0;
 const ARROWS: f64 = 16.0;
 
 /// A side of Γ_C as seen from the front.
-struct Side<'a> {
+struct SeenSide<'a> {
     title: String,
     rows: Vec<&'a SolidContact>,
     /// Slip velocities up to this one are round-off of the displacement.
     slow: f64,
-    view: View,
+    view: SideView,
     /// The part of the surface whose nodes are the contact points, or `None` if the points are not nodes.
-    plane: Option<Plane>,
+    plane: Option<ViewPlane>,
 }
 
 /// The direction from which a side is seen.
 #[derive(Clone, Copy)]
-struct View {
+struct SideView {
     /// Unit vectors of the two drawn coordinates; the second points upwards.
     along: [[f64; 3]; 2],
     labels: [&'static str; 2],
@@ -44,10 +44,10 @@ struct View {
     mirrored: bool,
 }
 
-impl View {
+impl SideView {
     /// The view from this direction, with z upwards, or y, so that the surface is seen from outside and not through the
     /// body.
-    fn new(eye: [f64; 3]) -> View {
+    fn new(eye: [f64; 3]) -> SideView {
         const NAMES: [&str; 3] = ["x", "y", "z"];
         const ALONG_AXIS: f64 = 0.985;
         let unit = |d: usize| [0, 1, 2].map(|c| if c == d { 1.0 } else { 0.0 });
@@ -58,14 +58,14 @@ impl View {
             let shown = [[1, 2], [0, 2], [0, 1]][axis];
             // right × up = eye holds for (y, z) and (x, y) in front of x and z, and for (x, z) in front of −y.
             let right_handed = (eye[axis] > 0.0) == (axis != 1);
-            return View { along: shown.map(unit), labels: shown.map(|d| NAMES[d]), mirrored: !right_handed };
+            return SideView { along: shown.map(unit), labels: shown.map(|d| NAMES[d]), mirrored: !right_handed };
         }
         let upwards = if eye[2].abs() < 0.9 { unit(2) } else { unit(1) };
         let part = dot(upwards, eye);
         let up = [0, 1, 2].map(|c| upwards[c] - part * eye[c]);
         let up = up.map(|c| c / norm(up));
         let right = [up[1] * eye[2] - up[2] * eye[1], up[2] * eye[0] - up[0] * eye[2], up[0] * eye[1] - up[1] * eye[0]];
-        View { along: [right, up], labels: ["s_{1}", "s_{2}"], mirrored: false }
+        SideView { along: [right, up], labels: ["s_{1}", "s_{2}"], mirrored: false }
     }
 
     fn at(&self, x: [f64; 3]) -> [f64; 2] {
@@ -74,8 +74,8 @@ impl View {
 }
 
 /// A part of a surface projected onto a plane.
-struct Plane {
-    body: Body,
+struct ViewPlane {
+    body: PlaneMesh,
     /// Nodes of each facet.
     facets: Vec<Vec<u32>>,
     /// The row of the contact point of each node of the side, if it has one.
@@ -83,21 +83,21 @@ struct Plane {
 }
 
 /// A quantity at the contact points.
-struct Field {
-    quantity: Quantity,
+struct FootprintField {
+    quantity: DrawnQuantity,
     /// True for the pressure, which may be drawn as the mean of neighbouring points.
     is_pressure: bool,
     of: fn(&SolidContact) -> f64,
 }
 
-impl Field {
+impl FootprintField {
     /// The fields of a picture: pressure, and friction work if there is some, or wear.
-    fn of(kind: Kind, panels: &[Panel]) -> Vec<Field> {
+    fn of(kind: PictureKind, panels: &[RunPanel]) -> Vec<FootprintField> {
         let field = |name, symbol, measure, map, of| {
-            let quantity = Quantity { name, symbol, measure, map };
-            Field { quantity, is_pressure: symbol == "p", of }
+            let quantity = DrawnQuantity { name, symbol, measure, map };
+            FootprintField { quantity, is_pressure: symbol == "p", of }
         };
-        if kind == Kind::Wear {
+        if kind == PictureKind::Wear {
             return vec![field("depth worn off", "depth", Measure::Length, ColorMap::Viridis, |row| row.wear)];
         }
         let work = panels.iter().any(|panel| panel.run.worn()[1]);
@@ -112,7 +112,7 @@ impl Field {
 }
 
 /// The sides of a run, each from the front; a curved side such as a bore from two opposite directions.
-fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'a>>, PlotError> {
+fn sides<'a>(panel: &RunPanel, run: &'a DrawnRun, solid: &'a SpaceSnapshot) -> Result<Vec<SeenSide<'a>>, PlotError> {
     let count = solid.contact.iter().map(|row| row.side + 1).max().unwrap_or(0);
     let largest = solid.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
     let slow = if run.t > 0.0 { 1e-12 * largest / run.t } else { 0.0 };
@@ -123,13 +123,13 @@ fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'
             continue;
         }
         let title = format!("{}{}", panel.title, run.side(number)).trim_start().to_owned();
-        all.extend(Side::of(title, &rows, solid)?.into_iter().map(|side| Side { slow, ..side }));
+        all.extend(SeenSide::of(title, &rows, solid)?.into_iter().map(|side| SeenSide { slow, ..side }));
     }
     Ok(all)
 }
 
-impl<'a> Side<'a> {
-    fn of(title: String, rows: &[&'a SolidContact], solid: &Solid) -> Result<Vec<Side<'a>>, PlotError> {
+impl<'a> SeenSide<'a> {
+    fn of(title: String, rows: &[&'a SolidContact], solid: &SpaceSnapshot) -> Result<Vec<SeenSide<'a>>, PlotError> {
         // Positions have the same bits in both files; adding zero makes −0 equal to 0.
         let key = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
         let numbers: HashMap<[u64; 3], usize> = rows.iter().enumerate().map(|(i, row)| (key(row.x), i)).collect();
@@ -145,7 +145,7 @@ impl<'a> Side<'a> {
             let extent = |d: usize| axes::range(rows.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);
             let axis = (0..3).min_by(|&i, &j| extent(i).total_cmp(&extent(j))).unwrap_or(2);
             let eye = [0, 1, 2].map(|d| if d == axis { 1.0 } else { 0.0 });
-            return Ok(vec![Side { title, rows: rows.to_vec(), slow: 0.0, view: View::new(eye), plane: None }]);
+            return Ok(vec![SeenSide { title, rows: rows.to_vec(), slow: 0.0, view: SideView::new(eye), plane: None }]);
         }
         let normals: Vec<[f64; 3]> = facets.iter().map(|&f| surface.normal(f)).collect();
         let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|d| sum[d] + n[d]));
@@ -159,7 +159,7 @@ impl<'a> Side<'a> {
         };
         let mut all = Vec::new();
         for &eye in &eyes {
-            let view = View::new(eye);
+            let view = SideView::new(eye);
             let seen: Vec<usize> =
                 facets.iter().zip(&normals).filter(|(_, n)| dot(**n, eye) > 0.0).map(|(f, _)| *f).collect();
             let mut nodes: Vec<u32> = seen.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
@@ -169,15 +169,15 @@ impl<'a> Side<'a> {
             let points = nodes.iter().map(|&n| view.at(surface.points[n as usize])).collect();
             let cells: Vec<Vec<u32>> =
                 seen.iter().map(|&f| surface.facets[f].0.iter().map(|n| number[n]).collect()).collect();
-            let body = Body::new(points, cells.iter().map(Vec::as_slice))?;
-            let plane = Plane { body, facets: cells, rows: nodes.iter().map(|&n| row(n)).collect() };
+            let body = PlaneMesh::new(points, cells.iter().map(Vec::as_slice))?;
+            let plane = ViewPlane { body, facets: cells, rows: nodes.iter().map(|&n| row(n)).collect() };
             let from = if eyes.len() > 1 {
                 format!(", seen from {}{}", if eye.iter().sum::<f64>() > 0.0 { "+" } else { "−" }, axis_name(eye))
             } else {
                 String::new()
             };
             let title = format!("{title}{from}");
-            all.push(Side { title, rows: rows.to_vec(), slow: 0.0, view, plane: Some(plane) });
+            all.push(SeenSide { title, rows: rows.to_vec(), slow: 0.0, view, plane: Some(plane) });
         }
         Ok(all)
     }
@@ -199,17 +199,17 @@ impl<'a> Side<'a> {
     }
 
     /// One panel per field, with these extents, and one for the status.
-    fn plans(&self, fields: &[Field], extents: &[[f64; 2]], has_states: bool, units: Units) -> Vec<Plan> {
+    fn plans(&self, fields: &[FootprintField], extents: &[[f64; 2]], has_states: bool, units: Units) -> Vec<PanelPlan> {
         let heading =
             |what: &str| if self.title.is_empty() { what.to_owned() } else { format!("{}: {what}", self.title) };
-        let plan = |what: &str, note: String| Plan {
+        let plan = |what: &str, note: String| PanelPlan {
             title: heading(what),
             note,
             window: sheet::widened(self.window(), 0.04),
             labels: self.view.labels,
             mirrored: self.view.mirrored,
         };
-        let field = |(field, extent): (&Field, &[f64; 2])| {
+        let field = |(field, extent): (&FootprintField, &[f64; 2])| {
             let note = |lives: Lives| field::extremes(units, *extent, field.quantity.measure, lives);
             plan(field.quantity.name, if field.is_pressure { self.pressures(&note, units) } else { note(Lives::Point) })
         };
@@ -238,12 +238,12 @@ impl<'a> Side<'a> {
     }
 
     /// Radius of a dot, such that evenly spread dots do not touch.
-    fn radius(&self, frame: &Frame) -> f64 {
+    fn radius(&self, frame: &SheetPanel) -> f64 {
         let Rect { width, height, .. } = frame.rect;
         (0.33 * (width * height / self.rows.len().max(1) as f64).sqrt()).clamp(0.8, 5.0)
     }
 
-    fn field(&self, picture: &mut Picture, frame: &Frame, field: &Field, range: [f64; 2]) {
+    fn field(&self, picture: &mut Picture, frame: &SheetPanel, field: &FootprintField, range: [f64; 2]) {
         let map = field.quantity.map;
         if let Some(plane) = &self.plane {
             let nodal = plane.values(|row| self.rows.get(row).map(|row| (field.of)(row)));
@@ -275,12 +275,12 @@ impl<'a> Side<'a> {
         self.outline(picture, frame, INK);
     }
 
-    fn states(&self, picture: &mut Picture, frame: &Frame) {
+    fn states(&self, picture: &mut Picture, frame: &SheetPanel) {
         self.outline(picture, frame, GREY);
         let seen = self.seen();
         for status in STATUSES {
             let of = |row: &&&SolidContact| row.status == status;
-            let line = |row: &&SolidContact| Line {
+            let line = |row: &&SolidContact| OutlinePiece {
                 points: dot_at(frame.at(&self.at(row)), self.radius(frame)),
                 closed: true,
             };
@@ -290,7 +290,7 @@ impl<'a> Side<'a> {
     }
 
     /// Draws the slip direction of the body on the foundation, at most one arrow per square of a grid.
-    fn arrows(&self, picture: &mut Picture, frame: &Frame, seen: &[&SolidContact]) {
+    fn arrows(&self, picture: &mut Picture, frame: &SheetPanel, seen: &[&SolidContact]) {
         let each = frame.rect.width.max(frame.rect.height) / ARROWS;
         let mut taken = HashSet::new();
         for row in seen.iter().filter(|row| row.status == Status::Slip) {
@@ -307,8 +307,8 @@ impl<'a> Side<'a> {
         }
     }
 
-    fn outline(&self, picture: &mut Picture, frame: &Frame, color: Color) {
-        if let Some(Plane { body, .. }) = &self.plane {
+    fn outline(&self, picture: &mut Picture, frame: &SheetPanel, color: Color) {
+        if let Some(ViewPlane { body, .. }) = &self.plane {
             let lines: Vec<_> = body.boundary.iter().map(|e| e.map(|n| frame.at(&body.points[n as usize]))).collect();
             picture.lines(&lines, Stroke::new(color, 0.9));
         }
@@ -325,7 +325,7 @@ fn axis_name(eye: [f64; 3]) -> &'static str {
     }
 }
 
-impl Plane {
+impl ViewPlane {
     /// The values at the nodes, given those at contact points: the mean over the facets of a node.
     fn values(&self, known: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
         let at = |n: u32| self.rows.get(n as usize).copied().flatten().and_then(&known);
@@ -354,17 +354,17 @@ fn dot_at([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..10).map(|i| [x + radius * angle(i).cos(), y + radius * angle(i).sin()]).collect()
 }
 
-pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Result<Picture, PlotError> {
     let units = super::units(panels, options);
-    let fields = Field::of(kind, panels);
-    let has_states = kind != Kind::Wear;
+    let fields = FootprintField::of(kind, panels);
+    let has_states = kind != PictureKind::Wear;
     let mut all = Vec::new();
     for panel in panels {
         if let Some(solid) = &panel.run.solid {
             all.extend(sides(panel, panel.run, solid)?);
         }
     }
-    let shown: Vec<(&Side, &Field)> =
+    let shown: Vec<(&SeenSide, &FootprintField)> =
         all.iter().flat_map(|side| fields.iter().map(move |field| (side, field))).collect();
     let extents: Vec<[f64; 2]> = shown
         .iter()
@@ -382,16 +382,18 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
     for (s, (side, extents)) in all.iter().zip(extents.chunks(fields.len().max(1))).enumerate() {
         let plans = side.plans(&fields, extents, has_states, units);
         let wide = sheet::is_wide(&plans);
-        let bars: Vec<Bar> = fields
+        let bars: Vec<ColorBar> = fields
             .iter()
             .zip(extents)
             .enumerate()
-            .map(|(f, (field, extent))| Bar::new(&field.quantity, range(s * fields.len() + f), *extent, units, wide))
+            .map(|(f, (field, extent))| {
+                ColorBar::new(&field.quantity, range(s * fields.len() + f), *extent, units, wide)
+            })
             .collect();
         let room = if wide {
-            Room { right: 8.0, below: 50.0, ..Room::default() }
+            Margins { right: 8.0, below: 50.0, ..Margins::default() }
         } else {
-            Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
+            Margins { right: bars.iter().map(ColorBar::room).fold(0.0, f64::max), ..Margins::default() }
         };
         let (mut row, frames) = sheet::lay_out("", &plans, room, units);
         for ((field, bar), frame) in fields.iter().zip(&bars).zip(&frames) {

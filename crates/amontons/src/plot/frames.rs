@@ -1,7 +1,7 @@
 //! Selection of the times of a run that are drawn.
 
 use super::PlotError;
-use super::run::History;
+use super::run::HistoryColumns;
 use crate::output::columns;
 
 /// Number of frames of a strip without given times.
@@ -48,7 +48,7 @@ fn nearest(t: f64, snapshots: &[f64]) -> Option<usize> {
 /// is the sum of their variations, each divided by its variation over the whole run. The frames are the snapshots
 /// nearest to the times at which a quarter, a half and three quarters of it have passed, and the end. A snapshot at t =
 /// 0 is not among them.
-pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
+pub(super) fn choose(history: &HistoryColumns, snapshots: &[f64]) -> Vec<usize> {
     let Some(end) = snapshots.len().checked_sub(1) else { return Vec::new() };
     let times = history.get(columns::TIME.name).map_or(&[][..], Vec::as_slice);
     let series = story(history, times);
@@ -80,7 +80,7 @@ pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
 }
 
 /// Elastic energy, contact force, friction power and heat content over time, without those that are zero throughout.
-fn story(history: &History, times: &[f64]) -> Vec<Vec<f64>> {
+fn story(history: &HistoryColumns, times: &[f64]) -> Vec<Vec<f64>> {
     let column = |name: &str| history.get(name).filter(|values| values.len() == times.len());
     let force = (0..times.len()).map(|i| {
         let components = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
@@ -102,10 +102,10 @@ fn story(history: &History, times: &[f64]) -> Vec<Vec<f64>> {
 mod tests {
     use super::*;
 
-    fn history(columns: &[(&str, fn(f64) -> f64)]) -> History {
+    fn history(columns: &[(&str, fn(f64) -> f64)]) -> HistoryColumns {
         let times: Vec<f64> = (1..=100).map(|i| 0.01 * f64::from(i)).collect();
         let column = |f: &fn(f64) -> f64| times.iter().map(|t| f(*t)).collect();
-        let mut all: History = columns.iter().map(|(name, f)| ((*name).to_owned(), column(f))).collect();
+        let mut all: HistoryColumns = columns.iter().map(|(name, f)| ((*name).to_owned(), column(f))).collect();
         all.insert("t".to_owned(), times);
         all
     }

@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::body::Body;
-use super::run::History;
+use super::body::PlaneMesh;
+use super::run::HistoryColumns;
 use crate::contact::{Contact, Obstacle, names};
 use crate::field::{Field, TimeTable};
 use crate::mesh::FacetSet;
@@ -27,7 +27,7 @@ pub(super) struct Ground {
 }
 
 /// The problem with loaded obstacles at the displacements recorded in the history of its run.
-pub(super) fn found(problem: &Arc<Problem>, history: &History) -> Arc<Problem> {
+pub(super) fn found(problem: &Arc<Problem>, history: &HistoryColumns) -> Arc<Problem> {
     let is_loaded = |contact: &Contact| contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
     if !problem.contacts.iter().any(is_loaded) {
         return Arc::clone(problem);
@@ -60,7 +60,7 @@ pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
 
 /// The foundations of a plane body, with displacements and gaps drawn `factor` times as large, and obstacles within a
 /// window of the picture.
-pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, window: [[f64; 2]; 2]) -> Vec<Ground> {
+pub(super) fn grounds(problem: &Problem, body: &PlaneMesh, t: f64, factor: f64, window: [[f64; 2]; 2]) -> Vec<Ground> {
     let of = |contact: &Contact| {
         let set = problem.mesh.facets.get(&contact.on)?;
         let ground = match &contact.obstacle {
@@ -88,7 +88,7 @@ fn touches(problem: &Problem, side: usize) -> bool {
 
 /// Points of the foundation that a picture should show: its surface, or for an obstacle the foot of the nearest point
 /// of the side.
-pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, factor: f64) -> Vec<[f64; 2]> {
+pub(super) fn feet(problem: &Problem, body: &PlaneMesh, moved: &[[f64; 2]], t: f64, factor: f64) -> Vec<[f64; 2]> {
     let mut all = Vec::new();
     for contact in foundations(problem) {
         let Some(set) = problem.mesh.facets.get(&contact.on) else { continue };
@@ -144,7 +144,7 @@ fn moving(at: [f64; 2], v: Point) -> Option<([f64; 2], [f64; 2])> {
 }
 
 /// Chains of boundary nodes of a body that belong to a facet set, with the body on their left.
-fn chains(body: &Body, set: &FacetSet) -> Vec<Vec<u32>> {
+fn chains(body: &PlaneMesh, set: &FacetSet) -> Vec<Vec<u32>> {
     let nodes: HashSet<[u32; 2]> = set.facets().flat_map(|(_, facet)| pairs(facet)).collect();
     let edges: Vec<[u32; 2]> =
         body.boundary.iter().copied().filter(|[a, b]| nodes.contains(&[*a.min(b), *a.max(b)])).collect();
@@ -182,7 +182,13 @@ fn chained(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
 }
 
 /// The foundation at the gap g from a side: the points x + factor·g ν, and a little beyond the ends of a flat side.
-fn offset(problem: &Problem, contact: &Contact, chains: &[Vec<u32>], body: &Body, (t, factor): (f64, f64)) -> Ground {
+fn offset(
+    problem: &Problem,
+    contact: &Contact,
+    chains: &[Vec<u32>],
+    body: &PlaneMesh,
+    (t, factor): (f64, f64),
+) -> Ground {
     let mut ground = Ground { lines: Vec::new(), moves: None };
     for chain in chains {
         let p = |i: usize| body.points[chain[i] as usize];
@@ -234,7 +240,7 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
 }
 
 /// An edge of a grid by its ends, the lower one first.
-type Edge = ((usize, usize), (usize, usize));
+type GridEdge = ((usize, usize), (usize, usize));
 
 /// Lines on which a level is zero, with its negative side on their right; a level that is NaN counts as positive.
 fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
@@ -259,13 +265,13 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
     };
     // Grid edges by their lower end and direction. A segment starts where a turn around its cell enters the obstacle,
     // and ends where it leaves it.
-    let key = |a: (usize, usize), b: (usize, usize)| -> Edge { if a < b { (a, b) } else { (b, a) } };
-    let mut next: HashMap<Edge, Edge> = HashMap::new();
+    let key = |a: (usize, usize), b: (usize, usize)| -> GridEdge { if a < b { (a, b) } else { (b, a) } };
+    let mut next: HashMap<GridEdge, GridEdge> = HashMap::new();
     let mut order = Vec::new();
     for j in 0..ny {
         for i in 0..nx {
             let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
-            let turn: Vec<(Edge, bool)> = (0..4)
+            let turn: Vec<(GridEdge, bool)> = (0..4)
                 .map(|k| (around[k], around[(k + 1) % 4]))
                 .filter(|(a, b)| inside(a.0, a.1) != inside(b.0, b.1))
                 .map(|(a, b)| (key(a, b), inside(b.0, b.1)))
@@ -278,7 +284,7 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
             }
         }
     }
-    let entered: HashSet<Edge> = next.values().copied().collect();
+    let entered: HashSet<GridEdge> = next.values().copied().collect();
     order.sort_by_key(|edge| entered.contains(edge));
     let mut lines = Vec::new();
     for start in order {
@@ -295,7 +301,7 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
 }
 
 /// Part of the foundation below a side of a body in space: triangles of surface points, somewhat larger than the side.
-pub(super) struct Patch {
+pub(super) struct GroundPatch {
     pub points: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
     /// Mean normal of the body there, pointing into the foundation.
@@ -303,7 +309,7 @@ pub(super) struct Patch {
 }
 
 /// The foundation below the contact sides of a body in space whose displacements are drawn `factor` times as large.
-pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, factor: f64) -> Vec<Patch> {
+pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, factor: f64) -> Vec<GroundPatch> {
     /// Distance by which a patch extends beyond its side, relative to the size of the side.
     const BEYOND: f64 = 0.05;
     let mut all = Vec::new();
@@ -360,7 +366,7 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
         let points: Vec<[f64; 3]> = (0..nodes.len()).map(place).collect();
         if points.iter().flatten().all(|c| c.is_finite()) {
             let (points, triangles) = hull(&points, sum).unwrap_or((points, triangles));
-            all.push(Patch { points, triangles, normal: sum });
+            all.push(GroundPatch { points, triangles, normal: sum });
         }
     }
     all

@@ -1,15 +1,15 @@
 //! Histories: energies, works, contact, heat and wear over time.
 
-use super::charts::{self, Area, Chart, Column, Series};
+use super::charts::{self, Area, Chart, ChartColumn, Series};
 use super::color::LINES;
 use super::picture::{Picture, Stroke};
 use super::profiles::{STATUSES, color};
-use super::run::{History, Run};
-use super::{Options, Panel, PlotError, axes, heading};
+use super::run::{DrawnRun, HistoryColumns};
+use super::{Options, PlotError, RunPanel, axes, heading};
 use crate::output::columns;
 use crate::units::{Measure, Units};
 
-pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+pub(super) fn draw(panels: &[RunPanel], options: &Options) -> Result<Picture, PlotError> {
     let units = super::units(panels, options);
     let mut columns = Vec::new();
     for panel in panels {
@@ -26,7 +26,7 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
         // A run starts at 0, one step before its first row.
         let x = if first > 0.0 { [0.0, last] } else { axes::padded([first, last], 0.0) };
         let charts = chart_list(panel.run, units);
-        columns.push(Column {
+        columns.push(ChartColumn {
             title: panel.title.to_owned(),
             x,
             x_label: "time t".to_owned(),
@@ -38,14 +38,14 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     }
     if let [column] = &mut columns[..] {
         let half = column.charts.len().div_ceil(2);
-        let right = Column { charts: column.charts.split_off(half), ..column.clone() };
+        let right = ChartColumn { charts: column.charts.split_off(half), ..column.clone() };
         columns.push(right);
     }
     Ok(charts::draw(&heading(panels, "history"), &[], &columns, options.shared_scale))
 }
 
 /// Lines of columns by their names and labels, without those that are zero throughout.
-fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
+fn lines(run: &DrawnRun, columns: &[(&str, &str)]) -> Vec<Series> {
     // Small quantities overlap near zero: later lines are dashed so that earlier ones show through.
     let dashes: [&[f64]; 5] = [&[], &[], &[], &[7.0, 4.0], &[2.0, 3.0]];
     let known = columns.iter().zip(LINES.into_iter().zip(dashes)).filter(|((name, _), _)| run.has(name));
@@ -58,7 +58,7 @@ fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
 }
 
 /// Charts of the quantities of the run; the closing error of a balance is always among them.
-pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
+pub(super) fn chart_list(run: &DrawnRun, units: Units) -> Vec<Chart> {
     let history = &run.history;
     let chart = |quantity: &str, measure: Measure, series: Vec<Series>| Chart {
         quantity: quantity.to_owned(),
@@ -121,7 +121,7 @@ pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
 }
 
 /// The contact force by its components, or `None` if it is zero.
-fn force_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
+fn force_chart(run: &DrawnRun, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
     let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
     let series = lines(run, &[(&x, "x"), (&y, "y"), (&z, "z")]);
     (!series.is_empty()).then(|| chart("contact force", Measure::Force, series))
@@ -129,7 +129,7 @@ fn force_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -
 
 /// The moment of contact: in space about the origin, by components; for bodies of revolution about the axis, of all
 /// contacts together and of each of several. `None` if it is zero.
-fn moment_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
+fn moment_chart(run: &DrawnRun, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Option<Chart> {
     let history = &run.history;
     let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_MOMENTS.component(c));
     let in_space = lines(run, &[(&x, "x"), (&y, "y"), (&z, "z")]);
@@ -149,7 +149,7 @@ fn moment_chart(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) 
 }
 
 /// Friction power, temperature of the foundation, area and wear over time, if the run has them.
-fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Vec<Chart> {
+fn surface_charts(run: &DrawnRun, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Vec<Chart> {
     let history = &run.history;
     let line = |label: &str, color: usize, pieces: Vec<[f64; 2]>| Series {
         label: label.to_owned(),
@@ -192,13 +192,13 @@ fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart
     charts
 }
 
-fn points(history: &History, name: &str) -> Vec<[f64; 2]> {
+fn points(history: &HistoryColumns, name: &str) -> Vec<[f64; 2]> {
     let column = |name: &str| history.get(name).map_or(&[][..], Vec::as_slice).iter().copied();
     column(columns::TIME.name).zip(column(name)).map(|(t, v)| [t, v]).collect()
 }
 
 /// The numbers of open, sticking and slipping points, stacked.
-fn status_chart(history: &History, units: Units) -> Chart {
+fn status_chart(history: &HistoryColumns, units: Units) -> Chart {
     let times = points(history, columns::TIME.name);
     let mut below: Vec<[f64; 2]> = times.iter().map(|p| [p[0], 0.0]).collect();
     let mut areas = Vec::new();

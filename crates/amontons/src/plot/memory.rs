@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::body::Body;
-use super::run::{History, Rod, Run, Snapshot, Solid};
+use super::body::PlaneMesh;
+use super::run::{DrawnRun, HistoryColumns, PlaneSnapshot, Rod, SpaceSnapshot};
 use super::surface::Skin;
 use super::{PlotError, contact, ground};
 use crate::contact::names_of_points;
@@ -16,7 +16,7 @@ use crate::problem::Problem;
 use crate::state::State;
 use crate::tensor::Sym;
 
-impl Run {
+impl DrawnRun {
     /// A run in memory at the time of a state. `contact` holds the columns of its contact points from
     /// [`crate::output::contact_columns`], `history` the rows of all steps. Its pictures are those of the results
     /// folder that the run would have written.
@@ -27,19 +27,19 @@ impl Run {
         problem: &Arc<Problem>,
         state: &State,
         contact: &[(String, ContactValues)],
-        history: History,
-    ) -> Result<Run, PlotError> {
+        history: HistoryColumns,
+    ) -> Result<DrawnRun, PlotError> {
         let mesh = &problem.mesh;
         let sides = names_of_points(&problem.contacts);
         let problem = &ground::found(problem, &history);
-        let mut run = Run {
+        let mut run = DrawnRun {
             name: problem.name.clone(),
             dimension: mesh.dim,
             t: state.t,
             history,
             units: problem.units(),
             problem: Some(Arc::clone(problem)),
-            ..Run::default()
+            ..DrawnRun::default()
         };
         // At t = 0 there are no columns.
         let rows = Some(contact).filter(|columns| !columns.is_empty());
@@ -52,7 +52,7 @@ impl Run {
             3 => {
                 let mut points = rows.map_or_else(|| Ok(Vec::new()), |rows| contact::in_space(&rows, &sides))?;
                 contact::read_in_means(problem, &mut points);
-                run.solid = Some(Solid { contact: points, ..solid(problem, state)? });
+                run.solid = Some(SpaceSnapshot { contact: points, ..solid(problem, state)? });
             }
             _ => run.rod = Some(rod(problem, state)),
         }
@@ -81,14 +81,14 @@ impl Run {
 pub struct Film {
     problem: Arc<Problem>,
     every: usize,
-    frames: Vec<Frame>,
-    history: History,
+    frames: Vec<FilmFrame>,
+    history: HistoryColumns,
     summary: Option<Summary>,
 }
 
 /// A state with the columns of its contact points.
 #[derive(Clone, Debug)]
-struct Frame {
+struct FilmFrame {
     state: State,
     contact: Vec<(String, ContactValues)>,
 }
@@ -97,7 +97,7 @@ impl Film {
     /// Keeps the start, every `every`-th step and the last one; 0: the last only.
     #[must_use]
     pub fn new(problem: &Arc<Problem>, every: usize) -> Film {
-        Film { problem: Arc::clone(problem), every, frames: Vec::new(), history: History::new(), summary: None }
+        Film { problem: Arc::clone(problem), every, frames: Vec::new(), history: HistoryColumns::new(), summary: None }
     }
 
     /// The kept times, s.
@@ -116,18 +116,18 @@ impl Film {
     ///
     /// # Errors
     /// [`PlotError::Data`] if there is no such time or a value is not finite.
-    pub fn frame(&self, index: usize) -> Result<Run, PlotError> {
+    pub fn frame(&self, index: usize) -> Result<DrawnRun, PlotError> {
         let missing = || {
             let kept = self.frames.len();
             PlotError::Data(format!("there is no frame {index}; the film has {kept}, counted from 0"))
         };
-        let Frame { state, contact } = self.frames.get(index).ok_or_else(missing)?;
-        Run::of_state(&self.problem, state, contact, self.history.clone())
+        let FilmFrame { state, contact } = self.frames.get(index).ok_or_else(missing)?;
+        DrawnRun::of_state(&self.problem, state, contact, self.history.clone())
     }
 
     fn keep(&mut self, now: &output::Snapshot) {
         if self.frames.last().is_none_or(|frame| frame.state.step != now.state.step) {
-            self.frames.push(Frame { state: now.state.clone(), contact: contact_columns(now) });
+            self.frames.push(FilmFrame { state: now.state.clone(), contact: contact_columns(now) });
         }
     }
 
@@ -164,11 +164,11 @@ impl Sink for Film {
     }
 }
 
-fn plane(problem: &Problem, state: &State) -> Result<Snapshot, PlotError> {
+fn plane(problem: &Problem, state: &State) -> Result<PlaneSnapshot, PlotError> {
     let u = displacement::<2>(&problem.mesh, state);
     let Stresses { cells, nodes } = Stresses::new(problem, state);
-    let snapshot = Snapshot {
-        body: Body::of_mesh(&problem.mesh)?,
+    let snapshot = PlaneSnapshot {
+        body: PlaneMesh::of_mesh(&problem.mesh)?,
         displacement: u,
         temperature: temperature(problem, state),
         von_mises: cells,
@@ -179,9 +179,9 @@ fn plane(problem: &Problem, state: &State) -> Result<Snapshot, PlotError> {
     Ok(snapshot)
 }
 
-fn solid(problem: &Problem, state: &State) -> Result<Solid, PlotError> {
+fn solid(problem: &Problem, state: &State) -> Result<SpaceSnapshot, PlotError> {
     let Stresses { cells, nodes } = Stresses::new(problem, state);
-    let solid = Solid {
+    let solid = SpaceSnapshot {
         surface: Skin::of_mesh(&problem.mesh)?,
         displacement: displacement::<3>(&problem.mesh, state),
         temperature: temperature(problem, state),

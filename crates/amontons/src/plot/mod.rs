@@ -1,7 +1,7 @@
 //! Pictures of a run and of a convergence study, as SVG and PNG, without fonts or libraries of the system.
 //!
 //! [`folder`] draws the content of a results folder; [`side_by_side`] compares runs in panels of one picture. Both use
-//! [`Run`], which is plain data, and [`picture`]; [`Film`] collects them for a run without a folder. A convergence
+//! [`DrawnRun`], which is plain data, and [`picture`]; [`Film`] collects them for a run without a folder. A convergence
 //! study is drawn by [`convergence`].
 //!
 //! ```no_run
@@ -54,17 +54,17 @@ mod zoom;
 
 use std::path::{Path, PathBuf};
 
-use crate::units::{Measure, System, Units};
+use crate::units::{Measure, UnitSystem, Units};
 
 pub use animation::animation;
-pub use body::Body;
+pub use body::PlaneMesh;
 pub use color::ColorMap;
 pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};
 pub use memory::Film;
 pub use picture::Picture;
 pub use plane::scale_factor;
 pub use report::report;
-pub use run::{ContactRow, History, Rod, Run, Snapshot, Solid, SolidContact};
+pub use run::{ContactRow, DrawnRun, HistoryColumns, PlaneSnapshot, Rod, SolidContact, SpaceSnapshot};
 pub use sides::sides;
 pub use surface::Skin;
 pub use sweep::{SweepPlot, SweepSeries, sweep};
@@ -142,7 +142,7 @@ impl Options {
 }
 
 /// The units of the runs in a picture.
-fn units(panels: &[Panel], options: &Options) -> Units {
+fn units(panels: &[RunPanel], options: &Options) -> Units {
     options.units(panels.first().map(|panel| panel.run.units).unwrap_or_default())
 }
 
@@ -153,7 +153,7 @@ fn time(t: f64, units: Units) -> String {
 
 /// The kinds of pictures of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PictureKind {
     /// The deformed mesh and its foundation, coloured by the displacement.
     Deformed,
     /// The temperature.
@@ -169,60 +169,66 @@ pub enum Kind {
     History,
 }
 
-impl Kind {
+impl PictureKind {
     /// Every kind.
-    pub const ALL: [Kind; 6] =
-        [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::Wear, Kind::History];
+    pub const ALL: [PictureKind; 6] = [
+        PictureKind::Deformed,
+        PictureKind::Temperature,
+        PictureKind::VonMises,
+        PictureKind::Contact,
+        PictureKind::Wear,
+        PictureKind::History,
+    ];
 
     /// Name of the files of the picture, without extension.
     #[must_use]
     pub fn file_name(self) -> &'static str {
         match self {
-            Kind::Deformed => "deformed",
-            Kind::Temperature => "temperature",
-            Kind::VonMises => "von-mises",
-            Kind::Contact => "contact",
-            Kind::Wear => "wear",
-            Kind::History => "history",
+            PictureKind::Deformed => "deformed",
+            PictureKind::Temperature => "temperature",
+            PictureKind::VonMises => "von-mises",
+            PictureKind::Contact => "contact",
+            PictureKind::Wear => "wear",
+            PictureKind::History => "history",
         }
     }
 
     /// True if a run has the data of the picture: fields of a plane body or a body in space, contact, wear, or rows of
     /// its history.
     #[must_use]
-    pub fn is_in(self, run: &Run) -> bool {
+    pub fn is_in(self, run: &DrawnRun) -> bool {
         match self {
-            Kind::Temperature => run.fields()[0],
-            Kind::Deformed | Kind::VonMises => run.fields()[1],
-            Kind::Contact => {
+            PictureKind::Temperature => run.fields()[0],
+            PictureKind::Deformed | PictureKind::VonMises => run.fields()[1],
+            PictureKind::Contact => {
                 run.snapshot.is_some() && !run.contact.is_empty()
                     || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty())
             }
-            Kind::Wear => Kind::Contact.is_in(run) && run.worn()[0],
-            Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
+            PictureKind::Wear => PictureKind::Contact.is_in(run) && run.worn()[0],
+            PictureKind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
         }
     }
 
     /// True if the picture is not trivial: nonzero displacements, stresses, different temperatures or a heat flow.
     #[must_use]
-    pub fn is_told_by(self, run: &Run) -> bool {
+    pub fn is_told_by(self, run: &DrawnRun) -> bool {
         self.is_in(run)
             && match self {
-                Kind::Deformed => run.has_moved(),
-                Kind::VonMises => run.has_stress(),
-                Kind::Temperature => run.has_heat(),
-                Kind::Contact | Kind::Wear | Kind::History => true,
+                PictureKind::Deformed => run.has_moved(),
+                PictureKind::VonMises => run.has_stress(),
+                PictureKind::Temperature => run.has_heat(),
+                PictureKind::Contact | PictureKind::Wear | PictureKind::History => true,
             }
     }
 }
 
 /// A run in a picture, with a title if several stand side by side.
 #[derive(Clone, Debug)]
-pub struct Panel<'a> {
+pub struct RunPanel<'a> {
     /// The title; empty for none.
     pub title: &'a str,
     /// The run.
-    pub run: &'a Run,
+    pub run: &'a DrawnRun,
 }
 
 /// Draws a picture of one run, or of several side by side. No side is longer than 4000 units of 1/96 inch: if the
@@ -232,9 +238,9 @@ pub struct Panel<'a> {
 ///
 /// # Errors
 /// [`PlotError::Data`] if a run lacks the data of the picture or its data contradict each other.
-pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
-    for Panel { run, .. } in panels {
-        if run.dimension == 1 && kind != Kind::History {
+pub fn picture(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Result<Picture, PlotError> {
+    for RunPanel { run, .. } in panels {
+        if run.dimension == 1 && kind != PictureKind::History {
             let what = kind.file_name();
             return Err(PlotError::Data(format!(
                 "the run {} is of a body in d = 1, which the picture `{what}` does not show",
@@ -256,7 +262,7 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
         }
     }
     let in_space = panels.iter().filter(|panel| panel.run.solid.is_some()).count();
-    if in_space > 0 && in_space < panels.len() && kind != Kind::History {
+    if in_space > 0 && in_space < panels.len() && kind != PictureKind::History {
         return Err(PlotError::Data("bodies in the plane and bodies in space do not go into one picture".to_owned()));
     }
     if panels.is_empty() {
@@ -265,7 +271,7 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
     let mut shown = panels.len().min(PANELS);
     loop {
         let chosen = if shown > 1 { frames::evenly(panels.len(), shown) } else { vec![panels.len() - 1] };
-        let some: Vec<Panel> = chosen.iter().filter_map(|&i| panels.get(i).cloned()).collect();
+        let some: Vec<RunPanel> = chosen.iter().filter_map(|&i| panels.get(i).cloned()).collect();
         let picture = drawn(kind, &some, options)?;
         if shown > 1 && picture.is_too_large() {
             shown -= shown.div_ceil(8);
@@ -278,19 +284,23 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
 }
 
 /// A picture of some panels, of any size.
-fn drawn(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+fn drawn(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Result<Picture, PlotError> {
     let in_space = panels.iter().filter(|panel| panel.run.solid.is_some()).count();
     match kind {
-        Kind::Contact | Kind::Wear if in_space > 0 => footprint::draw(kind, panels, options),
-        Kind::Deformed | Kind::Temperature | Kind::VonMises if in_space > 0 => Ok(oblique::draw(kind, panels, options)),
-        Kind::Deformed | Kind::Temperature | Kind::VonMises => Ok(plane::draw(kind, panels, options)),
-        Kind::Contact | Kind::Wear => profiles::draw(kind, panels, options),
-        Kind::History => history::draw(panels, options),
+        PictureKind::Contact | PictureKind::Wear if in_space > 0 => footprint::draw(kind, panels, options),
+        PictureKind::Deformed | PictureKind::Temperature | PictureKind::VonMises if in_space > 0 => {
+            Ok(oblique::draw(kind, panels, options))
+        }
+        PictureKind::Deformed | PictureKind::Temperature | PictureKind::VonMises => {
+            Ok(plane::draw(kind, panels, options))
+        }
+        PictureKind::Contact | PictureKind::Wear => profiles::draw(kind, panels, options),
+        PictureKind::History => history::draw(panels, options),
     }
 }
 
 /// Title such as `paper: temperature at t = 1 s`, without the name if several runs stand side by side.
-fn title(panels: &[Panel], what: &str, options: &Options) -> String {
+fn title(panels: &[RunPanel], what: &str, options: &Options) -> String {
     let same_time = panels.windows(2).all(|p| p[0].run.t.total_cmp(&p[1].run.t).is_eq());
     let when = panels
         .first()
@@ -299,11 +309,11 @@ fn title(panels: &[Panel], what: &str, options: &Options) -> String {
     heading(panels, &format!("{what}{when}"))
 }
 
-fn heading(panels: &[Panel], what: &str) -> String {
+fn heading(panels: &[RunPanel], what: &str) -> String {
     // One run, at one time or at several.
     let same = panels.windows(2).all(|p| p[0].run.name == p[1].run.name && p[0].run.t.total_cmp(&p[1].run.t).is_ne());
     match panels {
-        [Panel { run, .. }, ..] if same && !run.name.is_empty() => format!("{}: {what}", run.name),
+        [RunPanel { run, .. }, ..] if same && !run.name.is_empty() => format!("{}: {what}", run.name),
         _ => what.chars().take(1).flat_map(char::to_uppercase).chain(what.chars().skip(1)).collect(),
     }
 }
@@ -311,8 +321,8 @@ fn heading(panels: &[Panel], what: &str) -> String {
 /// Draws all pictures of the run and of the convergence study in a results folder into its folder `plots`. Returns
 /// their paths.
 ///
-/// Pictures of the body and of Γ_C show the times of the options, or those that [`Run::frames`] chooses. A body in one
-/// dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no temperature
+/// Pictures of the body and of Γ_C show the times of the options, or those that [`DrawnRun::frames`] chooses. A body in
+/// one dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no temperature
 /// without heat, no wear without wear.
 ///
 /// # Errors
@@ -324,7 +334,7 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     let study = dir.join("convergence.csv");
     let is_study = study.exists();
     if is_study {
-        let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == System::Dimensionless;
+        let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == UnitSystem::Dimensionless;
         let plot = ConvergencePlot::read(
             &study,
             &Options { dimensionless: options.dimensionless || has_none, ..options.clone() },
@@ -333,9 +343,9 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
         paths.extend(convergence(&plot)?.save(&into.join("convergence"), options.pixels)?);
     }
     if !is_study || folder::has_fields(dir) {
-        let runs = Run::frames(dir, &options.times)?;
+        let runs = DrawnRun::frames(dir, &options.times)?;
         make()?;
-        for kind in Kind::ALL {
+        for kind in PictureKind::ALL {
             paths.extend(
                 strip(kind, &runs, options)?
                     .map(|picture| picture.save(&into.join(kind.file_name()), options.pixels))
@@ -349,12 +359,12 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
 }
 
 /// The picture of a run at several times, with one scale of values, or `None` if there is nothing to show.
-fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>, PlotError> {
+fn strip(kind: PictureKind, runs: &[DrawnRun], options: &Options) -> Result<Option<Picture>, PlotError> {
     if !runs.iter().any(|run| kind.is_told_by(run)) {
         return Ok(None);
     }
     // The history covers the whole run at each time.
-    let frames: Vec<&Run> = if kind == Kind::History {
+    let frames: Vec<&DrawnRun> = if kind == PictureKind::History {
         runs.iter().rev().take(1).collect()
     } else {
         runs.iter().filter(|run| kind.is_in(run)).collect()
@@ -362,7 +372,7 @@ fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>,
     let several = frames.len() > 1;
     let titles: Vec<String> =
         frames.iter().map(|run| if several { time(run.t, options.units(run.units)) } else { String::new() }).collect();
-    let panels: Vec<Panel> = frames.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
+    let panels: Vec<RunPanel> = frames.iter().zip(&titles).map(|(run, title)| RunPanel { title, run }).collect();
     picture(kind, &panels, &Options { shared_scale: options.shared_scale || several, ..options.clone() }).map(Some)
 }
 
@@ -371,13 +381,13 @@ fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>,
 /// # Errors
 /// As [`folder`]; also if a run lacks the data of the picture.
 pub fn side_by_side(
-    kind: Kind,
+    kind: PictureKind,
     runs: &[(&str, &Path)],
     out: &Path,
     options: &Options,
 ) -> Result<[PathBuf; 2], PlotError> {
-    let read: Vec<Run> = runs.iter().map(|(_, dir)| Run::read(dir)).collect::<Result<_, _>>()?;
-    let panels: Vec<Panel> = runs.iter().zip(&read).map(|(&(title, _), run)| Panel { title, run }).collect();
+    let read: Vec<DrawnRun> = runs.iter().map(|(_, dir)| DrawnRun::read(dir)).collect::<Result<_, _>>()?;
+    let panels: Vec<RunPanel> = runs.iter().zip(&read).map(|(&(title, _), run)| RunPanel { title, run }).collect();
     if let Some(parent) = out.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(|source| PlotError::Write { path: parent.to_owned(), source })?;
     }

@@ -1,11 +1,11 @@
 //! The names of the bodies of an assembly.
 
 use super::axes::{HALF, NUMBER};
-use super::body::Body;
+use super::body::PlaneMesh;
 use super::color::{INK, WHITE};
 use super::picture::{Anchor, Picture, Rect};
-use super::run::Run;
-use super::sheet::Frame;
+use super::run::DrawnRun;
+use super::sheet::SheetPanel;
 use crate::tensor;
 
 /// Margin around a name.
@@ -13,7 +13,7 @@ const MARGIN: f64 = 3.0;
 
 /// Writes the name of each region of an assembly into the region at its deformed position, if there is room. `regions`
 /// holds the number of the region of each cell. Without pairs there is one body, which needs no name.
-pub(super) fn draw(picture: &mut Picture, frame: &Frame, run: &Run, (moved, regions): (&Body, &[f64])) {
+pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, (moved, regions): (&PlaneMesh, &[f64])) {
     let Some(problem) = &run.problem else { return };
     if !problem.contacts.iter().any(|contact| contact.pair.is_some()) || problem.mesh.regions.len() < 2 {
         return;

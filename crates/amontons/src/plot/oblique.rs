@@ -2,16 +2,16 @@
 
 use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, Sign, TITLE};
 use super::color::{Color, ColorMap, INK, SOFT, VERMILION};
-use super::field::{self, Bar, Quantity};
-use super::ground::{self, Patch};
+use super::field::{self, ColorBar, DrawnQuantity};
+use super::ground::{self, GroundPatch};
 use super::picture::{Anchor, Picture, Rect, Stroke};
 use super::plane::{factor, times, typeset};
-use super::render::{self, Scene, View};
-use super::run::{Run, Solid, at_corners};
+use super::render::{self, ShadedTriangle, View};
+use super::run::{DrawnRun, SpaceSnapshot, at_corners};
 use super::surface::{dot, norm};
 use super::views::{self, Look};
 use super::zoom::{self, Zone, clipped};
-use super::{Kind, Options, Panel, body, font, title};
+use super::{Options, PictureKind, RunPanel, body, font, title};
 use crate::units::{Measure, Units};
 
 /// Pixels of an image per unit of the picture.
@@ -27,8 +27,8 @@ const VIEWS: usize = 36;
 
 /// A body seen from one direction.
 #[derive(Clone)]
-struct Sight<'a> {
-    solid: &'a Solid,
+struct BodyView<'a> {
+    solid: &'a SpaceSnapshot,
     heading: String,
     view: View,
     /// The mean outward normal of the contact shown.
@@ -48,19 +48,21 @@ struct Sight<'a> {
 }
 
 /// The field of a picture at the corners of the surface triangles.
-fn values(kind: Kind, solid: &Solid) -> Vec<[f64; 3]> {
+fn values(kind: PictureKind, solid: &SpaceSnapshot) -> Vec<[f64; 3]> {
     let surface = &solid.surface;
     let corners = |nodal: &[f64], cells| at_corners(&surface.triangles, &surface.owners, nodal, cells);
     match kind {
-        Kind::VonMises => corners(&solid.nodal_von_mises, (&solid.von_mises, &solid.regions)),
-        Kind::Deformed => corners(&solid.displacement.iter().map(|u| norm(*u)).collect::<Vec<f64>>(), (&[], &[])),
+        PictureKind::VonMises => corners(&solid.nodal_von_mises, (&solid.von_mises, &solid.regions)),
+        PictureKind::Deformed => {
+            corners(&solid.displacement.iter().map(|u| norm(*u)).collect::<Vec<f64>>(), (&[], &[]))
+        }
         _ => corners(&solid.temperature, (&[], &[])),
     }
 }
 
 /// Bodies in space as drawn, with the data common to all of them.
-struct Stage<'a> {
-    solids: Vec<(&'a Panel<'a>, &'a Solid)>,
+struct SpaceScene<'a> {
+    solids: Vec<(&'a RunPanel<'a>, &'a SpaceSnapshot)>,
     fields: Vec<Vec<[f64; 3]>>,
     extents: Vec<[f64; 2]>,
     /// The largest stress at the centre of a cell, if recovered stresses are drawn.
@@ -69,12 +71,12 @@ struct Stage<'a> {
     factor: f64,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> SpaceScene<'a> {
     /// The bodies of runs, with displacements enlarged as in pictures of the kind `enlarged`.
-    fn new(kind: Kind, panels: &'a [Panel<'a>], options: &Options, enlarged: Kind) -> Stage<'a> {
-        let solids: Vec<(&Panel, &Solid)> =
+    fn new(kind: PictureKind, panels: &'a [RunPanel<'a>], options: &Options, enlarged: PictureKind) -> SpaceScene<'a> {
+        let solids: Vec<(&RunPanel, &SpaceSnapshot)> =
             panels.iter().filter_map(|panel| panel.run.solid.as_ref().map(|s| (panel, s))).collect();
-        let runs: Vec<&Run> = solids.iter().map(|(panel, _)| panel.run).collect();
+        let runs: Vec<&DrawnRun> = solids.iter().map(|(panel, _)| panel.run).collect();
         let sizes = solids.iter().map(|(_, s)| {
             let size =
                 [0, 1, 2].map(|d| axes::range(s.surface.points.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo));
@@ -84,8 +86,8 @@ impl<'a> Stage<'a> {
         let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| values(kind, s)).collect();
         let extents: Vec<[f64; 2]> =
             fields.iter().map(|v| axes::range(v.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
-        let stress = |((v, (_, s)), extent): ((&Vec<[f64; 3]>, &(&Panel, &Solid)), &[f64; 2])| {
-            if kind == Kind::VonMises { field::shown(v, &s.surface.areas(), *extent) } else { *extent }
+        let stress = |((v, (_, s)), extent): ((&Vec<[f64; 3]>, &(&RunPanel, &SpaceSnapshot)), &[f64; 2])| {
+            if kind == PictureKind::VonMises { field::shown(v, &s.surface.areas(), *extent) } else { *extent }
         };
         let mut ranges: Vec<[f64; 2]> = fields.iter().zip(&solids).zip(&extents).map(stress).collect();
         if options.shared_scale {
@@ -93,22 +95,22 @@ impl<'a> Stage<'a> {
             ranges.fill(common);
         }
         let in_cells = solids.iter().map(|(_, s)| field::largest_in_cells(&s.von_mises, &s.nodal_von_mises)).collect();
-        Stage { solids, fields, extents, in_cells, ranges, factor }
+        SpaceScene { solids, fields, extents, in_cells, ranges, factor }
     }
 
     /// The contact that is enlarged.
     fn zone(&self) -> Option<Zone> {
-        let runs: Vec<&Run> = self.solids.iter().map(|(panel, _)| panel.run).collect();
+        let runs: Vec<&DrawnRun> = self.solids.iter().map(|(panel, _)| panel.run).collect();
         let nodes: Vec<_> = self.solids.iter().map(|(_, s)| s.surface.points.clone()).collect();
         let moved: Vec<_> = self.solids.iter().map(|(_, s)| displaced(s, self.factor)).collect();
         zoom::zone(&runs, &nodes, &moved)
     }
 
     /// A body in all its views, with its contact enlarged if that is small.
-    fn sights(&self, body: usize, zone: Option<&Zone>) -> Vec<Sight<'a>> {
+    fn sights(&self, body: usize, zone: Option<&Zone>) -> Vec<BodyView<'a>> {
         let (entry, all) = (self.solids[body], self.solids.len() == 1);
         let looks = views::looks(entry.0.run, all);
-        let mut sights: Vec<Sight> =
+        let mut sights: Vec<BodyView> =
             looks.into_iter().take(VIEWS).map(|look| sight(entry, look, self.factor)).collect();
         let enlarged = zone.and_then(|zone| {
             let side = entry.0.run.side(zone.side);
@@ -117,18 +119,18 @@ impl<'a> Stage<'a> {
             let points: Vec<[f64; 2]> = zone.points.iter().map(part).collect();
             let (window, times) = zoom::window(&points, seen.window)?;
             let heading = format!("contact{side}, enlarged × {}", super::ticks::number(times));
-            Some(Sight { heading, times, window, ..seen.clone() })
+            Some(BodyView { heading, times, window, ..seen.clone() })
         });
         sights.extend(enlarged);
         sights
     }
 }
 
-pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
-    let (units, quantity) = (super::units(panels, options), Quantity::of(kind));
-    let stage = Stage::new(kind, panels, options, kind);
+pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Picture {
+    let (units, quantity) = (super::units(panels, options), DrawnQuantity::of(kind));
+    let stage = SpaceScene::new(kind, panels, options, kind);
     let zone = stage.zone();
-    let sights: Vec<(usize, Sight)> = (0..stage.solids.len())
+    let sights: Vec<(usize, BodyView)> = (0..stage.solids.len())
         .flat_map(|i| stage.sights(i, zone.as_ref()).into_iter().map(move |sight| (i, sight)))
         .collect();
     let title = title(panels, quantity.name, options);
@@ -137,24 +139,26 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
 }
 
 /// One picture per run, all from the same direction, with the same scales of colours, displacements and lengths.
-pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
+pub(super) fn frames(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Vec<Picture> {
     let units = super::units(panels, options);
-    let stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
+    let stage =
+        SpaceScene::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, PictureKind::Deformed);
     // A pair is shown as a whole.
-    let look = |run: &Run| {
+    let look = |run: &DrawnRun| {
         let seen = views::looks(run, false).into_iter().next();
-        seen.filter(|look| look.nodes.is_none()).or_else(|| views::looks(&Run::default(), false).into_iter().next())
+        seen.filter(|look| look.nodes.is_none())
+            .or_else(|| views::looks(&DrawnRun::default(), false).into_iter().next())
     };
     let seen = stage.solids.iter().filter_map(|entry| Some((entry, look(entry.0.run)?)));
-    let mut sights: Vec<Sight> = seen.map(|(entry, look)| sight(*entry, look, stage.factor)).collect();
+    let mut sights: Vec<BodyView> = seen.map(|(entry, look)| sight(*entry, look, stage.factor)).collect();
     let window = [0, 1].map(|d| axes::range(sights.iter().flat_map(|s| s.window[d])).unwrap_or([0.0, 1.0]));
     for sight in &mut sights {
         sight.window = window;
     }
     let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
     let in_cells = axes::range(stage.in_cells.iter().flatten().copied()).map(|[_, most]| most);
-    let frame = |(i, sight): (usize, Sight)| {
-        let quantity = Quantity::of(kind);
+    let frame = |(i, sight): (usize, BodyView)| {
+        let quantity = DrawnQuantity::of(kind);
         let title = title(&panels[i..=i], quantity.name, options);
         let texts = Texts { title, quantity, units, factor: stage.factor };
         lay_out(kind, &[(0, sight)], &stage.fields[i..=i], (&stage.ranges[i..=i], &[extent], &[in_cells]), &texts)
@@ -165,7 +169,7 @@ pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Pic
 /// Texts and scales of a picture.
 struct Texts {
     title: String,
-    quantity: Quantity,
+    quantity: DrawnQuantity,
     units: Units,
     factor: f64,
 }
@@ -184,20 +188,23 @@ type Ranges<'r> = (&'r [[f64; 2]], &'r [[f64; 2]], &'r [Option<f64>]);
 
 /// Places the bodies in rows, each with a bar of colours on its right.
 fn lay_out(
-    kind: Kind,
-    sights: &[(usize, Sight)],
+    kind: PictureKind,
+    sights: &[(usize, BodyView)],
     fields: &[Vec<[f64; 3]>],
     (ranges, extents, in_cells): Ranges,
     texts: &Texts,
 ) -> Picture {
     let Texts { title, quantity, units, factor } = texts;
     // One scale for all bodies.
-    let length = |s: &Sight, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
+    let length = |s: &BodyView, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
     let span = |d: usize| sights.iter().map(|(_, s)| length(s, d)).fold(f64::MIN_POSITIVE, f64::max);
     let scale = LONGEST / span(0).max(span(1));
     let [each_width, each_height] = [(span(0) * scale).ceil().max(80.0), (span(1) * scale).ceil()];
-    let bars: Vec<Bar> =
-        ranges.iter().zip(extents).map(|(range, extent)| Bar::new(quantity, *range, *extent, *units, false)).collect();
+    let bars: Vec<ColorBar> = ranges
+        .iter()
+        .zip(extents)
+        .map(|(range, extent)| ColorBar::new(quantity, *range, *extent, *units, false))
+        .collect();
     let note = |(extent, in_cells): (&[f64; 2], &Option<f64>)| {
         let text = format!("{}; {}", field::extremes_of_body(kind, *units, *extent, *in_cells), times(*factor));
         let (first, second) = text.split_once("; ").unwrap_or((&text, ""));
@@ -205,7 +212,7 @@ fn lay_out(
     };
     let notes: Vec<[String; 2]> = extents.iter().zip(in_cells).map(note).collect();
     let is_last = |k: usize| sights.get(k + 1).is_none_or(|next| next.0 != sights[k].0);
-    let beside = bars.iter().map(Bar::room).fold(0.0, f64::max) + MARGIN;
+    let beside = bars.iter().map(ColorBar::room).fold(0.0, f64::max) + MARGIN;
     let texts_width = notes.iter().flatten().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
     let column = each_width.max(texts_width - beside) + beside;
     let columns = columns(sights.len());
@@ -225,7 +232,7 @@ fn lay_out(
         let rect = Rect { x, y, width: each_width, height: each_height };
         picture.text([x + 0.5 * rect.width, y - LABEL - 8.0], HEADING, Anchor::Middle, INK, &sight.heading);
         let scale = scale * sight.times;
-        sight.draw(&mut picture, (rect, scale), kind == Kind::Deformed, &fields[*i], (&bars[*i], quantity.map));
+        sight.draw(&mut picture, (rect, scale), kind == PictureKind::Deformed, &fields[*i], (&bars[*i], quantity.map));
         let is_first = k == 0 || sights[k - 1].0 != *i;
         if is_first {
             for (line, text) in notes[*i].iter().enumerate() {
@@ -243,7 +250,7 @@ fn lay_out(
     picture
 }
 
-fn legend(sights: &[(usize, Sight)]) -> Vec<(Sign, String)> {
+fn legend(sights: &[(usize, BodyView)]) -> Vec<(Sign, String)> {
     let behind = sights.iter().any(|(_, sight)| sight.triangles.len() > sight.which.len());
     let in_front = sights.iter().any(|(_, sight)| !sight.in_front.is_empty());
     let [red, green, blue] = GROUND;
@@ -272,12 +279,12 @@ fn length_bar(picture: &mut Picture, [x, y]: [f64; 2], scale: f64, units: Units)
 }
 
 /// The nodes of a body, displaced by `factor` times their displacements.
-fn displaced(solid: &Solid, factor: f64) -> Vec<[f64; 3]> {
+fn displaced(solid: &SpaceSnapshot, factor: f64) -> Vec<[f64; 3]> {
     let moved = solid.surface.points.iter().zip(&solid.displacement);
     moved.map(|(p, u)| [0, 1, 2].map(|d| p[d] + factor * u[d])).collect()
 }
 
-fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Sight<'a> {
+fn sight<'a>((panel, solid): (&RunPanel, &'a SpaceSnapshot), look: Look, factor: f64) -> BodyView<'a> {
     let Look { name, view, nodes: shown, normal } = look;
     let mut points: Vec<[f64; 3]> = displaced(solid, factor).into_iter().map(|p| view.place(p)).collect();
     let is_shown = |node: u32| shown.as_ref().is_none_or(|shown| shown.get(node as usize) == Some(&true));
@@ -292,7 +299,7 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Si
         .as_ref()
         .filter(|_| shown.is_none())
         .map_or_else(Vec::new, |problem| ground::patches(problem, &solid.displacement, panel.run.t, factor));
-    for Patch { points: own, triangles: parts, normal } in patches {
+    for GroundPatch { points: own, triangles: parts, normal } in patches {
         let seen: Vec<[f64; 3]> = own.iter().map(|p| view.place(*p)).collect();
         if dot(normal, view.eye) < 0.0 {
             let first = points.len() as u32;
@@ -306,7 +313,7 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Si
     let seen = triangles.iter().flatten().map(|&n| points[n as usize]).map(|p| [p[0], p[1]]);
     let plane: Vec<[f64; 2]> = seen.chain(in_front.iter().flatten().copied()).collect();
     let heading = if panel.title.is_empty() { name } else { format!("{}, {name}", panel.title) };
-    Sight {
+    BodyView {
         solid,
         heading,
         view,
@@ -321,14 +328,14 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), look: Look, factor: f64) -> Si
     }
 }
 
-impl Sight<'_> {
+impl BodyView<'_> {
     /// True if a node belongs to the body shown.
     fn has(&self, node: u32) -> bool {
         self.shown.as_ref().is_none_or(|shown| shown.get(node as usize) == Some(&true))
     }
 
     /// True if a contact side is visible.
-    fn shows(&self, run: &Run, side: usize) -> bool {
+    fn shows(&self, run: &DrawnRun, side: usize) -> bool {
         let Some(problem) = &run.problem else { return false };
         let points = &problem.contact_boundary().points;
         let mut normals = points.iter().filter(|point| point.contact == side).map(|point| point.normal);
@@ -344,7 +351,7 @@ impl Sight<'_> {
         (rect, scale): (Rect, f64),
         mesh: bool,
         field: &[[f64; 3]],
-        (bar, map): (&Bar, ColorMap),
+        (bar, map): (&ColorBar, ColorMap),
     ) {
         const MESH: Color = Color::new(0x1B_3A_5C);
         let surface = &self.solid.surface;
@@ -355,7 +362,7 @@ impl Sight<'_> {
             if mesh { surface.edges.iter().map(|e| e.nodes).collect() } else { surface.outline(&self.solid.regions) };
         lines.retain(|[node, _]| self.has(*node));
         let ink = if mesh { MESH } else { INK };
-        let scene = Scene {
+        let scene = ShadedTriangle {
             points: &self.points,
             triangles: &self.triangles,
             values: &values,

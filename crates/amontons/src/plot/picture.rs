@@ -63,14 +63,14 @@ pub(super) enum Anchor {
 
 /// A piece of the outline of a shape.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Line {
+pub(super) struct OutlinePiece {
     pub points: Vec<[f64; 2]>,
     pub closed: bool,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum Item {
-    Shape { lines: Vec<Line>, fill: Option<Color>, stroke: Option<Stroke> },
+    Shape { lines: Vec<OutlinePiece>, fill: Option<Color>, stroke: Option<Stroke> },
     Text { at: [f64; 2], size: f64, anchor: Anchor, upwards: bool, color: Color, text: String },
     Image { place: Rect, image: Image },
 }
@@ -268,22 +268,23 @@ impl Picture {
 
     /// Adds several lines as one shape.
     pub(super) fn lines<P: AsRef<[[f64; 2]]>>(&mut self, lines: &[P], stroke: Stroke) {
-        let lines = lines.iter().map(|points| Line { points: points.as_ref().to_vec(), closed: false }).collect();
+        let lines =
+            lines.iter().map(|points| OutlinePiece { points: points.as_ref().to_vec(), closed: false }).collect();
         self.shape(lines, None, Some(stroke));
     }
 
     /// Adds a filled polygon.
     pub(super) fn polygon(&mut self, points: Vec<[f64; 2]>, fill: Color) {
-        self.shape(vec![Line { points, closed: true }], Some(fill), None);
+        self.shape(vec![OutlinePiece { points, closed: true }], Some(fill), None);
     }
 
     /// Adds the outline of a rectangle.
     pub(super) fn frame(&mut self, rect: Rect, stroke: Stroke) {
-        self.shape(vec![Line { points: rect.corners(), closed: true }], None, Some(stroke));
+        self.shape(vec![OutlinePiece { points: rect.corners(), closed: true }], None, Some(stroke));
     }
 
     /// Adds a shape, filled by the even–odd rule. Points that are not finite are left out.
-    pub(super) fn shape(&mut self, mut lines: Vec<Line>, fill: Option<Color>, stroke: Option<Stroke>) {
+    pub(super) fn shape(&mut self, mut lines: Vec<OutlinePiece>, fill: Option<Color>, stroke: Option<Stroke>) {
         for line in &mut lines {
             line.points.retain(|p| p[0].is_finite() && p[1].is_finite());
         }

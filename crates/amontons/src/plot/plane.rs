@@ -1,17 +1,17 @@
 //! A plane body coloured by a field, with its foundation and its undeformed outline.
 
 use super::axes::{self, LEGEND, NUMBER, Sign};
-use super::body::{Body, window};
+use super::body::{PlaneMesh, window};
 use super::color::{Color, INK, VERMILION, WHITE};
-use super::field::{self, Bar, Quantity};
+use super::field::{self, ColorBar, DrawnQuantity};
 use super::ground::{self, Ground};
 use super::names;
-use super::picture::{Anchor, Line, Picture, Rect, Stroke};
-use super::run::{Run, Snapshot, at_corners};
+use super::picture::{Anchor, OutlinePiece, Picture, Rect, Stroke};
+use super::run::{DrawnRun, PlaneSnapshot, at_corners};
 use super::shade;
-use super::sheet::{self, Frame, Plan, Room};
+use super::sheet::{self, Margins, PanelPlan, SheetPanel};
 use super::zoom::{self, Zone, clipped};
-use super::{Kind, Options, Panel, title};
+use super::{Options, PictureKind, RunPanel, title};
 use crate::mesh::Mesh;
 use crate::units::{Extent, Measure, Units};
 
@@ -35,8 +35,13 @@ pub fn scale_factor(displacement: f64, size: f64) -> f64 {
 
 /// The factor of the displacement in the picture `deformed`, common to all panels: that of the options, 1 if an
 /// enlargement would be false, else a round number. Other pictures show the true displacement.
-pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64, f64)>, options: &Options) -> f64 {
-    if kind != Kind::Deformed {
+pub(super) fn factor(
+    kind: PictureKind,
+    runs: &[&DrawnRun],
+    sizes: impl Iterator<Item = (f64, f64)>,
+    options: &Options,
+) -> f64 {
+    if kind != PictureKind::Deformed {
         return 1.0;
     }
     if let Some(factor) = options.scale_factor {
@@ -71,7 +76,7 @@ fn below(factor: f64) -> f64 {
 }
 
 /// True if the displacement times this factor inverts no cell.
-fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
+fn keeps_orientation(run: &DrawnRun, mesh: &Mesh, factor: f64) -> bool {
     let mut moved = mesh.clone();
     let plane = run.snapshot.iter().flat_map(|s| s.displacement.iter().map(|u| [u[0], u[1], 0.0]));
     let space = run.solid.iter().flat_map(|s| s.displacement.iter().copied());
@@ -91,33 +96,33 @@ pub(super) fn times(factor: f64) -> String {
 }
 
 /// A body as drawn.
-struct Shape<'a> {
-    run: &'a Run,
-    snapshot: &'a Snapshot,
+struct DrawnBody<'a> {
+    run: &'a DrawnRun,
+    snapshot: &'a PlaneSnapshot,
     /// The body with its nodes displaced.
-    moved: Body,
+    moved: PlaneMesh,
     /// The field at the corners of its triangles.
     values: Vec<[f64; 3]>,
     grounds: Vec<Ground>,
 }
 
-impl Shape<'_> {
-    fn of<'a>(kind: Kind, run: &'a Run, snapshot: &'a Snapshot, factor: f64) -> Shape<'a> {
+impl DrawnBody<'_> {
+    fn of<'a>(kind: PictureKind, run: &'a DrawnRun, snapshot: &'a PlaneSnapshot, factor: f64) -> DrawnBody<'a> {
         let body = &snapshot.body;
         let points =
             body.points.iter().zip(&snapshot.displacement).map(|(p, u)| [p[0] + factor * u[0], p[1] + factor * u[1]]);
         let moved = body.moved(points.collect());
         let nodal: Vec<f64>;
         let (nodal, cells) = match kind {
-            Kind::VonMises => (&snapshot.nodal_von_mises, (&snapshot.von_mises[..], &snapshot.regions[..])),
-            Kind::Deformed => {
+            PictureKind::VonMises => (&snapshot.nodal_von_mises, (&snapshot.von_mises[..], &snapshot.regions[..])),
+            PictureKind::Deformed => {
                 nodal = snapshot.displacement.iter().map(|u| u[0].hypot(u[1])).collect();
                 (&nodal, (&[][..], &[][..]))
             }
             _ => (&snapshot.temperature, (&[][..], &[][..])),
         };
         let values = at_corners(&body.triangles, &body.owners, nodal, cells);
-        Shape { run, snapshot, moved, values, grounds: Vec::new() }
+        DrawnBody { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
     /// True if the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of
@@ -145,20 +150,21 @@ impl Shape<'_> {
     }
 }
 
-pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
+pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Picture {
     let units = super::units(panels, options);
-    let stage = Stage::new(kind, panels, options, kind);
+    let stage = PlaneScene::new(kind, panels, options, kind);
     let zone = stage.zone();
     let part = |i: usize| zone.as_ref().and_then(|zone| stage.enlarged(i, zone));
-    let whole = |i: usize| Part { body: i, window: stage.windows[i], times: None, title: String::new() };
-    let all: Vec<Part> = (0..stage.bodies.len()).flat_map(|i| std::iter::once(whole(i)).chain(part(i))).collect();
+    let whole = |i: usize| BodyPanel { body: i, window: stage.windows[i], times: None, title: String::new() };
+    let all: Vec<BodyPanel> = (0..stage.bodies.len()).flat_map(|i| std::iter::once(whole(i)).chain(part(i))).collect();
     stage.picture(&all, &title(panels, stage.quantity.name, options), units, 0.0)
 }
 
 /// One picture per run, all with the same scales of colours, displacements and lengths and the same frame.
-pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
+pub(super) fn frames(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Vec<Picture> {
     let units = super::units(panels, options);
-    let mut stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
+    let mut stage =
+        PlaneScene::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, PictureKind::Deformed);
     // Only the title differs between frames, so that nothing else moves.
     let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
     stage.extents.fill(extent);
@@ -168,12 +174,12 @@ pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Pic
         panels.iter().map(|panel| title(std::slice::from_ref(panel), stage.quantity.name, options)).collect();
     let widest = titles.iter().map(|title| super::font::width(title, axes::TITLE)).fold(0.0, f64::max) + 32.0;
     let numbered = titles.iter().enumerate();
-    let whole = |i: usize| Part { body: i, window: stage.windows[i], times: None, title: String::new() };
+    let whole = |i: usize| BodyPanel { body: i, window: stage.windows[i], times: None, title: String::new() };
     numbered.map(|(i, title)| stage.picture(&[whole(i)], title, units, widest)).collect()
 }
 
 /// A panel: a body, or an enlargement of it.
-struct Part {
+struct BodyPanel {
     body: usize,
     window: [[f64; 2]; 2],
     /// Enlargement relative to the whole body, or `None` for the body itself.
@@ -183,11 +189,11 @@ struct Part {
 }
 
 /// Bodies as drawn, with the data common to all of them.
-struct Stage<'a> {
-    kind: Kind,
-    quantity: Quantity,
-    bodies: Vec<&'a Panel<'a>>,
-    shapes: Vec<Shape<'a>>,
+struct PlaneScene<'a> {
+    kind: PictureKind,
+    quantity: DrawnQuantity,
+    bodies: Vec<&'a RunPanel<'a>>,
+    shapes: Vec<DrawnBody<'a>>,
     extents: Vec<[f64; 2]>,
     /// The largest stress at the centre of a cell, if recovered stresses are drawn.
     in_cells: Vec<Option<f64>>,
@@ -196,18 +202,19 @@ struct Stage<'a> {
     factor: f64,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> PlaneScene<'a> {
     /// The bodies of runs, with displacements enlarged as in pictures of the kind `enlarged`.
-    fn new(kind: Kind, panels: &'a [Panel<'a>], options: &Options, enlarged: Kind) -> Stage<'a> {
-        let with: Vec<(&Panel, &Snapshot)> =
+    fn new(kind: PictureKind, panels: &'a [RunPanel<'a>], options: &Options, enlarged: PictureKind) -> PlaneScene<'a> {
+        let with: Vec<(&RunPanel, &PlaneSnapshot)> =
             panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
-        let runs: Vec<&Run> = with.iter().map(|(panel, _)| panel.run).collect();
+        let runs: Vec<&DrawnRun> = with.iter().map(|(panel, _)| panel.run).collect();
         let sizes = with.iter().map(|(_, s)| {
             let [x, y] = s.body.window();
             (s.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max), (x[1] - x[0]).max(y[1] - y[0]))
         });
         let factor = factor(enlarged, &runs, sizes, options);
-        let mut shapes: Vec<Shape> = with.iter().map(|(panel, s)| Shape::of(kind, panel.run, s, factor)).collect();
+        let mut shapes: Vec<DrawnBody> =
+            with.iter().map(|(panel, s)| DrawnBody::of(kind, panel.run, s, factor)).collect();
         let extents: Vec<[f64; 2]> =
             shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
         let ranges = ranges(kind, &shapes, &extents, options);
@@ -219,36 +226,46 @@ impl<'a> Stage<'a> {
         }
         let bodies = with.iter().map(|(panel, _)| *panel).collect();
         let in_cells = with.iter().map(|(_, s)| field::largest_in_cells(&s.von_mises, &s.nodal_von_mises)).collect();
-        Stage { kind, quantity: Quantity::of(kind), bodies, shapes, extents, in_cells, ranges, windows, factor }
+        PlaneScene {
+            kind,
+            quantity: DrawnQuantity::of(kind),
+            bodies,
+            shapes,
+            extents,
+            in_cells,
+            ranges,
+            windows,
+            factor,
+        }
     }
 
     /// The contact that is enlarged.
     fn zone(&self) -> Option<Zone> {
-        let runs: Vec<&Run> = self.shapes.iter().map(|shape| shape.run).collect();
-        let flat = |body: &Body| body.points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>();
+        let runs: Vec<&DrawnRun> = self.shapes.iter().map(|shape| shape.run).collect();
+        let flat = |body: &PlaneMesh| body.points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>();
         let nodes: Vec<_> = self.shapes.iter().map(|shape| flat(&shape.snapshot.body)).collect();
         let moved: Vec<_> = self.shapes.iter().map(|shape| flat(&shape.moved)).collect();
         zoom::zone(&runs, &nodes, &moved)
     }
 
     /// The part of a body around a contact, the same at all times of a run, or `None` if the contact is not small.
-    fn enlarged(&self, body: usize, zone: &Zone) -> Option<Part> {
+    fn enlarged(&self, body: usize, zone: &Zone) -> Option<BodyPanel> {
         let points: Vec<[f64; 2]> = zone.points.iter().map(|p| [p[0], p[1]]).collect();
         let (window, times) = zoom::window(&points, self.windows[body])?;
-        let Panel { title, run } = self.bodies[body];
+        let RunPanel { title, run } = self.bodies[body];
         let apart = if title.is_empty() { "" } else { ", " };
         let title = format!("{title}{apart}contact{}, enlarged × {}", run.side(zone.side), super::ticks::number(times));
-        Some(Part { body, window, times: Some(times), title })
+        Some(BodyPanel { body, window, times: Some(times), title })
     }
 
     /// A picture with some of the bodies and their parts, at least `least` wide.
-    fn picture(&self, which: &[Part], title: &str, units: Units, least: f64) -> Picture {
+    fn picture(&self, which: &[BodyPanel], title: &str, units: Units, least: f64) -> Picture {
         let quantity = &self.quantity;
         let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
-        let plan = |part: &Part| {
+        let plan = |part: &BodyPanel| {
             let i = part.body;
             let whole = || field::extremes_of_body(self.kind, units, self.extents[i], self.in_cells[i]);
-            Plan {
+            PanelPlan {
                 title: if part.times.is_some() { part.title.clone() } else { self.bodies[i].title.to_owned() },
                 note: if part.times.is_some() { "enlargement of the framed part".to_owned() } else { whole() },
                 window: part.window,
@@ -256,19 +273,20 @@ impl<'a> Stage<'a> {
                 mirrored: false,
             }
         };
-        let plans: Vec<Plan> = which.iter().map(plan).collect();
+        let plans: Vec<PanelPlan> = which.iter().map(plan).collect();
         let wide = sheet::is_wide(&plans);
-        let bar = |part: &Part| Bar::new(quantity, self.ranges[part.body], self.extents[part.body], units, wide);
-        let bars: Vec<Bar> = which.iter().map(bar).collect();
+        let bar =
+            |part: &BodyPanel| ColorBar::new(quantity, self.ranges[part.body], self.extents[part.body], units, wide);
+        let bars: Vec<ColorBar> = which.iter().map(bar).collect();
         let entries = legend(&self.shapes, self.factor, self.kind);
         let legend_width = axes::line_width(&entries);
         let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
         let least = legend_width.max(least);
         let in_twos = which.iter().filter(|part| part.times.is_some()).count() * 2 == which.len();
         let room = if wide {
-            Room { right: 8.0, below: 50.0, above, least, in_twos }
+            Margins { right: 8.0, below: 50.0, above, least, in_twos }
         } else {
-            Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), above, below: 0.0, least, in_twos }
+            Margins { right: bars.iter().map(ColorBar::room).fold(0.0, f64::max), above, below: 0.0, least, in_twos }
         };
         let (mut picture, frames) = sheet::lay_out(title, &plans, room, units);
         let left = 0.5 * (picture.width - legend_width);
@@ -293,9 +311,9 @@ impl<'a> Stage<'a> {
     fn enlargement(
         &self,
         picture: &mut Picture,
-        frame: &Frame,
-        part: &Part,
-        (kind, map, bar): (Kind, super::ColorMap, &Bar),
+        frame: &SheetPanel,
+        part: &BodyPanel,
+        (kind, map, bar): (PictureKind, super::ColorMap, &ColorBar),
         units: Units,
     ) {
         let shape = &self.shapes[part.body];
@@ -314,9 +332,9 @@ impl<'a> Stage<'a> {
 /// A body in its frame, with its colour bar, the axis of revolution and the foundation.
 fn body(
     picture: &mut Picture,
-    frame: &Frame,
-    shape: &Shape,
-    (kind, map, bar): (Kind, super::ColorMap, &Bar),
+    frame: &SheetPanel,
+    shape: &DrawnBody,
+    (kind, map, bar): (PictureKind, super::ColorMap, &ColorBar),
     units: Units,
 ) {
     bar.draw(picture, frame.rect);
@@ -334,9 +352,9 @@ fn body(
 }
 
 /// The colour ranges, one for all panels if they share it.
-fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
-    let own = |(s, extent): (&Shape, &[f64; 2])| {
-        if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent }
+fn ranges(kind: PictureKind, shapes: &[DrawnBody], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
+    let own = |(s, extent): (&DrawnBody, &[f64; 2])| {
+        if kind == PictureKind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent }
     };
     let mut ranges: Vec<[f64; 2]> = shapes.iter().zip(extents).map(own).collect();
     if options.shared_scale {
@@ -347,19 +365,19 @@ fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options)
 }
 
 /// The windows of the panels; the same for all if their bodies have the same extents.
-fn windows(shapes: &[Shape], factor: f64) -> Vec<[[f64; 2]; 2]> {
+fn windows(shapes: &[DrawnBody], factor: f64) -> Vec<[[f64; 2]; 2]> {
     let own: Vec<[[f64; 2]; 2]> = shapes.iter().map(|shape| shape.window(factor)).collect();
     let same = shapes.windows(2).all(|s| s[0].snapshot.body.window() == s[1].snapshot.body.window());
     let common = [0, 1].map(|d| axes::range(own.iter().flat_map(|w| w[d])).unwrap_or([0.0, 1.0]));
     own.into_iter().map(|own| sheet::widened(if same { common } else { own }, 0.06)).collect()
 }
 
-fn legend(shapes: &[Shape], factor: f64, kind: Kind) -> Vec<(Sign, String)> {
+fn legend(shapes: &[DrawnBody], factor: f64, kind: PictureKind) -> Vec<(Sign, String)> {
     let mut entries = Vec::new();
-    if kind == Kind::Deformed || factor > 1.0 {
+    if kind == PictureKind::Deformed || factor > 1.0 {
         entries.push((Sign::Line(Stroke::new(MESH, 1.4), None), times(factor)));
     }
-    if shapes.iter().any(Shape::shows_reference) {
+    if shapes.iter().any(DrawnBody::shows_reference) {
         entries.push((Sign::Line(Stroke::new(REFERENCE, 1.2).dashed(&[5.0, 3.0]), None), "undeformed".to_owned()));
     }
     if shapes.iter().any(|s| !s.grounds.is_empty()) {
@@ -371,8 +389,8 @@ fn legend(shapes: &[Shape], factor: f64, kind: Kind) -> Vec<(Sign, String)> {
 /// Draws the field within a window.
 fn shaded(
     picture: &mut Picture,
-    frame: &Frame,
-    shape: &Shape,
+    frame: &SheetPanel,
+    shape: &DrawnBody,
     (map, range): (super::ColorMap, [f64; 2]),
     window: [[f64; 2]; 2],
 ) {
@@ -387,23 +405,23 @@ fn shaded(
 }
 
 /// Draws the mesh or level lines, the outline, and the undeformed outline.
-fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &Bar) {
-    let through = |body: &Body, lines: &[Vec<u32>]| -> Vec<Vec<[f64; 2]>> {
+fn lines(picture: &mut Picture, frame: &SheetPanel, shape: &DrawnBody, kind: PictureKind, bar: &ColorBar) {
+    let through = |body: &PlaneMesh, lines: &[Vec<u32>]| -> Vec<Vec<[f64; 2]>> {
         let drawn = lines.iter().map(|line| simplified(&frame.all(line.iter().map(|&n| &body.points[n as usize]))));
         drawn.flat_map(|line| clipped(&line, frame.rect)).collect()
     };
-    if kind == Kind::Deformed {
+    if kind == PictureKind::Deformed {
         let mesh = shape.snapshot.body.lines();
         let width = if mesh.len() > 2_000 { 0.25 } else { 0.45 };
         picture.lines(&through(&shape.moved, &mesh), Stroke::new(MESH.with_opacity(0.55), width));
     }
-    if kind == Kind::Temperature {
+    if kind == PictureKind::Temperature {
         let levels = bar.levels().flat_map(|level| shade::level_line(&shape.moved, &shape.snapshot.temperature, level));
         let pieces: Vec<_> = levels.flat_map(|[a, b]| clipped(&[frame.at(&a), frame.at(&b)], frame.rect)).collect();
         picture.lines(&pieces, Stroke::new(WHITE.with_opacity(0.55), 0.7));
     }
     let outline = loops(&shape.snapshot.body.boundary);
-    let drawn = |body: &Body| -> Vec<Line> {
+    let drawn = |body: &PlaneMesh| -> Vec<OutlinePiece> {
         let points = |nodes: &Vec<u32>| simplified(&frame.all(nodes.iter().map(|&n| &body.points[n as usize])));
         outline.iter().flat_map(|nodes| within(points(nodes), frame.rect)).collect()
     };
@@ -414,21 +432,21 @@ fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &
 }
 
 /// A closed line, or its pieces inside a rectangle if it leaves it.
-fn within(mut points: Vec<[f64; 2]>, rect: Rect) -> Vec<Line> {
+fn within(mut points: Vec<[f64; 2]>, rect: Rect) -> Vec<OutlinePiece> {
     // A line on the border of the frame is inside.
     const NEAR: f64 = 0.5;
     let outside = |p: &[f64; 2]| {
         p[0] < rect.x - NEAR || p[0] > rect.right() + NEAR || p[1] < rect.y - NEAR || p[1] > rect.bottom() + NEAR
     };
     if !points.iter().any(outside) {
-        return vec![Line { points, closed: true }];
+        return vec![OutlinePiece { points, closed: true }];
     }
     points.extend(points.first().copied());
-    clipped(&points, rect).into_iter().map(|points| Line { points, closed: false }).collect()
+    clipped(&points, rect).into_iter().map(|points| OutlinePiece { points, closed: false }).collect()
 }
 
 /// Draws the surface as a line, hatched on the side of the foundation, with an arrow if the foundation moves.
-fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Units) {
+fn foundation(picture: &mut Picture, frame: &SheetPanel, ground: &Ground, units: Units) {
     const EACH: f64 = 9.0;
     const LENGTH: f64 = 7.0;
     let mut hatches = Vec::new();
@@ -460,7 +478,7 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
 }
 
 /// Draws an arrow with the speed of a moving foundation.
-fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f64; 2], [f64; 2]), units: Units) {
+fn velocity(picture: &mut Picture, frame: &SheetPanel, ground: &Ground, (at, v): ([f64; 2], [f64; 2]), units: Units) {
     let speed = v[0].hypot(v[1]);
     let text = typeset(&units.write(speed, Measure::Velocity));
     let direction = [v[0] / speed, -v[1] / speed];
@@ -497,7 +515,7 @@ fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f6
 }
 
 /// The unit normal of the surface nearest to a point of the picture, pointing into the foundation.
-fn inwards(frame: &Frame, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+fn inwards(frame: &SheetPanel, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let lines: Vec<Vec<[f64; 2]>> = ground.lines.iter().map(|line| frame.all(line)).collect();
     let away = |pair: &&[[f64; 2]]| (0.5 * (pair[0][0] + pair[1][0]) - x).hypot(0.5 * (pair[0][1] + pair[1][1]) - y);
     let nearest = lines.iter().flat_map(|line| line.windows(2)).min_by(|a, b| away(a).total_cmp(&away(b)))?;

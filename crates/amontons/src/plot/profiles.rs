@@ -1,12 +1,12 @@
 //! Profiles along Γ_C.
 
 use super::axes::Sign;
-use super::charts::{self, Area, Chart, Column, Series};
+use super::charts::{self, Area, Chart, ChartColumn, Series};
 use super::color::{BLUE, Color, GREEN, INK, LINES, ORANGE, PURPLE, VERMILION};
 use super::picture::{Picture, Stroke};
 use super::plane::typeset;
-use super::run::{self, ContactRow, Part, Stop};
-use super::{Kind, Options, Panel, PlotError, title};
+use super::run::{self, ContactPart, ContactRow, PathPoint};
+use super::{Options, PictureKind, PlotError, RunPanel, title};
 use crate::contact::Status;
 use crate::output::Lives;
 use crate::units::{Extent, Measure, Units};
@@ -23,11 +23,11 @@ pub(super) fn color(status: Status) -> Color {
 pub(super) const STATUSES: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
 /// Draws one block of charts per contact side, with one column per panel.
-pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Result<Picture, PlotError> {
     let units = super::units(panels, options);
     let sides = panels.iter().flat_map(|panel| &panel.run.contact).map(|row| row.side + 1).max().unwrap_or(1);
-    let what = if kind == Kind::Wear { "wear" } else { "contact" };
-    let has = What::of(panels);
+    let what = if kind == PictureKind::Wear { "wear" } else { "contact" };
+    let has = ProfileContents::of(panels);
     let legend: Vec<(Sign, String)> = STATUSES.map(|s| (Sign::Box(color(s)), s.name().to_owned())).to_vec();
     let mut blocks = Vec::new();
     for side in 0..sides {
@@ -39,24 +39,28 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
                 continue;
             }
             let parts = run::along(&panel.run.bearing(&snapshot.body, side), &rows)?;
-            columns.push(Column {
+            columns.push(ChartColumn {
                 title: panel.title.to_owned(),
                 x: [0.0, parts.last().map_or(1.0, |part| part.s[1])],
                 x_label: "arc length s along Γ_{C}".to_owned(),
                 x_units: units,
                 x_measure: Measure::Length,
                 bands: bands(&parts),
-                charts: if kind == Kind::Wear { vec![wear(&parts, units)] } else { chart_list(&parts, units, has) },
+                charts: if kind == PictureKind::Wear {
+                    vec![wear(&parts, units)]
+                } else {
+                    chart_list(&parts, units, has)
+                },
             });
         }
-        if let ([column], Kind::Contact) = (&mut columns[..], kind) {
+        if let ([column], PictureKind::Contact) = (&mut columns[..], kind) {
             let half = column.charts.len().div_ceil(2);
-            let right = Column { charts: column.charts.split_off(half), ..column.clone() };
+            let right = ChartColumn { charts: column.charts.split_off(half), ..column.clone() };
             columns.push(right);
         }
         if !columns.is_empty() {
             let name = panels.first().map_or_else(String::new, |panel| panel.run.side(side));
-            let legend = if kind == Kind::Wear { &[][..] } else { &legend };
+            let legend = if kind == PictureKind::Wear { &[][..] } else { &legend };
             blocks.push(charts::draw(
                 &title(panels, &format!("{what}{name}"), options),
                 legend,
@@ -70,8 +74,8 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
 
 /// Optional quantities on Γ_C in any of the panels, besides pressure and gap.
 #[derive(Clone, Copy)]
-struct What {
-    friction: Friction,
+struct ProfileContents {
+    friction: FrictionDirections,
     heat: bool,
     work: bool,
     round_off: RoundOff,
@@ -79,7 +83,7 @@ struct What {
 
 /// The directions of friction or slip.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Friction {
+enum FrictionDirections {
     Without,
     Along,
     /// Also out of the plane or about the axis of revolution.
@@ -95,7 +99,7 @@ struct RoundOff {
 }
 
 impl RoundOff {
-    fn of(panels: &[Panel]) -> RoundOff {
+    fn of(panels: &[RunPanel]) -> RoundOff {
         let length = 1e-12 * largest_displacement(panels);
         let times = panels.iter().map(|panel| panel.run.t).filter(|t| *t > 0.0);
         let pressures = panels.iter().flat_map(|panel| &panel.run.contact).map(|row| row.pressure.abs());
@@ -104,18 +108,18 @@ impl RoundOff {
     }
 }
 
-impl What {
-    fn of(panels: &[Panel]) -> What {
+impl ProfileContents {
+    fn of(panels: &[RunPanel]) -> ProfileContents {
         let round_off = RoundOff::of(panels);
         let any = |f: &dyn Fn(&ContactRow) -> bool| panels.iter().flat_map(|panel| &panel.run.contact).any(f);
         let friction = if any(&|row| row.traction[2] != 0.0 || row.slip_velocity[2] != 0.0) {
-            Friction::Across
+            FrictionDirections::Across
         } else if any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)) {
-            Friction::Along
+            FrictionDirections::Along
         } else {
-            Friction::Without
+            FrictionDirections::Without
         };
-        What {
+        ProfileContents {
             friction,
             heat: panels.iter().any(|panel| panel.run.has_heat()),
             work: any(&|row| row.friction_work.abs() > round_off.work),
@@ -125,13 +129,13 @@ impl What {
 }
 
 /// The largest ‖u‖ in all panels.
-fn largest_displacement(panels: &[Panel]) -> f64 {
+fn largest_displacement(panels: &[RunPanel]) -> f64 {
     let snapshots = panels.iter().filter_map(|panel| panel.run.snapshot.as_ref());
     snapshots.flat_map(|s| &s.displacement).map(|u| u[0].hypot(u[1])).fold(0.0, f64::max)
 }
 
 /// Intervals of equal status, each extending half way to the next point.
-fn bands(parts: &[Part]) -> Vec<([f64; 2], Color)> {
+fn bands(parts: &[ContactPart]) -> Vec<([f64; 2], Color)> {
     let mut bands: Vec<([f64; 2], Color)> = Vec::new();
     for part in parts {
         let mut from = part.s[0];
@@ -154,8 +158,8 @@ fn but_zero(value: f64, round_off: f64) -> f64 {
 }
 
 /// A line along Γ_C, interrupted where the value is NaN.
-fn line(parts: &[Part], label: &str, color: Color, value: &dyn Fn(&Stop) -> f64) -> Series {
-    let of = |part: &Part| -> Vec<[f64; 2]> { part.stops.iter().map(|stop| [stop.s, value(stop)]).collect() };
+fn line(parts: &[ContactPart], label: &str, color: Color, value: &dyn Fn(&PathPoint) -> f64) -> Series {
+    let of = |part: &ContactPart| -> Vec<[f64; 2]> { part.stops.iter().map(|stop| [stop.s, value(stop)]).collect() };
     let unbroken = |piece: Vec<[f64; 2]>| -> Vec<Vec<[f64; 2]>> {
         piece.split(|point| point[1].is_nan()).filter(|run| !run.is_empty()).map(<[_]>::to_vec).collect()
     };
@@ -168,12 +172,12 @@ fn chart(quantity: &str, units: Units, measure: Measure, zero: bool, series: Ser
     Chart { quantity: quantity.to_owned(), units, measure, areas: Vec::new(), series: vec![series], zero }
 }
 
-fn wear(parts: &[Part], units: Units) -> Chart {
+fn wear(parts: &[ContactPart], units: Units) -> Chart {
     chart("depth worn off", units, Measure::Length, true, line(parts, "", BLUE, &|s| s.row.wear))
 }
 
 /// Temperature θ of the side and of the opposite surface.
-fn temperatures(parts: &[Part], units: Units) -> Chart {
+fn temperatures(parts: &[ContactPart], units: Units) -> Chart {
     let opposite = line(parts, "of what it faces", ORANGE, &|s| s.row.opposite_temperature);
     let label = if opposite.pieces.is_empty() { "" } else { "of the side" };
     let own = line(parts, label, PURPLE, &|s| s.row.temperature);
@@ -186,7 +190,7 @@ fn temperatures(parts: &[Part], units: Units) -> Chart {
 
 /// The pressure. If it is the mean of neighbouring points, the label adds the largest one at a point, which the summary
 /// reports.
-fn pressure(parts: &[Part], units: Units) -> Chart {
+fn pressure(parts: &[ContactPart], units: Units) -> Chart {
     let stops = parts.iter().flat_map(|part| &part.stops);
     let is_mean = stops.clone().any(|stop| (stop.row.pressure - stop.row.point_pressure).abs() > 0.0);
     let most = stops.map(|stop| stop.row.point_pressure).fold(0.0, f64::max);
@@ -200,16 +204,17 @@ fn pressure(parts: &[Part], units: Units) -> Chart {
 }
 
 /// Friction traction with its cone, and slip velocity, along Γ_C and, if present, out of the plane.
-fn friction(parts: &[Part], units: Units, has: What) -> [Chart; 2] {
-    let along = |v: [f64; 3], stop: &Stop| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
+fn friction(parts: &[ContactPart], units: Units, has: ProfileContents) -> [Chart; 2] {
+    let along = |v: [f64; 3], stop: &PathPoint| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
     let out = if units.extent == Extent::Revolution { "about the axis" } else { "out of the plane" };
     let series = line(parts, "σ_{τ} along s", VERMILION, &|s| along(s.row.traction, s));
     let mut friction = chart("friction traction", units, Measure::Stress, true, series);
     if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.bound.is_some()) {
-        let edge = |part: &Part, sign: f64| {
+        let edge = |part: &ContactPart, sign: f64| {
             part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>()
         };
-        let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
+        let polygon =
+            |part: &ContactPart| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
         let polygons = parts.iter().map(polygon).collect();
         friction.areas.push(Area {
             label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(),
@@ -217,7 +222,7 @@ fn friction(parts: &[Part], units: Units, has: What) -> [Chart; 2] {
             polygons,
         });
     }
-    let is_across = has.friction == Friction::Across;
+    let is_across = has.friction == FrictionDirections::Across;
     let [name, label] = if is_across { ["slip velocity", "along s"] } else { ["slip velocity along s", ""] };
     let speed = |v: f64| but_zero(v, has.round_off.velocity);
     let slip = line(parts, label, VERMILION, &|s| speed(along(s.row.slip_velocity, s)));
@@ -229,12 +234,12 @@ fn friction(parts: &[Part], units: Units, has: What) -> [Chart; 2] {
     [friction, slip]
 }
 
-fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
-    let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&Stop) -> f64| {
+fn chart_list(parts: &[ContactPart], units: Units, has: ProfileContents) -> Vec<Chart> {
+    let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&PathPoint) -> f64| {
         chart(quantity, units, measure, zero, line(parts, "", color, value))
     };
     let mut charts = vec![pressure(parts, units)];
-    if has.friction != Friction::Without {
+    if has.friction != FrictionDirections::Without {
         charts.extend(friction(parts, units, has));
     }
     charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| {

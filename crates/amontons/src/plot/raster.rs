@@ -8,7 +8,7 @@ use tiny_skia::{
 use super::PlotError;
 use super::color::Color;
 use super::font::{self, Pen};
-use super::picture::{Image, Item, Line, Picture, Stroke};
+use super::picture::{Image, Item, OutlinePiece, Picture, Stroke};
 
 /// Largest number of pixels of a picture: 400 MB of memory.
 const MOST: f64 = 1e8;
@@ -87,7 +87,7 @@ fn paint(color: Color) -> Paint<'static> {
     paint
 }
 
-fn shape(canvas: &mut Pixmap, scale: Transform, lines: &[Line], fill: Option<Color>, stroke: Option<&Stroke>) {
+fn shape(canvas: &mut Pixmap, scale: Transform, lines: &[OutlinePiece], fill: Option<Color>, stroke: Option<&Stroke>) {
     let mut builder = PathBuilder::new();
     for line in lines {
         for (i, p) in line.points.iter().enumerate() {

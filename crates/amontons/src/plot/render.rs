@@ -38,7 +38,7 @@ impl View {
 }
 
 /// Triangles coloured by their values.
-pub(super) struct Scene<'a> {
+pub(super) struct ShadedTriangle<'a> {
     /// Projected nodes: right, up, towards the eye.
     pub points: &'a [[f64; 3]],
     pub triangles: &'a [[u32; 3]],
@@ -53,7 +53,7 @@ pub(super) struct Scene<'a> {
 /// Draws a scene into an image that covers a window of right and up and is transparent outside the body.
 ///
 /// At each sample the surface nearest to the eye is visible, whatever the order of the triangles.
-pub(super) fn image(scene: &Scene, window: [[f64; 2]; 2], width: u32, height: u32) -> Image {
+pub(super) fn image(scene: &ShadedTriangle, window: [[f64; 2]; 2], width: u32, height: u32) -> Image {
     let (columns, rows) = (width as usize * SAMPLES, height as usize * SAMPLES);
     let [wx, wy] = window;
     let scale = [columns as f64 / (wx[1] - wx[0]), rows as f64 / (wy[1] - wy[0])];
@@ -203,7 +203,7 @@ mod tests {
             let near = usize::from(triangles[0][0] != 3);
             let values = move |t: usize| [if t == near { 1.0 } else { 0.0 }; 3];
             let color = |v: f64| if v > 0.5 { [255, 0, 0] } else { [0, 0, 255] };
-            let scene = Scene {
+            let scene = ShadedTriangle {
                 points: &points,
                 triangles: &triangles,
                 values: &values,
@@ -235,7 +235,7 @@ mod tests {
         let values = |t: usize| [face(t); 3];
         let color = |v: f64| [40 * (v.round() as u8 + 1), 0, 0];
         let draw = |lines: &[[u32; 2]]| {
-            let scene = Scene {
+            let scene = ShadedTriangle {
                 points: &points,
                 triangles: &surface.triangles,
                 values: &values,

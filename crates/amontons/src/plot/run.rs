@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::PlotError;
-use super::body::Body;
+use super::body::PlaneMesh;
 use super::surface::Skin;
 use crate::contact::Status;
 use crate::output::columns;
@@ -14,7 +14,7 @@ use crate::units::Units;
 
 /// A run at one time, with everything that can be drawn.
 #[derive(Clone, Debug, Default)]
-pub struct Run {
+pub struct DrawnRun {
     /// Name of the case.
     pub name: String,
     /// Dimension of the body.
@@ -22,15 +22,15 @@ pub struct Run {
     /// Time of the fields and of the contact points, s.
     pub t: f64,
     /// The fields, of a plane body.
-    pub snapshot: Option<Snapshot>,
+    pub snapshot: Option<PlaneSnapshot>,
     /// The contact points of a plane body, in any order; empty without contact.
     pub contact: Vec<ContactRow>,
     /// The fields and contact points of a body in space.
-    pub solid: Option<Solid>,
+    pub solid: Option<SpaceSnapshot>,
     /// The fields of a body on a line.
     pub rod: Option<Rod>,
     /// History with one row per step.
-    pub history: History,
+    pub history: HistoryColumns,
     /// Names of the contact sides.
     pub sides: Vec<String>,
     /// The solved problem; without it the foundation is not drawn.
@@ -41,9 +41,9 @@ pub struct Run {
 
 /// Fields of a plane body at a time.
 #[derive(Clone, Debug)]
-pub struct Snapshot {
+pub struct PlaneSnapshot {
     /// The mesh.
-    pub body: Body,
+    pub body: PlaneMesh,
     /// Displacement of each node, m.
     pub displacement: Vec<[f64; 2]>,
     /// Temperature of each node, K; empty in a run without heat.
@@ -67,7 +67,7 @@ pub struct Rod {
     pub temperature: Vec<f64>,
 }
 
-impl Run {
+impl DrawnRun {
     /// Returns `[temperature, stress]`: true if the fields include it.
     pub(super) fn fields(&self) -> [bool; 2] {
         let plane = self.snapshot.iter().map(|fields| [&fields.temperature, &fields.von_mises]);
@@ -120,7 +120,7 @@ impl Run {
 
     /// The body reduced to the boundary edges that bear the points of a pair, whose two sides may coincide; for a
     /// foundation with all boundary edges.
-    pub(super) fn bearing<'a>(&self, body: &'a Body, side: usize) -> Cow<'a, Body> {
+    pub(super) fn bearing<'a>(&self, body: &'a PlaneMesh, side: usize) -> Cow<'a, PlaneMesh> {
         let of_pair = || {
             let problem = self.problem.as_ref()?;
             let contact = problem.contacts.get(side).filter(|contact| contact.pair.is_some())?;
@@ -169,7 +169,7 @@ pub(super) fn at_corners(
     triangles.iter().enumerate().map(|(t, nodes)| nodes.map(|n| value(t, n))).collect()
 }
 
-impl Snapshot {
+impl PlaneSnapshot {
     /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
@@ -202,7 +202,7 @@ impl Snapshot {
 
 /// Fields and contact points of a body in space at a time.
 #[derive(Clone, Debug)]
-pub struct Solid {
+pub struct SpaceSnapshot {
     /// The surface of the body.
     pub surface: Skin,
     /// Displacement of each node, m.
@@ -240,7 +240,7 @@ pub struct SolidContact {
     pub side: usize,
 }
 
-impl Solid {
+impl SpaceSnapshot {
     /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
@@ -310,11 +310,11 @@ pub struct ContactRow {
 }
 
 /// Columns of numbers by the names of `history.csv`, one row per step.
-pub type History = BTreeMap<String, Vec<f64>>;
+pub type HistoryColumns = BTreeMap<String, Vec<f64>>;
 
 /// A contact point with its arc length along Γ_C.
 #[derive(Clone, Debug)]
-pub(super) struct Stop<'a> {
+pub(super) struct PathPoint<'a> {
     /// Arc length.
     pub s: f64,
     /// Unit tangent in the direction of growing arc length.
@@ -324,11 +324,11 @@ pub(super) struct Stop<'a> {
 
 /// A connected part of Γ_C.
 #[derive(Clone, Debug)]
-pub(super) struct Part<'a> {
+pub(super) struct ContactPart<'a> {
     /// Arc length at both ends; it continues from part to part.
     pub s: [f64; 2],
     /// The contact points in order.
-    pub stops: Vec<Stop<'a>>,
+    pub stops: Vec<PathPoint<'a>>,
 }
 
 /// A contact point on an edge of the boundary: position from 0 to 1, and row.
@@ -337,7 +337,7 @@ type OnEdge = (f64, usize);
 /// Orders the contact points along Γ_C; they may come in any order.
 ///
 /// A part that is not closed runs to the right, or upwards if it is steeper than 45°.
-pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part<'a>>, PlotError> {
+pub(super) fn along<'a>(body: &PlaneMesh, rows: &[&'a ContactRow]) -> Result<Vec<ContactPart<'a>>, PlotError> {
     const NEAR: f64 = 1e-6;
     let p = |n: u32| body.points[n as usize];
     // The body is on the left of its boundary edges: they run around it, and one leaves each node.
@@ -397,13 +397,13 @@ pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part
 
 /// The part of Γ_C that consists of these edges, with arc length starting at `begin`.
 fn follow<'a>(
-    body: &Body,
+    body: &PlaneMesh,
     rows: &[&'a ContactRow],
     edges: &[[u32; 2]],
     inside: &HashMap<u32, Vec<OnEdge>>,
     at_node: &HashMap<u32, usize>,
     begin: f64,
-) -> Part<'a> {
+) -> ContactPart<'a> {
     let p = |n: u32| body.points[n as usize];
     let along = |[a, b]: [u32; 2]| [p(b)[0] - p(a)[0], p(b)[1] - p(a)[1]];
     let across = edges.iter().fold([0.0; 2], |sum, &e| [sum[0] + along(e)[0], sum[1] + along(e)[1]]);
@@ -413,7 +413,7 @@ fn follow<'a>(
     let mut stop = |s: f64, direction: [f64; 2], r: usize| {
         let t = unit(direction);
         let (s, tangent) = if backwards { (total - s, [-t[0], -t[1]]) } else { (s, t) };
-        stops.push(Stop { s: begin + s, tangent, row: rows[r] });
+        stops.push(PathPoint { s: begin + s, tangent, row: rows[r] });
     };
     let mut s = 0.0;
     for (i, &edge) in edges.iter().enumerate() {
@@ -435,7 +435,7 @@ fn follow<'a>(
     if backwards {
         stops.reverse();
     }
-    Part { s: [begin, begin + total], stops }
+    ContactPart { s: [begin, begin + total], stops }
 }
 
 fn length(v: [f64; 2]) -> f64 {
@@ -476,12 +476,12 @@ mod tests {
         }
     }
 
-    fn side(name: &str, quadrature: Quadrature) -> Result<(Body, Vec<ContactRow>), Box<dyn std::error::Error>> {
+    fn side(name: &str, quadrature: Quadrature) -> Result<(PlaneMesh, Vec<ContactRow>), Box<dyn std::error::Error>> {
         let mesh = Mesh::rectangle([2.0, 1.0], [4, 4], Diagonal::Left)?;
         let boundary = ContactBoundary::new(&mesh, &mesh.facets[name], quadrature);
         // Reversed, to test that the order of the side is restored.
         let rows = boundary.points.iter().rev().map(|p| row([p.x[0], p.x[1]])).collect();
-        Ok((Body::of_mesh(&mesh)?, rows))
+        Ok((PlaneMesh::of_mesh(&mesh)?, rows))
     }
 
     #[test]

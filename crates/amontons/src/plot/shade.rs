@@ -1,6 +1,6 @@
 //! Fields on a body as pixels and level lines.
 
-use super::body::Body;
+use super::body::PlaneMesh;
 use super::color::ColorMap;
 use super::picture::Image;
 
@@ -9,7 +9,7 @@ use super::picture::Image;
 ///
 /// A pixel takes the colour of the value at its centre.
 pub(super) fn image(
-    body: &Body,
+    body: &PlaneMesh,
     values: &[[f64; 3]],
     map: ColorMap,
     range: [f64; 2],
@@ -55,7 +55,7 @@ pub(super) fn image(
 }
 
 /// Pieces of the line on which a nodal field has a value, at most one per triangle.
-pub(super) fn level_line(body: &Body, values: &[f64], level: f64) -> Vec<[[f64; 2]; 2]> {
+pub(super) fn level_line(body: &PlaneMesh, values: &[f64], level: f64) -> Vec<[[f64; 2]; 2]> {
     let mut pieces = Vec::new();
     for nodes in &body.triangles {
         let mut ends = Vec::with_capacity(2);
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_linear_nodal_field_has_the_colours_of_its_values() -> Outcome {
-        let body = Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [6, 3], Diagonal::Crossed)?)?;
+        let body = PlaneMesh::of_mesh(&Mesh::rectangle([2.0, 1.0], [6, 3], Diagonal::Crossed)?)?;
         let f = |x: f64, y: f64| 3.0 * x - y;
         let values: Vec<[f64; 3]> = body
             .triangles
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_field_of_one_value_is_flat_and_outside_is_transparent() -> Outcome {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let body = Body::new(points, [[0u32, 1, 2].as_slice()])?;
+        let body = PlaneMesh::new(points, [[0u32, 1, 2].as_slice()])?;
         let image = image(&body, &[[5.0; 3]], ColorMap::Inferno, [0.0, 10.0], (body.window(), [20, 20]));
         let [r, g, b] = ColorMap::Inferno.at(0.5);
         assert_eq!(image.pixel(3, 15), [r, g, b, 255]);
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn level_lines_lie_on_the_level_and_join() -> Outcome {
-        let body = Body::of_mesh(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?)?;
+        let body = PlaneMesh::of_mesh(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?)?;
         let values: Vec<f64> = body.points.iter().map(|p| p[0] + p[1]).collect();
         let pieces = level_line(&body, &values, 0.77);
         let length: f64 = pieces.iter().map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();

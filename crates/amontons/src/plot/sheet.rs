@@ -9,7 +9,7 @@ use crate::units::{Measure, Units};
 
 /// The content of a panel.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(super) struct PanelPlan {
     pub title: String,
     /// A line below the title; empty for none.
     pub note: String,
@@ -23,7 +23,7 @@ pub(super) struct Plan {
 
 /// Space around the panels of a sheet.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Room {
+pub(super) struct Margins {
     pub right: f64,
     pub below: f64,
     /// Height between the title and the panels.
@@ -36,13 +36,13 @@ pub(super) struct Room {
 
 /// A panel in a picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct SheetPanel {
     pub rect: Rect,
     pub x: Scale,
     pub y: Scale,
 }
 
-impl Frame {
+impl SheetPanel {
     pub(super) fn at(&self, p: &[f64; 2]) -> [f64; 2] {
         [self.x.at(p[0]), self.y.at(p[1])]
     }
@@ -61,11 +61,11 @@ pub(super) fn widened([x, y]: [[f64; 2]; 2], share: f64) -> [[f64; 2]; 2] {
 }
 
 /// True if windows are so wide that their panels are stacked.
-pub(super) fn is_wide(plans: &[Plan]) -> bool {
+pub(super) fn is_wide(plans: &[PanelPlan]) -> bool {
     plans.iter().any(|plan| size(plan)[0] > 2.2 * size(plan)[1])
 }
 
-fn size(plan: &Plan) -> [f64; 2] {
+fn size(plan: &PanelPlan) -> [f64; 2] {
     plan.window.map(|r| (r[1] - r[0]).max(f64::MIN_POSITIVE))
 }
 
@@ -81,7 +81,7 @@ fn columns(count: usize, wide: bool) -> usize {
 }
 
 /// Marks of both axes of a panel of this size.
-fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
+fn plan_ticks(plan: &PanelPlan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
     let marks = |range: [f64; 2], length: f64, each: f64| {
         ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length)
     };
@@ -90,7 +90,7 @@ fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
 
 /// Draws the heading of a panel above its frame, lifted if it is wide, and its axes with names, the vertical one `left`
 /// of the frame.
-fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, f64), units: Units) {
+fn label(picture: &mut Picture, plan: &PanelPlan, frame: &SheetPanel, (left, lift): (f64, f64), units: Units) {
     let rect = frame.rect;
     let middle = rect.x + 0.5 * rect.width;
     let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
@@ -117,7 +117,7 @@ fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, 
 }
 
 /// Lays out the panels and draws titles, borders, marks and labels.
-pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> (Picture, Vec<Frame>) {
+pub(super) fn lay_out(title: &str, plans: &[PanelPlan], room: Margins, units: Units) -> (Picture, Vec<SheetPanel>) {
     let wide = is_wide(plans);
     let longest = if wide {
         720.0
@@ -127,7 +127,7 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         350.0
     };
     // Whole units, so that frames and images align with pixels.
-    let extent = |plan: &Plan| {
+    let extent = |plan: &PanelPlan| {
         let size = size(plan);
         let scale = longest / size[0].max(size[1]);
         size.map(|s| (s * scale).round().max(24.0))
@@ -137,8 +137,8 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         plans.iter().map(|plan| axes::y_room(&plan_ticks(plan, extent(plan), units)[1])).fold(0.0, f64::max).ceil()
             + LABEL
             + 8.0;
-    let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
-    let text = |plan: &Plan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
+    let has = |text: fn(&PanelPlan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
+    let text = |plan: &PanelPlan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
     // Headings wider than their frame are placed above the items next to the frame.
     let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
     let headings =
@@ -146,7 +146,7 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
     let columns = columns(plans.len(), wide).next_multiple_of(if room.in_twos && !wide { 2 } else { 1 });
     let apart = if plans.len() > columns { 14.0 } else { 0.0 };
     let below = 8.0 + NUMBER + 6.0 + LABEL + room.below + apart;
-    let cell = |plan: &Plan| {
+    let cell = |plan: &PanelPlan| {
         let [w, h] = extent(plan);
         let over = 0.5 * (text(plan) - w);
         [(left.max(over) + w + room.right.max(over) + MARGIN).ceil(), (headings + h + below).ceil()]
@@ -173,7 +173,7 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         let shift = (0.5 * (text(plan) - w) - left).max(0.0).ceil();
         let rect = Rect { x: corner[0] + left + shift, y: corner[1] + headings + lowered, width: w, height: h };
         let [left_end, right_end] = if plan.mirrored { [rect.right(), rect.x] } else { [rect.x, rect.right()] };
-        let frame = Frame {
+        let frame = SheetPanel {
             rect,
             x: Scale::new(plan.window[0], [left_end, right_end]),
             y: Scale::new(plan.window[1], [rect.bottom(), rect.y]),

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, TITLE};
-use super::body::{self, Body};
+use super::body::{self, PlaneMesh};
 use super::color::{Color, GRID, INK, LINES, SOFT};
 use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::render::{self, Scene, View};
-use super::sheet::{self, Plan, Room};
+use super::render::{self, ShadedTriangle, View};
+use super::sheet::{self, Margins, PanelPlan};
 use super::surface::Skin;
 use super::{PlotError, font};
 use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
@@ -28,7 +28,7 @@ const VIEWS: [(&str, [f64; 2]); 2] = [("from above", [-60.0, 32.0]), ("from the 
 const BARE: Color = Color::new(0xDE_DE_DE);
 
 /// A side with its colour and its text.
-struct Side<'m> {
+struct ColoredSide<'m> {
     set: &'m FacetSet,
     color: Color,
     text: String,
@@ -47,18 +47,18 @@ fn color(number: usize) -> Color {
 /// [`PlotError::Data`] if the mesh is a line or cannot be drawn.
 pub fn sides(mesh: &Mesh, name: &str, units: Units) -> Result<Picture, PlotError> {
     let area = |set: &FacetSet| units.write(mesh.measure(set), Measure::Area);
-    let mut sides: Vec<(f64, Side)> = mesh
+    let mut sides: Vec<(f64, ColoredSide)> = mesh
         .facets
         .iter()
         .enumerate()
         .map(|(i, (name, set))| {
-            (mesh.measure(set), Side { set, color: color(i), text: format!("\"{name}\", {}", area(set)) })
+            (mesh.measure(set), ColoredSide { set, color: color(i), text: format!("\"{name}\", {}", area(set)) })
         })
         .collect();
     let names: Vec<(Color, String)> = sides.iter().map(|(_, side)| (side.color, side.text.clone())).collect();
     // The smallest is drawn last.
     sides.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let sides: Vec<Side> = sides.into_iter().map(|(_, side)| side).collect();
+    let sides: Vec<ColoredSide> = sides.into_iter().map(|(_, side)| side).collect();
     let title = format!("{name}: sides");
     let picture = match mesh.dim {
         2 => in_the_plane(mesh, &title, &sides, units)?,
@@ -89,16 +89,16 @@ fn with_names(mut picture: Picture, names: &[(Color, String)]) -> Picture {
     picture
 }
 
-fn in_the_plane(mesh: &Mesh, title: &str, sides: &[Side], units: Units) -> Result<Picture, PlotError> {
-    let body = Body::of_mesh(mesh)?;
-    let plan = Plan {
+fn in_the_plane(mesh: &Mesh, title: &str, sides: &[ColoredSide], units: Units) -> Result<Picture, PlotError> {
+    let body = PlaneMesh::of_mesh(mesh)?;
+    let plan = PanelPlan {
         title: String::new(),
         note: String::new(),
         window: sheet::widened(body.window(), 0.03),
         labels: if mesh.axisymmetric { ["r", "z"] } else { ["x", "y"] },
         mirrored: false,
     };
-    let (mut picture, frames) = sheet::lay_out(title, &[plan], Room::default(), units);
+    let (mut picture, frames) = sheet::lay_out(title, &[plan], Margins::default(), units);
     let Some(frame) = frames.first() else { return Ok(picture) };
     let at = |node: u32| frame.at(&body.points[node as usize]);
     let lines = |edges: &[[u32; 2]]| edges.iter().map(|edge| edge.map(at)).collect::<Vec<_>>();
@@ -119,15 +119,15 @@ fn in_the_plane(mesh: &Mesh, title: &str, sides: &[Side], units: Units) -> Resul
 }
 
 /// The surface in triangles, each with the number of the visible side.
-struct Surface {
+struct SideTriangles {
     triangles: Vec<[u32; 3]>,
     /// Number of the side, from 1; 0 for none.
     which: Vec<usize>,
     lines: Vec<[u32; 2]>,
 }
 
-impl Surface {
-    fn new(mesh: &Mesh, skin: &Skin, sides: &[Side]) -> Surface {
+impl SideTriangles {
+    fn new(mesh: &Mesh, skin: &Skin, sides: &[ColoredSide]) -> SideTriangles {
         let mut of_facet: HashMap<FacetKey, usize> = HashMap::new();
         for (number, side) in sides.iter().enumerate() {
             of_facet.extend(
@@ -135,7 +135,7 @@ impl Surface {
             );
         }
         let boundary = mesh.boundary();
-        let mut surface = Surface { triangles: Vec::new(), which: Vec::new(), lines: Vec::new() };
+        let mut surface = SideTriangles { triangles: Vec::new(), which: Vec::new(), lines: Vec::new() };
         let mut edges: HashMap<[u32; 2], Option<usize>> = HashMap::new();
         for (element, nodes) in boundary.facets() {
             let number = of_facet.get(&facet_key(element, nodes.iter().copied())).copied().unwrap_or(0);
@@ -163,9 +163,9 @@ impl Surface {
     }
 }
 
-fn in_space(mesh: &Mesh, title: &str, sides: &[Side]) -> Result<Picture, PlotError> {
+fn in_space(mesh: &Mesh, title: &str, sides: &[ColoredSide]) -> Result<Picture, PlotError> {
     let skin = Skin::of_mesh(mesh)?;
-    let surface = Surface::new(mesh, &skin, sides);
+    let surface = SideTriangles::new(mesh, &skin, sides);
     let seen: Vec<(&str, Vec<[f64; 3]>)> = VIEWS
         .iter()
         .map(|(name, [azimuth, elevation])| {
@@ -199,7 +199,7 @@ fn in_space(mesh: &Mesh, title: &str, sides: &[Side]) -> Result<Picture, PlotErr
         let x = MARGIN + i as f64 * (widest + MARGIN) + (0.5 * (widest - w)).floor();
         let rect = Rect { x, y: top + (tallest - h), width: w, height: h };
         picture.text([x + 0.5 * w, top - LABEL], HEADING, Anchor::Middle, INK, *name);
-        let scene = Scene {
+        let scene = ShadedTriangle {
             points,
             triangles: &surface.triangles,
             values: &|t| [surface.which.get(t).map_or(0.0, |&which| which as f64); 3],
@@ -222,13 +222,13 @@ mod tests {
     fn every_side_of_a_box_is_seen() -> Result<(), Box<dyn std::error::Error>> {
         let mesh = Mesh::box_([1.0, 2.0, 3.0], [2, 3, 4], Elements::Q1)?;
         let skin = Skin::of_mesh(&mesh)?;
-        let sides: Vec<Side> = mesh
+        let sides: Vec<ColoredSide> = mesh
             .facets
             .values()
             .enumerate()
-            .map(|(i, set)| Side { set, color: color(i), text: String::new() })
+            .map(|(i, set)| ColoredSide { set, color: color(i), text: String::new() })
             .collect();
-        let surface = Surface::new(&mesh, &skin, &sides);
+        let surface = SideTriangles::new(&mesh, &skin, &sides);
         assert_eq!(surface.which.iter().filter(|&&which| which == 0).count(), 0);
         let mut found = std::collections::BTreeSet::new();
         for (_, [azimuth, elevation]) in VIEWS {
@@ -259,10 +259,10 @@ mod tests {
             mesh.facets.clear();
             mesh.facets.insert(names[0].to_owned(), part);
             mesh.facets.insert(names[1].to_owned(), whole);
-            let mut sides: Vec<Side> =
-                mesh.facets.values().map(|set| Side { set, color: INK, text: String::new() }).collect();
+            let mut sides: Vec<ColoredSide> =
+                mesh.facets.values().map(|set| ColoredSide { set, color: INK, text: String::new() }).collect();
             sides.sort_by_key(|side| std::cmp::Reverse(side.set.len()));
-            let surface = Surface::new(&mesh, &Skin::of_mesh(&mesh)?, &sides);
+            let surface = SideTriangles::new(&mesh, &Skin::of_mesh(&mesh)?, &sides);
             let smaller = surface.which.iter().filter(|&&which| which == 2).count();
             assert_eq!((smaller, surface.which.len()), (8, 48));
         }

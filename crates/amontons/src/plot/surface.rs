@@ -22,13 +22,13 @@ pub struct Skin {
     /// The facets by their nodes, first those around them, and the cell of each.
     pub(super) facets: Vec<(Vec<u32>, u32)>,
     /// Pieces of edges of facets, each once.
-    pub(super) edges: Vec<Edge>,
+    pub(super) edges: Vec<SkinEdge>,
     pub(super) cells: usize,
 }
 
 /// A piece of an edge between two facets.
 #[derive(Clone, Debug)]
-pub(super) struct Edge {
+pub(super) struct SkinEdge {
     pub nodes: [u32; 2],
     /// The facets that meet there; twice the same at a rim.
     pub facets: [u32; 2],
@@ -118,7 +118,7 @@ impl Skin {
                 let place = *places.entry([a.min(b), a.max(b)]).or_insert(self.edges.len());
                 match self.edges.get_mut(place) {
                     Some(edge) => edge.facets[1] = f as u32,
-                    None => self.edges.push(Edge { nodes: [a, b], facets: [f as u32; 2] }),
+                    None => self.edges.push(SkinEdge { nodes: [a, b], facets: [f as u32; 2] }),
                 }
             }
         }
@@ -161,7 +161,7 @@ impl Skin {
         const STRAIGHT: f64 = 0.819;
         let normals: Vec<[f64; 3]> = (0..self.facets.len()).map(|f| self.normal(f)).collect();
         let region = |f: usize| regions.get(self.facets[f].1 as usize).copied().unwrap_or_default();
-        let is_outline = |edge: &&Edge| {
+        let is_outline = |edge: &&SkinEdge| {
             let [f, g] = edge.facets.map(|f| f as usize);
             dot(normals[f], normals[g]) < STRAIGHT * norm(normals[f]) * norm(normals[g])
                 || (region(f) - region(g)).abs() > 0.0

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::color::Color;
 use super::font::{self, Pen};
-use super::picture::{Item, Line, Picture, Stroke};
+use super::picture::{Item, OutlinePiece, Picture, Stroke};
 use super::raster;
 
 pub(super) fn write(picture: &Picture) -> String {
@@ -91,7 +91,7 @@ fn glyph(id: u16) -> String {
     d
 }
 
-fn shape(out: &mut String, lines: &[Line], fill: Option<Color>, stroke: Option<&Stroke>) {
+fn shape(out: &mut String, lines: &[OutlinePiece], fill: Option<Color>, stroke: Option<&Stroke>) {
     out.push_str("<path");
     match fill {
         Some(color) => {

@@ -1,6 +1,6 @@
 //! Sweeps: figures of several runs over the value of a key.
 
-use super::charts::{self, Chart, Column, Series};
+use super::charts::{self, Chart, ChartColumn, Series};
 use super::color::LINES;
 use super::picture::{Picture, Stroke};
 use super::{PlotError, axes};
@@ -38,7 +38,7 @@ pub fn sweep(plot: &SweepPlot) -> Result<Picture, PlotError> {
     let x = axes::range(points().map(|p| p[0])).ok_or_else(|| PlotError::Data("a sweep has no figures".to_owned()))?;
     let none = Units::default().without();
     let charts: Vec<Chart> = plot.series.iter().map(|series| chart(series, none)).collect();
-    let column = Column {
+    let column = ChartColumn {
         title: String::new(),
         x: axes::padded(x, 0.02),
         x_label: plot.x_label.clone(),
@@ -52,7 +52,7 @@ pub fn sweep(plot: &SweepPlot) -> Result<Picture, PlotError> {
         && column.charts.len() > 3
     {
         let half = column.charts.len().div_ceil(2);
-        let right = Column { charts: column.charts.split_off(half), ..column.clone() };
+        let right = ChartColumn { charts: column.charts.split_off(half), ..column.clone() };
         columns.push(right);
     }
     Ok(charts::draw(&plot.title, &[], &columns, false))

@@ -2,7 +2,7 @@
 //! each in its own view.
 
 use super::render::View;
-use super::run::Run;
+use super::run::DrawnRun;
 use super::surface::{across, dot, norm};
 use crate::contact::Contact;
 use crate::mesh::defects::components;
@@ -131,7 +131,7 @@ fn around() -> Vec<Look> {
 
 /// The views of a run: those of its contact, for pairs each body alone, and with `all` also the whole and the reverse.
 /// Without a contact direction or the problem, those from above and from below, or the first.
-pub(super) fn looks(run: &Run, all: bool) -> Vec<Look> {
+pub(super) fn looks(run: &DrawnRun, all: bool) -> Vec<Look> {
     let usual = || around().into_iter().take(if all { 2 } else { 1 }).collect::<Vec<_>>();
     let Some(problem) = &run.problem else { return usual() };
     if problem.contacts.iter().any(|contact| contact.pair.is_some()) {

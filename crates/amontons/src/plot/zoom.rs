@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::axes;
 use super::picture::Rect;
-use super::run::Run;
+use super::run::DrawnRun;
 use crate::contact::Status;
 
 /// Largest extent of an enlarged contact, relative to the body.
@@ -34,7 +34,7 @@ fn extent(points: &[[f64; 3]]) -> f64 {
 
 /// The side with the highest pressure whose part in contact is smaller than a quarter of the body, over runs of one
 /// body with nodes drawn at `moved`. `None` if no contact is so small, nothing is in contact, or the bodies differ.
-pub(super) fn zone(runs: &[&Run], nodes: &[Vec<[f64; 3]>], moved: &[Vec<[f64; 3]>]) -> Option<Zone> {
+pub(super) fn zone(runs: &[&DrawnRun], nodes: &[Vec<[f64; 3]>], moved: &[Vec<[f64; 3]>]) -> Option<Zone> {
     let mut of_sides: HashMap<usize, (f64, Vec<[f64; 3]>, Vec<[f64; 3]>)> = HashMap::new();
     if nodes.windows(2).any(|pair| pair[0] != pair[1]) {
         return None;

@@ -1,6 +1,6 @@
 //! Conditions on the parts of the boundary except contact, and which of them exclude each other.
 
-use super::{Fault, ProblemData, Role};
+use super::{DatumRole, Fault, ProblemData};
 use crate::contact::{Contact, GraphKind, Quadrature};
 use crate::element::ShapeTable;
 use crate::field::Field;
@@ -166,28 +166,29 @@ impl BoundaryCondition {
 
     /// Every field with its key in the case file.
     #[must_use]
-    pub(crate) fn fields(&self) -> Vec<(String, Role, &Field)> {
-        let mut fields: Vec<(String, Role, &Field)> = Vec::new();
+    pub(crate) fn fields(&self) -> Vec<(String, DatumRole, &Field)> {
+        let mut fields: Vec<(String, DatumRole, &Field)> = Vec::new();
         let displacement = self.displacement.iter().flatten().enumerate();
         fields.extend(
-            displacement
-                .filter_map(|(c, field)| Some((format!("displacement[{c}]"), Role::Displacement, field.as_ref()?))),
+            displacement.filter_map(|(c, field)| {
+                Some((format!("displacement[{c}]"), DatumRole::Displacement, field.as_ref()?))
+            }),
         );
         let traction = self.traction.iter().flatten().enumerate();
-        fields.extend(traction.map(|(c, field)| (format!("traction[{c}]"), Role::Traction, field)));
+        fields.extend(traction.map(|(c, field)| (format!("traction[{c}]"), DatumRole::Traction, field)));
         let force = self.force.iter().flatten().enumerate();
-        fields.extend(force.map(|(c, field)| (format!("force[{c}]"), Role::Force, field)));
+        fields.extend(force.map(|(c, field)| (format!("force[{c}]"), DatumRole::Force, field)));
         for (key, support) in [("spring", &self.spring), ("dashpot", &self.dashpot)] {
             let components = support.iter().flat_map(Support::fields);
-            fields.extend(components.map(|(index, field)| (format!("{key}{index}"), Role::Other, field)));
+            fields.extend(components.map(|(index, field)| (format!("{key}{index}"), DatumRole::Other, field)));
         }
         let scalars = [
-            ("normal_displacement", Role::Displacement, self.normal_displacement.as_ref()),
-            ("pressure", Role::Traction, self.pressure.as_ref()),
-            ("temperature", Role::Temperature, self.temperature.as_ref()),
-            ("heat_inflow", Role::HeatInflow, self.heat_inflow.as_ref()),
-            ("convection.coefficient", Role::Other, self.convection.as_ref().map(|c| &c.coefficient)),
-            ("convection.ambient", Role::Temperature, self.convection.as_ref().map(|c| &c.ambient)),
+            ("normal_displacement", DatumRole::Displacement, self.normal_displacement.as_ref()),
+            ("pressure", DatumRole::Traction, self.pressure.as_ref()),
+            ("temperature", DatumRole::Temperature, self.temperature.as_ref()),
+            ("heat_inflow", DatumRole::HeatInflow, self.heat_inflow.as_ref()),
+            ("convection.coefficient", DatumRole::Other, self.convection.as_ref().map(|c| &c.coefficient)),
+            ("convection.ambient", DatumRole::Temperature, self.convection.as_ref().map(|c| &c.ambient)),
         ];
         fields.extend(scalars.into_iter().filter_map(|(key, role, field)| Some((key.to_owned(), role, field?))));
         fields

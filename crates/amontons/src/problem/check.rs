@@ -1,6 +1,6 @@
 //! The checks that make a [`Problem`] of its data.
 
-use super::{Fault, Faults, Problem, ProblemData, Sample, Support};
+use super::{Fault, Faults, MaterialSample, Problem, ProblemData, Support};
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
@@ -58,7 +58,8 @@ impl ProblemData {
         for (key, values) in
             [("density", self.values_of(|m| &m.density)), ("heat_capacity", self.values_of(|m| &m.heat_capacity))]
         {
-            let Some(Sample { value, x, theta }) = values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0))
+            let Some(MaterialSample { value, x, theta }) =
+                values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0))
             else {
                 continue;
             };

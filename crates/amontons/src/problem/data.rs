@@ -7,7 +7,7 @@ use crate::tensor::Point;
 
 /// Physical quantity of a datum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
+pub(crate) enum DatumRole {
     /// A temperature: initial, prescribed, of surroundings or of a foundation.
     Temperature,
     HeatSource,
@@ -31,7 +31,7 @@ pub(crate) enum Role {
 pub(crate) struct Datum<'a> {
     /// Dotted path of the case file.
     pub key: String,
-    pub role: Role,
+    pub role: DatumRole,
     pub field: &'a Field,
     /// Index of its contact, or `None` for data without contact.
     pub contact: Option<usize>,
@@ -41,7 +41,7 @@ pub(crate) struct Datum<'a> {
 
 /// A value of a coefficient of a material.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample<T> {
+pub(crate) struct MaterialSample<T> {
     pub value: T,
     /// Its position, or `None` if the coefficient is the same in the whole region.
     pub x: Option<Point>,
@@ -61,16 +61,19 @@ impl ProblemData {
         &self,
         material: usize,
         of: impl Fn(&Material) -> &Coefficient<T>,
-    ) -> Vec<Sample<T>> {
+    ) -> Vec<MaterialSample<T>> {
         let Some(coefficient) = self.materials.get(material).map(of) else { return Vec::new() };
         if let Some(value) = coefficient.constant() {
-            return vec![Sample { value, x: None, theta: None }];
+            return vec![MaterialSample { value, x: None, theta: None }];
         }
         let sites = self.mesh.sites(self.region_of(material));
         if coefficient.temperatures().is_empty() {
-            return sites.into_iter().map(|x| Sample { value: coefficient.at(&x), x: Some(x), theta: None }).collect();
+            return sites
+                .into_iter()
+                .map(|x| MaterialSample { value: coefficient.at(&x), x: Some(x), theta: None })
+                .collect();
         }
-        let at = |theta: f64, x: Point| Sample {
+        let at = |theta: f64, x: Point| MaterialSample {
             value: coefficient.at_temperature(&x, theta),
             x: Some(x),
             theta: Some(theta),
@@ -80,25 +83,30 @@ impl ProblemData {
     }
 
     /// The values of a coefficient in all regions.
-    pub(crate) fn values_of<T: Copy + Sync>(&self, of: impl Fn(&Material) -> &Coefficient<T>) -> Vec<Sample<T>> {
+    pub(crate) fn values_of<T: Copy + Sync>(
+        &self,
+        of: impl Fn(&Material) -> &Coefficient<T>,
+    ) -> Vec<MaterialSample<T>> {
         (0..self.materials.len()).flat_map(|material| self.values_in(material, &of)).collect()
     }
 
     /// All data that a step evaluates: loads, conditions on sides and data of contact.
     pub(crate) fn data(&self) -> Vec<Datum<'_>> {
         let body = |key: String, role, field| Datum { key, role, field, contact: None, side: None };
-        let mut all = vec![body("load.heat_source".to_owned(), Role::HeatSource, &self.heat_source)];
+        let mut all = vec![body("load.heat_source".to_owned(), DatumRole::HeatSource, &self.heat_source)];
         let components = self.body_force.iter().enumerate();
-        all.extend(components.map(|(c, field)| body(format!("load.body_force[{c}]"), Role::BodyForce, field)));
+        all.extend(components.map(|(c, field)| body(format!("load.body_force[{c}]"), DatumRole::BodyForce, field)));
         for load in &self.region_loads {
-            let roles = [Role::BodyForce, Role::Other, Role::HeatSource];
+            let roles = [DatumRole::BodyForce, DatumRole::Other, DatumRole::HeatSource];
             for (role, fields) in roles.into_iter().zip(load.fields()) {
                 all.extend(fields.into_iter().map(|(key, field)| body(key, role, field)));
             }
         }
         all.extend(self.temperature_data());
         for (i, part) in self.rigid.iter().enumerate() {
-            for (key, role, fields) in [("force", Role::Force, &part.force), ("moment", Role::Other, &part.moment)] {
+            for (key, role, fields) in
+                [("force", DatumRole::Force, &part.force), ("moment", DatumRole::Other, &part.moment)]
+            {
                 let fields = fields.iter().enumerate();
                 all.extend(fields.map(|(c, field)| body(format!("rigid[{i}].{key}[{c}]"), role, field)));
             }
@@ -117,14 +125,16 @@ impl ProblemData {
     pub(crate) fn initial_data(&self) -> Vec<Datum<'_>> {
         let body = |key: String, role, field| Datum { key, role, field, contact: None, side: None };
         let start = &self.initial;
-        let vectors =
-            [("displacement", Role::Displacement, &start.displacement), ("velocity", Role::Velocity, &start.velocity)];
+        let vectors = [
+            ("displacement", DatumRole::Displacement, &start.displacement),
+            ("velocity", DatumRole::Velocity, &start.velocity),
+        ];
         let components = vectors.into_iter().flat_map(|(name, role, fields)| {
             fields.iter().enumerate().map(move |(c, f)| (format!("initial.{name}[{c}]"), role, f))
         });
         components
             .map(|(key, role, field)| body(key, role, field))
-            .chain([body("initial.temperature".to_owned(), Role::Temperature, &start.temperature)])
+            .chain([body("initial.temperature".to_owned(), DatumRole::Temperature, &start.temperature)])
             .collect()
     }
 
@@ -140,23 +150,26 @@ impl ProblemData {
                 contact: Some(i),
                 side: Some(contact.on.as_str()),
             };
-            all.push(datum("gap".to_owned(), Role::Other, &contact.gap));
+            all.push(datum("gap".to_owned(), DatumRole::Other, &contact.gap));
             let temperature = &contact.foundation_temperature;
-            all.push(datum("heat.foundation_temperature".to_owned(), Role::Temperature, temperature));
+            all.push(datum("heat.foundation_temperature".to_owned(), DatumRole::Temperature, temperature));
             let velocity = contact.foundation_velocity.iter().enumerate();
             all.extend(
-                velocity.map(|(c, field)| datum(format!("foundation_velocity[{c}]"), Role::FoundationVelocity, field)),
+                velocity
+                    .map(|(c, field)| datum(format!("foundation_velocity[{c}]"), DatumRole::FoundationVelocity, field)),
             );
             let surroundings = contact.foundation_heat.iter().map(|foundation| &foundation.surroundings);
-            all.extend(surroundings.map(|field| datum("foundation.surroundings".to_owned(), Role::Temperature, field)));
+            all.extend(
+                surroundings.map(|field| datum("foundation.surroundings".to_owned(), DatumRole::Temperature, field)),
+            );
             let pressure = contact.fluid.iter().map(|fluid| &fluid.pressure);
-            all.extend(pressure.map(|field| datum("fluid.pressure".to_owned(), Role::Traction, field)));
+            all.extend(pressure.map(|field| datum("fluid.pressure".to_owned(), DatumRole::Traction, field)));
             let force = contact.preload.iter().map(|preload| &preload.force);
-            all.extend(force.map(|field| datum("preload.force".to_owned(), Role::Force, field)));
+            all.extend(force.map(|field| datum("preload.force".to_owned(), DatumRole::Force, field)));
             let force = contact.obstacle.iter().filter_map(|obstacle| Some(&obstacle.load.as_ref()?.force));
-            all.extend(force.map(|field| datum("obstacle.load.force".to_owned(), Role::Force, field)));
+            all.extend(force.map(|field| datum("obstacle.load.force".to_owned(), DatumRole::Force, field)));
             let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());
-            all.extend(obstacle.map(|(key, field)| datum(format!("obstacle.{key}"), Role::Other, field)));
+            all.extend(obstacle.map(|(key, field)| datum(format!("obstacle.{key}"), DatumRole::Other, field)));
         }
         all
     }

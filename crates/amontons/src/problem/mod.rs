@@ -29,7 +29,7 @@ use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub use choices::Choice;
-pub(crate) use data::{Datum, Role, Sample};
+pub(crate) use data::{Datum, DatumRole, MaterialSample};
 pub use loads::RegionLoad;
 pub use physics::Physics;
 pub use rigid::RigidPart;
@@ -42,7 +42,7 @@ use crate::field::Field;
 use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{Cyclic, FacetSet, Mesh};
-use crate::units::{Extent, System, TemperatureScale, Units};
+use crate::units::{Extent, TemperatureScale, UnitSystem, Units};
 
 /// One fault of the data: place, found, expected, hint.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,7 +143,7 @@ pub struct ProblemData {
     /// Name, used for result folders and titles.
     pub name: String,
     /// SI units or no units.
-    pub system: System,
+    pub system: UnitSystem,
     /// The temperature scale of the data: kelvin or degrees Celsius. The numbers are the same, the unit has another
     /// name.
     pub temperature_scale: TemperatureScale,
@@ -256,7 +256,7 @@ impl ProblemData {
     pub fn new(name: impl Into<String>, mesh: Mesh, material: Material, end: f64, steps: usize) -> ProblemData {
         ProblemData {
             name: name.into(),
-            system: System::Si,
+            system: UnitSystem::Si,
             temperature_scale: TemperatureScale::Kelvin,
             mesh: Arc::new(mesh),
             timeline: Timeline::equal(end, steps),

@@ -1,7 +1,7 @@
 //! Checks for data that a run cannot compute with: magnitudes whose products overflow or underflow, and temperatures
 //! below absolute zero.
 
-use super::{Datum, Fault, ProblemData, Role};
+use super::{Datum, DatumRole, Fault, ProblemData};
 use crate::contact::Contact;
 use crate::field::{Coefficient, Field};
 use crate::material::Material;
@@ -16,25 +16,25 @@ const NODES: usize = 1024;
 
 /// A magnitude as its power of ten, with the key that it comes from.
 #[derive(Clone, Debug)]
-struct Scale {
+struct KeyMagnitude {
     power: f64,
     key: String,
 }
 
 /// The scale of a number, or `None` for zero.
-fn scale(value: f64, key: impl Into<String>) -> Option<Scale> {
-    (value != 0.0).then(|| Scale { power: value.abs().log10(), key: key.into() })
+fn scale(value: f64, key: impl Into<String>) -> Option<KeyMagnitude> {
+    (value != 0.0).then(|| KeyMagnitude { power: value.abs().log10(), key: key.into() })
 }
 
-impl Scale {
+impl KeyMagnitude {
     /// The scale times 10^power.
-    fn times(self, power: f64) -> Scale {
-        Scale { power: self.power + power, ..self }
+    fn times(self, power: f64) -> KeyMagnitude {
+        KeyMagnitude { power: self.power + power, ..self }
     }
 }
 
 /// The largest of some scales.
-fn largest(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
+fn largest(scales: impl IntoIterator<Item = Option<KeyMagnitude>>) -> Option<KeyMagnitude> {
     scales.into_iter().flatten().max_by(|a, b| a.power.total_cmp(&b.power))
 }
 
@@ -52,7 +52,8 @@ impl ProblemData {
         let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
         let Some(zero) = zero else { return };
         let expected = format!("temperatures from absolute_zero = {zero:?} on");
-        for datum in self.data().into_iter().chain(self.initial_data()).filter(|datum| datum.role == Role::Temperature)
+        for datum in
+            self.data().into_iter().chain(self.initial_data()).filter(|datum| datum.role == DatumRole::Temperature)
         {
             let coldest = self.samples(&datum).min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((value, x, t)) = coldest.filter(|(value, ..)| *value < zero) {
@@ -127,7 +128,7 @@ impl ProblemData {
             contact.is_none_or(|contact| contact.heat.conductance_bound() != 0.0)
         };
         let data = self.data().into_iter().chain(self.initial_data());
-        let acting = data.filter(|datum| datum.role == Role::Temperature && conducts(datum));
+        let acting = data.filter(|datum| datum.role == DatumRole::Temperature && conducts(datum));
         let values: Vec<f64> =
             acting.flat_map(|datum| self.samples(&datum).map(|(value, ..)| value).collect::<Vec<_>>()).collect();
         let foundations = self.contacts.iter().filter_map(|contact| contact.foundation_heat.as_ref()?.temperature);
@@ -140,7 +141,9 @@ impl ProblemData {
     /// Returns `[negative, positive]`: true if heat sources or inflows have that sign somewhere.
     pub(crate) fn heat_signs(&self) -> [bool; 2] {
         let mut signs = [false; 2];
-        for datum in self.data().iter().filter(|datum| matches!(datum.role, Role::HeatSource | Role::HeatInflow)) {
+        for datum in
+            self.data().iter().filter(|datum| matches!(datum.role, DatumRole::HeatSource | DatumRole::HeatInflow))
+        {
             for (value, ..) in self.samples(datum) {
                 signs = [signs[0] || value < 0.0, signs[1] || value > 0.0];
             }
@@ -169,7 +172,7 @@ impl ProblemData {
     }
 
     /// The largest magnitude of a datum.
-    fn scale_of(&self, datum: &Datum) -> Option<Scale> {
+    fn scale_of(&self, datum: &Datum) -> Option<KeyMagnitude> {
         let magnitude = match datum.field {
             Field::Constant(value) => value.abs(),
             _ => self
@@ -180,19 +183,19 @@ impl ProblemData {
     }
 
     /// The scale of a number of the materials.
-    fn largest_number(&self, key: &str, of: fn(&Material) -> &Coefficient<f64>) -> Option<Scale> {
+    fn largest_number(&self, key: &str, of: fn(&Material) -> &Coefficient<f64>) -> Option<KeyMagnitude> {
         let largest = self.values_of(of).iter().fold(0.0, |max: f64, sample| max.max(sample.value));
         scale(largest, format!("material.{key}"))
     }
 
     /// The scale of the entries of a tensor of the materials.
-    fn largest_entry(&self, key: &str, of: fn(&Material) -> &Coefficient<Sym>) -> Option<Scale> {
+    fn largest_entry(&self, key: &str, of: fn(&Material) -> &Coefficient<Sym>) -> Option<KeyMagnitude> {
         let largest = self.values_of(of).iter().fold(0.0, |max: f64, sample| max.max(entry(&sample.value, &self.mesh)));
         scale(largest, format!("material.{key}"))
     }
 
     /// The largest bound of the laws of contact, with the key of the law, or `None` if no law has one.
-    fn of_laws(&self, key: &str, bound: impl Fn(&Contact) -> Option<f64>) -> Option<Scale> {
+    fn of_laws(&self, key: &str, bound: impl Fn(&Contact) -> Option<f64>) -> Option<KeyMagnitude> {
         largest(self.contacts.iter().enumerate().map(|(side, contact)| {
             let bound = bound(contact).filter(|bound| bound.is_finite());
             scale(bound?, format!("{}.{key}", self.contact_path(side)))
@@ -203,7 +206,8 @@ impl ProblemData {
     fn scales(&self) -> Scales {
         let (mesh, k) = (&*self.mesh, self.timeline.longest());
         let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
-        let of = |role: Role| largest(data.iter().filter(|datum| datum.role == role).map(|datum| self.scale_of(datum)));
+        let of =
+            |role: DatumRole| largest(data.iter().filter(|datum| datum.role == role).map(|datum| self.scale_of(datum)));
         let material = |key: &str, of: &dyn Fn(&Material) -> f64| {
             scale(self.materials.iter().map(of).fold(0.0, f64::max), format!("material.{key}"))
         };
@@ -216,20 +220,20 @@ impl ProblemData {
         let conductance = self.of_laws("heat", |contact| Some(contact.heat.conductance_bound()));
         let stiffness = self.of_laws("normal", |contact| contact.normal.lipschitz());
         let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.timeline.end()).unwrap_or(0.0));
-        let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| {
+        let by = |scale: Option<KeyMagnitude>, factor: &Option<KeyMagnitude>, sign: f64, more: f64| {
             Some(scale?.times(sign * factor.as_ref()?.power + more))
         };
 
-        let given = of(Role::Temperature);
-        let sources = largest([of(Role::HeatSource).map(|s| s.times(length)), of(Role::HeatInflow)]);
+        let given = of(DatumRole::Temperature);
+        let sources = largest([of(DatumRole::HeatSource).map(|s| s.times(length)), of(DatumRole::HeatInflow)]);
         let heated = [by(sources.clone(), &conductivity, -1.0, length), by(sources, &capacity, -1.0, end - length)];
         let temperature = largest([given, least(heated)]);
 
-        let force = of(Role::BodyForce).map(|s| s.times(length));
-        let spread = of(Role::Force).map(|s| s.times((1.0 - mesh.dim as f64) * length));
-        let load = largest([force, of(Role::Traction), spread, by(temperature.clone(), &expansion, 1.0, 0.0)]);
-        let moved = of(Role::Displacement);
-        let fast = largest([of(Role::Velocity), moved.clone().map(|s| s.times(-end))]);
+        let force = of(DatumRole::BodyForce).map(|s| s.times(length));
+        let spread = of(DatumRole::Force).map(|s| s.times((1.0 - mesh.dim as f64) * length));
+        let load = largest([force, of(DatumRole::Traction), spread, by(temperature.clone(), &expansion, 1.0, 0.0)]);
+        let moved = of(DatumRole::Displacement);
+        let fast = largest([of(DatumRole::Velocity), moved.clone().map(|s| s.times(-end))]);
         let stress = largest([
             load.clone(),
             by(moved.clone(), &elastic, 1.0, -length),
@@ -242,18 +246,23 @@ impl ProblemData {
             by(load, &density, -1.0, 2.0 * end - length),
         ];
         let displacement = largest([moved, least(carried)]);
-        let velocity = largest([fast, of(Role::FoundationVelocity), displacement.clone().map(|s| s.times(-end))]);
+        let velocity = largest([fast, of(DatumRole::FoundationVelocity), displacement.clone().map(|s| s.times(-end))]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
         let flux = by(temperature.clone(), &conductance, 1.0, 0.0)
-            .map(|flux| Scale { key: conductance.as_ref().map_or(flux.key, |scale| scale.key.clone()), ..flux });
+            .map(|flux| KeyMagnitude { key: conductance.as_ref().map_or(flux.key, |scale| scale.key.clone()), ..flux });
         let matrices = entries(mesh, k, [density, viscous, elastic, stiffness], [capacity, conductivity, conductance]);
         Scales { stress, displacement, velocity, temperature, flux, energy, matrices }
     }
 }
 
 /// The largest entries of K_u with ρ, 𝓥, 𝓔 and the stiffness of contact, and of K_θ with c, 𝓚 and the conductance.
-fn entries(mesh: &Mesh, k: f64, of_u: [Option<Scale>; 4], of_theta: [Option<Scale>; 3]) -> [Option<Scale>; 2] {
+fn entries(
+    mesh: &Mesh,
+    k: f64,
+    of_u: [Option<KeyMagnitude>; 4],
+    of_theta: [Option<KeyMagnitude>; 3],
+) -> [Option<KeyMagnitude>; 2] {
     let ([density, viscous, elastic, contact], [capacity, conductivity, conductance]) = (of_u, of_theta);
     let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
     let dim = mesh.tensor_dim() as f64;
@@ -270,21 +279,21 @@ fn entries(mesh: &Mesh, k: f64, of_u: [Option<Scale>; 4], of_theta: [Option<Scal
 }
 
 /// The least of several scales, without those that are zero.
-fn least(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
+fn least(scales: impl IntoIterator<Item = Option<KeyMagnitude>>) -> Option<KeyMagnitude> {
     scales.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power))
 }
 
 /// Magnitudes of a run; `None` for a magnitude of zero.
 struct Scales {
-    stress: Option<Scale>,
-    displacement: Option<Scale>,
-    velocity: Option<Scale>,
-    temperature: Option<Scale>,
+    stress: Option<KeyMagnitude>,
+    displacement: Option<KeyMagnitude>,
+    velocity: Option<KeyMagnitude>,
+    temperature: Option<KeyMagnitude>,
     /// Heat flux through contact.
-    flux: Option<Scale>,
-    energy: Option<Scale>,
+    flux: Option<KeyMagnitude>,
+    energy: Option<KeyMagnitude>,
     /// Largest entries of K_u and K_θ.
-    matrices: [Option<Scale>; 2],
+    matrices: [Option<KeyMagnitude>; 2],
 }
 
 /// Largest entry of a tensor.

@@ -1,6 +1,6 @@
 //! Prescribed temperatures of a body without heat equation.
 
-use super::{Datum, ProblemData, Role};
+use super::{Datum, DatumRole, ProblemData};
 use crate::field::Field;
 use crate::mesh::Mesh;
 
@@ -58,7 +58,7 @@ impl ProblemData {
     pub(super) fn temperature_data(&self) -> impl Iterator<Item = Datum<'_>> {
         self.temperature.iter().map(|entry| Datum {
             key: entry.key.clone(),
-            role: Role::Temperature,
+            role: DatumRole::Temperature,
             field: &entry.field,
             contact: None,
             side: None,

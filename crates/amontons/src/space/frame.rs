@@ -6,7 +6,7 @@ use crate::tensor::{Point, dot};
 
 /// Directions of the degrees of freedom of a node that differ from the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct NodeFrame {
     /// The node.
     pub node: u32,
     /// Orthonormal directions, one per degree of freedom.
@@ -14,7 +14,7 @@ pub struct Frame {
 }
 
 /// The directions of the degrees of freedom of a node; `frames` are sorted by node.
-pub fn directions(frames: &[Frame], node: u32) -> [Point; 3] {
+pub fn directions(frames: &[NodeFrame], node: u32) -> [Point; 3] {
     match frames.binary_search_by_key(&node, |frame| frame.node) {
         Ok(i) => frames[i].axes,
         Err(_) => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -22,8 +22,8 @@ pub fn directions(frames: &[Frame], node: u32) -> [Point; 3] {
 }
 
 /// Converts components along the axes to those in the frames.
-pub fn enter(frames: &[Frame], components: usize, values: &mut [f64]) {
-    for Frame { node, axes } in frames {
+pub fn enter(frames: &[NodeFrame], components: usize, values: &mut [f64]) {
+    for NodeFrame { node, axes } in frames {
         let Some(at) = values.get_mut(*node as usize * components..).and_then(|at| at.get_mut(..components)) else {
             continue;
         };
@@ -33,7 +33,7 @@ pub fn enter(frames: &[Frame], components: usize, values: &mut [f64]) {
 }
 
 /// Converts a vector without changing the original.
-pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Cow<'v, [f64]> {
+pub fn entered<'v>(frames: &[NodeFrame], components: usize, values: &'v [f64]) -> Cow<'v, [f64]> {
     if frames.is_empty() {
         return Cow::Borrowed(values);
     }
@@ -43,8 +43,8 @@ pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Co
 }
 
 /// Converts components in the frames to those along the axes.
-pub fn leave(frames: &[Frame], components: usize, values: &mut [f64]) {
-    for Frame { node, axes } in frames {
+pub fn leave(frames: &[NodeFrame], components: usize, values: &mut [f64]) {
+    for NodeFrame { node, axes } in frames {
         let Some(at) = values.get_mut(*node as usize * components..).and_then(|at| at.get_mut(..components)) else {
             continue;
         };

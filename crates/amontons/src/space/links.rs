@@ -1,6 +1,6 @@
 //! Nodes that follow others, as on the two sides of a sector of a cyclic body.
 
-use super::frame::{self, Frame};
+use super::frame::{self, NodeFrame};
 use crate::mesh::{Link, Links, link_of};
 use crate::tensor::{Point, dot};
 
@@ -19,21 +19,21 @@ pub fn held_on_axis(links: &Links, components: usize) -> impl Iterator<Item = Ve
 }
 
 /// Adds frames of following nodes to those of the leaders, such that a vector has the same components at both.
-pub fn add_frames(links: &[Link], components: usize, frames: &mut Vec<Frame>) {
+pub fn add_frames(links: &[Link], components: usize, frames: &mut Vec<NodeFrame>) {
     if components == 1 {
         return;
     }
-    let turned = |link: &Link| Frame {
+    let turned = |link: &Link| NodeFrame {
         node: link.node,
         axes: frame::directions(frames, link.to).map(|axis| link.turned(&axis)),
     };
-    let more: Vec<Frame> = links.iter().map(turned).collect();
+    let more: Vec<NodeFrame> = links.iter().map(turned).collect();
     frames.extend(more);
     frames.sort_unstable_by_key(|frame| frame.node);
 }
 
 /// Copies the values of leaders to the nodes that follow them. `frames` are those in which their components are equal.
-pub fn follow(links: &[Link], frames: &[Frame], components: usize, values: &mut [f64]) {
+pub fn follow(links: &[Link], frames: &[NodeFrame], components: usize, values: &mut [f64]) {
     for link in links {
         let [own, followed] = [link.node, link.to].map(|node| node as usize * components);
         if frames.is_empty() {

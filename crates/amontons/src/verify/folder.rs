@@ -21,14 +21,14 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::{Verdict, VerifyError, interpolate, verdict};
-use crate::case::{self, Case, Check, Comparison, Take};
+use crate::case::{self, Case, Check, ColumnTake, Comparison};
 use crate::discretization::Discretization;
 use crate::machine;
 use crate::output::{
     self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, StoredFields, Work, history_columns, history_values,
 };
 use fields::Fields;
-use tables::{Audit, Table};
+use tables::{Audit, NumberTable};
 
 /// Relative difference allowed for a recomputed number: a few last bits.
 const ROUND_OFF: f64 = 1e-12;
@@ -100,7 +100,7 @@ impl Recomputed {
             fits.as_ref().err().into_iter().for_each(|error| self.faults.push(error.to_string()));
             fits.is_ok() && Some(checkpoint.state.step) == inspection.ended
         });
-        let run = Files { folder, case, discretization: &discretization, inspection };
+        let run = ResultFiles { folder, case, discretization: &discretization, inspection };
         let history = run.history(self);
         run.snapshots(history.as_ref(), self);
         match &checkpoint {
@@ -141,21 +141,21 @@ impl Recomputed {
 }
 
 /// The files of a run.
-struct Files<'a> {
+struct ResultFiles<'a> {
     folder: &'a Path,
     case: &'a Case,
     discretization: &'a Discretization,
     inspection: &'a Inspection,
 }
 
-impl Files<'_> {
+impl ResultFiles<'_> {
     fn name(&self) -> &str {
         &self.case.problem.name
     }
 
     /// Reads `history.csv` and checks its rows.
-    fn history(&self, found: &mut Recomputed) -> Option<Table> {
-        let table = match Table::read(&self.folder.join("history.csv")) {
+    fn history(&self, found: &mut Recomputed) -> Option<NumberTable> {
+        let table = match NumberTable::read(&self.folder.join("history.csv")) {
             Ok(table) if table.names == history_columns(&self.case.problem) => table,
             Ok(_) => {
                 found.faults.push("history.csv has other columns than the case".to_owned());
@@ -181,7 +181,7 @@ impl Files<'_> {
     }
 
     /// Checks each snapshot for consistency, and against the row of its step.
-    fn snapshots(&self, history: Option<&Table>, found: &mut Recomputed) {
+    fn snapshots(&self, history: Option<&NumberTable>, found: &mut Recomputed) {
         let (mut differences, stored) = (fields::Differences::default(), StoredFields::of(self.folder));
         for &step in &self.inspection.snapshots {
             let file = stored.name(step);
@@ -196,7 +196,7 @@ impl Files<'_> {
             let Some(history) = history else { continue };
             let contact = self.folder.join(output::contact_file(step));
             if !self.case.problem.contacts.is_empty() {
-                match Table::read(&contact) {
+                match NumberTable::read(&contact) {
                     Ok(points) => tables::contact(&points, &self.case.problem, (history, row), &mut differences),
                     Err(what) => found.faults.push(format!("{}: {what}", output::contact_file(step))),
                 }
@@ -211,7 +211,13 @@ impl Files<'_> {
     }
 
     /// Checks the figures at the end of the run.
-    fn end(&self, checkpoint: &Checkpoint, history: Option<&Table>, summary: Option<&Value>, found: &mut Recomputed) {
+    fn end(
+        &self,
+        checkpoint: &Checkpoint,
+        history: Option<&NumberTable>,
+        summary: Option<&Value>,
+        found: &mut Recomputed,
+    ) {
         let (problem, name) = (&self.case.problem, self.name());
         let mut state = checkpoint.state.clone();
         let stored = StoredFields::of(self.folder);
@@ -267,7 +273,7 @@ impl Files<'_> {
     fn asked_for(
         &self,
         checkpoint: Option<&Checkpoint>,
-        history: Option<&Table>,
+        history: Option<&NumberTable>,
         summary: Option<&Value>,
         found: &mut Recomputed,
     ) {
@@ -333,16 +339,16 @@ fn flatten(place: &str, value: &Value, beside: &Value, all: &mut Vec<(String, f6
     }
 }
 
-impl Table {
+impl NumberTable {
     /// A value of a column as requested by a check.
-    fn take(&self, name: &str, time: Option<f64>, take: Take) -> Option<f64> {
+    fn take(&self, name: &str, time: Option<f64>, take: ColumnTake) -> Option<f64> {
         self.names.iter().any(|n| n == name).then_some(())?;
         let values = self.column(name);
         match (time, take) {
             (Some(t), _) => interpolate(&self.column("t"), &values, t),
-            (None, Take::Last) => values.last().copied(),
-            (None, Take::Min) => values.into_iter().reduce(f64::min),
-            (None, Take::Max) => values.into_iter().reduce(f64::max),
+            (None, ColumnTake::Last) => values.last().copied(),
+            (None, ColumnTake::Min) => values.into_iter().reduce(f64::min),
+            (None, ColumnTake::Max) => values.into_iter().reduce(f64::max),
         }
     }
 }

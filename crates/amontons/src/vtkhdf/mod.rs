@@ -8,7 +8,7 @@ mod read;
 mod write;
 
 pub(crate) use read::Reader;
-pub(crate) use write::{Series, WriteError, write};
+pub(crate) use write::{GridSeries, WriteError, write};
 
 /// The group read by VTK.
 const ROOT: &str = "VTKHDF";
@@ -22,27 +22,27 @@ const WHOLE: [&str; 1] = ["region"];
 
 /// Location of the values of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum ArrayAssociation {
     Points,
     Cells,
 }
 
-impl Place {
-    const ALL: [Place; 2] = [Place::Points, Place::Cells];
+impl ArrayAssociation {
+    const ALL: [ArrayAssociation; 2] = [ArrayAssociation::Points, ArrayAssociation::Cells];
 
     /// The group of the arrays.
     fn data(self) -> &'static str {
         match self {
-            Place::Points => "PointData",
-            Place::Cells => "CellData",
+            ArrayAssociation::Points => "PointData",
+            ArrayAssociation::Cells => "CellData",
         }
     }
 
     /// The group in `Steps` with the offsets of the snapshots.
     fn offsets(self) -> &'static str {
         match self {
-            Place::Points => "PointDataOffsets",
-            Place::Cells => "CellDataOffsets",
+            ArrayAssociation::Points => "PointDataOffsets",
+            ArrayAssociation::Cells => "CellDataOffsets",
         }
     }
 }

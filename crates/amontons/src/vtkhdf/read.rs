@@ -5,7 +5,7 @@ use std::path::Path;
 
 use hdf5_pure::{AttrValue, Dataset, File};
 
-use super::{OWN, Place, ROOT, STEPS};
+use super::{ArrayAssociation, OWN, ROOT, STEPS};
 use crate::machine;
 use crate::vtu::{self, Array, Grid};
 
@@ -89,14 +89,15 @@ impl Reader {
             types,
             ..Grid::default()
         };
-        (grid.point_data, grid.cell_data) = (self.data(Place::Points, index)?, self.data(Place::Cells, index)?);
+        (grid.point_data, grid.cell_data) =
+            (self.data(ArrayAssociation::Points, index)?, self.data(ArrayAssociation::Cells, index)?);
         vtu::check(&grid)?;
         Ok(grid)
     }
 
     /// The arrays at the points or cells of a snapshot.
-    fn data(&self, place: Place, index: usize) -> Result<BTreeMap<String, Array>, String> {
-        let tuples = if place == Place::Points { self.points } else { self.cells };
+    fn data(&self, place: ArrayAssociation, index: usize) -> Result<BTreeMap<String, Array>, String> {
+        let tuples = if place == ArrayAssociation::Points { self.points } else { self.cells };
         let names = self.file.group(&format!("{ROOT}/{}", place.data())).and_then(|group| group.datasets());
         let mut arrays = BTreeMap::new();
         for name in names.map_err(told(place.data()))? {

@@ -42,7 +42,7 @@ fn written(name: &str, room: f64, grid: impl Fn(usize) -> Grid) -> Result<Vec<u8
     let path = path(name);
     let source = |index: usize, wanted: &dyn Fn(&str) -> bool| Ok(only(grid(index), wanted));
     let unit = |name: &str| (name == "stress").then(|| "N/m²".to_owned());
-    let series = Series { at: &AT, source: &source, unit: &unit, room };
+    let series = GridSeries { at: &AT, source: &source, unit: &unit, room };
     let result = match write(&path, &series) {
         Ok(()) => Ok(fs::read(&path).unwrap()),
         Err(WriteError::Snapshots(why)) => Err(why),

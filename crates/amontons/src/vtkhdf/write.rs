@@ -7,7 +7,7 @@ use hdf5_pure::{
     make_i64_type,
 };
 
-use super::{OWN, Place, ROOT, STEPS, WHOLE};
+use super::{ArrayAssociation, OWN, ROOT, STEPS, WHOLE};
 use crate::machine;
 use crate::vtu::{Array, Grid};
 
@@ -23,21 +23,21 @@ const CHUNK: [usize; 2] = [1 << 16, 1 << 20];
 const LONGEST: usize = u16::MAX as usize;
 
 /// Reads the grid of the snapshot with an index: the mesh, and the arrays whose names are wanted.
-pub(crate) type Source<'a> = &'a dyn Fn(usize, &dyn Fn(&str) -> bool) -> Result<Grid, String>;
+pub(crate) type GridSource<'a> = &'a dyn Fn(usize, &dyn Fn(&str) -> bool) -> Result<Grid, String>;
 
 /// Grids over time.
-pub(crate) struct Series<'a> {
+pub(crate) struct GridSeries<'a> {
     /// Steps and times of the snapshots, at least one.
     pub at: &'a [(usize, f64)],
     /// The grids.
-    pub source: Source<'a>,
+    pub source: GridSource<'a>,
     /// The unit of an array; `None` if it has none.
     pub unit: &'a dyn Fn(&str) -> Option<String>,
     /// Bytes of memory available for array values.
     pub room: f64,
 }
 
-impl Series<'_> {
+impl GridSeries<'_> {
     /// Memory for values: a part of the free memory, in bytes.
     pub fn room() -> f64 {
         machine::memory().map_or(1e9, |memory| memory.bytes / 8.0)
@@ -60,8 +60,8 @@ impl From<hdf5_pure::Error> for WriteError {
 }
 
 /// An array that all snapshots have.
-struct Layout {
-    place: Place,
+struct ArrayLayout {
+    place: ArrayAssociation,
     name: String,
     components: usize,
     /// Number of tuples per snapshot.
@@ -69,8 +69,8 @@ struct Layout {
 }
 
 /// The values of an array at all snapshots.
-struct Column<'a> {
-    layout: &'a Layout,
+struct PackedArray<'a> {
+    layout: &'a ArrayLayout,
     bytes: Vec<u8>,
     /// Offsets of the values of each snapshot, in tuples.
     offsets: Vec<i64>,
@@ -86,7 +86,7 @@ struct Column<'a> {
 /// # Errors
 /// Fails if the snapshots do not all have the same mesh and arrays, if one array does not fit into memory, or if the
 /// file cannot be written.
-pub(crate) fn write(path: &Path, series: &Series) -> Result<(), WriteError> {
+pub(crate) fn write(path: &Path, series: &GridSeries) -> Result<(), WriteError> {
     let mut mesh = (series.source)(0, &|_| true).map_err(WriteError::Snapshots)?;
     let layouts = layouts(&mesh);
     (mesh.point_data, mesh.cell_data) = Default::default();
@@ -106,29 +106,29 @@ pub(crate) fn write(path: &Path, series: &Series) -> Result<(), WriteError> {
 }
 
 /// The arrays of a grid.
-fn layouts(grid: &Grid) -> Vec<Layout> {
-    let of = |place: Place, tuples: usize| {
+fn layouts(grid: &Grid) -> Vec<ArrayLayout> {
+    let of = |place: ArrayAssociation, tuples: usize| {
         let arrays = data(grid, place).iter();
-        arrays.map(move |(name, array)| Layout { place, name: name.clone(), components: array.components, tuples })
+        arrays.map(move |(name, array)| ArrayLayout { place, name: name.clone(), components: array.components, tuples })
     };
-    of(Place::Points, grid.points.len()).chain(of(Place::Cells, grid.types.len())).collect()
+    of(ArrayAssociation::Points, grid.points.len()).chain(of(ArrayAssociation::Cells, grid.types.len())).collect()
 }
 
-fn data(grid: &Grid, place: Place) -> &std::collections::BTreeMap<String, Array> {
+fn data(grid: &Grid, place: ArrayAssociation) -> &std::collections::BTreeMap<String, Array> {
     match place {
-        Place::Points => &grid.point_data,
-        Place::Cells => &grid.cell_data,
+        ArrayAssociation::Points => &grid.point_data,
+        ArrayAssociation::Cells => &grid.cell_data,
     }
 }
 
 /// Splits arrays into batches whose values fit into memory.
-fn batches<'a>(layouts: &'a [Layout], series: &Series) -> Result<Vec<&'a [Layout]>, WriteError> {
+fn batches<'a>(layouts: &'a [ArrayLayout], series: &GridSeries) -> Result<Vec<&'a [ArrayLayout]>, WriteError> {
     // Values, their bytes, and the compressed bytes.
-    let bytes = |layout: &Layout| 3.0 * 8.0 * (layout.components * layout.tuples * series.at.len()) as f64;
+    let bytes = |layout: &ArrayLayout| 3.0 * 8.0 * (layout.components * layout.tuples * series.at.len()) as f64;
     let (mut all, mut first, mut taken) = (Vec::new(), 0, 0.0);
     for (i, layout) in layouts.iter().enumerate() {
         if bytes(layout) > series.room {
-            let Layout { name, .. } = layout;
+            let ArrayLayout { name, .. } = layout;
             let [needed, room] = [bytes(layout), series.room];
             return Err(WriteError::Snapshots(format!(
                 "to compress the array {name} of all snapshots needs {needed:.1e} bytes of memory, of which {room:.1e} may be taken"
@@ -166,7 +166,7 @@ fn skeleton(mesh: &Grid, at: &[(usize, f64)]) -> FileBuilder {
     let offsets: Vec<i64> = std::iter::once(0).chain(mesh.ends.iter().map(|&end| end as i64)).collect();
     compress(root.create_dataset("Offsets").with_i64_data(&offsets), [1, 8], [offsets.len(); 2]);
     compress(root.create_dataset("Types").with_u8_data(&mesh.types), [1, 1], [mesh.types.len(); 2]);
-    for place in Place::ALL {
+    for place in ArrayAssociation::ALL {
         let group = root.create_group(place.data()).finish();
         root.add_group(group);
     }
@@ -182,7 +182,7 @@ fn skeleton(mesh: &Grid, at: &[(usize, f64)]) -> FileBuilder {
     for name in ["CellOffsets", "ConnectivityIdOffsets"] {
         steps.create_dataset(name).with_i64_data(&none).with_shape(&[at.len() as u64, 1]);
     }
-    for place in Place::ALL {
+    for place in ArrayAssociation::ALL {
         let group = steps.create_group(place.offsets()).finish();
         steps.add_group(group);
     }
@@ -213,9 +213,14 @@ pub(super) fn chunk(bytes: usize, [tuples, all]: [usize; 2]) -> usize {
 }
 
 /// Reads the values of some of the arrays at all snapshots.
-fn gather<'a>(batch: &'a [Layout], arrays: usize, mesh: &Grid, series: &Series) -> Result<Vec<Column<'a>>, WriteError> {
-    let column = |layout| Column { layout, bytes: Vec::new(), offsets: Vec::new(), last: Vec::new() };
-    let mut columns: Vec<Column> = batch.iter().map(column).collect();
+fn gather<'a>(
+    batch: &'a [ArrayLayout],
+    arrays: usize,
+    mesh: &Grid,
+    series: &GridSeries,
+) -> Result<Vec<PackedArray<'a>>, WriteError> {
+    let column = |layout| PackedArray { layout, bytes: Vec::new(), offsets: Vec::new(), last: Vec::new() };
+    let mut columns: Vec<PackedArray> = batch.iter().map(column).collect();
     for (i, (step, _)) in series.at.iter().enumerate() {
         let refuse = |what: String| WriteError::Snapshots(format!("step {step}: {what}"));
         let is_whole = batch.len() == arrays;
@@ -231,7 +236,7 @@ fn gather<'a>(batch: &'a [Layout], arrays: usize, mesh: &Grid, series: &Series) 
             return Err(refuse("other arrays than at the first snapshot".to_owned()));
         }
         for column in &mut columns {
-            let Layout { place, name, components, .. } = column.layout;
+            let ArrayLayout { place, name, components, .. } = column.layout;
             match data(&grid, *place).get(name).filter(|array| array.components == *components) {
                 Some(array) => column.push(&array.values),
                 None => return Err(refuse(format!("no array {name} with the components that it has at first"))),
@@ -241,7 +246,7 @@ fn gather<'a>(batch: &'a [Layout], arrays: usize, mesh: &Grid, series: &Series) 
     Ok(columns)
 }
 
-impl Column<'_> {
+impl PackedArray<'_> {
     /// True if the values are whole numbers.
     fn is_whole(&self) -> bool {
         WHOLE.contains(&self.layout.name.as_str())
@@ -262,9 +267,9 @@ impl Column<'_> {
     }
 
     /// Writes the values and the offsets of the snapshots into a file.
-    fn store(self, file: &File, series: &Series) -> Result<(), WriteError> {
+    fn store(self, file: &File, series: &GridSeries) -> Result<(), WriteError> {
         let kind = if self.is_whole() { make_i64_type() } else { make_f64_type() };
-        let Layout { place, name, components, tuples } = self.layout;
+        let ArrayLayout { place, name, components, tuples } = self.layout;
         let count = self.bytes.len() as u64 / 8;
         let root = file.root();
         root.create_dataset(&format!("{ROOT}/{}/{name}", place.data()), |dataset| {

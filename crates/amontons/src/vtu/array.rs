@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use quick_xml::events::BytesStart;
 
-use super::{Appended, Room, attribute};
+use super::{Appended, ArrayRoom, attribute};
 
 /// Storage format of the numbers of a file.
 pub(super) struct Encoding {
@@ -120,7 +120,7 @@ impl Open {
     }
 
     /// The numbers of the array.
-    pub(super) fn values(&self, encoding: &Encoding, appended: &Appended, room: Room) -> Result<Vec<f64>, String> {
+    pub(super) fn values(&self, encoding: &Encoding, appended: &Appended, room: ArrayRoom) -> Result<Vec<f64>, String> {
         let fault = |what: &str| format!("the array {}: {what}", self.name);
         let base64 = |text: &[u8]| decode(text).map_err(|e| fault(&format!("not base64: {e}")));
         let packed = match self.format.as_str() {

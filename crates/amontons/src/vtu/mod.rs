@@ -49,7 +49,7 @@ pub(crate) fn attribute(tag: &BytesStart, name: &str) -> Result<Option<String>, 
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Section {
+enum VtuSection {
     Points,
     Cells,
     PointData,
@@ -59,7 +59,7 @@ enum Section {
 /// The XML part of a file: its undecoded arrays and the appended bytes.
 struct Document<'a> {
     encoding: Encoding,
-    arrays: Vec<(Section, Open)>,
+    arrays: Vec<(VtuSection, Open)>,
     appended: Appended<'a>,
     /// Numbers of points and of cells declared by the piece.
     counts: [u64; 2],
@@ -70,20 +70,20 @@ const MOST_NODES: u64 = 64;
 
 impl Document<'_> {
     /// Size that the piece allows for an array.
-    fn room(&self, section: Section, name: &str) -> Room {
+    fn room(&self, section: VtuSection, name: &str) -> ArrayRoom {
         let [points, cells] = self.counts;
         let (tuples, is_exact) = match section {
-            Section::Points | Section::PointData => (points, true),
-            Section::Cells if name == "connectivity" => (cells.saturating_mul(MOST_NODES), false),
-            Section::Cells | Section::CellData => (cells, true),
+            VtuSection::Points | VtuSection::PointData => (points, true),
+            VtuSection::Cells if name == "connectivity" => (cells.saturating_mul(MOST_NODES), false),
+            VtuSection::Cells | VtuSection::CellData => (cells, true),
         };
-        Room { tuples, is_exact, numbers: u64::MAX }
+        ArrayRoom { tuples, is_exact, numbers: u64::MAX }
     }
 }
 
 /// Allowed size of an array.
 #[derive(Clone, Copy)]
-struct Room {
+struct ArrayRoom {
     /// Number of tuples, exact if `is_exact` is true, else an upper bound.
     tuples: u64,
     is_exact: bool,
@@ -91,10 +91,10 @@ struct Room {
     numbers: u64,
 }
 
-impl Room {
+impl ArrayRoom {
     /// Limits the number of values.
-    fn within(self, numbers: u64) -> Room {
-        Room { numbers, ..self }
+    fn within(self, numbers: u64) -> ArrayRoom {
+        ArrayRoom { numbers, ..self }
     }
 
     /// True if an array of `bytes` bytes, with `size` bytes per number, has an allowed size.
@@ -121,9 +121,11 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
     let mut parts: BTreeMap<String, Array> = BTreeMap::new();
     for (section, open) in arrays {
         let part = match section {
-            Section::Points => "points".to_owned(),
-            Section::Cells if matches!(open.name.as_str(), "connectivity" | "offsets" | "types") => open.name.clone(),
-            Section::PointData | Section::CellData if wanted(&open.name) => String::new(),
+            VtuSection::Points => "points".to_owned(),
+            VtuSection::Cells if matches!(open.name.as_str(), "connectivity" | "offsets" | "types") => {
+                open.name.clone()
+            }
+            VtuSection::PointData | VtuSection::CellData if wanted(&open.name) => String::new(),
             _ => continue,
         };
         let room = document.room(section, &open.name).within(budget / 8);
@@ -131,9 +133,9 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
         budget = budget.saturating_sub(8 * values.len() as u64);
         let read = Array { components: open.components, values };
         drop(match section {
-            Section::PointData => grid.point_data.insert(open.name, read),
-            Section::CellData => grid.cell_data.insert(open.name, read),
-            Section::Points | Section::Cells => parts.insert(part, read),
+            VtuSection::PointData => grid.point_data.insert(open.name, read),
+            VtuSection::CellData => grid.cell_data.insert(open.name, read),
+            VtuSection::Points | VtuSection::Cells => parts.insert(part, read),
         });
     }
     let mut take = |name: &str| parts.remove(name).ok_or_else(|| format!("the array {name} is missing"));
@@ -181,10 +183,10 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
             }
             Event::Start(tag) => match tag.name().as_ref() {
                 b"Piece" => (pieces, counts) = (pieces + 1, announced(&tag)?),
-                b"Points" => section = Some(Section::Points),
-                b"Cells" => section = Some(Section::Cells),
-                b"PointData" => section = Some(Section::PointData),
-                b"CellData" => section = Some(Section::CellData),
+                b"Points" => section = Some(VtuSection::Points),
+                b"Cells" => section = Some(VtuSection::Cells),
+                b"PointData" => section = Some(VtuSection::PointData),
+                b"CellData" => section = Some(VtuSection::CellData),
                 b"DataArray" => open = Some(Open::of(&tag)?),
                 b"InformationKey" => inside_key = true,
                 b"AppendedData" => {

@@ -14,38 +14,42 @@ const BLOCK: usize = 1 << 15;
 const LEVEL: u8 = 1;
 
 /// An array of numbers with its name.
-pub(crate) struct Written<'a> {
+pub(crate) struct WrittenArray<'a> {
     pub name: Cow<'a, str>,
     pub components: usize,
-    pub values: Values<'a>,
+    pub values: ArrayNumbers<'a>,
 }
 
 /// Numbers of an array.
-pub(crate) enum Values<'a> {
+pub(crate) enum ArrayNumbers<'a> {
     Reals(Cow<'a, [f64]>),
     /// Node numbers and similar, which may exceed 32 bits.
     Counts(Vec<i64>),
     Codes(Vec<u8>),
 }
 
-impl<'a> Written<'a> {
+impl<'a> WrittenArray<'a> {
     /// An array of reals.
-    pub fn reals(name: impl Into<Cow<'a, str>>, components: usize, values: impl Into<Cow<'a, [f64]>>) -> Written<'a> {
-        Written { name: name.into(), components, values: Values::Reals(values.into()) }
+    pub fn reals(
+        name: impl Into<Cow<'a, str>>,
+        components: usize,
+        values: impl Into<Cow<'a, [f64]>>,
+    ) -> WrittenArray<'a> {
+        WrittenArray { name: name.into(), components, values: ArrayNumbers::Reals(values.into()) }
     }
 
     /// An array of whole numbers.
-    pub fn counts(name: impl Into<Cow<'a, str>>, values: Vec<i64>) -> Written<'a> {
-        Written { name: name.into(), components: 1, values: Values::Counts(values) }
+    pub fn counts(name: impl Into<Cow<'a, str>>, values: Vec<i64>) -> WrittenArray<'a> {
+        WrittenArray { name: name.into(), components: 1, values: ArrayNumbers::Counts(values) }
     }
 
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let (kind, bytes): (_, Vec<u8>) = match &self.values {
-            Values::Reals(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
-            Values::Counts(values) => ("Int64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
-            Values::Codes(values) => ("UInt8", values.clone()),
+            ArrayNumbers::Reals(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+            ArrayNumbers::Counts(values) => ("Int64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+            ArrayNumbers::Codes(values) => ("UInt8", values.clone()),
         };
-        let Written { name, components, .. } = self;
+        let WrittenArray { name, components, .. } = self;
         // For scalars with an explicit single component, readers create columns.
         let components = if *components == 1 { String::new() } else { format!(" NumberOfComponents=\"{components}\"") };
         write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">")?;
@@ -82,8 +86,8 @@ pub(crate) fn write(
     out: &mut dyn Write,
     points: &[[f64; 3]],
     cells: Cells,
-    point_data: &[Written],
-    cell_data: &[Written],
+    point_data: &[WrittenArray],
+    cell_data: &[WrittenArray],
 ) -> io::Result<()> {
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     writeln!(
@@ -92,17 +96,17 @@ pub(crate) fn write(
     )?;
     writeln!(out, "<UnstructuredGrid>")?;
     writeln!(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", points.len(), cells.types.len())?;
-    let section = |out: &mut dyn Write, name: &str, arrays: &[Written]| -> io::Result<()> {
+    let section = |out: &mut dyn Write, name: &str, arrays: &[WrittenArray]| -> io::Result<()> {
         writeln!(out, "<{name}>")?;
         arrays.iter().try_for_each(|array| array.write(out))?;
         writeln!(out, "</{name}>")
     };
     section(out, "PointData", point_data)?;
     section(out, "CellData", cell_data)?;
-    section(out, "Points", &[Written::reals("Points", 3, points.as_flattened())])?;
+    section(out, "Points", &[WrittenArray::reals("Points", 3, points.as_flattened())])?;
     let Cells { connectivity, ends, types } = cells;
-    let types = Written { name: "types".into(), components: 1, values: Values::Codes(types) };
-    let cells = [Written::counts("connectivity", connectivity), Written::counts("offsets", ends), types];
+    let types = WrittenArray { name: "types".into(), components: 1, values: ArrayNumbers::Codes(types) };
+    let cells = [WrittenArray::counts("connectivity", connectivity), WrittenArray::counts("offsets", ends), types];
     section(out, "Cells", &cells)?;
     writeln!(out, "</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 }

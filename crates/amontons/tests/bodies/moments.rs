@@ -426,7 +426,7 @@ fn moments_and_rotations_have_units() {
         let measure = probe(of, "left", None).measure().expect("a measure");
         problem.units().of(measure)
     };
-    let si = changed(&case.problem, |data| data.system = amontons::units::System::Si);
+    let si = changed(&case.problem, |data| data.system = amontons::units::UnitSystem::Si);
     let thick = changed(&si, |data| Arc::make_mut(&mut data.mesh).thickness = Some(0.5));
     assert_eq!(["reaction_moment", "total_force", "rotation"].map(|of| units(&si, of)), ["N m/m", "N/m", "rad"]);
     assert_eq!(["total_moment", "total_force", "rotation"].map(|of| units(&thick, of)), ["N m", "N", "rad"]);

@@ -1,6 +1,6 @@
 //! Surfaces of facets: their distance and normals against those of the shapes that they bound.
 
-use amontons::contact::obstacle::Facets;
+use amontons::contact::obstacle::ClosedSurface;
 use amontons::tensor::{Point, length};
 
 use crate::common::Random;
@@ -54,9 +54,9 @@ pub fn cuboid(size: Point, n: usize) -> Surface {
     all
 }
 
-pub fn facets(surface: &[[Point; 3]]) -> Facets {
+pub fn facets(surface: &[[Point; 3]]) -> ClosedSurface {
     let all: Vec<Vec<Point>> = surface.iter().map(|corners| corners.to_vec()).collect();
-    Facets::new(&all).unwrap_or_else(|fault| panic!("{fault:?}"))
+    ClosedSurface::new(&all).unwrap_or_else(|fault| panic!("{fault:?}"))
 }
 
 /// The distance of a box is exact, also around its edges and corners, inside and outside, whatever the squares that

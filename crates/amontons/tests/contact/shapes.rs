@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use amontons::contact::Obstacle;
-use amontons::contact::obstacle::{Cylinder, Nearest, Plane, Shape, ShapeFault, ShapeFaults, Sphere, Surface, Wave};
+use amontons::contact::obstacle::{
+    Cylinder, LevelSet, Nearest, ObstacleShape, Plane, ShapeFault, ShapeFaults, Sphere, Wave,
+};
 use amontons::expression::Expression;
 use amontons::field::Field;
 use amontons::tensor::{Point, dot, length};
@@ -53,8 +55,8 @@ fn expression(text: &str) -> Field {
     Field::Expression(Expression::parse(text).unwrap())
 }
 
-fn surface(level: &str) -> Surface {
-    Surface::new(Expression::parse(level).unwrap()).unwrap()
+fn surface(level: &str) -> LevelSet {
+    LevelSet::new(Expression::parse(level).unwrap()).unwrap()
 }
 
 fn assert_near(found: Nearest, expected: Nearest, tolerance: f64, of: &str) {
@@ -244,7 +246,7 @@ fn levels_give_the_distances_of_the_shapes_that_they_are() {
     let ball = Sphere::new(fixed([0.2, -0.1, 0.3]), 1.5, false).unwrap();
     let wave = Wave::new(fixed([0.0; 3]), [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], 0.05, 1.0).unwrap();
     let plane = Plane::new(fixed([0.0, 0.25, 0.0]), [3.0, 4.0, 0.0]).unwrap();
-    let levels: [(&str, &dyn Shape, usize); 6] = [
+    let levels: [(&str, &dyn ObstacleShape, usize); 6] = [
         ("(x - 0.2)^2 + (y + 0.1)^2 + (z - 0.3)^2 - 2.25", &ball, 3),
         ("exp((x - 0.2)^2 + (y + 0.1)^2 + (z - 0.3)^2 - 2.25) - 1", &ball, 3),
         ("1e6*log(((x - 0.2)^2 + (y + 0.1)^2 + (z - 0.3)^2)/2.25)", &ball, 3),
@@ -348,7 +350,7 @@ fn without_a_zero_level_nothing_is_nearest() {
 /// falls by as much as one goes down.
 #[test]
 fn normals_are_gradients_of_distances() {
-    let shapes: [(&str, Arc<dyn Shape>, usize); 7] = [
+    let shapes: [(&str, Arc<dyn ObstacleShape>, usize); 7] = [
         ("ball", Arc::new(Sphere::new(fixed([0.1, 0.2, -0.3]), 1.0, false).unwrap()), 3),
         ("socket", Arc::new(Sphere::new(fixed([0.1, 0.2, 0.0]), 4.0, true).unwrap()), 2),
         ("shaft", Arc::new(Cylinder::new(fixed([0.1, 0.2, -0.3]), [1.0, 2.0, 3.0], 1.0, false).unwrap()), 3),
@@ -406,7 +408,7 @@ fn obstacles_move_with_their_data() {
         sphere.fields().iter().map(|(key, field)| (*key, field.value(&[0.0; 3], 2.0))).collect::<Vec<_>>(),
         [("center[0]", 1.0), ("center[1]", 2.0), ("center[2]", -3.0)]
     );
-    let shapes: [Arc<dyn Shape>; 4] = [
+    let shapes: [Arc<dyn ObstacleShape>; 4] = [
         Arc::new(Plane::new(path(), [1.0, 2.0, 3.0]).unwrap()),
         Arc::new(Sphere::new(path(), 0.7, true).unwrap()),
         Arc::new(Cylinder::new(path(), [1.0, 2.0, 3.0], 0.7, false).unwrap()),
@@ -462,5 +464,5 @@ fn faults_of_shapes_are_told_at_once() {
         Some("normal: zero, expected a direction".to_owned())
     );
     assert_eq!(Cylinder::new(fixed([0.0; 3]), [0.0; 3], f64::NAN, true).err().map(|faults| faults.0.len()), Some(2));
-    assert_eq!(Surface::new(Expression::parse("t - 1").unwrap()).err(), Some(ShapeFaults(vec![ShapeFault::Level])));
+    assert_eq!(LevelSet::new(Expression::parse("t - 1").unwrap()).err(), Some(ShapeFaults(vec![ShapeFault::Level])));
 }

@@ -9,7 +9,7 @@ use crate::facets::{Surface, cuboid, facets, minus};
 use crate::stuck_indentation::writer;
 use amontons::case::{self, Files, Source};
 use amontons::contact::mortar::surface_of;
-use amontons::contact::obstacle::{Facets, File, Plane, Shape, Turning, Wave};
+use amontons::contact::obstacle::{ClosedSurface, FacetedSolid, ObstacleShape, Plane, Turning, Wave};
 use amontons::contact::{Obstacle, PointOnBoundary};
 use amontons::expression::Expression;
 use amontons::field::Field;
@@ -40,8 +40,8 @@ fn points_of_an_obstacle_move_as_it_says() {
     let place = || ["0.1 + 0.3*t", "0.2*t^2", "-0.4*sin(t)"].map(of);
     let about = || ["1 + 0.5*t", "0.1*cos(t)", "0.2"].map(of);
     let axis = [0.3, -0.5, 0.8];
-    let shapes: [Arc<dyn Shape>; 3] = [
-        Arc::new(File::new(Arc::new(facets(&cuboid([1.0, 0.7, 0.4], 2))), place(), false).expect("a box")),
+    let shapes: [Arc<dyn ObstacleShape>; 3] = [
+        Arc::new(FacetedSolid::new(Arc::new(facets(&cuboid([1.0, 0.7, 0.4], 2))), place(), false).expect("a box")),
         Arc::new(Plane::new(place(), [0.2, 1.0, -0.4]).expect("a plane")),
         Arc::new(Wave::new(place(), [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], 0.1, 0.5).expect("a wave")),
     ];
@@ -485,11 +485,11 @@ fn an_obstacle_in_millimetres() {
 fn the_boundary_of_a_mesh_is_closed() {
     for elements in [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2] {
         let mesh = Mesh::box_([1.0, 0.7, 0.4], [2, 3, 2], elements).expect("a box");
-        let facets = Facets::new(&surface_of(&mesh)).unwrap_or_else(|fault| panic!("{fault:?}"));
+        let facets = ClosedSurface::new(&surface_of(&mesh)).unwrap_or_else(|fault| panic!("{fault:?}"));
         let found = facets.nearest(&[0.5, 1.0, 0.2]);
         assert!((found.distance - 0.3).abs() < 1e-15 && found.normal == [0.0, 1.0, 0.0], "{elements:?}: {found:?}");
         let disc = Mesh::disc(1.0, [2, 16], elements).expect("a disc");
-        let facets = Facets::new(&surface_of(&disc)).unwrap_or_else(|fault| panic!("{fault:?}"));
+        let facets = ClosedSurface::new(&surface_of(&disc)).unwrap_or_else(|fault| panic!("{fault:?}"));
         assert!((facets.nearest(&[2.0, 0.0, 0.0]).distance - 1.0).abs() < 1e-14);
         assert!(facets.nearest(&[0.1, 0.2, 0.0]).distance < -0.7);
     }

@@ -8,7 +8,7 @@ use amontons::contact::{Compliance, ContactPoint, Flux, HeatLaw, NormalLaw, Pres
 use amontons::forms;
 use amontons::hypotheses::{Certificate, Finding, certificate, findings, full, monotonicity_loss};
 use amontons::linalg::{Backend, Dense, Graph, Layout, System};
-use amontons::material::{Constants, Isotropic, StressState, TensorLaw};
+use amontons::material::{Isotropic, OperatorConstants, StressState, TensorLaw};
 use amontons::problem::{Coupling, Problem};
 use amontons::step::{March, Scheme};
 use amontons::tensor::{Point, Sym, SymMap};
@@ -106,8 +106,8 @@ impl TensorLaw for Softening {
     fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
         SymMap::isotropic(2, 0.0, 2.0)
     }
-    fn constants(&self) -> Constants {
-        Constants { monotonicity: 1.0, lipschitz: 2.0 }
+    fn constants(&self) -> OperatorConstants {
+        OperatorConstants { monotonicity: 1.0, lipschitz: 2.0 }
     }
 }
 
@@ -121,8 +121,8 @@ impl TensorLaw for Stiff {
     fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
         SymMap::isotropic(2, 0.0, 2.0)
     }
-    fn constants(&self) -> Constants {
-        Constants { monotonicity: 1.0, lipschitz: 2.0 }
+    fn constants(&self) -> OperatorConstants {
+        OperatorConstants { monotonicity: 1.0, lipschitz: 2.0 }
     }
 }
 

@@ -10,7 +10,7 @@ use amontons::contact::{Compliance, Coulomb, Ramp, Status};
 use amontons::contract;
 use amontons::field::{Coefficient, Graded};
 use amontons::hypotheses::{FindingId, certificate, findings};
-use amontons::material::{Isotropic, Orthotropic, Prony, StressState, TensorLaw};
+use amontons::material::{Isotropic, OrthotropicConstants, Prony, StressState, TensorLaw};
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
 use amontons::problem::Problem;
 use amontons::state::State;
@@ -568,7 +568,7 @@ fn closures_keep_the_contract() {
         });
         contract::assert_tensor_law(&law, dim, 1.0);
         contract::assert_isotropic(&law, dim, 1.0);
-        let wood = Orthotropic { young: [9.0, 0.8, 0.4], poisson: [0.3, 0.3, 0.5], shear: [0.8, 0.7, 0.1] };
+        let wood = OrthotropicConstants { young: [9.0, 0.8, 0.4], poisson: [0.3, 0.3, 0.5], shear: [0.8, 0.7, 0.1] };
         let state = StressState::PlaneStrain;
         let grain = Graded::elastic(&corners, move |x| {
             Arc::new(

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use amontons::mesh::{self, Mesh, MeshFileError, Read, Skipped, inp};
+use amontons::mesh::{self, Mesh, MeshFile, MeshFileError, Skipped, inp};
 
 use super::{region, side};
 
@@ -12,7 +12,7 @@ fn field(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/field").join(name)
 }
 
-fn read(text: &str) -> Read {
+fn read(text: &str) -> MeshFile {
     inp::parse(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -39,7 +39,7 @@ fn told(skipped: &[Skipped]) -> Vec<String> {
 }
 
 /// A file with others in memory.
-fn with(main: &str, others: &[(&str, &str)]) -> Result<Read, MeshFileError> {
+fn with(main: &str, others: &[(&str, &str)]) -> Result<MeshFile, MeshFileError> {
     let others: BTreeMap<&str, &str> = others.iter().copied().collect();
     let mut include = |name: &str| {
         others.get(name).map(|text| Arc::from(text.as_bytes())).ok_or_else(|| "which is not there".to_owned())
@@ -169,7 +169,7 @@ fn facets_of_solids_with_names_are_sides() {
     let cube = std::fs::read_to_string(field("cube.inp")).expect("a file");
     let without_nodes = cube.split("*NSET").next().expect("a text");
     for text in [cube.as_str(), without_nodes] {
-        let Read { mesh, skipped, plane, .. } = read(text);
+        let MeshFile { mesh, skipped, plane, .. } = read(text);
         assert_eq!(sides(&mesh), [("Surface1", 1, 1.0), ("Surface2", 1, 1.0), ("fix", 1, 1.0), ("load", 1, 1.0)]);
         assert_eq!(regions(&mesh), [("Volume1", 1.0)]);
         assert_eq!((skipped, plane, mesh.cell_count()), (Vec::new(), None, 1));
@@ -208,7 +208,7 @@ fn only_the_boundary_becomes_sides() {
         *ELEMENT, type=CPS3, ELSET=Surface2\n3,2,3,4\n*ELEMENT, type=CPS3, ELSET=Surface3\n4,1,2,5\n\
         *ELEMENT, type=C3D4, ELSET=Volume1\n5,1,2,3,4\n*ELEMENT, type=C3D4, ELSET=Volume2\n6,2,5,3,4\n\
         *ELSET,ELSET=floor\n2\n*ELSET,ELSET=between\n3,\n*ELSET,ELSET=iron\n5\n*ELSET,ELSET=rubber\n6\n";
-    let Read { mesh, skipped, .. } = read(text);
+    let MeshFile { mesh, skipped, .. } = read(text);
     assert_eq!(sides(&mesh), [("Surface1", 1, 0.5), ("floor", 1, 0.5)]);
     // Edges (1, 1, 1) − (1, 0, 0), …: |det| = 2.
     let found = regions(&mesh);
@@ -230,7 +230,7 @@ fn only_the_boundary_becomes_sides() {
 fn quadratic_lines_are_sides_in_either_order() {
     let text = "*NODE\n1,0,0\n2,2,0\n3,0,2\n4,1,0\n5,1,1\n6,0,1\n*ELEMENT, TYPE=CPE6, ELSET=E\n1,1,2,3,4,5,6\n\
         *ELEMENT, TYPE=T3D3, ELSET=LOW\n2,1,2,4\n*ELEMENT, TYPE=B32, ELSET=SLANT\n3,2,5,3\n*ELEMENT, TYPE=T2D2, ELSET=LEFT\n4,3,1\n";
-    let Read { mesh, skipped, .. } = read(text);
+    let MeshFile { mesh, skipped, .. } = read(text);
     let found = sides(&mesh);
     assert_eq!(found.iter().map(|side| (side.0, side.1)).collect::<Vec<_>>(), [("LEFT", 1), ("LOW", 1), ("SLANT", 1)]);
     for (found, expected) in found.iter().zip([2.0, 2.0, 8.0_f64.sqrt()]) {
@@ -244,7 +244,7 @@ fn quadratic_lines_are_sides_in_either_order() {
 #[test]
 fn shells_beside_solids_are_told() {
     let text = std::fs::read_to_string(field("floor.inp")).expect("a file");
-    let Read { mesh, skipped, .. } = read(&text);
+    let MeshFile { mesh, skipped, .. } = read(&text);
     assert_eq!((regions(&mesh), sides(&mesh)), (vec![("BODY", 8.0)], vec![("BLOCK", 1, 4.0)]));
     assert_eq!(
         told(&skipped),
@@ -271,11 +271,11 @@ fn shells_alone_are_refused_with_their_number() {
 #[test]
 fn later_sections_take_cells() {
     let text = std::fs::read_to_string(field("later-section.inp")).expect("a file");
-    let Read { mesh, skipped, .. } = read(&text);
+    let MeshFile { mesh, skipped, .. } = read(&text);
     assert_eq!((mesh.cell_count(), regions(&mesh)), (2, vec![("ALL", 2.0), ("SOFT", 2.0)]));
     assert_eq!(told(&skipped), ["14: 1 × cells that a later section takes from \"ALL\""]);
     let all = text.clone() + "*SOLID SECTION,ELSET=ALL,MATERIAL=LAST\n";
-    let Read { mesh, skipped, .. } = read(&all);
+    let MeshFile { mesh, skipped, .. } = read(&all);
     assert_eq!(regions(&mesh), [("ALL", 4.0)]);
     assert_eq!(
         told(&skipped),
@@ -288,7 +288,7 @@ fn later_sections_take_cells() {
         "*SOLID SECTION,ELSET=ALL",
         "*ELEMENT,TYPE=SPRING1,ELSET=NONE\n7,1\n*SOLID SECTION,ELSET=NONE\n*SOLID SECTION,ELSET=ALL",
     ) + "*ELSET,ELSET=SOFT\n2\n";
-    let Read { mesh, skipped, .. } = read(&before);
+    let MeshFile { mesh, skipped, .. } = read(&before);
     assert_eq!(regions(&mesh), [("ALL", 2.0), ("SOFT", 2.0)]);
     assert!(
         told(&skipped).contains(&"13: 1 × sections without a cell of the body: \"NONE\"".to_owned()),
@@ -305,7 +305,7 @@ fn sets_of_what_is_not_there_are_told() {
         77,S1\n\
         *SURFACE, NAME=BOTH, COMBINE=UNION\nRIGHT, LOW\n"
     );
-    let Read { mesh, skipped, .. } = read(&text);
+    let MeshFile { mesh, skipped, .. } = read(&text);
     assert_eq!((regions(&mesh), sides(&mesh)), (vec![("E", 6.0)], vec![("LOW", 1, 3.0), ("RIGHT", 1, 2.0)]));
     assert!(mesh.edges.is_empty(), "{:?}", mesh.edges);
     assert_eq!(

@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use amontons::mesh::{self, Mesh, Read, gmsh};
+use amontons::mesh::{self, Mesh, MeshFile, gmsh};
 
 use super::decks::{regions, sides};
 
-fn read(name: &str) -> Read {
+fn read(name: &str) -> MeshFile {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/field").join(name);
     let read = mesh::read_all(&path).unwrap_or_else(|error| panic!("{error}"));
     read.mesh.check().unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -66,7 +66,7 @@ fn surfaces_name_regions_if_there_are_several() {
 /// Of a group within another one the inner keeps its name; Gmsh writes its cells once per group.
 #[test]
 fn groups_within_others_are_regions_of_their_own() {
-    let Read { mesh, skipped, .. } = read("overlap.msh");
+    let MeshFile { mesh, skipped, .. } = read("overlap.msh");
     assert_eq!((mesh.cell_count(), regions(&mesh)), (2, vec![("all", 2.0), ("soft", 2.0)]));
     assert_eq!(sides(&mesh), [("wall", 1, 2.0)]);
     let told: Vec<(&str, usize)> = skipped.iter().map(|skipped| (skipped.what.as_str(), skipped.count)).collect();
@@ -112,7 +112,7 @@ fn groups_that_overlap_share_a_region() {
 #[test]
 fn partitions_are_read_as_one_mesh() {
     for file in ["41-ghosts.msh", "22-ghosts.msh", "41-ghosts-binary.msh", "22-ghosts-binary.msh"] {
-        let Read { mesh, skipped, .. } = read(&format!("part-named-{file}"));
+        let MeshFile { mesh, skipped, .. } = read(&format!("part-named-{file}"));
         assert_eq!((mesh.cell_count(), mesh.points.len(), skipped.len()), (16, 15, 0), "{file}");
         near(&regions(&mesh), &[("left half", 1.0), ("right half", 1.0)]);
         let lengths: Vec<(&str, f64)> = sides(&mesh).into_iter().map(|(name, _, length)| (name, length)).collect();

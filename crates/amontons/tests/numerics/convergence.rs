@@ -2,9 +2,9 @@
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
 use crate::common::{case, reading};
-use amontons::convergence::{Level, Reference, Study, StudySettings, Vary};
+use amontons::convergence::{Reference, Study, StudyLevel, StudySettings, Vary};
 
-fn level(name: &str, foundation: &str, n: usize) -> Level {
+fn level(name: &str, foundation: &str, n: usize) -> StudyLevel {
     let mut overrides = reading(name);
     overrides.extend([
         format!("mesh.n={n}"),
@@ -12,7 +12,7 @@ fn level(name: &str, foundation: &str, n: usize) -> Level {
         format!("contact.heat.foundation_temperature={foundation}"),
     ]);
     let case = case("cases/paper.toml", &overrides);
-    Level { level: n, problem: case.problem, text: case.text }
+    StudyLevel { level: n, problem: case.problem, text: case.text }
 }
 
 /// Tolerance of the reference: 1e-6 relative.

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::common::{changed, paper};
-use amontons::convergence::{Exact, Level, Reference, Row, Study, StudySettings, Vary, slope};
+use amontons::convergence::{ErrorRow, Exact, Reference, Study, StudyLevel, StudySettings, Vary, slope};
 use amontons::expression::Expression;
 use amontons::field::Field;
 use amontons::material::{
@@ -68,11 +68,11 @@ fn problem(mesh: Mesh, materials: Vec<Material>, data: &Data) -> Problem {
 }
 
 /// An error of a study with the order that it must have.
-type Order = (&'static str, fn(&Row) -> f64, f64);
+type Order = (&'static str, fn(&ErrorRow) -> f64, f64);
 
 /// Asserts the orders of errors over two meshes.
 fn assert_orders(what: &str, meshes: [usize; 2], problem: impl Fn(usize) -> Problem, data: &Data, orders: &[Order]) {
-    let levels = meshes.map(|n| Level { level: n, problem: problem(n), text: String::new() }).to_vec();
+    let levels = meshes.map(|n| StudyLevel { level: n, problem: problem(n), text: String::new() }).to_vec();
     let study = Study { vary: Vary::Space, levels, reference: Reference::Exact(data.exact.clone()) };
     let table = study.run(&StudySettings::default()).unwrap_or_else(|error| panic!("{what}: {error}"));
     for (name, error, order) in orders {

@@ -9,8 +9,8 @@ use amontons::contact::Status;
 use amontons::mesh::{Diagonal, Mesh};
 use amontons::output::{Folder, FolderOptions};
 use amontons::plot::{
-    self, Body, ColorMap, ContactRow, ConvergencePlot, ErrorSeries, History, Kind, Options, Panel, PlotError, Run,
-    Snapshot,
+    self, ColorMap, ContactRow, ConvergencePlot, DrawnRun, ErrorSeries, HistoryColumns, Options, PictureKind,
+    PlaneMesh, PlaneSnapshot, PlotError, RunPanel,
 };
 use amontons::run;
 use amontons::units::Units;
@@ -49,17 +49,17 @@ fn solved(name: &str, text: String, overrides: &[&str]) -> PathBuf {
 }
 
 /// A run with a given temperature on a rectangle of n × n cells and nothing else.
-fn by_hand(n: usize, temperature: impl Fn(f64, f64) -> f64) -> Run {
+fn by_hand(n: usize, temperature: impl Fn(f64, f64) -> f64) -> DrawnRun {
     let mesh = Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Right).expect("a mesh");
-    let snapshot = Snapshot {
-        body: Body::of_mesh(&mesh).expect("a plane mesh"),
+    let snapshot = PlaneSnapshot {
+        body: PlaneMesh::of_mesh(&mesh).expect("a plane mesh"),
         displacement: mesh.points.iter().map(|p| [0.1 * (3.0 * p[1]).sin(), 0.1 * (5.0 * p[0]).sin() * p[1]]).collect(),
         temperature: mesh.points.iter().map(|p| temperature(p[0], p[1])).collect(),
         von_mises: (0..mesh.cell_count()).map(|c| (0.001 * c as f64).sin().abs()).collect(),
         nodal_von_mises: Vec::new(),
         regions: Vec::new(),
     };
-    Run { name: "by hand".to_owned(), dimension: 2, t: 0.5, snapshot: Some(snapshot), ..Run::default() }
+    DrawnRun { name: "by hand".to_owned(), dimension: 2, t: 0.5, snapshot: Some(snapshot), ..DrawnRun::default() }
 }
 
 /// The elements of an SVG document with their attributes; fails if it is not well-formed.
@@ -111,7 +111,7 @@ fn a_results_folder_has_all_pictures_twice() {
     let names: Vec<String> =
         paths.iter().map(|p| p.strip_prefix(dir.join("plots")).expect("in plots").display().to_string()).collect();
     // Nothing wears: there is no picture of wear.
-    let kinds = Kind::ALL.into_iter().filter(|kind| *kind != Kind::Wear);
+    let kinds = PictureKind::ALL.into_iter().filter(|kind| *kind != PictureKind::Wear);
     let expected: Vec<String> =
         kinds.flat_map(|k| [format!("{}.svg", k.file_name()), format!("{}.png", k.file_name())]).collect();
     assert_eq!(names, expected);
@@ -141,17 +141,17 @@ fn a_results_folder_has_all_pictures_twice() {
 #[test]
 fn labels_have_units_unless_the_case_has_none() {
     let dir = paper("units", &["units=\"SI\""]);
-    let run = Run::read(&dir).expect("a run");
-    let panels = [Panel { title: "", run: &run }];
-    let labels = |kind: Kind, dimensionless: bool| {
+    let run = DrawnRun::read(&dir).expect("a run");
+    let panels = [RunPanel { title: "", run: &run }];
+    let labels = |kind: PictureKind, dimensionless: bool| {
         texts(&plot::picture(kind, &panels, &Options { dimensionless, ..Options::default() }).expect("a picture").svg())
     };
-    let expected: [(Kind, &[&str]); 5] = [
-        (Kind::Deformed, &["x (m)", "y (m)", "‖u‖ (mm)", "paper: displacement at t = 1 s", "foundation"]),
-        (Kind::Temperature, &["θ (mK)"]),
-        (Kind::VonMises, &["σvM (Pa)"]),
+    let expected: [(PictureKind, &[&str]); 5] = [
+        (PictureKind::Deformed, &["x (m)", "y (m)", "‖u‖ (mm)", "paper: displacement at t = 1 s", "foundation"]),
+        (PictureKind::Temperature, &["θ (mK)"]),
+        (PictureKind::VonMises, &["σvM (Pa)"]),
         (
-            Kind::Contact,
+            PictureKind::Contact,
             &[
                 "paper: contact on \"bottom\" at t = 1 s",
                 "pressure p (Pa)",
@@ -166,7 +166,7 @@ fn labels_have_units_unless_the_case_has_none() {
             ],
         ),
         (
-            Kind::History,
+            PictureKind::History,
             &[
                 "contact force (N/m)",
                 "time t (s)",
@@ -199,8 +199,8 @@ fn a_field_has_the_colours_of_its_values_at_its_places() {
     let mut run = by_hand(16, f);
     // Fields are drawn on the body as it stands.
     run.snapshot.iter_mut().for_each(|snapshot| snapshot.displacement.fill([0.0; 2]));
-    let picture =
-        plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
+    let picture = plot::picture(PictureKind::Temperature, &[RunPanel { title: "", run: &run }], &Options::default())
+        .expect("a picture");
     let [x, y, width, height] = largest_image(&picture.svg());
     assert!((width - height).abs() < 1e-9, "a square body is {width} by {height}");
     let png = Pixmap::decode_png(&picture.png(2.0).expect("a PNG")).expect("a valid PNG");
@@ -218,7 +218,7 @@ fn a_field_has_the_colours_of_its_values_at_its_places() {
 fn the_colour_bar_runs_from_the_least_to_the_greatest() {
     let run = by_hand(4, |x, _| 20.0 + 30.0 * x);
     let found = texts(
-        &plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default())
+        &plot::picture(PictureKind::Temperature, &[RunPanel { title: "", run: &run }], &Options::default())
             .expect("a picture")
             .svg(),
     );
@@ -230,8 +230,9 @@ fn the_colour_bar_runs_from_the_least_to_the_greatest() {
 #[test]
 fn pictures_of_a_large_mesh_stay_small() {
     let run = by_hand(256, |x, y| (9.0 * x).sin() * (7.0 * y).cos());
-    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises] {
-        let svg = plot::picture(kind, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture").svg();
+    for kind in [PictureKind::Deformed, PictureKind::Temperature, PictureKind::VonMises] {
+        let svg =
+            plot::picture(kind, &[RunPanel { title: "", run: &run }], &Options::default()).expect("a picture").svg();
         assert!(svg.len() < 2_000_000, "{kind:?}: {} bytes", svg.len());
         elements(&svg);
     }
@@ -242,7 +243,7 @@ fn runs_stand_side_by_side_under_their_titles() {
     let dirs = [paper("left", &[]), paper("right", &["contact.heat.foundation_temperature=10"])];
     let out = fresh("side by side");
     let runs = [("θ_{F} = 0", dirs[0].as_path()), ("θ_{F} = 10", dirs[1].as_path())];
-    for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::Wear) {
+    for kind in PictureKind::ALL.into_iter().filter(|kind| *kind != PictureKind::Wear) {
         let stem = out.join("deeper").join(kind.file_name());
         let [svg, png] = plot::side_by_side(kind, &runs, &stem, &Options::default()).expect("a picture");
         let found = texts(&fs::read_to_string(svg).expect("an SVG"));
@@ -252,11 +253,11 @@ fn runs_stand_side_by_side_under_their_titles() {
         );
         Pixmap::decode_png(&fs::read(png).expect("a PNG")).expect("a valid PNG");
     }
-    let read: Vec<Run> = dirs.iter().map(|dir| Run::read(dir).expect("a run")).collect();
-    let panels = [Panel { title: "a", run: &read[0] }, Panel { title: "b", run: &read[1] }];
+    let read: Vec<DrawnRun> = dirs.iter().map(|dir| DrawnRun::read(dir).expect("a run")).collect();
+    let panels = [RunPanel { title: "a", run: &read[0] }, RunPanel { title: "b", run: &read[1] }];
     let numbers = |shared_scale: bool| {
         texts(
-            &plot::picture(Kind::Temperature, &panels, &Options { shared_scale, ..Options::default() })
+            &plot::picture(PictureKind::Temperature, &panels, &Options { shared_scale, ..Options::default() })
                 .expect("a picture")
                 .svg(),
         )
@@ -268,7 +269,7 @@ fn runs_stand_side_by_side_under_their_titles() {
 #[test]
 fn contact_at_gauss_points_and_runs_without_contact() {
     let dir = paper("gauss", &["contact.quadrature=\"gauss\"", "mesh.diagonal=\"crossed\""]);
-    let run = Run::read(&dir).expect("a run");
+    let run = DrawnRun::read(&dir).expect("a run");
     assert_eq!(run.contact.len(), 16);
     assert!(run.contact.iter().all(|row| row.bound.is_some_and(|b| (b - 0.2 * row.pressure).abs() < 1e-15)));
     assert_eq!(plot::folder(&dir, &Options::default()).expect("pictures").len(), 10);
@@ -368,7 +369,7 @@ fn no_damage_of_a_field_file_is_fatal() {
         }
         fs::write(&vtu, damaged).expect("a file");
         // Whether it is read depends on the place; that it returns is what counts.
-        if let Err(error) = Run::read(&dir) {
+        if let Err(error) = DrawnRun::read(&dir) {
             assert!(error.to_string().contains(&vtu.display().to_string()), "{error}");
         }
     }
@@ -387,15 +388,17 @@ fn a_body_on_a_line_has_a_history_only() {
     fs::write(dir.join("fields.pvd"), pvd).expect("a file");
     let paths = plot::folder(&dir, &Options::default()).expect("pictures");
     assert_eq!(paths, [dir.join("plots/history.svg"), dir.join("plots/history.png")]);
-    let run = Run::read(&dir).expect("a run");
+    let run = DrawnRun::read(&dir).expect("a run");
     assert_eq!(run.dimension, 1);
-    let message = message(plot::picture(Kind::Deformed, &[Panel { title: "", run: &run }], &Options::default()));
+    let message =
+        message(plot::picture(PictureKind::Deformed, &[RunPanel { title: "", run: &run }], &Options::default()));
     assert!(message.contains("paper") && message.contains("deformed"), "{message}");
 }
 
 #[test]
 fn data_that_do_not_fit_are_refused() {
-    let picture = |run: &Run| plot::picture(Kind::VonMises, &[Panel { title: "", run }], &Options::default());
+    let picture =
+        |run: &DrawnRun| plot::picture(PictureKind::VonMises, &[RunPanel { title: "", run }], &Options::default());
     let mut run = by_hand(2, |x, _| x);
     if let Some(snapshot) = &mut run.snapshot {
         snapshot.von_mises.pop();
@@ -406,7 +409,7 @@ fn data_that_do_not_fit_are_refused() {
         snapshot.temperature[3] = f64::NAN;
     }
     assert!(message(picture(&run)).contains("the temperature has values that are not finite"));
-    assert!(message(plot::picture(Kind::History, &[], &Options::default())).contains("history"));
+    assert!(message(plot::picture(PictureKind::History, &[], &Options::default())).contains("history"));
     let run = by_hand(2, |x, _| x);
     let picture = picture(&run).expect("a picture");
     for pixels in [0.0, -1.0, 1e6, f64::NAN] {
@@ -423,8 +426,9 @@ fn uniform_fields_and_undeformed_bodies_are_drawn() {
         snapshot.displacement.fill([0.0; 2]);
         snapshot.von_mises.fill(0.0);
     }
-    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises] {
-        let picture = plot::picture(kind, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
+    for kind in [PictureKind::Deformed, PictureKind::Temperature, PictureKind::VonMises] {
+        let picture =
+            plot::picture(kind, &[RunPanel { title: "", run: &run }], &Options::default()).expect("a picture");
         assert!(!picture.svg().contains("NaN"));
         picture.png(1.0).expect("a PNG");
     }
@@ -517,7 +521,7 @@ fn studies_that_do_not_fit_are_refused() {
 fn names_with_signs_of_xml_are_escaped() {
     let mut run = by_hand(2, |x, _| x);
     run.name = "a<b> & \"c\" \u{7} 漢".to_owned();
-    let svg = plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default())
+    let svg = plot::picture(PictureKind::Temperature, &[RunPanel { title: "", run: &run }], &Options::default())
         .expect("a picture")
         .svg();
     assert!(texts(&svg)[0].starts_with("a<b> & \"c\"  漢: temperature"), "{:?}", texts(&svg)[0]);
@@ -528,10 +532,11 @@ fn names_with_signs_of_xml_are_escaped() {
 #[test]
 fn histories_show_what_there_is() {
     let labels = |history: &[(&str, [f64; 2])]| {
-        let history: History = history.iter().map(|(name, column)| ((*name).to_owned(), column.to_vec())).collect();
-        let run = Run { history, dimension: 3, snapshot: None, units: Units::SPACE, ..by_hand(1, |x, _| x) };
+        let history: HistoryColumns =
+            history.iter().map(|(name, column)| ((*name).to_owned(), column.to_vec())).collect();
+        let run = DrawnRun { history, dimension: 3, snapshot: None, units: Units::SPACE, ..by_hand(1, |x, _| x) };
         texts(
-            &plot::picture(Kind::History, &[Panel { title: "", run: &run }], &Options::default())
+            &plot::picture(PictureKind::History, &[RunPanel { title: "", run: &run }], &Options::default())
                 .expect("a picture")
                 .svg(),
         )
@@ -573,7 +578,7 @@ fn histories_show_what_there_is() {
 }
 
 /// A run by hand whose points on the bottom are in contact up to a place.
-fn in_contact(n: usize, up_to: f64, temperature: impl Fn(f64, f64) -> f64) -> Run {
+fn in_contact(n: usize, up_to: f64, temperature: impl Fn(f64, f64) -> f64) -> DrawnRun {
     let mut run = by_hand(n, temperature);
     run.snapshot.iter_mut().for_each(|snapshot| snapshot.displacement.fill([0.0; 2]));
     let row = |i: usize| {
@@ -604,16 +609,17 @@ fn in_contact(n: usize, up_to: f64, temperature: impl Fn(f64, f64) -> f64) -> Ru
 #[test]
 fn a_small_contact_is_enlarged() {
     let f = |x: f64, y: f64| 2.0 * x + y;
-    let draw = |run: &Run, kind: Kind| plot::picture(kind, &[Panel { title: "", run }], &Options::default());
+    let draw =
+        |run: &DrawnRun, kind: PictureKind| plot::picture(kind, &[RunPanel { title: "", run }], &Options::default());
     let run = in_contact(16, 0.125, f);
-    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises] {
+    for kind in [PictureKind::Deformed, PictureKind::Temperature, PictureKind::VonMises] {
         let found = texts(&draw(&run, kind).expect("a picture").svg());
         assert!(found.iter().any(|label| label == "contact, enlarged × 5.6"), "{kind:?}: {found:?}");
         let large = draw(&in_contact(16, 0.5, f), kind).expect("a picture").svg();
         let open = draw(&in_contact(16, -1.0, f), kind).expect("a picture").svg();
         assert!(!large.contains("enlarged") && !open.contains("enlarged"), "{kind:?}");
     }
-    let picture = draw(&run, Kind::Temperature).expect("a picture");
+    let picture = draw(&run, PictureKind::Temperature).expect("a picture");
     let svg = picture.svg();
     let mut places: Vec<[f64; 4]> = elements(&svg)
         .into_iter()
@@ -640,10 +646,11 @@ fn a_small_contact_is_enlarged() {
 #[test]
 fn no_sheet_in_the_plane_is_longer_than_4000_units() {
     for up_to in [0.125, 0.5] {
-        let runs: Vec<Run> = (0..70).map(|i| Run { t: f64::from(i), ..in_contact(8, up_to, |x, _| x) }).collect();
+        let runs: Vec<DrawnRun> =
+            (0..70).map(|i| DrawnRun { t: f64::from(i), ..in_contact(8, up_to, |x, _| x) }).collect();
         let titles: Vec<String> = (0..70).map(|i| format!("t = {i} s")).collect();
-        let panels: Vec<Panel> = runs.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
-        for kind in [Kind::Deformed, Kind::Temperature, Kind::Contact] {
+        let panels: Vec<RunPanel> = runs.iter().zip(&titles).map(|(run, title)| RunPanel { title, run }).collect();
+        for kind in [PictureKind::Deformed, PictureKind::Temperature, PictureKind::Contact] {
             let picture = plot::picture(kind, &panels, &Options::default()).expect("a picture");
             let (width, height) = picture.size();
             assert!(width <= 4000.0 && height <= 4000.0, "{kind:?}: {width} × {height}");
@@ -658,14 +665,14 @@ fn no_sheet_in_the_plane_is_longer_than_4000_units() {
 /// A chart of zeros has the number 0 alone, and a field that is the same but for round-off has no scale of its own.
 #[test]
 fn scales_have_no_numbers_beyond_the_data() {
-    let draw = |run: &Run, kind: Kind| {
-        let picture = plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture");
+    let draw = |run: &DrawnRun, kind: PictureKind| {
+        let picture = plot::picture(kind, &[RunPanel { title: "", run }], &Options::default()).expect("a picture");
         texts(&picture.svg())
     };
-    let found = draw(&in_contact(8, -1.0, |x, _| x), Kind::Contact);
+    let found = draw(&in_contact(8, -1.0, |x, _| x), PictureKind::Contact);
     assert!(found.iter().any(|label| label == "0"), "{found:?}");
     assert!(!found.iter().any(|label| label == "−1.0" || label == "−0.5"), "{found:?}");
-    let found = draw(&by_hand(8, |x, _| 25.0 + 1e-12 * x), Kind::Temperature);
+    let found = draw(&by_hand(8, |x, _| 25.0 + 1e-12 * x), PictureKind::Temperature);
     assert!(found.iter().any(|label| label == "min 25, max 25 K at the nodes"), "{found:?}");
     let marks: Vec<&String> = found.iter().filter(|label| label.starts_with("25.000")).collect();
     assert!(marks.is_empty(), "{marks:?}");

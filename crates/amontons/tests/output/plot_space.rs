@@ -9,7 +9,7 @@ use amontons::case::{self, Source};
 use amontons::contact::Status;
 use amontons::mesh::{Elements, Mesh};
 use amontons::output::{Folder, FolderOptions};
-use amontons::plot::{self, ColorMap, Kind, Options, Panel, Run, Skin, Solid, SolidContact};
+use amontons::plot::{self, ColorMap, DrawnRun, Options, PictureKind, RunPanel, Skin, SolidContact, SpaceSnapshot};
 use amontons::run;
 use amontons::units::Units;
 use tiny_skia::Pixmap;
@@ -68,9 +68,9 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
     let paths = plot::folder(&dir, &Options::default()).expect("pictures");
     let names: Vec<String> =
         paths.iter().map(|p| p.strip_prefix(dir.join("plots")).expect("in plots").display().to_string()).collect();
-    let expected: Vec<String> = Kind::ALL
+    let expected: Vec<String> = PictureKind::ALL
         .iter()
-        .filter(|k| **k != Kind::Wear)
+        .filter(|k| **k != PictureKind::Wear)
         .flat_map(|k| [format!("{}.svg", k.file_name()), format!("{}.png", k.file_name())])
         .collect();
     assert_eq!(names, expected);
@@ -78,18 +78,18 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
     for path in plot::folder(&dir, &Options::default()).expect("pictures").iter().zip(&first) {
         assert_eq!(&fs::read(path.0).expect("a picture"), path.1, "{} differs", path.0.display());
     }
-    let svg = |kind: Kind| {
+    let svg = |kind: PictureKind| {
         fs::read_to_string(dir.join("plots").join(kind.file_name()).with_extension("svg")).expect("an SVG")
     };
     for (kind, what) in [
-        (Kind::Temperature, "block: temperature"),
-        (Kind::VonMises, "block: von Mises stress"),
-        (Kind::Deformed, "block: displacement"),
+        (PictureKind::Temperature, "block: temperature"),
+        (PictureKind::VonMises, "block: von Mises stress"),
+        (PictureKind::Deformed, "block: displacement"),
     ] {
         let svg = svg(kind);
         assert!(has_text(&svg, what) && has_text(&svg, "from above") && has_text(&svg, "from below"), "{what}");
     }
-    let svg = svg(Kind::Contact);
+    let svg = svg(PictureKind::Contact);
     assert!(
         has_text(&svg, "on &quot;back&quot;: pressure")
             && has_text(&svg, "on &quot;back&quot;: state and direction of slip")
@@ -98,7 +98,7 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
 }
 
 /// A unit cube whose faces z = 1 and z = 0 have temperatures of their own.
-fn cube() -> Run {
+fn cube() -> DrawnRun {
     let mesh = Mesh::box_([1.0; 3], [2; 3], Elements::Q1).expect("a mesh");
     let surface = Skin::of_mesh(&mesh).expect("a surface");
     let contact = mesh
@@ -116,7 +116,7 @@ fn cube() -> Run {
             side: 0,
         })
         .collect();
-    let solid = Solid {
+    let solid = SpaceSnapshot {
         surface,
         displacement: vec![[0.0; 3]; mesh.points.len()],
         temperature: mesh.points.iter().map(|p| p[2]).collect(),
@@ -125,7 +125,7 @@ fn cube() -> Run {
         regions: Vec::new(),
         contact,
     };
-    Run { dimension: 3, solid: Some(solid), units: Units::SPACE, ..Run::default() }
+    DrawnRun { dimension: 3, solid: Some(solid), units: Units::SPACE, ..DrawnRun::default() }
 }
 
 /// The hot top is seen from above, the cold bottom from below, each in the half of the picture that is so named, and
@@ -133,8 +133,8 @@ fn cube() -> Run {
 #[test]
 fn the_top_is_seen_from_above_and_the_bottom_from_below() {
     let run = cube();
-    let picture =
-        plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
+    let picture = plot::picture(PictureKind::Temperature, &[RunPanel { title: "", run: &run }], &Options::default())
+        .expect("a picture");
     let image = Pixmap::decode_png(&picture.png(1.0).expect("a PNG")).expect("a valid PNG");
     // A face of one value keeps the hue of its colour and is darkened by at most a third.
     let count = |value: f64, half: usize| {
@@ -155,8 +155,8 @@ fn the_top_is_seen_from_above_and_the_bottom_from_below() {
 #[test]
 fn contact_points_are_drawn_where_they_are() {
     let run = cube();
-    let picture =
-        plot::picture(Kind::Contact, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
+    let picture = plot::picture(PictureKind::Contact, &[RunPanel { title: "", run: &run }], &Options::default())
+        .expect("a picture");
     let svg = picture.svg();
     assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa at a contact point"));
 }
@@ -164,25 +164,27 @@ fn contact_points_are_drawn_where_they_are() {
 /// Wear has a picture of its own where there is some; friction work is a panel of the contact, where there is some.
 #[test]
 fn wear_and_friction_work_are_drawn_where_there_are_some() {
-    let svg = |kind: Kind, run: &Run| {
-        plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
+    let svg = |kind: PictureKind, run: &DrawnRun| {
+        plot::picture(kind, &[RunPanel { title: "", run }], &Options::default()).expect("a picture").svg()
     };
     let mut run = cube();
-    assert!(Kind::Wear.is_in(&run));
-    let worn = svg(Kind::Wear, &run);
+    assert!(PictureKind::Wear.is_in(&run));
+    let worn = svg(PictureKind::Wear, &run);
     assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m at a contact point"), "wear");
-    assert!(!has_text(&svg(Kind::Contact, &run), "friction work"), "no friction work");
-    let change =
-        |run: &mut Run, f: fn(&mut SolidContact)| run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f);
+    assert!(!has_text(&svg(PictureKind::Contact, &run), "friction work"), "no friction work");
+    let change = |run: &mut DrawnRun, f: fn(&mut SolidContact)| {
+        run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f)
+    };
     change(&mut run, |row| row.friction_work = 5.0 + row.x[0]);
-    let both = svg(Kind::Contact, &run);
+    let both = svg(PictureKind::Contact, &run);
     assert!(
         has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m² at a contact point")
     );
     change(&mut run, |row| row.wear = 0.0);
-    assert!(!Kind::Wear.is_in(&run));
-    let error =
-        plot::picture(Kind::Wear, &[Panel { title: "", run: &run }], &Options::default()).err().expect("an error");
+    assert!(!PictureKind::Wear.is_in(&run));
+    let error = plot::picture(PictureKind::Wear, &[RunPanel { title: "", run: &run }], &Options::default())
+        .err()
+        .expect("an error");
     assert!(error.to_string().contains("`wear`"), "{error}");
 }
 
@@ -190,9 +192,9 @@ fn wear_and_friction_work_are_drawn_where_there_are_some() {
 /// left. The top is seen from above.
 #[test]
 fn a_side_is_seen_from_its_own_side() {
-    let end = |run: &Run| -> [u32; 2] {
-        let picture =
-            plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture");
+    let end = |run: &DrawnRun| -> [u32; 2] {
+        let picture = plot::picture(PictureKind::Contact, &[RunPanel { title: "", run }], &Options::default())
+            .expect("a picture");
         let image = Pixmap::decode_png(&picture.png(1.0).expect("a PNG")).expect("a valid PNG");
         let column = |value: f64| {
             let full = ColorMap::Viridis.at(value);
@@ -219,8 +221,10 @@ fn a_side_is_seen_from_its_own_side() {
 /// Arrows say where the body slips to, and none where it sticks.
 #[test]
 fn slip_has_a_direction() {
-    let draw = |run: &Run| {
-        plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
+    let draw = |run: &DrawnRun| {
+        plot::picture(PictureKind::Contact, &[RunPanel { title: "", run }], &Options::default())
+            .expect("a picture")
+            .svg()
     };
     let mut run = cube();
     let stuck = draw(&run);
@@ -251,13 +255,13 @@ fn data_that_do_not_fit_are_refused() {
         (short, "the temperature has 26 values, expected 27"),
         (broken, "the von Mises stress has values that are not finite"),
     ] {
-        let error = plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default())
+        let error = plot::picture(PictureKind::Temperature, &[RunPanel { title: "", run: &run }], &Options::default())
             .err()
             .expect("an error");
         assert_eq!(error.to_string(), words);
     }
-    let plane = Run { solid: None, dimension: 1, ..cube() };
-    let error = plot::picture(Kind::Deformed, &[Panel { title: "", run: &plane }], &Options::default())
+    let plane = DrawnRun { solid: None, dimension: 1, ..cube() };
+    let error = plot::picture(PictureKind::Deformed, &[RunPanel { title: "", run: &plane }], &Options::default())
         .err()
         .expect("an error");
     assert!(error.to_string().contains("d = 1"), "{error}");
@@ -281,7 +285,7 @@ fn hot(picture: &plot::Picture) -> [usize; 2] {
 }
 
 /// The cube as the case says that has contact on one of its faces, which is hot.
-fn on_face(face: &str) -> Run {
+fn on_face(face: &str) -> DrawnRun {
     let text = format!(
         r#"
 name = "cube"
@@ -321,15 +325,17 @@ normal = {{ law = "compliance", stiffness = 1e11 }}
 fn a_body_is_seen_from_the_side_of_its_contact() {
     for face in ["left", "right", "bottom", "top", "front", "back"] {
         let run = on_face(face);
-        let draw = |panels: &[Panel]| plot::picture(Kind::Temperature, panels, &Options::default()).expect("a picture");
-        let panel = Panel { title: "", run: &run };
+        let draw = |panels: &[RunPanel]| {
+            plot::picture(PictureKind::Temperature, panels, &Options::default()).expect("a picture")
+        };
+        let panel = RunPanel { title: "", run: &run };
         let picture = draw(std::slice::from_ref(&panel));
         let [seen, behind] = hot(&picture);
         assert!(seen > 8_000 && behind < 500, "{face}: {seen} pixels of the contact, {behind} on the other view");
         assert!(picture.svg().contains(", on the contact\""), "{face}: no heading says so");
         // At several times the view on the contact alone.
-        let later = Run { t: 1.0, ..run.clone() };
-        let both = draw(&[panel, Panel { title: "", run: &later }]);
+        let later = DrawnRun { t: 1.0, ..run.clone() };
+        let both = draw(&[panel, RunPanel { title: "", run: &later }]);
         assert!(hot(&both).iter().all(|seen| *seen > 8_000), "{face}: {:?}", hot(&both));
     }
 }
@@ -350,9 +356,9 @@ fn bodies_of_a_pair_are_opened() {
     solid.von_mises = vec![1.0; problem.mesh.cell_count()];
     solid.contact.clear();
     run.problem = Some(problem);
-    let later = Run { t: 1.0, ..run.clone() };
-    let panels = [Panel { title: "", run: &run }, Panel { title: "later", run: &later }];
-    let picture = plot::picture(Kind::Temperature, &panels, &Options::default()).expect("a picture");
+    let later = DrawnRun { t: 1.0, ..run.clone() };
+    let panels = [RunPanel { title: "", run: &run }, RunPanel { title: "later", run: &later }];
+    let picture = plot::picture(PictureKind::Temperature, &panels, &Options::default()).expect("a picture");
     let svg = picture.svg();
     for body in ["lower", "upper"] {
         assert_eq!(svg.matches(&format!("&quot;{body}&quot; from ")).count(), 2, "{body} at two times");
@@ -366,10 +372,10 @@ fn bodies_of_a_pair_are_opened() {
 /// pixels.
 #[test]
 fn no_sheet_is_longer_than_4000_pixels() {
-    let runs: Vec<Run> = (0..60).map(|i| Run { t: f64::from(i), ..cube() }).collect();
+    let runs: Vec<DrawnRun> = (0..60).map(|i| DrawnRun { t: f64::from(i), ..cube() }).collect();
     let titles: Vec<String> = (0..60).map(|i| format!("t = {i} s")).collect();
-    let panels: Vec<Panel> = runs.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
-    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact] {
+    let panels: Vec<RunPanel> = runs.iter().zip(&titles).map(|(run, title)| RunPanel { title, run }).collect();
+    for kind in [PictureKind::Deformed, PictureKind::Temperature, PictureKind::VonMises, PictureKind::Contact] {
         let picture = plot::picture(kind, &panels, &Options::default()).expect("a picture");
         let (width, height) = picture.size();
         assert!(width <= 4000.0 && height <= 4000.0, "{kind:?}: {width} × {height}");
@@ -382,7 +388,7 @@ fn no_sheet_is_longer_than_4000_pixels() {
     }
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("plot-space");
     fs::create_dir_all(&dir).expect("a folder");
-    let picture = plot::picture(Kind::Contact, &panels[..2], &Options::default()).expect("a picture");
+    let picture = plot::picture(PictureKind::Contact, &panels[..2], &Options::default()).expect("a picture");
     let [_, png] = picture.save(&dir.join("sheet"), 9.0).expect("files");
     let image = Pixmap::decode_png(&fs::read(png).expect("a PNG")).expect("a valid PNG");
     assert_eq!(image.width().max(image.height()), 4000);
@@ -391,9 +397,11 @@ fn no_sheet_is_longer_than_4000_pixels() {
 /// Slip that is round-off of the displacement is neither named nor drawn.
 #[test]
 fn slip_of_round_off_is_none() {
-    let mut run = Run { t: 1.0, ..cube() };
-    let draw = |run: &Run| {
-        plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
+    let mut run = DrawnRun { t: 1.0, ..cube() };
+    let draw = |run: &DrawnRun| {
+        plot::picture(PictureKind::Contact, &[RunPanel { title: "", run }], &Options::default())
+            .expect("a picture")
+            .svg()
     };
     let still = draw(&run).matches("<path").count();
     for (speed, is_slip) in [(1e-17, false), (1e-6, true)] {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::common;
 use amontons::output::{Folder, FolderOptions};
-use amontons::plot::{self, Film, Kind, Options, Panel, Run};
+use amontons::plot::{self, DrawnRun, Film, Options, PictureKind, RunPanel};
 use amontons::run::{Settings, run};
 
 /// The results of a shipped case with overrides.
@@ -73,7 +73,7 @@ fn distance(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
 
 /// Places in a picture of points of a body, whose displacements are drawn `factor` times, by the outline of the body in
 /// the picture; its scales.
-fn places(svg: &str, run: &Run, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
+fn places(svg: &str, run: &DrawnRun, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
     // That of the whole body comes before that of an enlargement.
     let outline: Vec<[f64; 2]> = paths(svg, "#222222", "1.2").into_iter().next().expect("an outline");
     let mesh = &run.problem.as_ref().expect("a problem").mesh;
@@ -88,7 +88,7 @@ fn places(svg: &str, run: &Run, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 
 }
 
 /// The contact points that press, displaced by `factor` times their displacement.
-fn touching(run: &Run, factor: f64) -> Vec<[f64; 2]> {
+fn touching(run: &DrawnRun, factor: f64) -> Vec<[f64; 2]> {
     let mesh = &run.problem.as_ref().expect("a problem").mesh;
     let snapshot = run.snapshot.as_ref().expect("fields");
     let node = |x: [f64; 2]| mesh.points.iter().position(|p| p[0] == x[0] && p[1] == x[1]).expect("a node");
@@ -96,8 +96,8 @@ fn touching(run: &Run, factor: f64) -> Vec<[f64; 2]> {
     pressing.map(|row| [0, 1].map(|d| row.x[d] + factor * snapshot.displacement[node(row.x)][d])).collect()
 }
 
-fn picture(kind: Kind, run: &Run) -> String {
-    plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
+fn picture(kind: PictureKind, run: &DrawnRun) -> String {
+    plot::picture(kind, &[RunPanel { title: "", run }], &Options::default()).expect("a picture").svg()
 }
 
 /// At three times the points of the ring that press lie on a plate, to a pixel, in every picture of the body; both axes
@@ -105,10 +105,10 @@ fn picture(kind: Kind, run: &Run) -> String {
 #[test]
 fn plates_are_where_the_ring_touches_them() {
     let dir = solved("o-ring", "cases/o-ring.toml", &["time.steps=8", "output.every=2"]);
-    let runs = Run::frames(&dir, &[0.25, 0.5, 1.0]).expect("three times");
+    let runs = DrawnRun::frames(&dir, &[0.25, 0.5, 1.0]).expect("three times");
     assert_eq!(runs.iter().map(|run| run.t).collect::<Vec<_>>(), [0.25, 0.5, 1.0]);
     for run in &runs {
-        for kind in [Kind::Deformed, Kind::VonMises] {
+        for kind in [PictureKind::Deformed, PictureKind::VonMises] {
             let svg = picture(kind, run);
             // The whole ring with both plates, then the lower contact with its plate, enlarged.
             let mut plates = paths(&svg, "#d55e00", "1.6");
@@ -123,7 +123,7 @@ fn plates_are_where_the_ring_touches_them() {
             }
         }
         // The plates have come nearer by 0.4 mm/s.
-        let svg = picture(Kind::Deformed, run);
+        let svg = picture(PictureKind::Deformed, run);
         let levels: Vec<f64> = paths(&svg, "#d55e00", "1.6").iter().map(|plate| plate[0][1]).collect();
         let (_, [_, scale]) = places(&svg, run, 1.0, &[]);
         let apart = (levels[0] - levels[1]).abs() / scale;
@@ -136,8 +136,8 @@ fn plates_are_where_the_ring_touches_them() {
 #[test]
 fn an_enlarged_body_still_touches_its_foundation() {
     let dir = solved("paper", "cases/paper.toml", &["mesh.n=16", "time.steps=16", "contact.gap=-0.02"]);
-    let run = Run::read(&dir).expect("a run");
-    let svg = picture(Kind::Deformed, &run);
+    let run = DrawnRun::read(&dir).expect("a run");
+    let svg = picture(PictureKind::Deformed, &run);
     let factor = (2..=10)
         .map(f64::from)
         .find(|f| svg.contains(&format!("aria-label=\"displacement × {f}\"")))
@@ -149,8 +149,8 @@ fn an_enlarged_body_still_touches_its_foundation() {
     assert!(drawn.iter().all(|place| distance(*place, &foundation[0]) < 1.0), "{drawn:?}");
     // A gap that varies is drawn to scale.
     let dir = solved("varies", "cases/paper.toml", &["mesh.n=16", "time.steps=16", "contact.gap=\"0.01*x\""]);
-    let run = Run::read(&dir).expect("a run");
-    let svg = picture(Kind::Deformed, &run);
+    let run = DrawnRun::read(&dir).expect("a run");
+    let svg = picture(PictureKind::Deformed, &run);
     assert!(svg.contains("displacement to scale"));
     let foundation = paths(&svg, "#d55e00", "1.6");
     let (drawn, _) = places(&svg, &run, 1.0, &touching(&run, 1.0));
@@ -161,7 +161,7 @@ fn an_enlarged_body_still_touches_its_foundation() {
 #[test]
 fn a_thin_body_keeps_its_orientation() {
     let dir = solved("clutch", "cases/clutch.toml", &["time.steps=4"]);
-    let svg = picture(Kind::Deformed, &Run::read(&dir).expect("a run"));
+    let svg = picture(PictureKind::Deformed, &DrawnRun::read(&dir).expect("a run"));
     let after = svg.split("displacement × ").nth(1).expect("a factor");
     let factor: f64 = after.split(|c: char| !c.is_ascii_digit()).next().and_then(|n| n.parse().ok()).expect("a number");
     assert!((2.0..=3e-3 / 6e-6).contains(&factor), "× {factor} of 6 µm on 3 mm");
@@ -200,7 +200,7 @@ fn only_what_a_case_has_is_drawn() {
 fn frames_have_their_times() {
     let dir = solved("frames", "cases/slab.toml", &["time.steps=16", "output.every=4", "mesh.n=[12, 4]"]);
     plot::folder(&dir, &Options { times: vec![0.5, 1.1, 2.0], ..Options::default() }).expect("pictures");
-    for kind in [Kind::Temperature, Kind::Contact] {
+    for kind in [PictureKind::Temperature, PictureKind::Contact] {
         let svg = fs::read_to_string(dir.join("plots").join(kind.file_name()).with_extension("svg")).expect("an SVG");
         for time in ["t = 0.5 s", "t = 1 s", "t = 2 s"] {
             assert!(svg.contains(&format!("aria-label=\"{time}\"")), "{kind:?} has no {time}");
@@ -218,15 +218,15 @@ fn bodies_of_a_pair_have_their_names() {
     let case = "crates/amontons/tests/reference/two-bodies/cases/c-cycle.toml";
     let dir = solved("names", case, &[]);
     plot::folder(&dir, &Options::default()).expect("pictures");
-    let svg = |kind: Kind| {
+    let svg = |kind: PictureKind| {
         fs::read_to_string(dir.join("plots").join(kind.file_name()).with_extension("svg")).expect("an SVG")
     };
-    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises] {
+    for kind in [PictureKind::Deformed, PictureKind::Temperature, PictureKind::VonMises] {
         for name in ["upper", "lower"] {
             assert_eq!(svg(kind).matches(&format!("aria-label=\"{name}\"")).count(), 1, "{kind:?} {name}");
         }
     }
-    let contact = svg(Kind::Contact);
+    let contact = svg(PictureKind::Contact);
     assert!(contact.contains("aria-label=\"gap g − uν (m)\""), "a gap of round-off");
     assert!(contact.contains("aria-label=\"of what it faces\""), "the temperature of the other body");
     let one = solved("no-names", "cases/slab.toml", &["time.steps=4", "mesh.n=[12, 4]"]);
@@ -255,13 +255,13 @@ fn a_film_has_the_pictures_of_the_folder() {
     for (number, (case, overrides)) in cases.iter().enumerate() {
         let (dir, film) = filmed(&format!("film-{number}"), case, overrides);
         let times = film.times();
-        let frames = Run::frames(&dir, &times).expect("the frames of the folder");
+        let frames = DrawnRun::frames(&dir, &times).expect("the frames of the folder");
         assert_eq!(frames.len(), times.len());
         for (i, of_folder) in frames.iter().enumerate() {
             let of_film = film.frame(i).expect("a frame");
-            for kind in Kind::ALL {
+            for kind in PictureKind::ALL {
                 assert_eq!(kind.is_told_by(&of_film), kind.is_told_by(of_folder), "{case} {kind:?} at {}", times[i]);
-                if kind.is_told_by(of_folder) && (of_folder.dimension > 1 || kind == Kind::History) {
+                if kind.is_told_by(of_folder) && (of_folder.dimension > 1 || kind == PictureKind::History) {
                     assert!(picture(kind, &of_film) == picture(kind, of_folder), "{case} {kind:?} at {}", times[i]);
                     drawn.insert((number, kind.file_name()));
                 }
@@ -271,7 +271,12 @@ fn a_film_has_the_pictures_of_the_folder() {
     }
     // Each of the cases is drawn, and each kind but wear is that of one.
     assert!((0..cases.len()).all(|number| drawn.iter().any(|(of, _)| *of == number)), "{drawn:?}");
-    assert!(Kind::ALL.iter().filter(|k| **k != Kind::Wear).all(|k| drawn.iter().any(|(_, of)| *of == k.file_name())));
+    assert!(
+        PictureKind::ALL
+            .iter()
+            .filter(|k| **k != PictureKind::Wear)
+            .all(|k| drawn.iter().any(|(_, of)| *of == k.file_name()))
+    );
 }
 
 /// A clutch of revolution: the picture has the slip about the axis that the plates turn with, friction up to its bound,
@@ -279,8 +284,8 @@ fn a_film_has_the_pictures_of_the_folder() {
 #[test]
 fn a_clutch_has_its_speed_and_its_moment() {
     let dir = solved("clutch-plates", "cases/clutch-plates.toml", &["output.every=25"]);
-    let run = Run::read(&dir).expect("a run");
-    let before = &Run::frames(&dir, &[0.5]).expect("a frame")[0];
+    let run = DrawnRun::read(&dir).expect("a run");
+    let before = &DrawnRun::frames(&dir, &[0.5]).expect("a frame")[0];
     assert!(before.contact.iter().any(|row| row.traction[2].abs() > 1e3), "nothing rubs");
     let turning: Vec<_> = before.contact.iter().filter(|row| row.slip_velocity[2] != 0.0).collect();
     assert!(turning.len() > 4, "{} points turn", turning.len());
@@ -290,20 +295,20 @@ fn a_clutch_has_its_speed_and_its_moment() {
         let (bound, found) = (row.bound.expect("a bound"), row.traction[2].hypot(row.traction[0]));
         assert!((found - bound).abs() <= 1e-6 * bound, "{row:?}");
     }
-    let svg = picture(Kind::Contact, before);
+    let svg = picture(PictureKind::Contact, before);
     for text in ["slip velocity (m/s)", "about the axis", "στ about the axis"] {
         assert!(svg.contains(&format!("aria-label=\"{text}\"")), "{text}");
     }
-    let history = picture(Kind::History, &run);
+    let history = picture(PictureKind::History, &run);
     assert!(history.contains("aria-label=\"moment of contact about the axis (N m)\""));
     for side in ["counter_plate-lining_1", "lining_2-pressure_plate", "all contacts"] {
         assert!(history.contains(&format!("aria-label=\"{side}\"")), "{side}");
     }
     // Without rotation there is no such line.
     let plain = solved("no-moment", "cases/slab.toml", &["time.steps=4", "mesh.n=[12, 4]"]);
-    let plain = Run::read(&plain).expect("a run");
-    assert!(!picture(Kind::History, &plain).contains("moment of contact"));
-    assert!(!picture(Kind::Contact, &plain).contains("out of the plane"));
+    let plain = DrawnRun::read(&plain).expect("a run");
+    assert!(!picture(PictureKind::History, &plain).contains("moment of contact"));
+    assert!(!picture(PictureKind::Contact, &plain).contains("out of the plane"));
 }
 
 /// The largest value that a picture names says of what it is the largest, and is that of the summary where this has the
@@ -311,12 +316,12 @@ fn a_clutch_has_its_speed_and_its_moment() {
 #[test]
 fn a_picture_says_what_its_largest_value_is() {
     let (dir, film) = filmed("words", "cases/paper.toml", &["mesh.n=8", "time.steps=8"]);
-    let (run, summary) = (Run::read(&dir).expect("a run"), film.summary().expect("a summary"));
+    let (run, summary) = (DrawnRun::read(&dir).expect("a run"), film.summary().expect("a summary"));
     let largest = summary.rows().into_iter().find(|(name, _)| name == "von Mises stress").expect("a row").1;
-    let svg = picture(Kind::VonMises, &run);
+    let svg = picture(PictureKind::VonMises, &run);
     assert!(largest.ends_with("at the centre of a cell"), "{largest}");
     assert!(svg.contains(&format!("recovered at the nodes; {largest}\"")), "no {largest}");
-    let field = picture(Kind::Temperature, &run);
+    let field = picture(PictureKind::Temperature, &run);
     assert!(field.contains(" at the nodes\"") && !field.contains("centre of a cell"));
 }
 
@@ -324,7 +329,7 @@ fn a_picture_says_what_its_largest_value_is() {
 #[test]
 fn a_sector_of_a_clutch_has_its_moment_over_time() {
     let (dir, film) = filmed("sector", "cases/clutch.toml", &["time.steps=4"]);
-    let run = Run::read(&dir).expect("a run");
+    let run = DrawnRun::read(&dir).expect("a run");
     let contact = &film.summary().expect("a summary").last.contact;
     let moment = contact.as_ref().and_then(|contact| contact.moment_about_origin.clone()).expect("a moment");
     let last = |name: &str| *run.history[name].last().expect("a row");
@@ -334,7 +339,7 @@ fn a_sector_of_a_clutch_has_its_moment_over_time() {
     let expected =
         2.0 / 3.0 * 0.3 * 1798.70 * (0.12f64.powi(3) - 0.09f64.powi(3)) / (0.12f64.powi(2) - 0.09f64.powi(2));
     assert!((found[2].abs() / expected - 1.0).abs() < 0.01, "{} N m, expected {expected}", found[2]);
-    assert!(picture(Kind::History, &run).contains("aria-label=\"moment of contact about the origin (N m)\""));
+    assert!(picture(PictureKind::History, &run).contains("aria-label=\"moment of contact about the origin (N m)\""));
 }
 
 /// The picture of the contact of a quadratic pair has a line through all of its points, from end to end.
@@ -346,9 +351,9 @@ fn contact_of_a_quadratic_pair_is_drawn() {
         ("fit", "crates/amontons/benchmarks/pair-press-fit.toml"),
     ] {
         let dir = solved(name, case, &[]);
-        let run = Run::read(&dir).expect("a run");
+        let run = DrawnRun::read(&dir).expect("a run");
         assert!(run.contact.len() > 2, "{case}: {} points", run.contact.len());
-        let lines = paths(&picture(Kind::Contact, &run), "#0072b2", "1.6");
+        let lines = paths(&picture(PictureKind::Contact, &run), "#0072b2", "1.6");
         let longest = lines.iter().map(Vec::len).max().unwrap_or(0);
         assert!(longest >= run.contact.len(), "{case}: {longest} points are drawn of {}", run.contact.len());
         let [left, right] = range(lines.iter().flatten().map(|p| p[0]));

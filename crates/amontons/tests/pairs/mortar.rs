@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::common;
 use amontons::case::{self, Source};
 use amontons::contact::Supports;
-use amontons::contact::mortar::{Mortar, MortarRow, Sides};
+use amontons::contact::mortar::{FacingSides, Mortar, MortarRow};
 use amontons::element::P1_SEGMENT;
 use amontons::mesh::{Block, FacetSet, Mesh};
 use amontons::tensor::Point;
@@ -123,7 +123,7 @@ fn rows_in_the_plane_are_those_of_two_independent_programs() {
         let held = |node: u32| if first_prescribed && at(node as usize) == at(first) { AXES } else { [[0.0; 3]; 3] };
         let (nonmortar, mortar) = if is_below { (&lower, &upper) } else { (&upper, &lower) };
         let supports = Supports { held: &held, ..Supports::NONE };
-        let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false };
+        let sides = FacingSides { mesh: &mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false };
         assert_rows(name, entries, &mesh, &Mortar::new(&sides).rows);
     }
 }
@@ -132,7 +132,7 @@ fn rows_in_the_plane_are_those_of_two_independent_programs() {
 fn rows_in_space_are_those_of_two_independent_programs() {
     let case = common::case("crates/amontons/tests/reference/two-bodies/cases/h-bricks.toml", &[]);
     let mesh = &case.problem.mesh;
-    let sides = Sides {
+    let sides = FacingSides {
         mesh,
         x: &mesh.points,
         nonmortar: &mesh.facets["upper_bottom"],
@@ -148,7 +148,7 @@ fn rows_in_space_are_those_of_two_independent_programs() {
 fn exact_rationals_on_one_line() {
     let line = |x: [f64; 3]| x.map(|x| [x, 0.0, 0.0]);
     let (mesh, [lower, upper]) = polygons(&line([0.0, 1.0, 2.0]), &line([0.0, 1.25, 2.0]));
-    let sides = Sides {
+    let sides = FacingSides {
         mesh: &mesh,
         x: &mesh.points,
         nonmortar: &upper,
@@ -220,7 +220,7 @@ fn assert_pair(upper: &Mesh, lower: &Mesh, name: &str) {
     let mut bottom = upper.facets["bottom"].clone();
     bottom.blocks.iter_mut().for_each(|block| block.nodes.iter_mut().for_each(|node| *node += n));
     let top = lower.facets["top"].clone();
-    let sides = Sides {
+    let sides = FacingSides {
         mesh: &mesh,
         x: &mesh.points,
         nonmortar: &bottom,
@@ -275,7 +275,7 @@ fn the_nearest_facet_is_faced() {
     // One behind the lower side, one in front of it that looks away.
     mortar.push(&P1_SEGMENT, [first + 1, first]);
     mortar.push(&P1_SEGMENT, [first + 2, first + 3]);
-    let sides = Sides {
+    let sides = FacingSides {
         mesh: &mesh,
         x: &mesh.points,
         nonmortar: &upper,
@@ -295,7 +295,7 @@ fn the_nearest_facet_is_faced() {
 fn uncovered_nodes_have_no_weight() {
     let line = |x: &[f64]| x.iter().map(|&x| [x, 0.0, 0.0]).collect::<Vec<_>>();
     let (mesh, [lower, upper]) = polygons(&line(&[0.0, 1.0]), &line(&[0.0, 1.0, 2.0, 3.0]));
-    let sides = Sides {
+    let sides = FacingSides {
         mesh: &mesh,
         x: &mesh.points,
         nonmortar: &upper,
@@ -304,7 +304,7 @@ fn uncovered_nodes_have_no_weight() {
         keeps_all: false,
     };
     assert_eq!(Mortar::new(&sides).rows.len(), 2);
-    let all = Mortar::new(&Sides { keeps_all: true, ..sides }).rows;
+    let all = Mortar::new(&FacingSides { keeps_all: true, ..sides }).rows;
     for (row, weight) in all.iter().zip([0.5, 0.5, 0.0, 0.0]) {
         assert!((row.weight - weight).abs() < 1e-15);
     }

@@ -4,7 +4,7 @@ use crate::common::file;
 use std::path::Path;
 
 use amontons::case::{self, Files, Source};
-use amontons::output::{Shown, Table, shown};
+use amontons::output::{ResultTable, Shown, shown};
 use amontons::units::{Measure, Units};
 
 /// What a part of a case leaves out.
@@ -120,7 +120,7 @@ fn the_examples_are_in_the_guide() {
 fn the_table_of_columns_has_their_units() {
     let text = std::fs::read_to_string(file("book/src/results.md")).expect("the chapter");
     let section = text.split("## Tables").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
-    let is_table = |value: &Shown| [Table::History, Table::Contact].contains(&value.table);
+    let is_table = |value: &Shown| [ResultTable::History, ResultTable::Contact].contains(&value.table);
     let all: Vec<_> = shown().into_iter().filter(is_table).map(|value| (value.name, value.measure)).collect();
     let mut told = Vec::new();
     for line in section.lines().filter(|line| line.starts_with("| `")) {

@@ -12,6 +12,7 @@ mod elmer;
 mod examples;
 mod expected;
 mod layers;
+mod names;
 mod paper_reference;
 mod papers;
 mod verify;

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::equation::StepError;
 use amontons::hypotheses::{Finding, FindingId, FindingStatus, Kind, findings};
-use amontons::material::{Constants, TensorLaw};
+use amontons::material::{OperatorConstants, TensorLaw};
 use amontons::output::{Memory, Outcome, Summary};
 use amontons::problem::Problem;
 use amontons::run::{RunError, Settings, run};
@@ -510,8 +510,8 @@ impl TensorLaw for Silent {
     fn is_linear(&self) -> bool {
         true
     }
-    fn constants(&self) -> Constants {
-        Constants { monotonicity: 2.0, lipschitz: 4.0 }
+    fn constants(&self) -> OperatorConstants {
+        OperatorConstants { monotonicity: 2.0, lipschitz: 4.0 }
     }
 }
 

@@ -20,10 +20,10 @@ use crate::tensor::{Point, dot, length};
 pub use capped::Capped;
 pub use coulomb::{Coulomb, Frictionless};
 pub use formula::FrictionFormula;
-pub use orthotropic::Orthotropic;
+pub use orthotropic::OrthotropicFriction;
 pub use static_kinetic::StaticKinetic;
 pub use stick::NoSlip;
-pub use tabulated::{Tabulated, Variable};
+pub use tabulated::{FrictionVariable, Tabulated};
 pub use tresca::Tresca;
 
 /// A friction bound s ≥ 0 in Pa with its slopes.

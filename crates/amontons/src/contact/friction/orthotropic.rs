@@ -9,20 +9,20 @@ use crate::tensor::Point;
 
 /// (q₁/μ₁)² + (q₂/μ₂)² ≤ p², with slip along the normal of that ellipse.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Orthotropic {
+pub struct OrthotropicFriction {
     /// μ₁ along the direction and μ₂ across it, both positive.
     pub coefficients: [f64; 2],
     /// The direction of μ₁; only its tangential part counts.
     pub direction: Point,
 }
 
-impl Orthotropic {
+impl OrthotropicFriction {
     fn largest(&self) -> f64 {
         self.coefficients[0].max(self.coefficients[1])
     }
 }
 
-impl FrictionLaw for Orthotropic {
+impl FrictionLaw for OrthotropicFriction {
     fn bound(&self, at: &ContactPoint) -> Bound {
         let mu = self.largest();
         Bound { value: mu * at.pressure, by_pressure: mu, ..Bound::default() }
@@ -38,5 +38,5 @@ impl FrictionLaw for Orthotropic {
 
 #[cfg(test)]
 pub(super) fn samples() -> Vec<std::sync::Arc<dyn FrictionLaw>> {
-    vec![std::sync::Arc::new(Orthotropic { coefficients: [0.2, 0.6], direction: [1.0, 0.0, 0.0] })]
+    vec![std::sync::Arc::new(OrthotropicFriction { coefficients: [0.2, 0.6], direction: [1.0, 0.0, 0.0] })]
 }

@@ -8,7 +8,7 @@ use crate::contact::{ContactPoint, PiecewiseLinear};
 
 /// The variable on which the coefficient depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variable {
+pub enum FrictionVariable {
     /// ‖w_τ‖ in m/s.
     SlipSpeed,
     /// θ of the body in K.
@@ -21,7 +21,7 @@ pub enum Variable {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     /// The argument of μ.
-    pub variable: Variable,
+    pub variable: FrictionVariable,
     /// μ ≥ 0.
     pub coefficient: PiecewiseLinear,
 }
@@ -29,23 +29,23 @@ pub struct Tabulated {
 impl FrictionLaw for Tabulated {
     fn bound(&self, at: &ContactPoint) -> Bound {
         let argument = match self.variable {
-            Variable::SlipSpeed => at.slip_speed,
-            Variable::Temperature => at.temperature,
-            Variable::Pressure => at.pressure,
+            FrictionVariable::SlipSpeed => at.slip_speed,
+            FrictionVariable::Temperature => at.temperature,
+            FrictionVariable::Pressure => at.pressure,
         };
         let (mu, slope) = self.coefficient.held(argument);
-        let by = |variable: Variable| if variable == self.variable { slope * at.pressure } else { 0.0 };
+        let by = |variable: FrictionVariable| if variable == self.variable { slope * at.pressure } else { 0.0 };
         Bound {
             value: mu * at.pressure,
-            by_pressure: mu + by(Variable::Pressure),
-            by_slip_speed: by(Variable::SlipSpeed),
-            by_temperature: by(Variable::Temperature),
+            by_pressure: mu + by(FrictionVariable::Pressure),
+            by_slip_speed: by(FrictionVariable::SlipSpeed),
+            by_temperature: by(FrictionVariable::Temperature),
             by_penetration: 0.0,
         }
     }
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
         let mut most = self.coefficient.largest();
-        if self.variable == Variable::Pressure {
+        if self.variable == FrictionVariable::Pressure {
             // (μ(p) p)′ = μ + μ′ p is linear on each piece: largest at its ends.
             for (ends, slope) in self.coefficient.points().windows(2).zip(self.coefficient.slopes()) {
                 most = ends.iter().fold(most, |most, &(p, mu)| most.max((mu + slope * p.max(0.0)).abs()));
@@ -54,7 +54,7 @@ impl FrictionLaw for Tabulated {
         l_nu.map(|l| most * l)
     }
     fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
-        if self.variable != Variable::SlipSpeed {
+        if self.variable != FrictionVariable::SlipSpeed {
             return 0.0;
         }
         let pieces = self.coefficient.points().windows(2).zip(self.coefficient.slopes());
@@ -72,9 +72,9 @@ pub(super) fn samples() -> Vec<std::sync::Arc<dyn FrictionLaw>> {
         PiecewiseLinear::new(arguments, values).map(|coefficient| Tabulated { variable, coefficient })
     };
     [
-        law(Variable::SlipSpeed, &[0.0, 0.2, 0.6], &[0.5, 0.2, 0.4]),
-        law(Variable::Temperature, &[-1.0, 1.0], &[0.3, 0.1]),
-        law(Variable::Pressure, &[0.0, 1.0, 4.0], &[0.5, 0.5, 0.1]),
+        law(FrictionVariable::SlipSpeed, &[0.0, 0.2, 0.6], &[0.5, 0.2, 0.4]),
+        law(FrictionVariable::Temperature, &[-1.0, 1.0], &[0.3, 0.1]),
+        law(FrictionVariable::Pressure, &[0.0, 1.0, 4.0], &[0.5, 0.5, 0.1]),
     ]
     .into_iter()
     .flatten()

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cut::{Covered, FACING, whole};
-use super::part::{Facets, Part};
+use super::part::{FlatPiece, SideFacets};
 use crate::mesh::{Link, leader, link_of};
 use crate::tensor::{Point, dot};
 
@@ -43,7 +43,7 @@ pub(super) struct Candidates {
 impl Candidates {
     /// The candidates of a side at rest: the assignment of nodes to patches does not depend on the motion of the
     /// bodies.
-    pub fn new(at_rest: &Facets, links: &[Link]) -> Candidates {
+    pub fn new(at_rest: &SideFacets, links: &[Link]) -> Candidates {
         let patches = patches(at_rest, links);
         let mut numbers: BTreeMap<(u32, usize), Vec<(usize, usize)>> = BTreeMap::new();
         for (number, part) in at_rest.parts().iter().enumerate() {
@@ -66,7 +66,7 @@ impl Candidates {
     }
 
     /// Finds the shares σ: for each candidate, the largest covered share of its hat on any part at the node.
-    pub fn cover(&mut self, facets: &Facets, covered: &[Covered]) {
+    pub fn cover(&mut self, facets: &SideFacets, covered: &[Covered]) {
         for (number, part) in
             facets.parts().iter().enumerate().filter(|(number, _)| !covered[*number].samples.is_empty())
         {
@@ -83,7 +83,7 @@ impl Candidates {
 }
 
 /// The patch of each part. Parts that meet at an edge without a kink, and parts of one facet, share a patch.
-fn patches(facets: &Facets, links: &[Link]) -> Vec<usize> {
+fn patches(facets: &SideFacets, links: &[Link]) -> Vec<usize> {
     let parts = facets.parts();
     let mut union = Union { of: (0..parts.len()).collect() };
     let mut edges: BTreeMap<[u32; 2], Vec<(usize, Point)>> = BTreeMap::new();
@@ -109,7 +109,7 @@ fn patches(facets: &Facets, links: &[Link]) -> Vec<usize> {
 }
 
 /// The edges of a part by their nodes in ascending order; in the plane its end points.
-fn edges_of(facets: &Facets, part: &Part) -> Vec<[u32; 2]> {
+fn edges_of(facets: &SideFacets, part: &FlatPiece) -> Vec<[u32; 2]> {
     let (n, node) = (part.corners.len(), |corner: usize| facets.node(part, corner));
     match n {
         1 => Vec::new(),
@@ -119,7 +119,7 @@ fn edges_of(facets: &Facets, part: &Part) -> Vec<[u32; 2]> {
 }
 
 /// The normal of a part at an edge, turned into the sector of the nodes that those of the edge follow.
-fn normal(part: &Part, edge: [u32; 2], links: &[Link]) -> Point {
+fn normal(part: &FlatPiece, edge: [u32; 2], links: &[Link]) -> Point {
     match edge.map(|node| link_of(links, node)) {
         [Some(link), Some(_)] => link.back(&part.normal),
         _ => part.normal,

@@ -2,11 +2,11 @@
 
 use std::sync::OnceLock;
 
-use super::part::{Facets, Part};
-use super::sight::{Line, Sight};
-use super::tree::Tree;
+use super::part::{FlatPiece, SideFacets};
+use super::sight::{Sight, SightLine};
+use super::tree::SphereTree;
 use crate::mesh::cross;
-use crate::quadrature::{Rule, Shape, rule};
+use crate::quadrature::{QuadratureRule, Shape, rule};
 use crate::tensor::{Point, dot, length};
 
 /// Fraction of a part below which a piece of it is round-off.
@@ -26,7 +26,7 @@ pub(super) const FACING: f64 = 0.819_152_044_288_991_8;
 
 /// A quadrature point on the covered part of a nonmortar part.
 #[derive(Clone, Debug)]
-pub(super) struct Sample {
+pub(super) struct MortarPoint {
     /// Weight in m^(d−1).
     pub weight: f64,
     /// The hats H of the corners of the part.
@@ -41,7 +41,7 @@ pub(super) struct Sample {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Covered {
     /// The quadrature points, exact for products of shape functions on straight facets.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<MortarPoint>,
     /// Vectors from the nonmortar to the mortar side at the ends of the segments (the corners of the polygons), m.
     pub apart: Vec<Point>,
     /// True if something may hide the facing mortar parts: they are not too near for that.
@@ -50,9 +50,9 @@ pub(super) struct Covered {
 
 /// The mortar side in searchable form.
 pub(super) struct Opposite<'a> {
-    pub facets: &'a Facets<'a>,
+    pub facets: &'a SideFacets<'a>,
     /// The tree of its parts.
-    pub tree: &'a Tree<'a>,
+    pub tree: &'a SphereTree<'a>,
     /// Test for facets that hide parts from each other; `None` if nothing does.
     pub sight: Option<&'a Sight<'a>>,
     /// Largest distance at which parts count, m; `None` without a limit.
@@ -61,11 +61,11 @@ pub(super) struct Opposite<'a> {
 
 /// Finds the region of a nonmortar part that the mortar side covers, seen along the normal of the part: only facing,
 /// visible parts count, and of parts behind each other the nearest.
-pub(super) fn covered(nonmortar: &Facets, opposite: &Opposite, part: &Part) -> Covered {
+pub(super) fn covered(nonmortar: &SideFacets, opposite: &Opposite, part: &FlatPiece) -> Covered {
     let is_near =
         |centre: &Point, radius: f64| opposite.distance.is_none_or(|distance| part.is_within(distance, centre, radius));
     let met = opposite.tree.met(&|centre, radius| part.may_cover(centre, radius) && is_near(centre, radius));
-    let facing: Vec<(usize, &Part)> = met.into_iter().filter(|(_, other)| part.faces(other)).collect();
+    let facing: Vec<(usize, &FlatPiece)> = met.into_iter().filter(|(_, other)| part.faces(other)).collect();
     let mut covered = Covered::default();
     match part.corners.len() {
         1 => nearest(part, &facing, &mut covered),
@@ -76,7 +76,7 @@ pub(super) fn covered(nonmortar: &Facets, opposite: &Opposite, part: &Part) -> C
 }
 
 /// The integrals of the hats of a part by corner, as if all of it were covered.
-pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
+pub(super) fn whole(facets: &SideFacets, part: &FlatPiece) -> [f64; 4] {
     let mut sums = [0.0; 4];
     match part.corners.as_slice() {
         [_] => sums[0] = 1.0,
@@ -88,7 +88,7 @@ pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
             sums[1] = length * (ra + 2.0 * rb) / 6.0;
         }
         _ => {
-            let plane = Plane::new(part);
+            let plane = PiecePlane::new(part);
             let own: Vec<Flat> = part.corners.iter().map(|x| plane.flat(x)).collect();
             let map = Map { corners: &own };
             for triangle in fan(&own) {
@@ -103,8 +103,8 @@ pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
 }
 
 /// The degree of ψ_i N_j in each coordinate, including that of the radius in a body of revolution.
-fn degree(nonmortar: &Facets, mortar: &Facets, [own, other]: [&Part; 2]) -> usize {
-    let of = |facets: &Facets, part: &Part| {
+fn degree(nonmortar: &SideFacets, mortar: &SideFacets, [own, other]: [&FlatPiece; 2]) -> usize {
+    let of = |facets: &SideFacets, part: &FlatPiece| {
         let (element, _) = facets.facet(part.facet);
         if element.shape == Shape::Quadrilateral { 2 * element.degree } else { element.degree.max(1) }
     };
@@ -113,21 +113,21 @@ fn degree(nonmortar: &Facets, mortar: &Facets, [own, other]: [&Part; 2]) -> usiz
 }
 
 /// In one dimension: the nearest facing point.
-fn nearest(part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
-    let distance = |other: &Part| (other.centre[0] - part.centre[0]).abs();
+fn nearest(part: &FlatPiece, facing: &[(usize, &FlatPiece)], covered: &mut Covered) {
+    let distance = |other: &FlatPiece| (other.centre[0] - part.centre[0]).abs();
     let nearest = facing.iter().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
     if let Some((number, other)) = nearest {
         let hats = [1.0, 0.0, 0.0, 0.0];
         let other_at = (*number, hats, other.reference[0]);
-        covered.samples.push(Sample { weight: 1.0, hats, own: part.reference[0], other: other_at });
+        covered.samples.push(MortarPoint { weight: 1.0, hats, own: part.reference[0], other: other_at });
         covered.apart.push([other.centre[0] - part.centre[0], 0.0, 0.0]);
     }
 }
 
 /// A piece of a segment from its start at 0 to its end at 1, with the mortar part that faces it.
-struct Piece<'p> {
+struct SegmentPiece<'p> {
     number: usize,
-    other: &'p Part,
+    other: &'p FlatPiece,
     /// Coordinates of the ends of the mortar part on the segment.
     ends: [f64; 2],
     from: f64,
@@ -136,28 +136,34 @@ struct Piece<'p> {
     distance: f64,
 }
 
-impl Piece<'_> {
+impl SegmentPiece<'_> {
     /// Coordinate on the mortar part of a place on the segment, from 0 at its first corner to 1 at its last.
     fn across(&self, s: f64) -> f64 {
         (s - self.ends[0]) / (self.ends[1] - self.ends[0])
     }
 }
 
-fn segments(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
+fn segments(
+    nonmortar: &SideFacets,
+    opposite: &Opposite,
+    part: &FlatPiece,
+    facing: &[(usize, &FlatPiece)],
+    covered: &mut Covered,
+) {
     let [a, b] = [part.corners[0], part.corners[1]];
     let along: Point = std::array::from_fn(|c| b[c] - a[c]);
     let squared = dot(&along, &along);
     let from_start = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - a[c]) };
-    let mut found: Vec<Piece> = Vec::new();
+    let mut found: Vec<SegmentPiece> = Vec::new();
     for &(number, other) in facing {
         let ends = [0, 1].map(|i| dot(&from_start(&other.corners[i]), &along) / squared);
         let (from, to) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(1.0));
         if to - from > LEAST {
-            let mut piece = Piece { number, other, ends, from, to, distance: 0.0 };
+            let mut piece = SegmentPiece { number, other, ends, from, to, distance: 0.0 };
             let middle = 0.5 * (from + to);
             let at = between(&other.corners, piece.across(middle));
             piece.distance = dot(&from_start(&at), &part.normal);
-            let line = Line { own: part, other, from: between(&part.corners, middle), to: at };
+            let line = SightLine { own: part, other, from: between(&part.corners, middle), to: at };
             covered.is_far |= line.is_long();
             if opposite.sees(&line) {
                 found.push(piece);
@@ -179,7 +185,7 @@ fn segments(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
                 let x: Point = std::array::from_fn(|c| a[c] + s * along[c]);
                 let weight = weight * (to - from) * squared.sqrt() * nonmortar.across(&x);
                 let [hats, other_hats] = [s, t].map(|s| [1.0 - s, s, 0.0, 0.0]);
-                covered.samples.push(Sample { weight, hats, own, other: (piece.number, other_hats, other) });
+                covered.samples.push(MortarPoint { weight, hats, own, other: (piece.number, other_hats, other) });
             }
             for end in [from, to] {
                 let (_, _, [own, other]) = at(end);
@@ -191,13 +197,13 @@ fn segments(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
 }
 
 /// Vector from a reference point of one facet to that of another, m.
-fn apart(of: [(&Facets, usize, Point); 2]) -> Point {
+fn apart(of: [(&SideFacets, usize, Point); 2]) -> Point {
     let [from, to] = of.map(|(facets, facet, at)| facets.position(facet, &at));
     std::array::from_fn(|c| to[c] - from[c])
 }
 
 /// The intervals of a piece that nearer pieces leave uncovered.
-fn left(piece: &Piece, taken: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn left(piece: &SegmentPiece, taken: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut left = vec![[piece.from, piece.to]];
     for &[from, to] in taken {
         let rest = |&[start, end]: &[f64; 2]| {
@@ -216,20 +222,20 @@ fn between(ends: &[Point], share: f64) -> Point {
 type Flat = [f64; 2];
 
 /// The plane of a part.
-struct Plane<'p> {
+struct PiecePlane<'p> {
     origin: Point,
     axes: [Point; 2],
     normal: &'p Point,
 }
 
-impl Plane<'_> {
-    fn new(part: &Part) -> Plane<'_> {
+impl PiecePlane<'_> {
+    fn new(part: &FlatPiece) -> PiecePlane<'_> {
         let edge: Point = std::array::from_fn(|c| part.corners[1][c] - part.corners[0][c]);
         let along = dot(&edge, &part.normal);
         let edge: Point = std::array::from_fn(|c| edge[c] - along * part.normal[c]);
         let size = length(&edge);
         let first = edge.map(|c| c / size);
-        Plane { origin: part.centre, axes: [first, cross(&part.normal, &first)], normal: &part.normal }
+        PiecePlane { origin: part.centre, axes: [first, cross(&part.normal, &first)], normal: &part.normal }
     }
 
     fn relative(&self, x: &Point) -> Point {
@@ -248,9 +254,9 @@ impl Plane<'_> {
 }
 
 /// A piece of a polygon with the mortar part that faces it.
-struct Patch<'p> {
+struct PolygonPiece<'p> {
     number: usize,
-    other: &'p Part,
+    other: &'p FlatPiece,
     /// The corners of the mortar part and of the piece, in the plane of the nonmortar part.
     corners: Vec<Flat>,
     piece: Vec<Flat>,
@@ -258,12 +264,18 @@ struct Patch<'p> {
     distance: f64,
 }
 
-fn polygons(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
-    let plane = Plane::new(part);
-    let flat = |part: &Part| -> Vec<Flat> { part.corners.iter().map(|x| plane.flat(x)).collect() };
+fn polygons(
+    nonmortar: &SideFacets,
+    opposite: &Opposite,
+    part: &FlatPiece,
+    facing: &[(usize, &FlatPiece)],
+    covered: &mut Covered,
+) {
+    let plane = PiecePlane::new(part);
+    let flat = |part: &FlatPiece| -> Vec<Flat> { part.corners.iter().map(|x| plane.flat(x)).collect() };
     let own = flat(part);
     let measure = area(&own);
-    let mut found: Vec<Patch> = Vec::new();
+    let mut found: Vec<PolygonPiece> = Vec::new();
     for &(number, other) in facing {
         let corners = flat(other);
         let piece = clipped(&corners, &own);
@@ -271,16 +283,16 @@ fn polygons(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
             let middle = centre(&piece);
             let (from, to) = (plane.place(&middle), other.position(&Map { corners: &corners }.inverse(&middle)));
             let distance = dot(&plane.relative(&to), plane.normal).abs();
-            let line = Line { own: part, other, from, to };
+            let line = SightLine { own: part, other, from, to };
             covered.is_far |= line.is_long();
             if opposite.sees(&line) {
-                found.push(Patch { number, other, corners, piece, distance });
+                found.push(PolygonPiece { number, other, corners, piece, distance });
             }
         }
     }
     found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let mut taken: Vec<Vec<Flat>> = Vec::new();
-    for Patch { number, other, corners, piece, .. } in found {
+    for PolygonPiece { number, other, corners, piece, .. } in found {
         // The nearest of facets behind each other counts.
         let hidden: f64 = taken.iter().map(|nearer| area(&clipped(&piece, nearer)).abs()).sum();
         if hidden > 0.5 * area(&piece).abs() {
@@ -295,7 +307,7 @@ fn polygons(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usi
                 let [own_at, other_at] = coordinates(&at);
                 let hats = values(own.len(), own_at);
                 let other_at = (number, values(corners.len(), other_at), other.at(&other_at));
-                covered.samples.push(Sample { weight, hats, own: part.at(&own_at), other: other_at });
+                covered.samples.push(MortarPoint { weight, hats, own: part.at(&own_at), other: other_at });
             }
         }
         for corner in &piece {
@@ -359,14 +371,14 @@ fn fan(polygon: &[Flat]) -> impl Iterator<Item = [Flat; 3]> + use<'_> {
 }
 
 /// The quadrature rule of a degree on triangles, built once.
-fn on_triangles(degree: usize) -> &'static Rule {
-    static RULES: [OnceLock<Rule>; MOST + DEGREES] = [const { OnceLock::new() }; MOST + DEGREES];
+fn on_triangles(degree: usize) -> &'static QuadratureRule {
+    static RULES: [OnceLock<QuadratureRule>; MOST + DEGREES] = [const { OnceLock::new() }; MOST + DEGREES];
     let degree = degree.min(MOST + DEGREES - 1);
     RULES[degree].get_or_init(|| rule(Shape::Triangle, degree))
 }
 
 /// The points of a rule on a triangle, with their weights.
-fn placed(triangle: &[Flat; 3], rule: &Rule) -> Vec<(Flat, f64)> {
+fn placed(triangle: &[Flat; 3], rule: &QuadratureRule) -> Vec<(Flat, f64)> {
     let doubled = 2.0 * area(triangle).abs();
     let place = |at: &Point, c: usize| {
         let [from, s, t] = triangle.map(|corner| corner[c]);
@@ -437,9 +449,9 @@ fn values(corners: usize, [s, t]: Flat) -> [f64; 4] {
     if corners == 4 { [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t] } else { [1.0 - s - t, s, t, 0.0] }
 }
 
-impl Part {
+impl FlatPiece {
     /// True if the normals of two parts are nearly opposite.
-    fn faces(&self, other: &Part) -> bool {
+    fn faces(&self, other: &FlatPiece) -> bool {
         dot(&self.normal, &other.normal) < -FACING
     }
 
@@ -461,7 +473,7 @@ fn interpolated(corners: &[Point], at: Flat) -> Point {
 
 impl Opposite<'_> {
     /// True if nothing hides two parts from each other along a line.
-    fn sees(&self, line: &Line) -> bool {
+    fn sees(&self, line: &SightLine) -> bool {
         self.sight.is_none_or(|sight| !line.is_long() || sight.is_clear(line))
     }
 }

@@ -11,28 +11,34 @@
 use faer::Mat;
 use faer::prelude::Solve;
 
-use super::cut::Sample;
-use super::part::{Facets, Part};
+use super::cut::MortarPoint;
+use super::part::{FlatPiece, SideFacets};
 
 /// Values per node of a facet.
-pub(super) type Values = Vec<f64>;
+pub(super) type FacetValues = Vec<f64>;
 
 /// Integrals of the functions ψ of the corners of a part.
 pub(super) struct Dual {
     /// ∫ψ_a.
     pub weight: Vec<f64>,
     /// ∫ψ_a N_j by corner and node of the facet.
-    pub own: Vec<Values>,
+    pub own: Vec<FacetValues>,
     /// Per mortar part: its number, ∫ψ_a N_l by corner and node of its facet, and ∫H_a H_l by corner and corner.
-    pub other: Vec<(usize, Vec<Values>, Vec<[f64; 4]>)>,
+    pub other: Vec<(usize, Vec<FacetValues>, Vec<[f64; 4]>)>,
 }
 
 impl Dual {
     /// Integrates over the quadrature points of a part; `is_dual` is true if all its corners have laws of their own.
-    pub fn new(nonmortar: &Facets, mortar: &Facets, part: &Part, samples: &[Sample], is_dual: bool) -> Dual {
+    pub fn new(
+        nonmortar: &SideFacets,
+        mortar: &SideFacets,
+        part: &FlatPiece,
+        samples: &[MortarPoint],
+        is_dual: bool,
+    ) -> Dual {
         let n = part.corners.len();
         let integral =
-            |f: &dyn Fn(&Sample) -> f64| -> f64 { samples.iter().map(|sample| sample.weight * f(sample)).sum() };
+            |f: &dyn Fn(&MortarPoint) -> f64| -> f64 { samples.iter().map(|sample| sample.weight * f(sample)).sum() };
         let weight: Vec<f64> = (0..n).map(|a| integral(&|sample| sample.hats[a])).collect();
         let psi = if is_dual { dual(n, &weight, &integral, samples) } else { constant(&weight, samples) };
         let (_, nodes) = nonmortar.facet(part.facet);
@@ -67,7 +73,7 @@ impl Dual {
 }
 
 /// Adds w ψ_a(x_q) N_j(x_q).
-fn add(sums: &mut [Values], psi: &[Vec<f64>], q: usize, weight: f64, values: &[f64]) {
+fn add(sums: &mut [FacetValues], psi: &[Vec<f64>], q: usize, weight: f64, values: &[f64]) {
     for (sums, psi) in sums.iter_mut().zip(psi) {
         let weight = weight * psi[q];
         sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
@@ -75,7 +81,7 @@ fn add(sums: &mut [Values], psi: &[Vec<f64>], q: usize, weight: f64, values: &[f
 }
 
 /// ψ_a by corner and sample: a constant per corner.
-fn constant(weight: &[f64], samples: &[Sample]) -> Vec<Vec<f64>> {
+fn constant(weight: &[f64], samples: &[MortarPoint]) -> Vec<Vec<f64>> {
     let covered: f64 = weight.iter().sum();
     weight.iter().map(|own| vec![own / covered; samples.len()]).collect()
 }
@@ -84,8 +90,8 @@ fn constant(weight: &[f64], samples: &[Sample]) -> Vec<Vec<f64>> {
 fn dual(
     n: usize,
     weight: &[f64],
-    integral: &dyn Fn(&dyn Fn(&Sample) -> f64) -> f64,
-    samples: &[Sample],
+    integral: &dyn Fn(&dyn Fn(&MortarPoint) -> f64) -> f64,
+    samples: &[MortarPoint],
 ) -> Vec<Vec<f64>> {
     let gram = Mat::from_fn(n, n, |a, b| integral(&|sample| sample.hats[a] * sample.hats[b]));
     let scale: Vec<f64> = (0..n).map(|a| gram[(a, a)].sqrt().recip()).collect();
@@ -93,6 +99,6 @@ fn dual(
     // Aᵀ = (∫H Hᵀ)⁻¹ diag(∫H).
     let right = Mat::from_fn(n, n, |a, b| if a == b { scale[a] * weight[a] } else { 0.0 });
     let factors = scaled.partial_piv_lu().solve(right);
-    let of = |a: usize, sample: &Sample| (0..n).map(|b| scale[b] * factors[(b, a)] * sample.hats[b]).sum();
+    let of = |a: usize, sample: &MortarPoint| (0..n).map(|b| scale[b] * factors[(b, a)] * sample.hats[b]).sum();
     (0..n).map(|a| samples.iter().map(|sample| of(a, sample)).collect()).collect()
 }

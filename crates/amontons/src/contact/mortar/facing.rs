@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::cut::{self, Opposite, Sample};
-use super::image::Image;
-use super::part::Facets;
-use super::tree::Tree;
+use super::cut::{self, MortarPoint, Opposite};
+use super::image::SectorImage;
+use super::part::SideFacets;
+use super::tree::SphereTree;
 use crate::element::Element;
 use crate::mesh::defects::components;
 use crate::mesh::{FacetSet, Mesh};
@@ -71,13 +71,14 @@ pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u
 
 /// The facets of the first surface, each paired with a facet of the second that it faces within the distance.
 fn near(mesh: &Mesh, surfaces: [&FacetSet; 2], distance: f64) -> Vec<(usize, usize)> {
-    let itself = [Image::SELF];
-    let [own, other] = surfaces.map(|set| Facets::new(mesh, &mesh.points, set, &itself));
-    let tree = Tree::new(other.parts());
+    let itself = [SectorImage::SELF];
+    let [own, other] = surfaces.map(|set| SideFacets::new(mesh, &mesh.points, set, &itself));
+    let tree = SphereTree::new(other.parts());
     let opposite = Opposite { facets: &other, tree: &tree, sight: None, distance: Some(distance) };
     let mut all = Vec::new();
     for part in own.parts() {
-        for Sample { own: own_at, other: (number, _, other_at), .. } in cut::covered(&own, &opposite, part).samples {
+        for MortarPoint { own: own_at, other: (number, _, other_at), .. } in cut::covered(&own, &opposite, part).samples
+        {
             let facet = other.parts()[number].facet;
             let (from, to) = (own.position(part.facet, &own_at), other.position(facet, &other_at));
             if length(&std::array::from_fn(|c| to[c] - from[c])) <= distance * (1.0 + ROUND_OFF) {

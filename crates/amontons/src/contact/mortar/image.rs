@@ -8,7 +8,7 @@ const SAME: f64 = 1e-6;
 
 /// A power of the turn x ↦ R x + c that maps a sector to the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Image {
+pub struct SectorImage {
     /// The power: 0 is the sector itself, 1 the next one, −1 the previous one.
     pub power: i8,
     /// R to this power, as the images of the axes.
@@ -20,35 +20,35 @@ pub struct Image {
 /// The axes, for no turn.
 const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-impl Image {
+impl SectorImage {
     /// The identity: the side itself.
-    pub const SELF: Image = Image { power: 0, turn: AXES, shift: [0.0; 3] };
+    pub const SELF: SectorImage = SectorImage { power: 0, turn: AXES, shift: [0.0; 3] };
 
     /// The turn that maps the sector of a side with these nodes, at positions `x`, to the next one; `None` if the body
     /// is no sector.
-    pub(super) fn next(links: &[Link], x: &[Point], nodes: &[u32]) -> Option<Image> {
+    pub(super) fn next(links: &[Link], x: &[Point], nodes: &[u32]) -> Option<SectorImage> {
         let link = nodes.iter().find_map(|&node| link_of(links, node))?;
         let [node, to] = [link.node, link.to].map(|node| x[node as usize]);
         let image = link.turned(&to);
-        Some(Image { power: 1, turn: link.turn, shift: std::array::from_fn(|c| node[c] - image[c]) })
+        Some(SectorImage { power: 1, turn: link.turn, shift: std::array::from_fn(|c| node[c] - image[c]) })
     }
 
     /// True if two turns are equal up to the round-off of coordinates of this size.
-    pub(super) fn is_same(&self, other: &Image, size: f64) -> bool {
+    pub(super) fn is_same(&self, other: &SectorImage, size: f64) -> bool {
         let is_near = |a: &Point, b: &Point, size: f64| (0..3).all(|c| (a[c] - b[c]).abs() <= SAME * size);
         self.turn.iter().zip(&other.turn).all(|(a, b)| is_near(a, b, 1.0)) && is_near(&self.shift, &other.shift, size)
     }
 
-    pub(super) fn inverse(&self) -> Image {
+    pub(super) fn inverse(&self) -> SectorImage {
         let turn: [Point; 3] = std::array::from_fn(|c| std::array::from_fn(|d| self.turn[d][c]));
         let back = turned(&turn, &self.shift);
-        Image { power: -self.power, turn, shift: back.map(|c| -c) }
+        SectorImage { power: -self.power, turn, shift: back.map(|c| -c) }
     }
 
     /// The turn applied `times` times, backwards if negative.
-    pub(super) fn times(&self, times: i8) -> Image {
+    pub(super) fn times(&self, times: i8) -> SectorImage {
         let once = if times < 0 { self.inverse() } else { *self };
-        (0..times.unsigned_abs()).fold(Image::SELF, |image, _| Image {
+        (0..times.unsigned_abs()).fold(SectorImage::SELF, |image, _| SectorImage {
             power: image.power + once.power,
             turn: image.turn.map(|axis| turned(&once.turn, &axis)),
             shift: once.position(&image.shift),
@@ -99,7 +99,7 @@ mod tests {
             [image[0] + 0.3, image[1] - 0.2, image[2]]
         };
         let x = [[1.0, 2.0, 0.5], about([1.0, 2.0, 0.5])];
-        let next = Image::next(&[link], &x, &[0, 1]).expect("a sector");
+        let next = SectorImage::next(&[link], &x, &[0, 1]).expect("a sector");
         let near = |a: Point, b: Point| (0..3).all(|c| (a[c] - b[c]).abs() < 1e-14);
         let point = [0.4, -1.3, 0.8];
         assert!(near(next.position(&x[0]), x[1]) && near(next.position(&point), about(point)));

@@ -48,18 +48,18 @@ use super::Supports;
 use crate::mesh::{FacetSet, Mesh, leader};
 use crate::tensor::{Point, given};
 pub use facing::{Facing, facing};
-pub use image::Image;
+pub use image::SectorImage;
 
 use candidate::Candidates;
 use cut::{Covered, Opposite};
 use join::{Joining, bears};
-use part::Facets;
+use part::SideFacets;
 use sight::Sight;
-use tree::Tree;
+use tree::SphereTree;
 
 /// Two sides of a mesh that face each other.
 #[derive(Clone, Copy)]
-pub struct Sides<'a> {
+pub struct FacingSides<'a> {
     /// The mesh of all bodies.
     pub mesh: &'a Mesh,
     /// Positions of the nodes, of the mesh or of the displaced bodies.
@@ -76,13 +76,13 @@ pub struct Sides<'a> {
 
 /// The share of a node of a side in a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Share {
+pub struct NodeShare {
     /// The node; if one node follows another, the leader.
     pub node: u32,
     /// The fraction, positive.
     pub part: f64,
     /// The sector of the node if it differs from that of the point.
-    pub turn: Option<Image>,
+    pub turn: Option<SectorImage>,
 }
 
 /// A contact point of a pair: a node of the nonmortar side that has a law of its own.
@@ -100,7 +100,7 @@ pub struct MortarRow {
     pub other: Vec<(u32, f64)>,
     /// The entries that are turned into the sector of the point: number of the entry among those of `own` and then
     /// `other`, and the turn. Empty except at the cut of a sector.
-    pub turned: Vec<(usize, Image)>,
+    pub turned: Vec<(usize, SectorImage)>,
     /// The gap in m: −ν·(B X), limited to the range of the distances of the sides at the point.
     pub gap: f64,
     /// −ν·(B X) in m.
@@ -109,7 +109,7 @@ pub struct MortarRow {
     pub lever: f64,
     /// Shares by which quantities at the point, such as worn volume, are distributed to the nodes of its own and of the
     /// mortar side: fractions Σ_i T_ki ∫H_i H_l, normalized to sum 1. Entries of M take either sign.
-    pub shares: [Vec<Share>; 2],
+    pub shares: [Vec<NodeShare>; 2],
     /// Directions in which the displacement is prescribed alike here and on the other side, so that friction has no
     /// component along them; filled up with zeros.
     pub held: [Point; 3],
@@ -129,16 +129,16 @@ pub struct Mortar {
 /// Mean measure of the facets of a side.
 #[must_use]
 pub fn mean_facet(mesh: &Mesh, set: &FacetSet) -> f64 {
-    let facets = Facets::new(mesh, &mesh.points, set, &[Image::SELF]);
+    let facets = SideFacets::new(mesh, &mesh.points, set, &[SectorImage::SELF]);
     (0..facets.len()).map(|facet| facets.measure(facet)).sum::<f64>() / facets.len().max(1) as f64
 }
 
 /// The boundary of the bodies of a mesh as flat facets by their corners: segments in the plane, triangles in space,
-/// oriented outwards as [`obstacle::Facets`](super::obstacle::Facets) expects.
+/// oriented outwards as [`obstacle::ClosedSurface`](super::obstacle::ClosedSurface) expects.
 #[must_use]
 pub fn surface_of(mesh: &Mesh) -> Vec<Vec<Point>> {
     let boundary = mesh.boundary();
-    let facets = Facets::new(mesh, &mesh.points, &boundary, &[Image::SELF]);
+    let facets = SideFacets::new(mesh, &mesh.points, &boundary, &[SectorImage::SELF]);
     let cut = |corners: &[Point]| match corners {
         &[a, b, c, d] => vec![vec![a, b, c], vec![a, c, d]],
         other => vec![other.to_vec()],
@@ -148,8 +148,8 @@ pub fn surface_of(mesh: &Mesh) -> Vec<Vec<Point>> {
 
 /// The fraction of the first side that the second faces, from 0 to 1, and vice versa.
 #[must_use]
-pub fn covered_shares(sides: &Sides) -> [f64; 2] {
-    let turned = Sides { nonmortar: sides.mortar, mortar: sides.nonmortar, ..*sides };
+pub fn covered_shares(sides: &FacingSides) -> [f64; 2] {
+    let turned = FacingSides { nonmortar: sides.mortar, mortar: sides.nonmortar, ..*sides };
     [sides, &turned].map(|sides| {
         let pairing = Pairing::new(sides);
         let [measure, covered] = pairing.measures();
@@ -159,20 +159,20 @@ pub fn covered_shares(sides: &Sides) -> [f64; 2] {
 
 /// Number of nodes of the nonmortar side that are covered enough for a law of their own.
 #[must_use]
-pub fn bearing_nodes(sides: &Sides) -> usize {
+pub fn bearing_nodes(sides: &FacingSides) -> usize {
     Pairing::new(sides).candidates.all.iter().filter(|candidate| bears(candidate.share)).count()
 }
 
 impl Mortar {
     /// The contact points of a pair.
     #[must_use]
-    pub fn new(sides: &Sides) -> Mortar {
+    pub fn new(sides: &FacingSides) -> Mortar {
         Mortar::all(std::slice::from_ref(sides)).pop().unwrap_or_default()
     }
 
     /// The contact points of several pairs. A node at which the laws of two pairs would meet has none of its own.
     #[must_use]
-    pub fn all(pairs: &[Sides]) -> Vec<Mortar> {
+    pub fn all(pairs: &[FacingSides]) -> Vec<Mortar> {
         let pairings: Vec<Pairing> = pairs.iter().map(Pairing::new).collect();
         let mut bearing: BTreeMap<u32, usize> = BTreeMap::new();
         for candidate in pairings.iter().flat_map(|pairing| &pairing.candidates.all) {
@@ -187,30 +187,30 @@ impl Mortar {
 
 /// Two sides with the covered part of the nonmortar side.
 struct Pairing<'a> {
-    sides: &'a Sides<'a>,
-    nonmortar: Facets<'a>,
-    mortar: Facets<'a>,
+    sides: &'a FacingSides<'a>,
+    nonmortar: SideFacets<'a>,
+    mortar: SideFacets<'a>,
     /// The turn to the next sector if the nonmortar side is on a sector.
-    sector: Option<Image>,
+    sector: Option<SectorImage>,
     /// By part of the nonmortar side.
     covered: Vec<Covered>,
     candidates: Candidates,
 }
 
 impl<'a> Pairing<'a> {
-    fn new(sides: &'a Sides<'a>) -> Pairing<'a> {
-        let Sides { mesh, x, supports, .. } = *sides;
+    fn new(sides: &'a FacingSides<'a>) -> Pairing<'a> {
+        let FacingSides { mesh, x, supports, .. } = *sides;
         let lists = [sides.nonmortar, sides.mortar].map(FacetSet::node_list);
-        let [sector, other] = lists.each_ref().map(|nodes| Image::next(supports.links, x, nodes));
+        let [sector, other] = lists.each_ref().map(|nodes| SectorImage::next(supports.links, x, nodes));
         let size = x.iter().flatten().fold(0.0, |most: f64, c| most.max(c.abs()));
         let images = match (sector, other) {
-            (Some(next), Some(other)) if next.is_same(&other, size) => vec![Image::SELF, next, next.inverse()],
-            _ => vec![Image::SELF],
+            (Some(next), Some(other)) if next.is_same(&other, size) => vec![SectorImage::SELF, next, next.inverse()],
+            _ => vec![SectorImage::SELF],
         };
-        let nonmortar = Facets::new(mesh, x, sides.nonmortar, &[Image::SELF]);
-        let mortar = Facets::new(mesh, x, sides.mortar, &images);
+        let nonmortar = SideFacets::new(mesh, x, sides.nonmortar, &[SectorImage::SELF]);
+        let mortar = SideFacets::new(mesh, x, sides.mortar, &images);
         let covered = covered(sides, &nonmortar, &mortar);
-        let at_rest = Facets::new(mesh, &mesh.points, sides.nonmortar, &[Image::SELF]);
+        let at_rest = SideFacets::new(mesh, &mesh.points, sides.nonmortar, &[SectorImage::SELF]);
         let mut candidates = Candidates::new(&at_rest, supports.links);
         candidates.cover(&nonmortar, &covered);
         Pairing { sides, nonmortar, mortar, sector, covered, candidates }
@@ -249,8 +249,8 @@ impl<'a> Pairing<'a> {
 
 /// The covered region of each part of the nonmortar side. The boundary of the bodies is needed only if something may
 /// lie between the sides.
-fn covered(sides: &Sides, nonmortar: &Facets, mortar: &Facets) -> Vec<Covered> {
-    let tree = Tree::new(mortar.parts());
+fn covered(sides: &FacingSides, nonmortar: &SideFacets, mortar: &SideFacets) -> Vec<Covered> {
+    let tree = SphereTree::new(mortar.parts());
     let mut opposite = Opposite { facets: mortar, tree: &tree, sight: None, distance: None };
     let parts = nonmortar.parts();
     let mut all: Vec<Covered> = parts.par_iter().map(|part| cut::covered(nonmortar, &opposite, part)).collect();
@@ -258,7 +258,7 @@ fn covered(sides: &Sides, nonmortar: &Facets, mortar: &Facets) -> Vec<Covered> {
         let own = OnceLock::new();
         let known = sides.supports.boundary.unwrap_or(&own);
         let boundary = known.get_or_init(|| sight::boundary(sides.mesh, sides.supports.links));
-        let facets = Facets::new(sides.mesh, sides.x, boundary, &[Image::SELF]);
+        let facets = SideFacets::new(sides.mesh, sides.x, boundary, &[SectorImage::SELF]);
         let sight = Sight::new(&facets);
         opposite.sight = Some(&sight);
         all.par_iter_mut().zip(parts).filter(|(covered, _)| covered.is_far).for_each(|(covered, part)| {

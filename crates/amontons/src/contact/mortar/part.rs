@@ -5,7 +5,7 @@ use crate::mesh::{FacetSet, Mesh, cross};
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
 
-use super::image::Image;
+use super::image::SectorImage;
 
 /// Corners of the parts of quadratic facets, by reference coordinates: halves of a segment, quarters of a triangle and
 /// of a quadrilateral.
@@ -25,7 +25,7 @@ const SQUARES: [&[[f64; 2]]; 4] = [
 
 /// A flat part of a facet: the facet itself if it is linear, else one of the parts that its nodes span.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct FlatPiece {
     /// The facet.
     pub facet: usize,
     /// Corners in space and on the reference facet.
@@ -42,7 +42,7 @@ pub(super) struct Part {
 
 /// A facet of a side, or its image in a neighbouring sector.
 #[derive(Clone, Copy)]
-struct Facet<'a> {
+struct SideFacet<'a> {
     element: &'static Element,
     /// Its nodes, vertices first.
     nodes: &'a [u32],
@@ -51,23 +51,23 @@ struct Facet<'a> {
 }
 
 /// The facets of a side at given positions of the nodes, and their images in neighbouring sectors.
-pub(super) struct Facets<'a> {
-    all: Vec<Facet<'a>>,
-    parts: Vec<Part>,
+pub(super) struct SideFacets<'a> {
+    all: Vec<SideFacet<'a>>,
+    parts: Vec<FlatPiece>,
     /// Number of the first part of each facet.
     first: Vec<usize>,
     x: &'a [Point],
-    images: Vec<Image>,
+    images: Vec<SectorImage>,
     pub is_axisymmetric: bool,
     /// Thickness of a plane body in m; 1 otherwise.
     thickness: f64,
 }
 
-impl<'a> Facets<'a> {
+impl<'a> SideFacets<'a> {
     /// The facets of a side, once per image; the first image is the side itself.
-    pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet, images: &[Image]) -> Facets<'a> {
-        let of_image = |image: usize| set.facets().map(move |(element, nodes)| Facet { element, nodes, image });
-        let mut facets = Facets {
+    pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet, images: &[SectorImage]) -> SideFacets<'a> {
+        let of_image = |image: usize| set.facets().map(move |(element, nodes)| SideFacet { element, nodes, image });
+        let mut facets = SideFacets {
             all: (0..images.len()).flat_map(of_image).collect(),
             parts: Vec::new(),
             first: Vec::new(),
@@ -99,11 +99,11 @@ impl<'a> Facets<'a> {
         self.images[self.all[facet].image].power
     }
 
-    pub fn parts(&self) -> &[Part] {
+    pub fn parts(&self) -> &[FlatPiece] {
         &self.parts
     }
 
-    pub fn parts_of(&self, facet: usize) -> &[Part] {
+    pub fn parts_of(&self, facet: usize) -> &[FlatPiece] {
         &self.parts[self.numbers_of(facet)]
     }
 
@@ -113,13 +113,13 @@ impl<'a> Facets<'a> {
     }
 
     /// The node at a corner of a part.
-    pub fn node(&self, part: &Part, corner: usize) -> u32 {
+    pub fn node(&self, part: &FlatPiece, corner: usize) -> u32 {
         self.all[part.facet].nodes[part.local[corner]]
     }
 
     /// Position of a node of a facet.
     fn place(&self, facet: usize, local: usize) -> Point {
-        let Facet { nodes, image, .. } = self.all[facet];
+        let SideFacet { nodes, image, .. } = self.all[facet];
         self.images[image].position(&self.x[nodes[local] as usize])
     }
 
@@ -173,12 +173,12 @@ impl<'a> Facets<'a> {
     }
 
     /// The flat parts of a facet.
-    fn split(&self, facet: usize) -> Vec<Part> {
+    fn split(&self, facet: usize) -> Vec<FlatPiece> {
         let (element, _) = self.facet(facet);
         let of = |local: Vec<usize>| {
             let corners = local.iter().map(|&i| self.place(facet, i)).collect();
             let reference = local.iter().map(|&i| element.nodes[i]).collect();
-            Part::new(facet, corners, reference, local)
+            FlatPiece::new(facet, corners, reference, local)
         };
         let at = |corner: &[f64; 2]| {
             element.nodes.iter().position(|node| (0..2).all(|c| node[c].to_bits() == corner[c].to_bits())).unwrap_or(0)
@@ -202,8 +202,8 @@ fn doubled_area(corners: &[Point]) -> Point {
     })
 }
 
-impl Part {
-    pub fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>, local: Vec<usize>) -> Part {
+impl FlatPiece {
+    pub fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>, local: Vec<usize>) -> FlatPiece {
         let n = corners.len() as f64;
         let centre: Point = std::array::from_fn(|c| corners.iter().map(|x| x[c]).sum::<f64>() / n);
         let distance = |x: &Point| length(&std::array::from_fn(|c| x[c] - centre[c]));
@@ -215,7 +215,7 @@ impl Part {
             _ => doubled_area(&corners),
         };
         let size = length(&normal);
-        Part { facet, corners, reference, local, normal: normal.map(|c| c / size), centre, radius }
+        FlatPiece { facet, corners, reference, local, normal: normal.map(|c| c / size), centre, radius }
     }
 
     /// Length or area; 1 for a point.

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::dual::Dual;
-use super::image::Image;
+use super::image::SectorImage;
 use super::join::Joining;
-use super::{MortarRow, Pairing, Share, Sides};
+use super::{FacingSides, MortarRow, NodeShare, Pairing};
 use crate::mesh::leader;
 use crate::tensor::{Point, dot, given, length};
 
@@ -23,16 +23,16 @@ const WHOLE: f64 = 1.0 - 1e-9;
 const ALONG: f64 = 1e-6;
 
 /// A node with the power of the turn that brings its vectors into the sector of the point.
-type Key = (u32, i8);
+type TurnedNode = (u32, i8);
 
 /// The sums that a contact point collects from the parts.
 #[derive(Clone, Debug, Default)]
-struct Gathered {
+struct RowSums {
     normal: Point,
     weight: f64,
-    own: BTreeMap<Key, f64>,
-    other: BTreeMap<Key, f64>,
-    shares: [BTreeMap<Key, f64>; 2],
+    own: BTreeMap<TurnedNode, f64>,
+    other: BTreeMap<TurnedNode, f64>,
+    shares: [BTreeMap<TurnedNode, f64>; 2],
     /// The parts on which its function is nonzero, and whether they are turned back into its sector.
     parts: Vec<(usize, bool)>,
 }
@@ -40,7 +40,7 @@ struct Gathered {
 /// The rows of all candidates with laws, by node and patch ascending; of all candidates if `keeps_all` is set.
 pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
     let Pairing { sides, nonmortar, covered, candidates, .. } = pairing;
-    let mut gathered = vec![Gathered::default(); candidates.all.len()];
+    let mut gathered = vec![RowSums::default(); candidates.all.len()];
     let is_whole = is_covered_whole(pairing, joining);
     for (number, part) in nonmortar.parts().iter().enumerate() {
         let of_part = &candidates.of[number][..part.corners.len()];
@@ -82,7 +82,7 @@ fn is_covered_whole(pairing: &Pairing, joining: &Joining) -> bool {
 }
 
 /// An upper bound of the distance between bodies of the mesh.
-fn extent(sides: &Sides) -> f64 {
+fn extent(sides: &FacingSides) -> f64 {
     length(&std::array::from_fn(|c| {
         let along = || sides.mesh.points.iter().map(|x| x[c]);
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
@@ -108,12 +108,12 @@ fn normal_at(pairing: &Pairing, (number, corner): (usize, usize)) -> Point {
 
 impl Pairing<'_> {
     /// The turn by `times` sectors.
-    fn image(&self, times: i8) -> Image {
-        self.sector.map_or(Image::SELF, |next| next.times(times))
+    fn image(&self, times: i8) -> SectorImage {
+        self.sector.map_or(SectorImage::SELF, |next| next.times(times))
     }
 }
 
-impl Gathered {
+impl RowSums {
     /// Adds the function of a corner with the factor `share`, and its normal with the factor `of_normal`.
     fn add(&mut self, pairing: &Pairing, (number, a): (usize, usize), dual: &Dual, [share, of_normal]: [f64; 2]) {
         let Pairing { nonmortar, mortar, candidates, sides, .. } = pairing;
@@ -153,14 +153,14 @@ impl Gathered {
         let normal = along_supports(&self.normal, &held)?;
         let weight = self.weight;
         let is_covered = weight > 0.0;
-        let entries = |sums: &BTreeMap<Key, f64>| -> Vec<(Key, f64)> {
+        let entries = |sums: &BTreeMap<TurnedNode, f64>| -> Vec<(TurnedNode, f64)> {
             sums.iter().map(|(&l, sum)| (l, sum / weight)).filter(|(_, share)| share.abs() > ROUND_OFF).collect()
         };
         let (mut own, other) =
             if is_covered { (entries(&self.own), entries(&self.other)) } else { (vec![((node, 0), 1.0)], Vec::new()) };
         // The node of the point comes first.
         own.sort_by_key(|((j, power), _)| (*j != node, *power != 0));
-        let place = |entries: &[(Key, f64)]| -> Point {
+        let place = |entries: &[(TurnedNode, f64)]| -> Point {
             entries.iter().fold([0.0; 3], |sum, &((node, power), share)| {
                 let x = pairing.image(power).position(&sides.x[node as usize]);
                 std::array::from_fn(|c| sum[c] + share * x[c])
@@ -182,12 +182,13 @@ impl Gathered {
         let blocked = blocked(sides, node, &normal, &held, &other);
         let turned = own.iter().chain(&other).enumerate().filter(|(_, ((_, power), _))| *power != 0);
         let turned = turned.map(|(entry, ((_, power), _))| (entry, pairing.image(*power))).collect();
-        let plain = |entries: Vec<(Key, f64)>| entries.into_iter().map(|((node, _), share)| (node, share)).collect();
+        let plain =
+            |entries: Vec<(TurnedNode, f64)>| entries.into_iter().map(|((node, _), share)| (node, share)).collect();
         let shares = self.shares.map(|shares| {
             let sum: f64 = shares.values().sum();
-            let of = |((node, power), part): (Key, f64)| {
+            let of = |((node, power), part): (TurnedNode, f64)| {
                 let turn = (power != 0).then(|| pairing.image(power));
-                Share { node, part: part / sum, turn }
+                NodeShare { node, part: part / sum, turn }
             };
             shares.into_iter().filter(|(_, part)| *part > 0.0).map(of).collect()
         });
@@ -230,9 +231,15 @@ fn along_supports(sum: &Point, held: &[Point; 3]) -> Option<Point> {
 
 /// The directions along the side in which the displacement is prescribed alike at a node and at a node that it faces:
 /// the shear vanishes in planes of symmetry, and the slip along these directions would be that of the neighbours alone.
-fn blocked(sides: &Sides, node: u32, normal: &Point, held: &[Point; 3], other: &[(Key, f64)]) -> [Point; 3] {
+fn blocked(
+    sides: &FacingSides,
+    node: u32,
+    normal: &Point,
+    held: &[Point; 3],
+    other: &[(TurnedNode, f64)],
+) -> [Point; 3] {
     let is_alike = |direction: &&Point| {
-        let alike = |((l, power), _): &(Key, f64)| *power == 0 && (sides.supports.alike)(node, *l, direction);
+        let alike = |((l, power), _): &(TurnedNode, f64)| *power == 0 && (sides.supports.alike)(node, *l, direction);
         dot(direction, normal).abs() <= ALONG && other.iter().any(alike)
     };
     let mut blocked = given(held).filter(is_alike);

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::part::{Facets, Part};
-use super::tree::Tree;
+use super::part::{FlatPiece, SideFacets};
+use super::tree::SphereTree;
 use crate::mesh::{FacetSet, Link, Mesh, cross, link_of};
 use crate::tensor::{Point, dot, length};
 
@@ -16,9 +16,9 @@ const END: f64 = 1e-6;
 const EDGE: f64 = 1e-9;
 
 /// The line from a point of a nonmortar part to the mortar part that faces it.
-pub(super) struct Line<'p> {
-    pub own: &'p Part,
-    pub other: &'p Part,
+pub(super) struct SightLine<'p> {
+    pub own: &'p FlatPiece,
+    pub other: &'p FlatPiece,
     pub from: Point,
     pub to: Point,
 }
@@ -27,7 +27,7 @@ pub(super) struct Line<'p> {
 /// gap the line then runs outside of all bodies; where bodies overlap it leaves neither, so the overlap is shallower
 /// than both.
 pub(super) struct Sight<'a> {
-    tree: Tree<'a>,
+    tree: SphereTree<'a>,
 }
 
 /// The facets that bound bodies, except those along which a sector continues.
@@ -45,7 +45,7 @@ pub(super) fn boundary(mesh: &Mesh, links: &[Link]) -> FacetSet {
     kept
 }
 
-impl Line<'_> {
+impl SightLine<'_> {
     /// True if something may fit between the ends.
     pub fn is_long(&self) -> bool {
         length(&std::array::from_fn(|c| self.to[c] - self.from[c])) > NEAR * self.own.radius
@@ -53,12 +53,12 @@ impl Line<'_> {
 }
 
 impl<'a> Sight<'a> {
-    pub fn new(facets: &'a Facets) -> Sight<'a> {
-        Sight { tree: Tree::new(facets.parts()) }
+    pub fn new(facets: &'a SideFacets) -> Sight<'a> {
+        Sight { tree: SphereTree::new(facets.parts()) }
     }
 
     /// True if no facet is between the ends of a long line.
-    pub fn is_clear(&self, line: &Line) -> bool {
+    pub fn is_clear(&self, line: &SightLine) -> bool {
         let apart: Point = std::array::from_fn(|c| line.to[c] - line.from[c]);
         let size = length(&apart);
         let along = apart.map(|c| c / size);
@@ -77,13 +77,13 @@ impl<'a> Sight<'a> {
 }
 
 /// True if two parts have the same corners.
-fn is_part(a: &Part, b: &Part) -> bool {
+fn is_part(a: &FlatPiece, b: &FlatPiece) -> bool {
     let same = |x: &Point, y: &Point| length(&std::array::from_fn(|c| x[c] - y[c])) <= EDGE * a.radius;
     same(&a.centre, &b.centre) && a.corners.iter().all(|x| b.corners.iter().any(|y| same(x, y)))
 }
 
 /// The fraction of a line at which it crosses a part; `None` if it misses the part or runs along it.
-fn crossing(part: &Part, from: &Point, apart: &Point) -> Option<f64> {
+fn crossing(part: &FlatPiece, from: &Point, apart: &Point) -> Option<f64> {
     match part.corners.as_slice() {
         [] => None,
         [point] => (apart[0] != 0.0).then(|| (point[0] - from[0]) / apart[0]),
@@ -138,7 +138,8 @@ mod tests {
     /// A line through a segment in the plane crosses it at the constructed point; a line past it does not cross.
     #[test]
     fn a_line_crosses_a_segment_where_it_is_led_through_it() {
-        let part = Part::new(0, vec![[0.0, 1.0, 0.0], [2.0, 0.5, 0.0]], vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![0, 1]);
+        let part =
+            FlatPiece::new(0, vec![[0.0, 1.0, 0.0], [2.0, 0.5, 0.0]], vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![0, 1]);
         for (s, inside) in [(0.1, true), (0.9, true), (1.2, false), (-0.2, false)] {
             let at = [2.0 * s, 1.0 - 0.5 * s, 0.0];
             let from = [0.3, -1.0, 0.0];

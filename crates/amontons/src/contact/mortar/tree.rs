@@ -1,23 +1,23 @@
 //! The tree of spheres around the parts of a side: finds the parts that may meet something without testing each part.
 
 use super::super::spheres::Spheres;
-use super::part::Part;
+use super::part::FlatPiece;
 use crate::tensor::Point;
 
 /// The tree over the parts of a side.
-pub(super) struct Tree<'p> {
-    parts: &'p [Part],
+pub(super) struct SphereTree<'p> {
+    parts: &'p [FlatPiece],
     spheres: Spheres,
 }
 
-impl<'p> Tree<'p> {
-    pub fn new(parts: &'p [Part]) -> Tree<'p> {
-        Tree { parts, spheres: Spheres::new(parts.len(), &|part| (parts[part].centre, parts[part].radius)) }
+impl<'p> SphereTree<'p> {
+    pub fn new(parts: &'p [FlatPiece]) -> SphereTree<'p> {
+        SphereTree { parts, spheres: Spheres::new(parts.len(), &|part| (parts[part].centre, parts[part].radius)) }
     }
 
     /// The parts whose sphere `meets` something, with their numbers, in ascending order. Whatever meets a sphere must
     /// meet every sphere around it.
-    pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<(usize, &'p Part)> {
+    pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<(usize, &'p FlatPiece)> {
         let of_part = |part: usize| meets(&self.parts[part].centre, self.parts[part].radius);
         self.spheres.met(meets, &of_part).into_iter().map(|part| (part, &self.parts[part])).collect()
     }
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     /// Triangles on a curved surface, `n` × `n`.
-    fn parts(n: usize) -> Vec<Part> {
+    fn parts(n: usize) -> Vec<FlatPiece> {
         let of = |k: usize| {
             let [i, j] = [(k % n) as f64, (k / n) as f64];
             let corner = |dx: f64, dy: f64| -> Point {
@@ -38,7 +38,7 @@ mod tests {
                 [x + 0.2 * y, 0.9 * y, 0.3 * (0.4 * x).sin() + 0.1 * y]
             };
             let corners = vec![corner(0.0, 0.0), corner(1.0, 0.1), corner(0.2, 0.9)];
-            Part::new(k, corners, vec![[0.0; 3]; 3], vec![0, 1, 2])
+            FlatPiece::new(k, corners, vec![[0.0; 3]; 3], vec![0, 1, 2])
         };
         (0..n * n).map(of).collect()
     }
@@ -48,7 +48,7 @@ mod tests {
     fn the_tree_finds_what_a_look_at_each_part_finds() {
         for n in [0, 1, 2, 3, 7, 40] {
             let parts = parts(n);
-            let tree = Tree::new(&parts);
+            let tree = SphereTree::new(&parts);
             for part in parts.iter().step_by(13) {
                 for distance in [0.0, 0.7, 5.0] {
                     let looks = Cell::new(0);

@@ -2,7 +2,7 @@
 
 use super::{NormalLaw, Pressure};
 use crate::expression::{ExpressionError, Formula};
-use crate::quadrature::{Rule, Shape, rule};
+use crate::quadrature::{QuadratureRule, Shape, rule};
 use crate::tensor::Point;
 
 /// p = c f(r) for r > r₀, f a nondecreasing formula that vanishes at r₀ ≤ 0; no pressure below. With r₀ < 0 the
@@ -16,7 +16,7 @@ pub struct PressureFormula {
     /// r₀ in m.
     begin: f64,
     /// Quadrature rule for the energy.
-    gauss: Rule,
+    gauss: QuadratureRule,
 }
 
 /// Reason why a formula is no law for the pressure.

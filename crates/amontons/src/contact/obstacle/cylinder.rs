@@ -1,7 +1,9 @@
 //! A shaft, or the space around a bore.
 
 use super::motion::is_along;
-use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, across, at, keyed, minus, perpendicular, round};
+use super::{
+    CENTER, Checks, Nearest, ObstacleShape, Point3, ShapeFaults, across, at, keyed, minus, perpendicular, round,
+};
 use crate::field::Field;
 use crate::tensor::Point;
 
@@ -30,7 +32,7 @@ impl Cylinder {
     }
 }
 
-impl Shape for Cylinder {
+impl ObstacleShape for Cylinder {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
         // Applied twice: the rounding of a long vector is not small compared with a short remainder.
         let from = across(&across(&minus(x, &self.place(t)), &self.axis), &self.axis);

@@ -12,7 +12,7 @@ use crate::expression::Expression;
 use crate::tensor::{Point, dot, length};
 
 /// A function of space at one time.
-pub(super) struct Level<'a> {
+pub(super) struct LevelFunction<'a> {
     pub of: &'a Expression,
     /// The axes on which it depends; along the others the surface does not change.
     pub axes: &'a [usize],
@@ -21,7 +21,7 @@ pub(super) struct Level<'a> {
 
 /// The value and gradient of the function at a point.
 #[derive(Clone, Copy)]
-struct At {
+struct LevelPoint {
     y: Point,
     /// φ.
     value: f64,
@@ -31,7 +31,7 @@ struct At {
     normal: Point,
 }
 
-impl At {
+impl LevelPoint {
     /// Splits x − y into its component along the normal and the remainder.
     fn split(&self, x: &Point) -> (f64, Point) {
         let gap = minus(x, &self.y);
@@ -52,7 +52,7 @@ fn largest(v: &Point) -> f64 {
     v.iter().fold(0.0, |m, c| m.max(c.abs()))
 }
 
-impl Level<'_> {
+impl LevelFunction<'_> {
     /// The nearest point of the surface to `x`; `None` if the search finds none.
     pub fn nearest(&self, x: &Point) -> Option<Nearest> {
         let value = self.value(x);
@@ -91,11 +91,11 @@ impl Level<'_> {
     }
 
     /// The function at a point; `None` if its gradient has no direction.
-    fn at(&self, y: Point) -> Option<At> {
+    fn at(&self, y: Point) -> Option<LevelPoint> {
         let d = self.of.derivatives(&y, self.t);
         let steepness = length(&d.by_x);
         let normal = d.by_x.map(|c| c / steepness);
-        (d.value.is_finite() && steepness.is_finite() && normal.iter().all(|c| c.is_finite())).then_some(At {
+        (d.value.is_finite() && steepness.is_finite() && normal.iter().all(|c| c.is_finite())).then_some(LevelPoint {
             y,
             value: d.value,
             steepness,
@@ -104,7 +104,7 @@ impl Level<'_> {
     }
 
     /// Moves from a point along ∇φ to the surface by Newton's method, halving the step until |φ| decreases.
-    fn onto_surface(&self, from: &Point) -> Option<At> {
+    fn onto_surface(&self, from: &Point) -> Option<LevelPoint> {
         let mut at = self.at(*from)?;
         for _ in 0..200 {
             let step = -at.value / at.steepness;
@@ -126,7 +126,7 @@ impl Level<'_> {
     }
 
     /// Moves along the surface to the point nearest to `x`.
-    fn slide(&self, x: &Point, start: At) -> Option<At> {
+    fn slide(&self, x: &Point, start: LevelPoint) -> Option<LevelPoint> {
         let mut at = start;
         for _ in 0..500 {
             let (along, rest) = at.split(x);
@@ -143,7 +143,7 @@ impl Level<'_> {
     }
 
     /// A point of the surface nearer to `x`, reached by a step or a fraction of it.
-    fn nearer(&self, x: &Point, at: &At, rest: &Point, step: &Point) -> Option<At> {
+    fn nearer(&self, x: &Point, at: &LevelPoint, rest: &Point, step: &Point) -> Option<LevelPoint> {
         let (before, slope) = (at.distance(x).powi(2), dot(step, rest));
         // Possible rounding error of the squared distance.
         let noise = 1e-12 * before + 4.0 * before.sqrt() * at.round_off(x);
@@ -161,7 +161,7 @@ impl Level<'_> {
 
     /// The step s in the tangent plane with s + λ H s = r, r the part of x − y in that plane, λ the part across and H
     /// the tangential part of ∇²φ/‖∇φ‖; `None` if I + λH is not positive.
-    fn newton(&self, x: &Point, at: &At, along: f64, rest: &Point) -> Option<Point> {
+    fn newton(&self, x: &Point, at: &LevelPoint, along: f64, rest: &Point) -> Option<Point> {
         let h = 1e-5 * largest(x).max(largest(&at.y));
         // One tangent in the plane, two in space.
         let tangents = if self.axes.len() == 2 {
@@ -216,7 +216,7 @@ impl Level<'_> {
     }
 
     /// A point of the surface, searched over many radii if ∇φ does not lead to one.
-    fn search(&self, x: &Point, outside: bool) -> Option<At> {
+    fn search(&self, x: &Point, outside: bool) -> Option<LevelPoint> {
         let size = largest(x);
         let radii = (-40..=40).map(|power| 2f64.powi(power) * if size > 0.0 { size } else { 1.0 });
         let mut crossings = radii.filter_map(|radius| self.crossing(x, outside, &[radius]));

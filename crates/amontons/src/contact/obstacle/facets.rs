@@ -26,9 +26,9 @@ const SHORTER: f64 = 1e-12;
 
 /// A closed surface in space, or a closed line in the plane, with outward normals.
 #[derive(Clone)]
-pub struct Facets {
+pub struct ClosedSurface {
     vertices: Vec<Point>,
-    all: Vec<Facet>,
+    all: Vec<SurfaceTriangle>,
     /// Pseudonormals of the vertices: means of the normals there.
     at_vertices: Vec<Point>,
     spheres: Spheres,
@@ -37,7 +37,7 @@ pub struct Facets {
 
 /// A triangle or a segment.
 #[derive(Clone, Debug)]
-struct Facet {
+struct SurfaceTriangle {
     /// Numbers of the corners; a segment has two.
     corners: Vec<usize>,
     /// Unit normal.
@@ -128,20 +128,20 @@ impl FacetsFault {
     }
 }
 
-impl std::fmt::Debug for Facets {
+impl std::fmt::Debug for ClosedSurface {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Facets of {} facets", self.all.len())
     }
 }
 
-impl Facets {
+impl ClosedSurface {
     /// The surface of facets given by their corners in m, three in space and two in the plane (z = 0): in space
     /// anticlockwise seen from outside, in the plane with the matter on the left. If all are oriented the other way,
     /// the surface is reversed.
     ///
     /// # Errors
     /// Fails if the facets bound no solid.
-    pub fn new(facets: &[Vec<Point>]) -> Result<Facets, FacetsFault> {
+    pub fn new(facets: &[Vec<Point>]) -> Result<ClosedSurface, FacetsFault> {
         let points: Vec<Point> = facets.iter().flatten().copied().collect();
         let bounds = bounds(&points);
         let size = length(&minus(&bounds[1], &bounds[0]));
@@ -166,17 +166,19 @@ impl Facets {
                 corners.swap(0, 1);
             }
         }
-        Ok(Facets::of(vertices, all, bounds))
+        Ok(ClosedSurface::of(vertices, all, bounds))
     }
 
     /// The surface with its pseudonormals and its search tree.
-    fn of(vertices: Vec<Point>, all: Vec<Vec<usize>>, bounds: [Point; 2]) -> Facets {
+    fn of(vertices: Vec<Point>, all: Vec<Vec<usize>>, bounds: [Point; 2]) -> ClosedSurface {
         let normal = |corners: &[usize]| {
             let across = across(&vertices, corners);
             unit(&across).unwrap_or(across)
         };
-        let mut facets: Vec<Facet> =
-            all.into_iter().map(|corners| Facet { normal: normal(&corners), at_edges: Vec::new(), corners }).collect();
+        let mut facets: Vec<SurfaceTriangle> = all
+            .into_iter()
+            .map(|corners| SurfaceTriangle { normal: normal(&corners), at_edges: Vec::new(), corners })
+            .collect();
         let mut at_vertices = vec![Mean::default(); vertices.len()];
         let mut of_edges: BTreeMap<[usize; 2], Mean> = BTreeMap::new();
         for facet in &facets {
@@ -197,7 +199,7 @@ impl Facets {
             (centre, corners.iter().map(|&corner| length(&minus(&vertices[corner], &centre))).fold(0.0, f64::max))
         };
         let spheres = Spheres::new(facets.len(), &around);
-        Facets { vertices, all: facets, at_vertices, spheres, bounds }
+        ClosedSurface { vertices, all: facets, at_vertices, spheres, bounds }
     }
 
     /// The least and the largest coordinates, m.

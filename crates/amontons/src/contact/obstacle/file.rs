@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Checks, Facets, Nearest, Point3, Shape, ShapeFaults, at, keyed, minus, plus};
+use super::{Checks, ClosedSurface, Nearest, ObstacleShape, Point3, ShapeFaults, at, keyed, minus, plus};
 use crate::field::Field;
 use crate::tensor::Point;
 
@@ -10,25 +10,25 @@ const ORIGIN: [&str; 3] = ["origin[0]", "origin[1]", "origin[2]"];
 
 /// The solid within a surface of facets, or the matter around such a cavity; it moves with its origin.
 #[derive(Clone, Debug)]
-pub struct File {
-    surface: Arc<Facets>,
+pub struct FacetedSolid {
+    surface: Arc<ClosedSurface>,
     origin: Point3,
     inside: bool,
 }
 
-impl File {
+impl FacetedSolid {
     /// The solid within a surface whose origin is at `origin`; with `inside` the surface is a cavity around the body.
     ///
     /// # Errors
     /// Fails if the origin depends on space.
-    pub fn new(surface: Arc<Facets>, origin: Point3, inside: bool) -> Result<File, ShapeFaults> {
+    pub fn new(surface: Arc<ClosedSurface>, origin: Point3, inside: bool) -> Result<FacetedSolid, ShapeFaults> {
         let mut checks = Checks::default();
-        let file = File { surface, origin: checks.moving(ORIGIN, origin), inside };
+        let file = FacetedSolid { surface, origin: checks.moving(ORIGIN, origin), inside };
         checks.result(file)
     }
 }
 
-impl Shape for File {
+impl ObstacleShape for FacetedSolid {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
         let Nearest { distance, normal } = self.surface.nearest(&minus(x, &self.place(t)));
         if self.inside {

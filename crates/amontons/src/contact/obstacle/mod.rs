@@ -19,13 +19,13 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 pub use cylinder::Cylinder;
-pub use facets::{Facets, FacetsFault};
-pub use file::File;
+pub use facets::{ClosedSurface, FacetsFault};
+pub use file::FacetedSolid;
 pub use load::ObstacleLoad;
-pub use motion::{Motion, Rate, Turning};
+pub use motion::{ObstacleVelocity, Rate, Turning};
 pub use plane::Plane;
 pub use sphere::Sphere;
-pub use surface::Surface;
+pub use surface::LevelSet;
 pub use wave::Wave;
 
 use crate::field::Field;
@@ -35,7 +35,7 @@ use crate::tensor::{Point, dot, length};
 #[derive(Clone, Debug)]
 pub struct Obstacle {
     /// Its surface.
-    pub shape: Arc<dyn Shape>,
+    pub shape: Arc<dyn ObstacleShape>,
     /// True if distances and normals are evaluated at x + u_{n−1} in each step; otherwise at x, for small
     /// displacements.
     pub updated: bool,
@@ -90,8 +90,8 @@ impl Obstacle {
     /// Its velocity as a rigid body at a time, including that of its load as far as known; `rate` differentiates a
     /// function of time at that time.
     #[must_use]
-    pub fn motion(&self, t: f64, rate: &Rate) -> Motion {
-        let motion = Motion::new(self.turning.as_ref(), &|t| self.shape.place(t), t, rate);
+    pub fn motion(&self, t: f64, rate: &Rate) -> ObstacleVelocity {
+        let motion = ObstacleVelocity::new(self.turning.as_ref(), &|t| self.shape.place(t), t, rate);
         let Some(load) = &self.load else { return motion };
         let [moved, speed] = [load.known(t), rate(&|t| load.known(t))].map(|size| load.direction.map(|c| size * c));
         motion.carried(&moved, &speed)
@@ -134,7 +134,7 @@ impl Nearest {
 }
 
 /// The surface of an obstacle. In two dimensions points have z = 0, and so have normals.
-pub trait Shape: Debug + Send + Sync {
+pub trait ObstacleShape: Debug + Send + Sync {
     /// The nearest point at a time; of several points equally near, each call returns the same.
     fn nearest(&self, x: &Point, t: f64) -> Nearest;
     /// Position in m of a point that moves with the obstacle; zero if it has none.

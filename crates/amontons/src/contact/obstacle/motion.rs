@@ -63,21 +63,21 @@ impl Turning {
     }
 
     /// The rotation at a time and a point of its axis.
-    pub(super) fn at(&self, place: Point, t: f64) -> Turn {
+    pub(super) fn at(&self, place: Point, t: f64) -> PivotRotation {
         let angle = self.angle(t);
         let [to, back] = [angle, -angle].map(|angle| Rotation::about(&self.axis, angle));
-        Turn { about: self.about(place, t), to, back }
+        PivotRotation { about: self.about(place, t), to, back }
     }
 }
 
 /// A rotation about a point.
-pub(super) struct Turn {
+pub(super) struct PivotRotation {
     about: Point,
     to: Rotation,
     back: Rotation,
 }
 
-impl Turn {
+impl PivotRotation {
     /// The position of a point before the rotation.
     pub fn before(&self, x: &Point) -> Point {
         plus(&self.about, 1.0, &self.back.vector(&minus(x, &self.about)))
@@ -96,7 +96,7 @@ pub(super) fn is_along(direction: &Point, unit: &Point) -> bool {
 
 /// The velocity of a rigid obstacle: v + ω × (x − a).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
+pub struct ObstacleVelocity {
     /// v in m/s.
     pub velocity: Point,
     /// ω in rad/s.
@@ -105,30 +105,41 @@ pub struct Motion {
     pub about: Point,
 }
 
-impl Motion {
+impl ObstacleVelocity {
     /// The velocity at time t of an obstacle whose place is a function of time; `rate` differentiates a function of
     /// time at that time.
     ///
     /// With the place p and the rotation R about a(t), a point of the obstacle is x = a + R (ξ + p − a), ξ fixed, so
     /// that ẋ = ȧ + R (ṗ − ȧ) + ω × (x − a).
-    pub(super) fn new(turning: Option<&Turning>, place: &dyn Fn(f64) -> Point, t: f64, rate: &Rate) -> Motion {
+    pub(super) fn new(
+        turning: Option<&Turning>,
+        place: &dyn Fn(f64) -> Point,
+        t: f64,
+        rate: &Rate,
+    ) -> ObstacleVelocity {
         let of = |point: &dyn Fn(f64) -> Point| -> Point { std::array::from_fn(|c| rate(&|t| point(t)[c])) };
         let carried = of(place);
-        let Some(turning) = turning else { return Motion { velocity: carried, ..Motion::default() } };
+        let Some(turning) = turning else {
+            return ObstacleVelocity { velocity: carried, ..ObstacleVelocity::default() };
+        };
         let speed = rate(&|t| turning.angle(t));
         let spin = turning.axis.map(|c| c * speed);
         let about = turning.about(place(t), t);
         if turning.is_about_place() {
-            return Motion { velocity: carried, spin, about };
+            return ObstacleVelocity { velocity: carried, spin, about };
         }
         let axis = of(&|t| turning.about(place(t), t));
         let turned = Rotation::about(&turning.axis, turning.angle(t)).vector(&minus(&carried, &axis));
-        Motion { velocity: plus(&axis, 1.0, &turned), spin, about }
+        ObstacleVelocity { velocity: plus(&axis, 1.0, &turned), spin, about }
     }
 
     /// This motion with a further displacement `by` and `velocity`, which also carry the axis.
-    pub(super) fn carried(&self, by: &Point, velocity: &Point) -> Motion {
-        Motion { velocity: plus(&self.velocity, 1.0, velocity), spin: self.spin, about: plus(&self.about, 1.0, by) }
+    pub(super) fn carried(&self, by: &Point, velocity: &Point) -> ObstacleVelocity {
+        ObstacleVelocity {
+            velocity: plus(&self.velocity, 1.0, velocity),
+            spin: self.spin,
+            about: plus(&self.about, 1.0, by),
+        }
     }
 
     /// The velocity of the obstacle at a point, m/s.

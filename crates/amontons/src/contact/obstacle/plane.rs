@@ -1,7 +1,7 @@
 //! A half-space.
 
 use super::motion::is_along;
-use super::{Checks, Nearest, POINT, Point3, Shape, ShapeFaults, at, keyed, minus};
+use super::{Checks, Nearest, ObstacleShape, POINT, Point3, ShapeFaults, at, keyed, minus};
 use crate::field::Field;
 use crate::tensor::{Point, dot};
 
@@ -24,7 +24,7 @@ impl Plane {
     }
 }
 
-impl Shape for Plane {
+impl ObstacleShape for Plane {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
         Nearest { distance: dot(&minus(x, &self.place(t)), &self.normal), normal: self.normal }
     }

@@ -1,6 +1,6 @@
 //! A ball, or the space around a socket.
 
-use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, at, keyed, minus, round};
+use super::{CENTER, Checks, Nearest, ObstacleShape, Point3, ShapeFaults, at, keyed, minus, round};
 use crate::field::Field;
 use crate::tensor::Point;
 
@@ -25,7 +25,7 @@ impl Sphere {
     }
 }
 
-impl Shape for Sphere {
+impl ObstacleShape for Sphere {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
         round(&minus(x, &self.place(t)), self.radius, self.inside, [1.0, 0.0, 0.0])
     }

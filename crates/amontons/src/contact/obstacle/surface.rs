@@ -1,7 +1,7 @@
 //! The zero level set of a function.
 
-use super::descent::Level;
-use super::{Nearest, Shape, ShapeFault, ShapeFaults};
+use super::descent::LevelFunction;
+use super::{Nearest, ObstacleShape, ShapeFault, ShapeFaults};
 use crate::expression::{Expression, Variable};
 use crate::tensor::Point;
 
@@ -12,31 +12,31 @@ use crate::tensor::Point;
 /// may have edges; there the normal is the direction in which the distance grows. It has no place: describe motion
 /// along it by the velocity of the foundation.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct LevelSet {
     level: Expression,
     /// The axes on which φ depends.
     axes: Vec<usize>,
 }
 
-impl Surface {
+impl LevelSet {
     /// The surface on which `level` is zero; `level` is positive outside the obstacle.
     ///
     /// # Errors
     /// Fails if the level does not depend on space.
-    pub fn new(level: Expression) -> Result<Surface, ShapeFaults> {
+    pub fn new(level: Expression) -> Result<LevelSet, ShapeFaults> {
         let axes: Vec<usize> = [Variable::X, Variable::Y, Variable::Z]
             .into_iter()
             .enumerate()
             .filter(|(_, axis)| level.uses(*axis))
             .map(|(axis, _)| axis)
             .collect();
-        if axes.is_empty() { Err(ShapeFaults(vec![ShapeFault::Level])) } else { Ok(Surface { level, axes }) }
+        if axes.is_empty() { Err(ShapeFaults(vec![ShapeFault::Level])) } else { Ok(LevelSet { level, axes }) }
     }
 }
 
-impl Shape for Surface {
+impl ObstacleShape for LevelSet {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
-        Level { of: &self.level, axes: &self.axes, t }.nearest(x).unwrap_or(Nearest::NONE)
+        LevelFunction { of: &self.level, axes: &self.axes, t }.nearest(x).unwrap_or(Nearest::NONE)
     }
     fn depends_on_time(&self) -> bool {
         self.level.depends_on_time()

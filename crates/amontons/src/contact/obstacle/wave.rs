@@ -2,7 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Checks, Nearest, POINT, Point3, Shape, ShapeFault, ShapeFaults, across, at, keyed, minus, plus, unit};
+use super::{
+    Checks, Nearest, ObstacleShape, POINT, Point3, ShapeFault, ShapeFaults, across, at, keyed, minus, plus, unit,
+};
 use crate::field::Field;
 use crate::tensor::{Point, dot};
 
@@ -144,7 +146,7 @@ impl HalfPeriod {
     }
 }
 
-impl Shape for Wave {
+impl ObstacleShape for Wave {
     fn nearest(&self, x: &Point, t: f64) -> Nearest {
         let from = minus(x, &self.place(t));
         let phase = self.frequency * dot(&from, &self.direction);

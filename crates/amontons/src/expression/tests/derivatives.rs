@@ -271,7 +271,7 @@ fn constants_time_and_large_expressions() {
 }
 
 /// The derivative of a tree from differences, if these show it to be smooth there.
-fn difference(tree: &tree::Tree, x: &[f64; 3], t: f64, direction: usize) -> Option<f64> {
+fn difference(tree: &tree::ExpressionTree, x: &[f64; 3], t: f64, direction: usize) -> Option<f64> {
     const LARGEST: f64 = 1e3;
     let after = |h: f64| {
         // Small terms next to large ones are lost to rounding.

@@ -4,38 +4,38 @@ use proptest::prelude::*;
 
 /// An expression as a tree.
 #[derive(Clone, Debug)]
-pub(super) enum Tree {
+pub(super) enum ExpressionTree {
     Number(f64),
     Name(&'static str),
-    Negate(Box<Tree>),
-    Infix(&'static str, Box<Tree>, Box<Tree>),
-    Call(&'static str, Vec<Tree>),
+    Negate(Box<ExpressionTree>),
+    Infix(&'static str, Box<ExpressionTree>, Box<ExpressionTree>),
+    Call(&'static str, Vec<ExpressionTree>),
 }
 
-impl Tree {
+impl ExpressionTree {
     /// Precedence of the outermost operation.
     fn level(&self) -> u8 {
         match self {
-            Tree::Infix("+" | "-", ..) => 1,
-            Tree::Infix("*" | "/", ..) => 2,
-            Tree::Negate(_) => 3,
-            Tree::Infix("^", ..) => 4,
-            Tree::Infix(..) => 0,
-            Tree::Number(_) | Tree::Name(_) | Tree::Call(..) => 5,
+            ExpressionTree::Infix("+" | "-", ..) => 1,
+            ExpressionTree::Infix("*" | "/", ..) => 2,
+            ExpressionTree::Negate(_) => 3,
+            ExpressionTree::Infix("^", ..) => 4,
+            ExpressionTree::Infix(..) => 0,
+            ExpressionTree::Number(_) | ExpressionTree::Name(_) | ExpressionTree::Call(..) => 5,
         }
     }
 
     /// The text, with parentheses only where the grammar needs them.
     pub(super) fn text(&self, least: u8) -> String {
         let text = match self {
-            Tree::Number(value) => format!("{value:?}"),
-            Tree::Name(name) => (*name).to_owned(),
-            Tree::Negate(a) => format!("-{}", a.text(3)),
-            Tree::Infix("^", a, b) => format!("{}^{}", a.text(5), b.text(3)),
-            Tree::Infix(op, a, b) => {
+            ExpressionTree::Number(value) => format!("{value:?}"),
+            ExpressionTree::Name(name) => (*name).to_owned(),
+            ExpressionTree::Negate(a) => format!("-{}", a.text(3)),
+            ExpressionTree::Infix("^", a, b) => format!("{}^{}", a.text(5), b.text(3)),
+            ExpressionTree::Infix(op, a, b) => {
                 format!("{} {op} {}", a.text(self.level().max(1)), b.text(self.level() + 1))
             }
-            Tree::Call(name, arguments) => {
+            ExpressionTree::Call(name, arguments) => {
                 let arguments: Vec<_> = arguments.iter().map(|a| a.text(0)).collect();
                 format!("{name}({})", arguments.join(", "))
             }
@@ -46,15 +46,15 @@ impl Tree {
     pub(super) fn value(&self, x: &[f64; 3], t: f64) -> f64 {
         let truth = |condition: bool| f64::from(u8::from(condition));
         match self {
-            Tree::Number(value) => *value,
-            Tree::Name("x") => x[0],
-            Tree::Name("y") => x[1],
-            Tree::Name("z") => x[2],
-            Tree::Name("t") => t,
-            Tree::Name("pi") => std::f64::consts::PI,
-            Tree::Name(_) => std::f64::consts::E,
-            Tree::Negate(a) => -a.value(x, t),
-            Tree::Infix(op, a, b) => {
+            ExpressionTree::Number(value) => *value,
+            ExpressionTree::Name("x") => x[0],
+            ExpressionTree::Name("y") => x[1],
+            ExpressionTree::Name("z") => x[2],
+            ExpressionTree::Name("t") => t,
+            ExpressionTree::Name("pi") => std::f64::consts::PI,
+            ExpressionTree::Name(_) => std::f64::consts::E,
+            ExpressionTree::Negate(a) => -a.value(x, t),
+            ExpressionTree::Infix(op, a, b) => {
                 let (a, b) = (a.value(x, t), b.value(x, t));
                 match *op {
                     "+" => a + b,
@@ -70,7 +70,7 @@ impl Tree {
                     _ => power(a, b),
                 }
             }
-            Tree::Call(name, arguments) => {
+            ExpressionTree::Call(name, arguments) => {
                 let values: Vec<_> = arguments.iter().map(|a| a.value(x, t)).collect();
                 call(name, &values)
             }
@@ -81,14 +81,14 @@ impl Tree {
     /// frequency of `mod` counts as well, at a hundred times its value.
     pub(super) fn largest(&self, x: &[f64; 3], t: f64) -> f64 {
         let value = self.value(x, t).abs();
-        let parts: Vec<&Tree> = match self {
-            Tree::Number(_) | Tree::Name(_) => Vec::new(),
-            Tree::Negate(a) => vec![a],
-            Tree::Infix(_, a, b) => vec![a, b],
-            Tree::Call(_, arguments) => arguments.iter().collect(),
+        let parts: Vec<&ExpressionTree> = match self {
+            ExpressionTree::Number(_) | ExpressionTree::Name(_) => Vec::new(),
+            ExpressionTree::Negate(a) => vec![a],
+            ExpressionTree::Infix(_, a, b) => vec![a, b],
+            ExpressionTree::Call(_, arguments) => arguments.iter().collect(),
         };
         let frequency = match self {
-            Tree::Call("mod", arguments) => 100.0 / arguments[1].value(x, t).abs(),
+            ExpressionTree::Call("mod", arguments) => 100.0 / arguments[1].value(x, t).abs(),
             _ => 0.0,
         };
         let own = if value.is_nan() { f64::INFINITY } else { value.max(frequency) };
@@ -170,40 +170,40 @@ const CALLS: [(&str, usize); 18] = [
 ];
 
 /// Expressions of every kind; many have no finite value.
-pub(super) fn tree() -> impl Strategy<Value = Tree> {
+pub(super) fn tree() -> impl Strategy<Value = ExpressionTree> {
     let leaf = prop_oneof![
-        (0_u8..20).prop_map(|n| Tree::Number(f64::from(n))),
-        (0.0..1e3).prop_map(Tree::Number),
-        any::<f64>().prop_filter_map("finite", |v| { v.is_finite().then_some(Tree::Number(v.abs())) }),
-        prop::sample::select(vec!["x", "y", "z", "t", "x", "y", "z", "t", "pi", "e"]).prop_map(Tree::Name),
+        (0_u8..20).prop_map(|n| ExpressionTree::Number(f64::from(n))),
+        (0.0..1e3).prop_map(ExpressionTree::Number),
+        any::<f64>().prop_filter_map("finite", |v| { v.is_finite().then_some(ExpressionTree::Number(v.abs())) }),
+        prop::sample::select(vec!["x", "y", "z", "t", "x", "y", "z", "t", "pi", "e"]).prop_map(ExpressionTree::Name),
     ];
     grown(leaf, &["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!="], 6)
 }
 
 /// Expressions most of which vary moderately with the variables.
-pub(super) fn moderate_tree() -> impl Strategy<Value = Tree> {
+pub(super) fn moderate_tree() -> impl Strategy<Value = ExpressionTree> {
     let leaf = prop_oneof![
-        1 => (0_u8..4).prop_map(|n| Tree::Number(f64::from(n))),
-        1 => (0.1..4.0).prop_map(Tree::Number),
-        8 => prop::sample::select(vec!["x", "y", "z", "t"]).prop_map(Tree::Name),
+        1 => (0_u8..4).prop_map(|n| ExpressionTree::Number(f64::from(n))),
+        1 => (0.1..4.0).prop_map(ExpressionTree::Number),
+        8 => prop::sample::select(vec!["x", "y", "z", "t"]).prop_map(ExpressionTree::Name),
     ];
     grown(leaf, &["+", "+", "+", "-", "-", "-", "*", "*", "*", "/", "/", "^", "<", ">="], 4)
 }
 
 fn grown(
-    leaf: impl Strategy<Value = Tree> + 'static,
+    leaf: impl Strategy<Value = ExpressionTree> + 'static,
     infix: &'static [&str],
     depth: u32,
-) -> impl Strategy<Value = Tree> {
+) -> impl Strategy<Value = ExpressionTree> {
     leaf.prop_recursive(depth, 80, 4, move |inner| {
         let boxed = inner.clone().prop_map(Box::new).boxed();
         let call = prop::sample::select(&CALLS[..]).prop_flat_map(move |(name, count)| {
-            prop::collection::vec(inner.clone(), count).prop_map(move |arguments| Tree::Call(name, arguments))
+            prop::collection::vec(inner.clone(), count).prop_map(move |arguments| ExpressionTree::Call(name, arguments))
         });
         prop_oneof![
-            1 => boxed.clone().prop_map(Tree::Negate),
+            1 => boxed.clone().prop_map(ExpressionTree::Negate),
             6 => (prop::sample::select(infix), boxed.clone(), boxed)
-                .prop_map(|(op, a, b)| Tree::Infix(op, a, b)),
+                .prop_map(|(op, a, b)| ExpressionTree::Infix(op, a, b)),
             4 => call,
         ]
     })

@@ -164,19 +164,19 @@ fn of_obstacle(problem: &Problem, points: &[PointOnBoundary], number: usize, con
 
 /// The overlap depth that is round-off on a side, m.
 fn round_off(mesh: &Mesh, set: &FacetSet) -> f64 {
-    let facet = Facet::all(mesh, set).iter().map(|facet| facet.size).fold(f64::INFINITY, f64::min);
+    let facet = GapFacet::all(mesh, set).iter().map(|facet| facet.size).fold(f64::INFINITY, f64::min);
     let far = set.node_list().into_iter().filter_map(|node| mesh.points.get(node as usize)).map(length);
     (if facet.is_finite() { OF_FACET * facet } else { 0.0 }).max(OF_SIDE * far.fold(0.0, f64::max))
 }
 
 /// A facet: its vertices with their normals, and its size.
-struct Facet {
+struct GapFacet {
     vertices: Vec<(u32, Point)>,
     size: f64,
 }
 
-impl Facet {
-    fn all(mesh: &Mesh, set: &FacetSet) -> Vec<Facet> {
+impl GapFacet {
+    fn all(mesh: &Mesh, set: &FacetSet) -> Vec<GapFacet> {
         let mut all = Vec::new();
         for block in &set.blocks {
             let count = block.element.shape.vertices();
@@ -190,7 +190,7 @@ impl Facet {
                 }
                 let size = vertices.iter().map(|(node, _)| distance(mesh, vertices.first().map(|v| v.0), *node));
                 let size = size.fold(0.0, f64::max);
-                all.push(Facet { vertices, size });
+                all.push(GapFacet { vertices, size });
             }
         }
         all
@@ -237,7 +237,7 @@ fn from_line(mesh: &Mesh, [a, b]: [u32; 2], node: u32) -> f64 {
 /// h between facets that turn by α it is h/2 tan α/4; zero for a plane side, and nearly zero for quadratic facets that
 /// follow the surface.
 fn depth(mesh: &Mesh, set: &FacetSet) -> f64 {
-    let facets = Facet::all(mesh, set);
+    let facets = GapFacet::all(mesh, set);
     let mut rims: BTreeMap<[u32; 2], Vec<(usize, Point, f64)>> = BTreeMap::new();
     for (number, facet) in facets.iter().enumerate() {
         for (key, normal, extent) in facet.rims(mesh) {

@@ -18,7 +18,7 @@ const JUMP: f64 = 0.1;
 const INWARD: f64 = 1e-6;
 
 /// The value of a coefficient at a point: the entries of a map on 𝕊^d, or fewer.
-type Value = [f64; 36];
+type CoefficientValue = [f64; 36];
 
 /// Warns if a coefficient of the material jumps within a cell, which reduces the order of the method.
 pub(super) fn jump(problem: &Problem, material: usize) -> Option<Finding> {
@@ -45,18 +45,18 @@ pub(super) fn jump(problem: &Problem, material: usize) -> Option<Finding> {
     Some(warning(FindingId::CoefficientJump, &material_key(problem, material, key), [change, 0.0], message, repair))
 }
 
-fn flat<'a>(entries: impl Iterator<Item = &'a f64>) -> Value {
+fn flat<'a>(entries: impl Iterator<Item = &'a f64>) -> CoefficientValue {
     let mut value = [0.0; 36];
     value.iter_mut().zip(entries).for_each(|(value, entry)| *value = *entry);
     value
 }
 
-fn distance(a: &Value, b: &Value) -> f64 {
+fn distance(a: &CoefficientValue, b: &CoefficientValue) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 /// The first jump of a coefficient along the edges from the first node of a cell, with its size relative to the values.
-fn first(mesh: &Mesh, region: Option<usize>, value: &dyn Fn(&Point) -> Value) -> Option<(Point, f64)> {
+fn first(mesh: &Mesh, region: Option<usize>, value: &dyn Fn(&Point) -> CoefficientValue) -> Option<(Point, f64)> {
     let blocks = mesh.blocks.iter().filter(|block| region.is_none_or(|region| block.region == region));
     blocks.flat_map(|block: &Block| block.cells()).find_map(|cell| {
         let corners: Vec<Point> = cell.iter().filter_map(|&n| mesh.points.get(n as usize).copied()).collect();
@@ -69,7 +69,7 @@ fn first(mesh: &Mesh, region: Option<usize>, value: &dyn Fn(&Point) -> Value) ->
 }
 
 /// A jump between two points, found by repeatedly taking the half with the larger change.
-fn along([mut from, mut to]: [Point; 2], value: &dyn Fn(&Point) -> Value) -> Option<(Point, f64)> {
+fn along([mut from, mut to]: [Point; 2], value: &dyn Fn(&Point) -> CoefficientValue) -> Option<(Point, f64)> {
     let zero = [0.0; 36];
     let (mut low, mut high) = (value(&from), value(&to));
     let (whole, size) = (distance(&low, &high), distance(&low, &zero).max(distance(&high, &zero)));

@@ -44,12 +44,12 @@ pub use run::{Figures, Penetration, of_run};
 
 use super::laws::{at, norm};
 use super::{Finding, FindingId, FindingStatus};
-use crate::material::{Constants, Dilatation};
+use crate::material::{Dilatation, OperatorConstants};
 use crate::mesh::FacetSet;
 use crate::mesh::defects::coincident;
 use crate::problem::Problem;
 use crate::tensor::Sym;
-use crate::units::{Measure, System};
+use crate::units::{Measure, UnitSystem};
 
 /// A warning with the value found and the limit that it violates.
 fn warning(
@@ -192,10 +192,11 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
 fn magnitude(problem: &Problem, region: usize) -> Option<Finding> {
     const DENSE: f64 = 2000.0;
     const SPEEDS: [f64; 2] = [30.0, 3e4];
-    let material = problem.materials.get(region).filter(|_| problem.system == System::Si)?;
+    let material = problem.materials.get(region).filter(|_| problem.system == UnitSystem::Si)?;
     let x = problem.mesh.points.first()?;
     let density = material.density.at(x);
-    let stiffness = Constants::of_linear(&material.elasticity.tangent(x, &Sym::ZERO), problem.mesh.dim).lipschitz;
+    let stiffness =
+        OperatorConstants::of_linear(&material.elasticity.tangent(x, &Sym::ZERO), problem.mesh.dim).lipschitz;
     let speed = (stiffness / density).sqrt();
     let [slowest, fastest] = SPEEDS;
     if !(density > 0.0 && stiffness > 0.0) || !((density > DENSE && speed < slowest) || speed > fastest) {

@@ -3,7 +3,7 @@
 //! P. Vaněk, J. Mandel, M. Brezina, "Algebraic multigrid by smoothed aggregation for second and fourth order elliptic
 //! problems", Computing 56 (1996) 179–196.
 
-use super::blocks::{Blocks, Rows};
+use super::blocks::{BlockRowBuilder, BlockRowMatrix};
 
 /// Share of √(‖A_ii‖ ‖A_jj‖) above which two nodes are strongly joined.
 const STRONG: f64 = 0.02;
@@ -14,12 +14,12 @@ const DEPENDENT: f64 = 1e-6;
 pub(super) type Aggregates = Vec<Option<u32>>;
 
 /// The nodes that each node is strongly joined with, itself not included.
-pub(super) fn strong(matrix: &Blocks<f64>) -> Blocks<f64> {
+pub(super) fn strong(matrix: &BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
     let norm = |block: &[f64]| block.iter().map(|v| v * v).sum::<f64>().sqrt();
     let diagonal: Vec<f64> =
         (0..matrix.len()).map(|i| matrix.row(i).find(|(j, _)| *j == i).map_or(0.0, |(_, block)| norm(block))).collect();
-    Blocks::from_rows(matrix.len(), matrix.width, [0, 0], |range| {
-        let mut rows = Rows::default();
+    BlockRowMatrix::from_rows(matrix.len(), matrix.width, [0, 0], |range| {
+        let mut rows = BlockRowBuilder::default();
         for i in range {
             let joined =
                 |&(j, block): &(usize, &[f64])| j != i && norm(block) > STRONG * (diagonal[i] * diagonal[j]).sqrt();
@@ -32,7 +32,7 @@ pub(super) fn strong(matrix: &Blocks<f64>) -> Blocks<f64> {
 
 /// Puts nodes into aggregates: a node that no neighbour of which has one yet takes all its neighbours; the nodes that
 /// are left go to the aggregate of a neighbour, or form one with those neighbours that are left too.
-pub(super) fn aggregates(strong: &Blocks<f64>, takes_part: &[bool]) -> (Aggregates, usize) {
+pub(super) fn aggregates(strong: &BlockRowMatrix<f64>, takes_part: &[bool]) -> (Aggregates, usize) {
     let n = takes_part.len();
     let neighbours =
         |i: usize| strong.columns[strong.start[i] as usize..strong.start[i + 1] as usize].iter().map(|&j| j as usize);
@@ -71,7 +71,7 @@ pub(super) fn tentative(
     count: usize,
     modes: &[f64],
     [size, m]: [usize; 2],
-) -> (Blocks<f64>, Vec<f64>) {
+) -> (BlockRowMatrix<f64>, Vec<f64>) {
     let mut members = vec![Vec::new(); count];
     for (i, aggregate) in of.iter().enumerate() {
         if let Some(a) = aggregate {
@@ -91,8 +91,8 @@ pub(super) fn tentative(
             }
         }
     }
-    let prolongation = Blocks::from_rows(of.len(), count, [size, m], |range| {
-        let mut rows = Rows::default();
+    let prolongation = BlockRowMatrix::from_rows(of.len(), count, [size, m], |range| {
+        let mut rows = BlockRowBuilder::default();
         for i in range {
             if let Some(a) = of[i] {
                 rows.columns.push(a);

@@ -8,7 +8,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::product::add_product;
-use crate::linalg::pages::Numbers;
+use crate::linalg::pages::PagedNumbers;
 
 /// Block rows that are worked on at once: large enough to pay for a task, the same whatever the number of threads.
 pub(super) const CHUNK: usize = 1024;
@@ -31,7 +31,7 @@ impl Real for f64 {}
 
 /// A matrix of R × C blocks by compressed block rows.
 #[derive(Clone, Debug)]
-pub(super) struct Blocks<T: Real> {
+pub(super) struct BlockRowMatrix<T: Real> {
     /// Rows and columns of a block.
     pub shape: [usize; 2],
     /// Number of block columns.
@@ -39,17 +39,17 @@ pub(super) struct Blocks<T: Real> {
     pub start: Vec<u32>,
     pub columns: Vec<u32>,
     /// Blocks by rows.
-    pub values: Numbers<T>,
+    pub values: PagedNumbers<T>,
 }
 
 /// Where blocks stand: where the rows begin, with the end of the last, and the columns of their blocks.
 #[derive(Clone, Copy)]
-pub(super) struct Places<'a> {
+pub(super) struct BlockPattern<'a> {
     pub start: &'a [u32],
     pub columns: &'a [u32],
 }
 
-impl<'a> Places<'a> {
+impl<'a> BlockPattern<'a> {
     /// Number of block rows.
     pub fn len(&self) -> usize {
         self.start.len().saturating_sub(1)
@@ -78,7 +78,7 @@ pub(super) fn parted<'v, T>(
     (0..count).step_by(rows).map(part).collect()
 }
 
-impl<T: Real> Blocks<T> {
+impl<T: Real> BlockRowMatrix<T> {
     /// Number of block rows.
     pub fn len(&self) -> usize {
         self.start.len().saturating_sub(1)
@@ -93,17 +93,17 @@ impl<T: Real> Blocks<T> {
     }
 
     /// Puts rows together that are made one after the other, some at once.
-    pub fn from_rows<F>(rows: usize, width: usize, shape: [usize; 2], make: F) -> Blocks<T>
+    pub fn from_rows<F>(rows: usize, width: usize, shape: [usize; 2], make: F) -> BlockRowMatrix<T>
     where
-        F: Fn(Range<usize>) -> Rows<T> + Sync,
+        F: Fn(Range<usize>) -> BlockRowBuilder<T> + Sync,
     {
-        let chunks: Vec<Rows<T>> =
+        let chunks: Vec<BlockRowBuilder<T>> =
             (0..rows.div_ceil(CHUNK)).into_par_iter().map(|c| make(c * CHUNK..((c + 1) * CHUNK).min(rows))).collect();
         let (mut start, mut columns) = (Vec::with_capacity(rows + 1), Vec::new());
         start.push(0u32);
         columns.reserve_exact(chunks.iter().map(|c| c.columns.len()).sum());
         let count = chunks.iter().map(|c| c.values.len()).sum();
-        let values = Numbers::of(count, |values| {
+        let values = PagedNumbers::of(count, |values| {
             let mut rest = values;
             for chunk in chunks {
                 let before = columns.len() as u32;
@@ -114,11 +114,11 @@ impl<T: Real> Blocks<T> {
                 rest = others;
             }
         });
-        Blocks { shape, width, start, columns, values }
+        BlockRowMatrix { shape, width, start, columns, values }
     }
 
     /// The transposed matrix.
-    pub fn transposed(&self) -> Blocks<T> {
+    pub fn transposed(&self) -> BlockRowMatrix<T> {
         let [r, c] = self.shape;
         let mut start = vec![0u32; self.width + 1];
         for &j in &self.columns {
@@ -129,7 +129,7 @@ impl<T: Real> Blocks<T> {
         }
         let mut filled = start.clone();
         let mut columns = vec![0u32; self.columns.len()];
-        let values = Numbers::of(self.values.len(), |values| {
+        let values = PagedNumbers::of(self.values.len(), |values| {
             for i in 0..self.len() {
                 for (j, block) in self.row(i) {
                     let slot = filled[j] as usize;
@@ -144,31 +144,36 @@ impl<T: Real> Blocks<T> {
                 }
             }
         });
-        Blocks { shape: [c, r], width: self.len(), start, columns, values }
+        BlockRowMatrix { shape: [c, r], width: self.len(), start, columns, values }
     }
 
     /// A matrix of blocks at these places, zero at first. `fill` is given some rows and writes their blocks where they
     /// stay.
-    pub fn filled<F>(shape: [usize; 2], width: usize, (start, columns): (Vec<u32>, Vec<u32>), fill: F) -> Blocks<T>
+    pub fn filled<F>(
+        shape: [usize; 2],
+        width: usize,
+        (start, columns): (Vec<u32>, Vec<u32>),
+        fill: F,
+    ) -> BlockRowMatrix<T>
     where
         F: Fn(Range<usize>, &mut [T]) + Sync,
     {
         let size = shape[0] * shape[1];
-        let values = Numbers::of(columns.len() * size, |values| {
+        let values = PagedNumbers::of(columns.len() * size, |values| {
             let parts = parted(values, &start, size, CHUNK);
             parts.into_par_iter().for_each(|(rows, values)| fill(rows, values));
         });
-        Blocks { shape, width, start, columns, values }
+        BlockRowMatrix { shape, width, start, columns, values }
     }
 
     /// Where the blocks stand.
-    pub fn places(&self) -> Places<'_> {
-        Places { start: &self.start, columns: &self.columns }
+    pub fn places(&self) -> BlockPattern<'_> {
+        BlockPattern { start: &self.start, columns: &self.columns }
     }
 
     /// Changes the blocks of each row: its number, their columns and the blocks.
     pub fn change_rows(&mut self, change: impl Fn(usize, &[u32], &mut [T]) + Sync) {
-        let Blocks { shape: [r, c], start, columns, values, .. } = self;
+        let BlockRowMatrix { shape: [r, c], start, columns, values, .. } = self;
         let (start, columns) = (&start[..], &columns[..]);
         parted(values, start, *r * *c, CHUNK).into_par_iter().for_each(|(rows, mut values)| {
             for i in rows {
@@ -274,7 +279,7 @@ where
     }
 }
 
-impl Blocks<f32> {
+impl BlockRowMatrix<f32> {
     /// A block for writing to, or `None` if the matrix has none at (i, j).
     pub fn block_mut(&mut self, i: usize, j: usize) -> Option<&mut [f32]> {
         let (from, to, size) = (self.start[i] as usize, self.start[i + 1] as usize, self.shape[0] * self.shape[1]);
@@ -283,15 +288,15 @@ impl Blocks<f32> {
     }
 }
 
-impl Blocks<f64> {
+impl BlockRowMatrix<f64> {
     /// The same in single precision, over a number.
-    pub fn single(&self, scale: f64) -> Blocks<f32> {
-        Blocks {
+    pub fn single(&self, scale: f64) -> BlockRowMatrix<f32> {
+        BlockRowMatrix {
             shape: self.shape,
             width: self.width,
             start: self.start.clone(),
             columns: self.columns.clone(),
-            values: Numbers::of(self.values.len(), |single| {
+            values: PagedNumbers::of(self.values.len(), |single| {
                 single
                     .par_iter_mut()
                     .zip(&self.values[..])
@@ -303,16 +308,16 @@ impl Blocks<f64> {
 
 /// Rows that are put together.
 #[derive(Clone, Debug)]
-pub(super) struct Rows<T> {
+pub(super) struct BlockRowBuilder<T> {
     /// Where each row ends among the columns.
     pub ends: Vec<u32>,
     pub columns: Vec<u32>,
     pub values: Vec<T>,
 }
 
-impl<T> Default for Rows<T> {
-    fn default() -> Rows<T> {
-        Rows { ends: Vec::new(), columns: Vec::new(), values: Vec::new() }
+impl<T> Default for BlockRowBuilder<T> {
+    fn default() -> BlockRowBuilder<T> {
+        BlockRowBuilder { ends: Vec::new(), columns: Vec::new(), values: Vec::new() }
     }
 }
 
@@ -321,9 +326,9 @@ mod tests {
     use super::super::product::FINE;
     use super::*;
 
-    fn sample(rows: usize, width: usize, shape: [usize; 2]) -> Blocks<f64> {
-        Blocks::from_rows(rows, width, shape, |range| {
-            let mut made = Rows::default();
+    fn sample(rows: usize, width: usize, shape: [usize; 2]) -> BlockRowMatrix<f64> {
+        BlockRowMatrix::from_rows(rows, width, shape, |range| {
+            let mut made = BlockRowBuilder::default();
             for i in range {
                 for j in (0..width).filter(|j| (i * 5 + j * 3) % 4 == 0) {
                     made.columns.push(j as u32);
@@ -368,8 +373,8 @@ mod tests {
     #[test]
     fn a_coarse_matrix_is_that_of_two_products() {
         for (rows, [r, m]) in [(9, [3, 6]), (2 * CHUNK + 5, [3, 3]), (2 * FINE + 5, [1, 1]), (FINE + 1, [2, 3])] {
-            let matrix = Blocks::from_rows(rows, rows, [r, r], |range| {
-                let mut made = Rows::default();
+            let matrix = BlockRowMatrix::from_rows(rows, rows, [r, r], |range| {
+                let mut made = BlockRowBuilder::default();
                 for i in range {
                     for j in i.saturating_sub(2)..(i + 3).min(rows) {
                         made.columns.push(j as u32);

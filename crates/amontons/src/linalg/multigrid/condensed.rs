@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::local::Local;
-use super::precondition::{Body, Preconditioner};
+use super::local::ContactBlocks;
+use super::precondition::{MaskedMatrix, Preconditioner};
 use super::relieved::Relieved;
 use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
@@ -13,7 +13,7 @@ use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
 use crate::linalg::relief::Account;
 use crate::linalg::schur::STIFFLESS;
 use crate::linalg::sparse::BlockMatrix;
-use crate::linalg::stop::Stop;
+use crate::linalg::stop::StopFlag;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
@@ -53,11 +53,11 @@ pub(super) struct Iterative {
     account: Account,
     relieved: Option<Relieved>,
     has_no_factor: bool,
-    stop: Stop,
+    stop: StopFlag,
 }
 
 impl Iterative {
-    pub fn new(matrix: &Arc<BlockMatrix>, unknowns: &Unknowns, stop: Stop) -> Iterative {
+    pub fn new(matrix: &Arc<BlockMatrix>, unknowns: &Unknowns, stop: StopFlag) -> Iterative {
         let (n, _) = matrix.block_shape();
         let mut free = vec![false; matrix.graph().len() * n];
         for &dof in &unknowns.dofs {
@@ -105,9 +105,16 @@ impl Iterative {
     }
 
     /// K with what is known of its degrees of freedom.
-    fn body(&self) -> Body<'_> {
+    fn body(&self) -> MaskedMatrix<'_> {
         let Unknowns { points, frames, rigid, .. } = &self.unknowns;
-        Body { matrix: &self.matrix, points, free: &self.free, frames: &frames.0, rigid, stiffless: &self.stiffless }
+        MaskedMatrix {
+            matrix: &self.matrix,
+            points,
+            free: &self.free,
+            frames: &frames.0,
+            rigid,
+            stiffless: &self.stiffless,
+        }
     }
 
     /// (S + J) x.
@@ -155,7 +162,7 @@ impl Iterative {
     }
 
     /// What contact touches, if it touches something.
-    fn touched(&self) -> Option<&Local> {
+    fn touched(&self) -> Option<&ContactBlocks> {
         self.preconditioner.as_ref().and_then(Preconditioner::local)
     }
 

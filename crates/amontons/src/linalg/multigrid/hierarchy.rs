@@ -5,10 +5,10 @@ use faer::{Mat, Side};
 use rayon::prelude::*;
 
 use super::aggregate::{aggregates, strong, tentative};
-use super::blocks::Blocks;
+use super::blocks::BlockRowMatrix;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Lu, Square};
-use crate::linalg::stop::Stop;
+use crate::linalg::stop::StopFlag;
 use crate::linalg::vectors::{BLOCK, dot, max_abs};
 
 /// Unknowns below which a level is solved with a dense factor, and most levels.
@@ -28,20 +28,20 @@ const SHIFT: f64 = 1e-7;
 #[derive(Debug)]
 struct Level {
     /// A, with what contact adds.
-    matrix: Blocks<f32>,
+    matrix: BlockRowMatrix<f32>,
     /// What contact adds where A has no blocks: between nodes of different bodies.
-    beside: Beside,
+    beside: CouplingBlocks,
     /// The inverse blocks on the diagonal.
     diagonal: Vec<f32>,
     /// Largest eigenvalue of D⁻¹A.
     largest: f32,
     /// P and Pᵀ; none on the coarsest level.
-    transfer: Option<[Blocks<f32>; 2]>,
+    transfer: Option<[BlockRowMatrix<f32>; 2]>,
 }
 
 /// Blocks by rows and columns, few of them.
 #[derive(Debug, Default)]
-struct Beside {
+struct CouplingBlocks {
     at: Vec<[u32; 2]>,
     values: Vec<f32>,
 }
@@ -71,20 +71,20 @@ struct Changed {
 }
 
 /// What a hierarchy is made for.
-pub(super) struct Plan<'a> {
+pub(super) struct HierarchyPlan<'a> {
     /// The matrix, with unit blocks where a degree of freedom is left out.
-    pub matrix: &'a Blocks<f64>,
+    pub matrix: &'a BlockRowMatrix<f64>,
     /// Modes without energy at each node: blocks of `size` × m.
     pub modes: &'a [f64],
     pub count: usize,
     /// Degrees of freedom that take part.
     pub takes_part: &'a [bool],
-    pub stop: &'a Stop,
+    pub stop: &'a StopFlag,
 }
 
 impl Hierarchy {
     /// Builds the levels.
-    pub fn new(plan: &Plan) -> Result<Hierarchy, SolveError> {
+    pub fn new(plan: &HierarchyPlan) -> Result<Hierarchy, SolveError> {
         let size = plan.matrix.shape[0];
         let diagonal = |i: usize| plan.matrix.row(i).find(|(j, _)| *j == i).map_or(0.0, |(_, block)| block[0].abs());
         let scale = (0..plan.matrix.len()).map(diagonal).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -100,7 +100,7 @@ impl Hierarchy {
             let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
             let single = |transfer| Level {
                 matrix: matrix.single(scale),
-                beside: Beside::default(),
+                beside: CouplingBlocks::default(),
                 // What has no place in single precision is left to the iteration.
                 diagonal: diagonal
                     .iter()
@@ -135,7 +135,7 @@ impl Hierarchy {
 
     /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the
     /// coarser levels it is PᵀJP with the P of K alone.
-    pub fn add(&mut self, contact: &Blocks<f64>) {
+    pub fn add(&mut self, contact: &BlockRowMatrix<f64>) {
         for Changed { level, at: [i, j], block, inverse } in self.changed.drain(..).rev() {
             let level = &mut self.levels[level];
             if let Some(values) = level.matrix.block_mut(i, j) {
@@ -160,10 +160,10 @@ impl Hierarchy {
     /// Adds a matrix to that of a level. Where contact couples nodes, the smoother takes the blocks of a row for one
     /// on the diagonal that is no less: D⁻¹A then has no larger eigenvalues than without contact, and the polynomial
     /// damps.
-    fn patch(&mut self, l: usize, added: &Blocks<f32>, couples: bool) {
+    fn patch(&mut self, l: usize, added: &BlockRowMatrix<f32>, couples: bool) {
         let level = &mut self.levels[l];
         let n = level.matrix.shape[0];
-        level.beside = Beside::default();
+        level.beside = CouplingBlocks::default();
         for i in 0..added.len() {
             let others = added.row(i).filter(|(j, _)| couples && *j != i);
             let beyond: f64 = others.map(|(_, block)| size(block, n)).sum();
@@ -191,7 +191,7 @@ impl Hierarchy {
     }
 
     /// The factor of the coarsest matrix with what is added.
-    fn solve_with(&mut self, added: &Blocks<f32>) {
+    fn solve_with(&mut self, added: &BlockRowMatrix<f32>) {
         let Some((factor, dense)) = &mut self.coarsest else { return };
         let (mut matrix, n) = (Square::of(dense.as_ref()), added.shape[0]);
         for i in 0..added.len() {
@@ -220,7 +220,7 @@ impl Hierarchy {
         let level = &self.levels[l];
         let mut x = vec![0.0; b.len()];
         let Some([prolongation, restriction]) = &level.transfer else { return self.solved(level, b, x) };
-        let mut work = Work::new(b.len());
+        let mut work = WorkVectors::new(b.len());
         level.smooth(b, &mut x, &mut work, true);
         let rest = level.rest(b, &x, &mut work);
         let mut coarse = vec![0.0; restriction.len() * restriction.shape[0]];
@@ -234,7 +234,7 @@ impl Hierarchy {
     /// The coarsest level: by its factor, or by the smoother, twice so that the operator is symmetric.
     fn solved(&self, level: &Level, b: &[f32], mut x: Vec<f32>) -> Vec<f32> {
         let Some((factor, _)) = &self.coarsest else {
-            let mut work = Work::new(b.len());
+            let mut work = WorkVectors::new(b.len());
             level.smooth(b, &mut x, &mut work, true);
             level.smooth(b, &mut x, &mut work, false);
             return x;
@@ -245,7 +245,7 @@ impl Hierarchy {
     }
 }
 
-impl Beside {
+impl CouplingBlocks {
     /// y += A x, the blocks of size n.
     fn add(&self, n: usize, x: &[f32], y: &mut [f32]) {
         for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
@@ -256,14 +256,14 @@ impl Beside {
 }
 
 /// Vectors that a level works with: A x, or what it leaves, and the last step of the smoother.
-struct Work {
+struct WorkVectors {
     product: Vec<f32>,
     step: Vec<f32>,
 }
 
-impl Work {
-    fn new(length: usize) -> Work {
-        Work { product: vec![0.0; length], step: vec![0.0; length] }
+impl WorkVectors {
+    fn new(length: usize) -> WorkVectors {
+        WorkVectors { product: vec![0.0; length], step: vec![0.0; length] }
     }
 }
 
@@ -278,7 +278,7 @@ impl Level {
     }
 
     /// b − A x.
-    fn rest<'w>(&self, b: &[f32], x: &[f32], work: &'w mut Work) -> &'w [f32] {
+    fn rest<'w>(&self, b: &[f32], x: &[f32], work: &'w mut WorkVectors) -> &'w [f32] {
         self.multiply(x, &mut work.product);
         work.product.par_iter_mut().with_min_len(NODES).zip(b).for_each(|(rest, b)| *rest = b - *rest);
         &work.product
@@ -287,7 +287,7 @@ impl Level {
     /// Chebyshev's polynomial in D⁻¹A, which damps errors with eigenvalues between [`DAMPED`] of the largest and the
     /// largest (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003) 593). `from_zero` says that x is
     /// zero, and the work new.
-    fn smooth(&self, b: &[f32], x: &mut [f32], work: &mut Work, from_zero: bool) {
+    fn smooth(&self, b: &[f32], x: &mut [f32], work: &mut WorkVectors, from_zero: bool) {
         let (high, low) = (self.largest, DAMPED as f32 * self.largest);
         let (center, radius) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = center / radius;
@@ -310,7 +310,7 @@ impl Level {
 
     /// The next step of the smoother, `carried` times the one before and `taken` times D⁻¹(b − A x), and x after it.
     /// `N` is the number of unknowns of a node, or 0, so that it is not known beforehand.
-    fn advance<const N: usize>(&self, b: &[f32], x: &mut [f32], work: &mut Work, [carried, taken]: [f32; 2]) {
+    fn advance<const N: usize>(&self, b: &[f32], x: &mut [f32], work: &mut WorkVectors, [carried, taken]: [f32; 2]) {
         let size = self.matrix.shape[0];
         let blocks = self.diagonal.par_chunks(NODES * size * size).zip(b.par_chunks(NODES * size));
         let vectors = work.step.par_chunks_mut(NODES * size).zip(work.product.par_chunks(NODES * size));
@@ -340,12 +340,12 @@ fn size(block: &[f32], n: usize) -> f64 {
 
 /// P = (I − 4/3λ D⁻¹A) T, λ the largest eigenvalue of D⁻¹A: rows of degrees of freedom that are left out are zero.
 fn smoothed(
-    matrix: &Blocks<f64>,
+    matrix: &BlockRowMatrix<f64>,
     diagonal: &[f64],
-    tentative: &Blocks<f64>,
+    tentative: &BlockRowMatrix<f64>,
     largest: f64,
     takes_part: Option<&[bool]>,
-) -> Blocks<f64> {
+) -> BlockRowMatrix<f64> {
     let (mut smoothed, n, m) = (matrix.times(tentative), tentative.shape[0], tentative.shape[1]);
     let omega = 4.0 / (3.0 * largest);
     smoothed.change_rows(|i, columns, values| {
@@ -366,7 +366,7 @@ fn smoothed(
 }
 
 /// Modes that an aggregate does not have get a unit on the diagonal.
-fn with_unit_blocks(mut matrix: Blocks<f64>) -> Blocks<f64> {
+fn with_unit_blocks(mut matrix: BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
     let n = matrix.shape[0];
     for i in 0..matrix.len() {
         let at = (matrix.start[i] as usize..matrix.start[i + 1] as usize).find(|&k| matrix.columns[k] as usize == i);
@@ -383,7 +383,7 @@ fn with_unit_blocks(mut matrix: Blocks<f64>) -> Blocks<f64> {
 }
 
 /// The inverse blocks on the diagonal.
-fn inverse_diagonal(matrix: &Blocks<f64>) -> Vec<f64> {
+fn inverse_diagonal(matrix: &BlockRowMatrix<f64>) -> Vec<f64> {
     let n = matrix.shape[0];
     let mut inverse = vec![0.0; matrix.len() * n * n];
     inverse.par_chunks_mut(n * n).enumerate().for_each(|(i, out)| {
@@ -433,7 +433,7 @@ fn invert(block: &[f64], out: &mut [f64], n: usize) {
 
 /// The largest eigenvalue of D⁻¹A as the method of conjugate gradients sees it: that of the tridiagonal matrix of its
 /// coefficients (Lanczos), from a fixed start.
-fn largest_eigenvalue(matrix: &Blocks<f64>, diagonal: &[f64]) -> f64 {
+fn largest_eigenvalue(matrix: &BlockRowMatrix<f64>, diagonal: &[f64]) -> f64 {
     let n = matrix.shape[0];
     let scaled = |r: &[f64]| -> Vec<f64> {
         (0..r.len()).map(|k| (0..n).map(|b| diagonal[k * n + b] * r[k / n * n + b]).sum()).collect()
@@ -468,7 +468,7 @@ fn largest_eigenvalue(matrix: &Blocks<f64>, diagonal: &[f64]) -> f64 {
 }
 
 /// The coarsest matrix, over the scale.
-fn dense(matrix: &Blocks<f64>, scale: f64) -> Mat<f64> {
+fn dense(matrix: &BlockRowMatrix<f64>, scale: f64) -> Mat<f64> {
     let n = matrix.shape[0];
     let mut dense = Mat::zeros(matrix.len() * n, matrix.len() * n);
     for i in 0..matrix.len() {

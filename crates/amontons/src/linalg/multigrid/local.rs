@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 
 use faer::Mat;
 
-use super::precondition::{AXES, Body, block_of, cut, in_basis};
-use super::surface::{Surface, couples};
+use super::precondition::{AXES, MaskedMatrix, block_of, cut, in_basis};
+use super::surface::{ContactFactor, couples};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Cholesky, Lu, Square};
 use crate::linalg::tangent::{Entry, Tangent};
@@ -23,8 +23,8 @@ use crate::tensor::Point;
 /// What contact touches, with J in the bases of the turns. Vectors over it, the degrees of freedom of its nodes one
 /// after the other, are small beside those of the body, which are read and written at its nodes alone.
 #[derive(Debug)]
-pub(super) struct Local {
-    solver: Solver,
+pub(super) struct ContactBlocks {
+    solver: LocalFactor,
     /// The nodes on which it is solved, and those whose unknowns are turned, with their degrees of freedom; and J and
     /// the turns by the places of these.
     nodes: Vec<u32>,
@@ -34,37 +34,37 @@ pub(super) struct Local {
 }
 
 #[derive(Debug)]
-enum Solver {
+enum LocalFactor {
     /// Node by node.
-    Nodes(Vec<Node>),
+    Nodes(Vec<NodeFactor>),
     /// All of it, where contact couples nodes.
-    Surface(Box<Surface>),
+    Surface(Box<ContactFactor>),
 }
 
 /// The block of L⁻¹ of a node over its degrees of freedom that are unknown, and its inverse; and the first of them.
 #[derive(Debug)]
-struct Node {
+struct NodeFactor {
     first: u32,
     block: Vec<f64>,
     inverse: Vec<f64>,
 }
 
-impl Local {
+impl ContactBlocks {
     /// For the tangent of contact, with some entries at least.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn new(body: &Body, tangent: &Tangent, turns: &[Turn]) -> Result<Local, SolveError> {
+    pub fn new(body: &MaskedMatrix, tangent: &Tangent, turns: &[Turn]) -> Result<ContactBlocks, SolveError> {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
         let entries: Vec<Entry> = tangent.entries().collect();
         let is_coupled = couples(&entries, n);
         let mut nodes = if is_coupled { joined(body, &entries) } else { seen(&entries, n) };
         let mut solver = if is_coupled {
-            Solver::Surface(Box::new(Surface::new(body, &nodes, &entries, &bases)?))
+            LocalFactor::Surface(Box::new(ContactFactor::new(body, &nodes, &entries, &bases)?))
         } else {
             let of = |(node, block): (usize, Vec<f64>)| node_of(body, node, bases.get(&node), &block);
-            Solver::Nodes(blocks(&entries, n).into_iter().filter_map(of).collect())
+            LocalFactor::Nodes(blocks(&entries, n).into_iter().filter_map(of).collect())
         };
         nodes.extend(bases.keys().map(|&node| node as u32));
         nodes.sort_unstable();
@@ -77,7 +77,7 @@ impl Local {
         // What contact adds elsewhere couples no nodes, so that it is nothing to these.
         let tangent = tangent.within(place);
         let turns = turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(place_here), ..*turn }).collect();
-        Ok(Local { solver, nodes, dofs, tangent, turns })
+        Ok(ContactBlocks { solver, nodes, dofs, tangent, turns })
     }
 
     /// L r, by degree of freedom.
@@ -89,8 +89,8 @@ impl Local {
     pub fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         let x = |place: u32| x(self.dofs[place as usize]);
         self.by_degree(match &self.solver {
-            Solver::Surface(surface) => surface.load(x),
-            Solver::Nodes(nodes) => products(nodes, |node| &node.block, x),
+            LocalFactor::Surface(surface) => surface.load(x),
+            LocalFactor::Nodes(nodes) => products(nodes, |node| &node.block, x),
         })
     }
 
@@ -104,7 +104,7 @@ impl Local {
 
     /// An approximate solution of (K + J) x = r by `cycle`, which is in the axes of space, between two solutions on
     /// what contact touches: a symmetric operator where J is symmetric.
-    pub fn around(&self, body: &Body, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    pub fn around(&self, body: &MaskedMatrix, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
         let own = self.taken(&r);
         let before = self.solved(&own);
         self.put(&self.straight(self.without_forces(&own, &before)), &mut r);
@@ -158,7 +158,7 @@ impl Local {
     }
 
     /// r − K x, x zero but here: K is symmetric, so that its rows here are all that is read.
-    fn take_off(&self, body: &Body, x: &[f64], r: &mut [f64]) {
+    fn take_off(&self, body: &MaskedMatrix, x: &[f64], r: &mut [f64]) {
         let (n, _) = body.matrix.block_shape();
         for (&node, x) in self.nodes.iter().zip(x.chunks_exact(n)) {
             for (j, block) in body.matrix.row(node as usize) {
@@ -170,7 +170,7 @@ impl Local {
     }
 
     /// K x here.
-    fn product(&self, body: &Body, x: &[f64]) -> Vec<f64> {
+    fn product(&self, body: &MaskedMatrix, x: &[f64]) -> Vec<f64> {
         let (n, _) = body.matrix.block_shape();
         let mut product = vec![0.0; self.dofs.len()];
         for (&node, product) in self.nodes.iter().zip(product.chunks_exact_mut(n)) {
@@ -184,16 +184,16 @@ impl Local {
     }
 }
 
-impl Solver {
+impl LocalFactor {
     /// Gives its degrees of freedom other numbers, those of a node one after the other.
     fn rename(&mut self, name: impl Fn(u32) -> u32) {
         match self {
-            Solver::Surface(surface) => {
+            LocalFactor::Surface(surface) => {
                 for dof in &mut surface.dofs {
                     *dof = name(*dof);
                 }
             }
-            Solver::Nodes(nodes) => {
+            LocalFactor::Nodes(nodes) => {
                 for node in nodes {
                     node.first = name(node.first);
                 }
@@ -204,8 +204,8 @@ impl Solver {
     /// L r, by place.
     fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         match self {
-            Solver::Surface(surface) => surface.solution(r),
-            Solver::Nodes(nodes) => products(nodes, |node| &node.inverse, r),
+            LocalFactor::Surface(surface) => surface.solution(r),
+            LocalFactor::Nodes(nodes) => products(nodes, |node| &node.inverse, r),
         }
     }
 }
@@ -220,7 +220,7 @@ fn seen(entries: &[Entry], n: usize) -> Vec<u32> {
 
 /// The nodes between which contact has forces, and those on which it acts alone and as stiffly as the body. What it
 /// adds everywhere, as a step of the proximal method does, is left to the cycle.
-fn joined(body: &Body, entries: &[Entry]) -> Vec<u32> {
+fn joined(body: &MaskedMatrix, entries: &[Entry]) -> Vec<u32> {
     let n = body.matrix.block_shape().0 as u32;
     let (mut nodes, mut alone) = (Vec::new(), BTreeMap::new());
     for &(i, j, value) in entries {
@@ -242,7 +242,7 @@ fn joined(body: &Body, entries: &[Entry]) -> Vec<u32> {
 }
 
 /// Products of a matrix of each node with the node's part of a vector.
-fn products(nodes: &[Node], matrix: impl Fn(&Node) -> &[f64], x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+fn products(nodes: &[NodeFactor], matrix: impl Fn(&NodeFactor) -> &[f64], x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
     let mut products = Vec::with_capacity(3 * nodes.len());
     for node in nodes {
         let n = matrix(node).len().isqrt();
@@ -269,7 +269,7 @@ pub(super) fn blocks(entries: &[Entry], n: usize) -> BTreeMap<usize, Vec<f64>> {
 }
 
 /// A node with its block of J; none where K + J is singular.
-fn node_of(body: &Body, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) -> Option<Node> {
+fn node_of(body: &MaskedMatrix, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) -> Option<NodeFactor> {
     let (n, _) = body.matrix.block_shape();
     let own = in_basis(&block_of(body.matrix, node, n), [basis.unwrap_or(&AXES); 2], n, true);
     let free = |c: usize| body.free[node * n + c];
@@ -295,5 +295,5 @@ fn node_of(body: &Body, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) 
         (0..n).filter(|&a| free(a)).for_each(|a| inverse[a * n + c] = x[a]);
     }
     let block = (0..n * n).map(|k| sum[(k / n, k % n)]).collect();
-    inverse.iter().all(|entry| entry.is_finite()).then_some(Node { first: (node * n) as u32, block, inverse })
+    inverse.iter().all(|entry| entry.is_finite()).then_some(NodeFactor { first: (node * n) as u32, block, inverse })
 }

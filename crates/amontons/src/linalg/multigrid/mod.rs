@@ -21,7 +21,7 @@ use super::error::SolveError;
 use super::estimate::{Choice, Estimate};
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
-use super::stop::Stop;
+use super::stop::StopFlag;
 use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
@@ -29,13 +29,13 @@ use condensed::Iterative;
 /// Conjugate gradients or GMRES with smoothed aggregation.
 #[derive(Debug, Clone, Default)]
 pub struct Multigrid {
-    stop: Stop,
+    stop: StopFlag,
 }
 
 impl Multigrid {
     /// One that ends its work when the flag becomes true.
     pub(super) fn stopped_by(flag: &Arc<AtomicBool>) -> Multigrid {
-        Multigrid { stop: Stop::when(flag) }
+        Multigrid { stop: StopFlag::when(flag) }
     }
 }
 
@@ -57,7 +57,7 @@ impl Backend for Multigrid {
                 return Err(SolveError::NotPositive { pivot, size: unknowns.len() });
             }
         }
-        Ok(Box::new(Whole { matrix: Arc::clone(matrix), unknowns: unknowns.clone(), stop: self.stop.clone() }))
+        Ok(Box::new(WholeMatrix { matrix: Arc::clone(matrix), unknowns: unknowns.clone(), stop: self.stop.clone() }))
     }
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
@@ -85,13 +85,13 @@ impl Backend for Multigrid {
 
 /// A matrix of which nothing is eliminated.
 #[derive(Debug)]
-struct Whole {
+struct WholeMatrix {
     matrix: Arc<BlockMatrix>,
     unknowns: Unknowns,
-    stop: Stop,
+    stop: StopFlag,
 }
 
-impl Factor for Whole {
+impl Factor for WholeMatrix {
     fn forward(&self, _r: &mut [f64]) -> Result<(), SolveError> {
         Ok(())
     }

@@ -5,15 +5,15 @@
 
 use std::collections::BTreeMap;
 
-use super::blocks::{Blocks, Rows};
-use super::hierarchy::{Hierarchy, Plan};
-use super::local::{Local, bases, blocks};
+use super::blocks::{BlockRowBuilder, BlockRowMatrix};
+use super::hierarchy::{Hierarchy, HierarchyPlan};
+use super::local::{ContactBlocks, bases, blocks};
 use crate::linalg::error::SolveError;
 use crate::linalg::sparse::BlockMatrix;
-use crate::linalg::stop::Stop;
+use crate::linalg::stop::StopFlag;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
-use crate::space::{Frame, RigidNodes};
+use crate::space::{NodeFrame, RigidNodes};
 use crate::tensor::{Point, Sym};
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
@@ -25,12 +25,12 @@ const SOFT: f64 = 1e-6;
 pub(super) const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A matrix on all degrees of freedom, and which of them are unknown.
-pub(super) struct Body<'a> {
+pub(super) struct MaskedMatrix<'a> {
     pub matrix: &'a BlockMatrix,
     pub points: &'a [Point],
     pub free: &'a [bool],
     /// Directions of the unknowns of nodes where they are not the axes.
-    pub frames: &'a [Frame],
+    pub frames: &'a [NodeFrame],
     /// Nodes that move as rigid bodies.
     pub rigid: &'a [RigidNodes],
     /// Degrees of freedom that are motions of these without stiffness, with that of their bodies.
@@ -42,16 +42,17 @@ pub(super) struct Body<'a> {
 pub(super) struct Preconditioner {
     hierarchy: Hierarchy,
     /// What contact touches, if it touches something.
-    local: Option<Local>,
+    local: Option<ContactBlocks>,
 }
 
 impl Preconditioner {
     /// For K alone.
-    pub fn new(body: &Body, stop: &Stop) -> Result<Preconditioner, SolveError> {
+    pub fn new(body: &MaskedMatrix, stop: &StopFlag) -> Result<Preconditioner, SolveError> {
         let (components, _) = body.matrix.block_shape();
         let (modes, count) = modes(body, components);
         let matrix = restricted(body);
-        let hierarchy = Hierarchy::new(&Plan { matrix: &matrix, modes: &modes, count, takes_part: body.free, stop })?;
+        let hierarchy =
+            Hierarchy::new(&HierarchyPlan { matrix: &matrix, modes: &modes, count, takes_part: body.free, stop })?;
         Ok(Preconditioner { hierarchy, local: None })
     }
 
@@ -59,22 +60,22 @@ impl Preconditioner {
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn add(&mut self, body: &Body, tangent: &Tangent, turns: &[Turn]) -> Result<(), SolveError> {
+    pub fn add(&mut self, body: &MaskedMatrix, tangent: &Tangent, turns: &[Turn]) -> Result<(), SolveError> {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
         let is_untouched = tangent.is_empty() && turns.is_empty();
-        self.local = if is_untouched { None } else { Some(Local::new(body, tangent, turns)?) };
+        self.local = if is_untouched { None } else { Some(ContactBlocks::new(body, tangent, turns)?) };
         self.hierarchy.add(&softened(body, tangent, &bases));
         Ok(())
     }
 
     /// What contact touches, if it touches something.
-    pub fn local(&self) -> Option<&Local> {
+    pub fn local(&self) -> Option<&ContactBlocks> {
         self.local.as_ref()
     }
 
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
-    pub fn apply(&self, body: &Body, r: Vec<f64>) -> Vec<f64> {
+    pub fn apply(&self, body: &MaskedMatrix, r: Vec<f64>) -> Vec<f64> {
         let cycle = |r: &[f64]| self.hierarchy.cycle(r);
         match &self.local {
             Some(local) => local.around(body, r, cycle),
@@ -87,7 +88,7 @@ impl Preconditioner {
 type Joint = (u32, u32, [f64; 9]);
 
 /// What contact adds to the levels, in the axes of space: J, its forces at a node cut off at [`FIRM`].
-fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>) -> Blocks<f64> {
+fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>) -> BlockRowMatrix<f64> {
     let (n, _) = body.matrix.block_shape();
     let mut joints: Vec<Joint> = Vec::new();
     let mut alone: Vec<Entry> = Vec::new();
@@ -111,8 +112,8 @@ fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>)
     }
     joints.sort_by_key(|(i, j, _)| (*i, *j));
     let rows = body.free.len() / n;
-    Blocks::from_rows(rows, rows, [n, n], |range| {
-        let mut made = Rows::default();
+    BlockRowMatrix::from_rows(rows, rows, [n, n], |range| {
+        let mut made = BlockRowBuilder::default();
         for i in range {
             let from = joints.partition_point(|(row, ..)| (*row as usize) < i);
             let to = from + joints[from..].partition_point(|(row, ..)| *row as usize == i);
@@ -127,12 +128,12 @@ fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>)
 }
 
 /// Whether motions of a rigid body stand in the place of a node.
-fn moves_rigidly(body: &Body, node: u32) -> bool {
+fn moves_rigidly(body: &MaskedMatrix, node: u32) -> bool {
     body.rigid.iter().any(|part| part.slots().contains(&node))
 }
 
 /// One entry of J as a block; none where a degree of freedom is prescribed.
-fn single(body: &Body, &(i, j, value): &Entry) -> Option<Joint> {
+fn single(body: &MaskedMatrix, &(i, j, value): &Entry) -> Option<Joint> {
     let (n, _) = body.matrix.block_shape();
     let size = n as u32;
     if ![i, j].iter().all(|dof| body.free.get(*dof as usize).is_some_and(|free| *free)) {
@@ -145,7 +146,7 @@ fn single(body: &Body, &(i, j, value): &Entry) -> Option<Joint> {
 
 /// The forces of a point that sees several nodes, in the axes of space. The blocks of J are there multiples of one, so
 /// that they are cut off all alike: a motion of all nodes that it does not resist is one that it does not resist then.
-fn softened_point(body: &Body, point: &[Entry], joints: &mut Vec<Joint>) {
+fn softened_point(body: &MaskedMatrix, point: &[Entry], joints: &mut Vec<Joint>) {
     let (n, _) = body.matrix.block_shape();
     let size = n as u32;
     let mut nodes: Vec<u32> = point.iter().flat_map(|(i, j, _)| [i / size, j / size]).collect();
@@ -178,7 +179,7 @@ fn softened_point(body: &Body, point: &[Entry], joints: &mut Vec<Joint>) {
 }
 
 /// The stiffness of contact above which it holds a node.
-fn firm(body: &Body, node: usize) -> f64 {
+fn firm(body: &MaskedMatrix, node: usize) -> f64 {
     let (n, _) = body.matrix.block_shape();
     let own = block_of(body.matrix, node, n);
     FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max)
@@ -220,7 +221,7 @@ pub(super) fn cut(block: &[f64], firm: f64, n: usize) -> Vec<f64> {
 }
 
 /// The matrix on the unknowns, with the diagonal alone at the other degrees of freedom.
-fn restricted(body: &Body) -> Blocks<f64> {
+fn restricted(body: &MaskedMatrix) -> BlockRowMatrix<f64> {
     let (n, _) = body.matrix.block_shape();
     let nodes = body.free.len() / n;
     let kept = |i: usize, j: usize, k: usize| body.free[i * n + k / n] && body.free[j * n + k % n];
@@ -235,7 +236,7 @@ fn restricted(body: &Body) -> Blocks<f64> {
         columns.extend(body.matrix.graph().row(i).iter().filter(|&&j| stands(i, j as usize)));
         start.push(columns.len() as u32);
     }
-    Blocks::filled([n, n], nodes, (start, columns), |rows, values| {
+    BlockRowMatrix::filled([n, n], nodes, (start, columns), |rows, values| {
         let blocks = rows.flat_map(|i| body.matrix.row(i).map(move |(j, block)| (i, j, block)));
         let standing = blocks.filter(|(i, j, _)| stands(*i, *j));
         for ((i, j, block), out) in standing.zip(values.chunks_exact_mut(n * n)) {
@@ -250,7 +251,7 @@ fn restricted(body: &Body) -> Blocks<f64> {
 
 /// Modes that cost next to no energy, a block of n × m per node, and m: translations and rotations of a body in the
 /// plane or in space; constants otherwise. What prescribed values stop is none there.
-fn modes(body: &Body, n: usize) -> (Vec<f64>, usize) {
+fn modes(body: &MaskedMatrix, n: usize) -> (Vec<f64>, usize) {
     let nodes = body.free.len() / n;
     let m = if body.points.len() == nodes { [1, 1, 3, 6].get(n).copied().unwrap_or(n) } else { n };
     let mean: Point =

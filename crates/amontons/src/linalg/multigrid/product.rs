@@ -9,33 +9,34 @@ use std::ops::Range;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, CHUNK, Places, Real, parted};
-use crate::linalg::pages::Numbers;
+use super::blocks::{BlockPattern, BlockRowMatrix, CHUNK, Real, parted};
+use crate::linalg::pages::PagedNumbers;
 
 /// Block rows of A P that are made at once, and block rows of R A P that a thread adds them to.
 pub(super) const FINE: usize = 8192;
 const COARSE: usize = 64;
 
-impl<T: Real> Blocks<T> {
+impl<T: Real> BlockRowMatrix<T> {
     /// The product with another matrix.
-    pub fn times(&self, other: &Blocks<T>) -> Blocks<T> {
+    pub fn times(&self, other: &BlockRowMatrix<T>) -> BlockRowMatrix<T> {
         let (start, columns) = pattern(self.places(), other.places(), other.width);
-        let (places, shape) = (Places { start: &start, columns: &columns }, [self.shape[0], other.shape[1]]);
-        let values = Numbers::of(columns.len() * shape[0] * shape[1], |values| {
+        let (places, shape) = (BlockPattern { start: &start, columns: &columns }, [self.shape[0], other.shape[1]]);
+        let values = PagedNumbers::of(columns.len() * shape[0] * shape[1], |values| {
             self.rows_of_product(other, places, 0..self.len(), values);
         });
-        Blocks { shape, width: other.width, start, columns, values }
+        BlockRowMatrix { shape, width: other.width, start, columns, values }
     }
 
     /// R A P, R this matrix, whose columns ascend in each row. Some rows of A P are made at a time: the whole of it
     /// would be the largest matrix of all.
-    pub fn around(&self, matrix: &Blocks<T>, prolongation: &Blocks<T>) -> Blocks<T> {
+    pub fn around(&self, matrix: &BlockRowMatrix<T>, prolongation: &BlockRowMatrix<T>) -> BlockRowMatrix<T> {
         let width = prolongation.width;
         let (middle, of_middle) = (pattern(matrix.places(), prolongation.places(), width), matrix.shape[0]);
-        let middle = Places { start: &middle.0, columns: &middle.1 };
+        let middle = BlockPattern { start: &middle.0, columns: &middle.1 };
         let (start, columns) = pattern(self.places(), middle, width);
-        let (places, shape) = (Places { start: &start, columns: &columns }, [self.shape[0], prolongation.shape[1]]);
-        let values = Numbers::of(columns.len() * shape[0] * shape[1], |values| {
+        let (places, shape) =
+            (BlockPattern { start: &start, columns: &columns }, [self.shape[0], prolongation.shape[1]]);
+        let values = PagedNumbers::of(columns.len() * shape[0] * shape[1], |values| {
             let mut next = self.start[..self.len()].to_vec();
             let parts = parted(values, &start, shape[0] * shape[1], COARSE);
             let mut parts: Vec<_> = parts.into_iter().zip(next.chunks_mut(COARSE)).collect();
@@ -46,7 +47,7 @@ impl<T: Real> Blocks<T> {
                 made.clear();
                 made.resize((to - from) as usize * of_middle * shape[1], T::default());
                 matrix.rows_of_product(prolongation, middle, first..last, &mut made);
-                let right = Right { places: middle, values: &made, first: from, shape: [of_middle, shape[1]] };
+                let right = RightFactor { places: middle, values: &made, first: from, shape: [of_middle, shape[1]] };
                 let add = |slot_of: &mut Vec<u32>, ((rows, out), next): &mut ((Range<usize>, &mut [T]), &mut [u32])| {
                     let (rows, end) = (rows.clone(), last as u32);
                     Arch::new().dispatch(Product { left: self, right, places, rows, next, end, slot_of, out });
@@ -54,12 +55,12 @@ impl<T: Real> Blocks<T> {
                 parts.par_iter_mut().for_each_init(|| vec![0; width], add);
             }
         });
-        Blocks { shape, width, start, columns, values }
+        BlockRowMatrix { shape, width, start, columns, values }
     }
 
     /// Adds some rows of the product with another matrix, whose blocks stand at these places.
-    fn rows_of_product(&self, other: &Blocks<T>, places: Places, rows: Range<usize>, out: &mut [T]) {
-        let right = Right { places: other.places(), values: &other.values, first: 0, shape: other.shape };
+    fn rows_of_product(&self, other: &BlockRowMatrix<T>, places: BlockPattern, rows: Range<usize>, out: &mut [T]) {
+        let right = RightFactor { places: other.places(), values: &other.values, first: 0, shape: other.shape };
         let parts = parted(out, &places.start[rows.start..=rows.end], self.shape[0] * other.shape[1], CHUNK);
         parts.into_par_iter().for_each(|(part, out)| {
             let rows = rows.start + part.start..rows.start + part.end;
@@ -71,7 +72,7 @@ impl<T: Real> Blocks<T> {
 }
 
 /// Where the rows of the product of two matrices begin, and the columns of their blocks.
-fn pattern(left: Places, right: Places, width: usize) -> (Vec<u32>, Vec<u32>) {
+fn pattern(left: BlockPattern, right: BlockPattern, width: usize) -> (Vec<u32>, Vec<u32>) {
     let of_chunk = |chunk: usize| {
         // The last row that a column was seen in, counted from one.
         let mut seen = vec![0u32; width];
@@ -103,8 +104,8 @@ fn pattern(left: Places, right: Places, width: usize) -> (Vec<u32>, Vec<u32>) {
 
 /// The second matrix of a product, or rows of it: their values begin with the block `first`.
 #[derive(Clone, Copy)]
-struct Right<'a, T> {
-    places: Places<'a>,
+struct RightFactor<'a, T> {
+    places: BlockPattern<'a>,
     values: &'a [T],
     first: u32,
     shape: [usize; 2],
@@ -112,10 +113,10 @@ struct Right<'a, T> {
 
 /// Rows of a product.
 struct Product<'a, T: Real> {
-    left: &'a Blocks<T>,
-    right: Right<'a, T>,
+    left: &'a BlockRowMatrix<T>,
+    right: RightFactor<'a, T>,
     /// Where the blocks of the product stand.
-    places: Places<'a>,
+    places: BlockPattern<'a>,
     rows: Range<usize>,
     /// The next block of each row of the first matrix; those in columns before `end` are multiplied.
     next: &'a mut [u32],

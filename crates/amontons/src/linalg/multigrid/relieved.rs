@@ -6,7 +6,7 @@ use crate::linalg::error::SolveError;
 use crate::linalg::factor::Backend;
 use crate::linalg::relief::Relief;
 use crate::linalg::sparse::BlockMatrix;
-use crate::linalg::stop::Stop;
+use crate::linalg::stop::StopFlag;
 use crate::linalg::supernodal::Interruptible;
 use crate::linalg::system::System;
 use crate::linalg::tangent::Tangent;
@@ -31,7 +31,7 @@ impl Relieved {
         unknowns: &Unknowns,
         free: &[bool],
         relief: &Relief,
-        stop: &Stop,
+        stop: &StopFlag,
     ) -> Result<Relieved, SolveError> {
         let (components, _) = matrix.block_shape();
         let contact = &relief.contact;

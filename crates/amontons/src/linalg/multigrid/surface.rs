@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::precondition::{AXES, Body, in_basis};
+use super::precondition::{AXES, MaskedMatrix, in_basis};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::SparseLu;
 use crate::linalg::tangent::Entry;
@@ -19,22 +19,22 @@ pub(super) fn couples(entries: &[Entry], n: usize) -> bool {
 
 /// The degrees of freedom that contact touches, with the factors of K + J on them.
 #[derive(Debug)]
-pub(super) struct Surface {
+pub(super) struct ContactFactor {
     pub dofs: Vec<u32>,
     matrix: SparseLu,
 }
 
-impl Surface {
+impl ContactFactor {
     /// For some nodes, and entries by degree of freedom in the bases of the nodes.
     ///
     /// # Errors
     /// When K + J is singular there.
     pub fn new(
-        body: &Body,
+        body: &MaskedMatrix,
         nodes: &[u32],
         entries: &[Entry],
         bases: &BTreeMap<usize, [Point; 3]>,
-    ) -> Result<Surface, SolveError> {
+    ) -> Result<ContactFactor, SolveError> {
         let (n, _) = body.matrix.block_shape();
         let nodes: Vec<usize> = nodes.iter().map(|node| *node as usize).collect();
         let free = |dof: &usize| body.free[*dof];
@@ -58,7 +58,7 @@ impl Surface {
             }
         }
         let matrix = SparseLu::new(dofs.len(), sum.into_iter())?;
-        Ok(Surface { dofs, matrix })
+        Ok(ContactFactor { dofs, matrix })
     }
 
     /// (K + J)⁻¹ r on the surface, by degree of freedom.

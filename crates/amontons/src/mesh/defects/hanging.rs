@@ -1,6 +1,6 @@
 //! Boundary facets of cells that lie on other facets without being the same: nonconforming places of a mesh.
 
-use super::{Defect, List, centre, extent, labels};
+use super::{Defect, DefectList, centre, extent, labels};
 use crate::element::{Element, MAX_NODES};
 use crate::mesh::Mesh;
 use crate::mesh::topology::Owner;
@@ -19,7 +19,7 @@ struct FacetOf {
 }
 
 /// Adds hanging nodes and, if there are none, overlapping facets.
-pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
+pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut DefectList) {
     if mesh.dim < 2 {
         return;
     }
@@ -89,7 +89,12 @@ fn bounds(mesh: &Mesh, facet: &FacetOf) -> (Point, Point) {
 }
 
 /// Adds pairs of facets with a common edge where one has its centre on the other.
-fn overlaps<I: Iterator<Item = usize>>(mesh: &Mesh, facets: &[FacetOf], of_node: impl Fn(u32) -> I, list: &mut List) {
+fn overlaps<I: Iterator<Item = usize>>(
+    mesh: &Mesh,
+    facets: &[FacetOf],
+    of_node: impl Fn(u32) -> I,
+    list: &mut DefectList,
+) {
     let mut pairs: Vec<(usize, usize)> = Vec::new();
     for (f, facet) in facets.iter().enumerate() {
         let middle = centre(mesh, &facet.nodes);

@@ -11,10 +11,10 @@ mod types;
 
 use std::collections::BTreeSet;
 
-use self::netcdf::{Numbers, Variables};
-use self::types::{Type, side};
+use self::netcdf::{NetcdfNumbers, Variables};
+use self::types::{ExodusType, side};
 use super::Mesh;
-use super::read::{FacetOf, FilePosition, Loose, LooseBlock, MeshFileError, NodeSet, Read, Skipped, facet_with};
+use super::read::{FacetOf, FilePosition, Loose, LooseBlock, MeshFile, MeshFileError, NodeSet, Skipped, facet_with};
 use crate::tensor::Point;
 
 fn refuse(message: impl Into<String>) -> MeshFileError {
@@ -30,11 +30,11 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
 }
 
 /// Reads the mesh and the list of skipped contents.
-pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     let file = Variables::of(bytes)?;
     let (points, dim) = points(&file)?;
     let loose = Loose { points, ..Loose::default() };
-    let mut reading = Reading { file, dim, loose, cells: Vec::new() };
+    let mut reading = ExodusReader { file, dim, loose, cells: Vec::new() };
     reading.blocks()?;
     reading.leave_out_shells();
     reading.side_sets()?;
@@ -45,7 +45,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
 /// The coordinates, and their number per node.
 fn points(file: &Variables) -> Result<(Vec<Point>, usize), MeshFileError> {
     let mut axes: Vec<Vec<f64>> = Vec::new();
-    if let Some(Numbers { shape, values }) = file.numbers("coord")? {
+    if let Some(NetcdfNumbers { shape, values }) = file.numbers("coord")? {
         let count = shape.get(1).copied().unwrap_or(0).max(1);
         axes.extend(values.chunks(count).map(<[f64]>::to_vec));
     } else {
@@ -75,8 +75,8 @@ fn place(number: f64, count: usize) -> Option<usize> {
 }
 
 /// The cells of one block, in the order of the file.
-struct Cells {
-    kind: Type,
+struct BlockCells {
+    kind: ExodusType,
     /// Its first cell among all.
     first: usize,
     count: usize,
@@ -91,15 +91,15 @@ fn called((number, name): (i64, String)) -> String {
     if name.is_empty() { number.to_string() } else { name }
 }
 
-struct Reading {
+struct ExodusReader {
     file: Variables,
     /// Number of coordinates per node.
     dim: usize,
     loose: Loose,
-    cells: Vec<Cells>,
+    cells: Vec<BlockCells>,
 }
 
-impl Reading {
+impl ExodusReader {
     /// Numbers and names of the blocks or sets; the name is empty if there is none.
     fn named(&self, short: &str) -> Result<Vec<(i64, String)>, MeshFileError> {
         let list = format!("{short}_prop1");
@@ -128,7 +128,7 @@ impl Reading {
         let mut first = 0;
         for (at, named) in self.named("eb")?.into_iter().enumerate() {
             let variable = format!("connect{}", at + 1);
-            let Some(Numbers { shape, values }) = self.file.numbers(&variable)? else { continue };
+            let Some(NetcdfNumbers { shape, values }) = self.file.numbers(&variable)? else { continue };
             let &[count, nodes] = shape.as_slice() else {
                 return Err(refuse(format!(
                     "{variable} has {} dimensions, expected cells and their nodes",
@@ -136,7 +136,7 @@ impl Reading {
                 )));
             };
             let written = self.file.attribute(&variable, "elem_type").unwrap_or_default();
-            let kind = Type::of(&written, nodes)
+            let kind = ExodusType::of(&written, nodes)
                 .ok_or_else(|| refuse(format!("elements of type {written:?} with {nodes} nodes, {}", types::KNOWN)))?;
             if count.checked_mul(nodes) != Some(values.len()) {
                 return Err(refuse(format!(
@@ -160,7 +160,7 @@ impl Reading {
                     block.nodes.push(node as u32);
                 }
             }
-            self.cells.push(Cells { kind, first, count, block: self.loose.blocks.len(), name });
+            self.cells.push(BlockCells { kind, first, count, block: self.loose.blocks.len(), name });
             self.loose.blocks.push(block);
             first += count;
         }
@@ -172,7 +172,7 @@ impl Reading {
         if self.loose.dim() < 3 {
             return;
         }
-        for Cells { kind, count, block, name, .. } in self.cells.iter().filter(|cells| cells.kind.is_shell) {
+        for BlockCells { kind, count, block, name, .. } in self.cells.iter().filter(|cells| cells.kind.is_shell) {
             let what = format!("shells of the block {name:?} ({})", kind.kind.name);
             self.loose.skipped.push(Skipped { what, file: None, line: None, count: *count });
             self.loose.blocks[*block].nodes.clear();
@@ -218,7 +218,7 @@ impl Reading {
     /// A side of a cell; `None` if the cell does not belong to the body.
     fn facet(&self, cell: usize, number: f64, dim: usize) -> Result<Option<FacetOf>, MeshFileError> {
         let at = self.cells.partition_point(|cells| cells.first <= cell).saturating_sub(1);
-        let Cells { kind, first, block, .. } = &self.cells[at];
+        let BlockCells { kind, first, block, .. } = &self.cells[at];
         let name = kind.kind.name;
         if kind.kind.dim != dim {
             return Ok(None);

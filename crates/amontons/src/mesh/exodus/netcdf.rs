@@ -8,17 +8,17 @@ const HDF5: &[u8] = b"\x89HDF";
 
 /// A file with named arrays.
 pub(super) struct Variables {
-    file: Format,
+    file: NetcdfFormat,
     room: Room,
 }
 
-enum Format {
+enum NetcdfFormat {
     Classic(netcdf_reader::NcFile),
     Hdf5(hdf5_pure::File),
 }
 
 /// The numbers of an array; integers up to 2⁵³ are exact.
-pub(super) struct Numbers {
+pub(super) struct NetcdfNumbers {
     pub shape: Vec<usize>,
     pub values: Vec<f64>,
 }
@@ -33,9 +33,9 @@ impl Variables {
             refuse(format!("no netCDF, which an Exodus file is: {error}; it may be truncated"))
         };
         let file = if bytes.starts_with(HDF5) {
-            Format::Hdf5(hdf5_pure::File::from_bytes(bytes.to_vec()).map_err(|error| unknown(&error))?)
+            NetcdfFormat::Hdf5(hdf5_pure::File::from_bytes(bytes.to_vec()).map_err(|error| unknown(&error))?)
         } else {
-            Format::Classic(netcdf_reader::NcFile::from_bytes(bytes).map_err(|error| unknown(&error))?)
+            NetcdfFormat::Classic(netcdf_reader::NcFile::from_bytes(bytes).map_err(|error| unknown(&error))?)
         };
         Ok(Variables { file, room: Room::of(bytes) })
     }
@@ -48,8 +48,8 @@ impl Variables {
     /// Shape of a variable with values of `each` bytes; `None` if there is no variable of this name.
     fn shape(&self, name: &str, each: u64) -> Result<Option<Vec<usize>>, MeshFileError> {
         let shape = match &self.file {
-            Format::Classic(file) => file.variable(name).ok().map(netcdf_reader::NcVariable::shape),
-            Format::Hdf5(file) => {
+            NetcdfFormat::Classic(file) => file.variable(name).ok().map(netcdf_reader::NcVariable::shape),
+            NetcdfFormat::Hdf5(file) => {
                 let data = file.dataset(name).ok();
                 data.map(|data| data.shape().map_err(|error| told(name, error))).transpose()?
             }
@@ -61,17 +61,17 @@ impl Variables {
         shape.map(|shape| shape.into_iter().map(length).collect()).transpose()
     }
 
-    pub fn numbers(&self, name: &str) -> Result<Option<Numbers>, MeshFileError> {
+    pub fn numbers(&self, name: &str) -> Result<Option<NetcdfNumbers>, MeshFileError> {
         let Some(shape) = self.shape(name, NUMBER)? else { return Ok(None) };
         let values = match &self.file {
-            Format::Classic(file) => {
+            NetcdfFormat::Classic(file) => {
                 file.read_variable_as_f64(name).map(|values| values.into_iter().collect()).map_err(|e| told(name, e))?
             }
-            Format::Hdf5(file) => {
+            NetcdfFormat::Hdf5(file) => {
                 file.dataset(name).and_then(|data| data.read_f64()).map_err(|error| told(name, error))?
             }
         };
-        Ok(Some(Numbers { shape, values }))
+        Ok(Some(NetcdfNumbers { shape, values }))
     }
 
     /// The numbers of a one-dimensional array; empty if there is no such array.
@@ -84,11 +84,11 @@ impl Variables {
         let Some(shape) = self.shape(name, CHARACTER)? else { return Ok(Vec::new()) };
         let trimmed = |text: &str| text.split('\0').next().unwrap_or_default().trim().to_owned();
         match &self.file {
-            Format::Classic(file) => {
+            NetcdfFormat::Classic(file) => {
                 let lines = file.read_variable_as_strings(name).map_err(|error| told(name, error))?;
                 Ok(lines.iter().map(|line| trimmed(line)).collect())
             }
-            Format::Hdf5(file) => {
+            NetcdfFormat::Hdf5(file) => {
                 let bytes = file.dataset(name).and_then(|data| data.read_raw()).map_err(|error| told(name, error))?;
                 let length = shape.last().copied().unwrap_or(1).max(1);
                 Ok(bytes.chunks(length).map(|line| trimmed(&String::from_utf8_lossy(line))).collect())
@@ -99,8 +99,8 @@ impl Variables {
     /// An attribute of a variable as text.
     pub fn attribute(&self, name: &str, key: &str) -> Option<String> {
         let text = match &self.file {
-            Format::Classic(file) => file.variable(name).ok()?.attribute(key)?.value.as_string()?,
-            Format::Hdf5(file) => file.dataset(name).ok()?.attrs().ok()?.get(key)?.as_str()?.to_owned(),
+            NetcdfFormat::Classic(file) => file.variable(name).ok()?.attribute(key)?.value.as_string()?,
+            NetcdfFormat::Hdf5(file) => file.dataset(name).ok()?.attrs().ok()?.get(key)?.as_str()?.to_owned(),
         };
         Some(text.trim_matches(['\0', ' ']).to_owned())
     }

@@ -29,7 +29,7 @@ const SHAPES: [(&str, Shape); 16] = [
 
 /// A type of element.
 #[derive(Clone, Debug)]
-pub(super) struct Type {
+pub(super) struct ExodusType {
     pub kind: Kind,
     pub shape: Shape,
     /// Position in the file of each node in the order of the library, which is VTK's.
@@ -38,9 +38,9 @@ pub(super) struct Type {
     pub is_shell: bool,
 }
 
-impl Type {
+impl ExodusType {
     /// The type with a name and number of nodes.
-    pub fn of(name: &str, nodes: usize) -> Option<Type> {
+    pub fn of(name: &str, nodes: usize) -> Option<ExodusType> {
         let name = name.to_ascii_uppercase();
         let shape = match SHAPES.iter().find(|(start, _)| name.starts_with(start))?.1 {
             Shape::Quadrilateral if nodes == 3 || nodes == 6 => Shape::Triangle,
@@ -49,7 +49,7 @@ impl Type {
         let whole = element::ALL.iter().copied().find(|e| e.shape == shape && e.nodes.len() == nodes);
         let element = whole.or_else(|| completed(shape, nodes))?;
         let kind = Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) };
-        Some(Type { kind, shape, order: order(shape, nodes), is_shell: name.contains("SHELL") })
+        Some(ExodusType { kind, shape, order: order(shape, nodes), is_shell: name.contains("SHELL") })
     }
 }
 

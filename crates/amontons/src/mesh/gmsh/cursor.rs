@@ -4,7 +4,7 @@ use super::super::read::{FilePosition, MeshFileError};
 
 /// Format of the numbers of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(super) enum NumberEncoding {
     Ascii,
     Binary {
         big: bool,
@@ -17,17 +17,17 @@ pub(super) enum Mode {
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
-    pub mode: Mode,
+    pub mode: NumberEncoding,
 }
 
 impl<'a> Cursor<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Cursor<'a> {
-        Cursor { bytes, at: 0, mode: Mode::Ascii }
+        Cursor { bytes, at: 0, mode: NumberEncoding::Ascii }
     }
 
     /// The byte at which the next number begins.
     pub(super) fn position(&mut self) -> usize {
-        if self.mode == Mode::Ascii {
+        if self.mode == NumberEncoding::Ascii {
             self.skip_space();
         }
         self.at
@@ -42,8 +42,8 @@ impl<'a> Cursor<'a> {
     /// Position of a byte as named in messages: its line in a text file.
     pub(super) fn place(&self, at: usize) -> FilePosition {
         match self.mode {
-            Mode::Ascii => FilePosition::line(self.bytes, at),
-            Mode::Binary { .. } => FilePosition::Byte(at),
+            NumberEncoding::Ascii => FilePosition::line(self.bytes, at),
+            NumberEncoding::Binary { .. } => FilePosition::Byte(at),
         }
     }
 
@@ -91,7 +91,7 @@ impl<'a> Cursor<'a> {
 
     /// Moves to the first byte of values after text: in a binary file the next line.
     pub(super) fn begin_data(&mut self) {
-        if self.mode != Mode::Ascii {
+        if self.mode != NumberEncoding::Ascii {
             self.line();
         }
     }
@@ -154,32 +154,32 @@ impl<'a> Cursor<'a> {
     /// An `int` of the format.
     pub(super) fn integer(&mut self, expected: &'static str) -> Result<i64, MeshFileError> {
         match self.mode {
-            Mode::Ascii => self.text_integer(expected),
-            Mode::Binary { big, .. } => Ok(i64::from(i32::from_le_bytes(self.take(big, expected)?))),
+            NumberEncoding::Ascii => self.text_integer(expected),
+            NumberEncoding::Binary { big, .. } => Ok(i64::from(i32::from_le_bytes(self.take(big, expected)?))),
         }
     }
 
     /// A `size_t` of the format.
     pub(super) fn size(&mut self, expected: &'static str) -> Result<u64, MeshFileError> {
         match self.mode {
-            Mode::Ascii => {
+            NumberEncoding::Ascii => {
                 let at = self.position();
                 u64::try_from(self.text_integer(expected)?).map_err(|_| self.fault(at, expected))
             }
-            Mode::Binary { big, size: 4 } => Ok(u64::from(u32::from_le_bytes(self.take(big, expected)?))),
-            Mode::Binary { big, .. } => Ok(u64::from_le_bytes(self.take(big, expected)?)),
+            NumberEncoding::Binary { big, size: 4 } => Ok(u64::from(u32::from_le_bytes(self.take(big, expected)?))),
+            NumberEncoding::Binary { big, .. } => Ok(u64::from_le_bytes(self.take(big, expected)?)),
         }
     }
 
     /// A `double` of the format.
     pub(super) fn real(&mut self, expected: &'static str) -> Result<f64, MeshFileError> {
         match self.mode {
-            Mode::Ascii => {
+            NumberEncoding::Ascii => {
                 let token = self.token();
                 let value = std::str::from_utf8(token).ok().and_then(|t| t.parse().ok());
                 value.ok_or_else(|| self.fault(self.at - token.len(), expected))
             }
-            Mode::Binary { big, .. } => Ok(f64::from_le_bytes(self.take(big, expected)?)),
+            NumberEncoding::Binary { big, .. } => Ok(f64::from_le_bytes(self.take(big, expected)?)),
         }
     }
 
@@ -195,8 +195,8 @@ impl<'a> Cursor<'a> {
         let rest = self.bytes.len().saturating_sub(self.at) as u64;
         let each = match self.mode {
             // A digit and a space; the last number may lack the space.
-            Mode::Ascii => 2 * numbers,
-            Mode::Binary { .. } => binary_bytes,
+            NumberEncoding::Ascii => 2 * numbers,
+            NumberEncoding::Binary { .. } => binary_bytes,
         };
         let room = (rest + 1) / each.max(1) as u64;
         if found > room.min(u64::from(u32::MAX)) {
@@ -209,15 +209,15 @@ impl<'a> Cursor<'a> {
     /// Bytes of a `size_t` in a binary file.
     pub(super) fn size_bytes(&self) -> usize {
         match self.mode {
-            Mode::Binary { size, .. } => size,
-            Mode::Ascii => 1,
+            NumberEncoding::Binary { size, .. } => size,
+            NumberEncoding::Ascii => 1,
         }
     }
 
     /// Detects the byte order from the integer 1 at the beginning of a binary file.
     pub(super) fn byte_order(&mut self, size: usize) -> Result<(), MeshFileError> {
         let at = self.at;
-        self.mode = Mode::Binary { big: false, size };
+        self.mode = NumberEncoding::Binary { big: false, size };
         let one = self.take::<4>(false, "the integer 1 in binary, which shows the byte order")?;
         let big = match one {
             [1, 0, 0, 0] => false,
@@ -230,7 +230,7 @@ impl<'a> Cursor<'a> {
                 });
             }
         };
-        self.mode = Mode::Binary { big, size };
+        self.mode = NumberEncoding::Binary { big, size };
         Ok(())
     }
 }

@@ -5,18 +5,18 @@ use std::collections::HashMap;
 use super::super::data::Values;
 use super::super::read::{MeshFileError, complete_data};
 use super::cursor::Cursor;
-use super::sections::{self, Tags};
+use super::sections::{self, NodeTags};
 use crate::mesh::Block;
 use crate::tensor::Point;
 
 /// Element or node numbers with one value each.
-pub(super) struct Section {
+pub(super) struct DataSection {
     of_elements: bool,
     values: Vec<(i64, f64)>,
 }
 
 /// Reads the data section at the cursor if it has the wanted name, or skips it.
-pub(super) fn section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<Option<Section>, MeshFileError> {
+pub(super) fn section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<Option<DataSection>, MeshFileError> {
     let texts = cursor.text_integer("the number of string tags")?;
     cursor.line();
     let mut name = String::new();
@@ -56,14 +56,14 @@ pub(super) fn section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<
     }
     let of_elements = word == b"$ElementData";
     cursor.end_section(if of_elements { "ElementData" } else { "NodeData" })?;
-    Ok(Some(Section { of_elements, values }))
+    Ok(Some(DataSection { of_elements, values }))
 }
 
 /// The points of a file, its cells of the highest dimension by element, and the data `name` of these cells or of the
 /// points.
 pub(in crate::mesh) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec<Block>, Values), MeshFileError> {
     let (mut points, tags, mut cells, section) = sections::with_data(bytes, name)?;
-    let Some(Section { of_elements, values }) = section else {
+    let Some(DataSection { of_elements, values }) = section else {
         let message = format!("no data \"{name}\", expected $ElementData or $NodeData with this name");
         return Err(MeshFileError::Grid { message });
     };
@@ -93,7 +93,7 @@ pub(in crate::mesh) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec
 }
 
 /// Values per node; NaN for nodes without one.
-fn of_nodes(tags: &Tags, count: usize, values: &[(i64, f64)]) -> Vec<f64> {
+fn of_nodes(tags: &NodeTags, count: usize, values: &[(i64, f64)]) -> Vec<f64> {
     let mut nodes = vec![f64::NAN; count];
     for &(tag, value) in values {
         if let Some(node) = tags.index(tag).and_then(|index| nodes.get_mut(index as usize)) {

@@ -6,7 +6,7 @@ use super::super::read::{Loose, LooseBlock};
 use super::cursor::Cursor;
 use super::sections::list;
 use crate::mesh::read::MeshFileError;
-use crate::mesh::topology::{Key, key};
+use crate::mesh::topology::{SortedFacet, key};
 
 /// Prefix of the names of groups that Gmsh creates for partitions.
 const OF_PARTITION: &str = "_part{";
@@ -104,7 +104,7 @@ fn joined(blocks: Vec<LooseBlock>) -> Vec<LooseBlock> {
     let (kind, at) = (first.kind, first.at);
     let vertices = kind.element.map_or(kind.nodes, |element| element.shape.vertices());
     let mut cells: Vec<(usize, Vec<u32>, Option<i64>, BTreeSet<i64>)> = Vec::new();
-    let mut places: HashMap<Key, usize> = HashMap::new();
+    let mut places: HashMap<SortedFacet, usize> = HashMap::new();
     for (number, block) in blocks.iter().enumerate() {
         let tags = block.numbers.iter().copied().map(Some).chain(std::iter::repeat(None));
         for (nodes, tag) in block.nodes.chunks_exact(kind.nodes.max(1)).zip(tags) {

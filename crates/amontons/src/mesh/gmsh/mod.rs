@@ -16,7 +16,7 @@ mod sections;
 pub(in crate::mesh) use data::data;
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, MeshFileError, Read, completed};
+use super::read::{FilePosition, Kind, MeshFile, MeshFileError, completed};
 use crate::element;
 use crate::quadrature::Shape;
 
@@ -71,7 +71,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
 }
 
 /// Reads the mesh and the list of skipped contents.
-pub(super) fn read(bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     let (mut loose, entities, binary) = sections::parse(bytes)?;
     entities::join_copies(&mut loose, &entities);
     entities::name(&mut loose, &entities);

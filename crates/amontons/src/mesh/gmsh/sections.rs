@@ -3,24 +3,24 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::read::{Kind, Loose, LooseBlock, MeshFileError};
-use super::cursor::{Cursor, Mode};
-use super::data::{self, Section};
+use super::cursor::{Cursor, NumberEncoding};
+use super::data::{self, DataSection};
 use super::entities::Entities;
 use crate::tensor::Point;
 
 /// Contents of a file read so far.
 #[derive(Default)]
-struct File {
+struct GmshFile {
     version: Option<Version>,
     names: BTreeMap<(usize, i64), String>,
     entities: Option<Entities>,
-    nodes: Option<(Tags, Vec<Point>)>,
-    blocks: Option<Blocks>,
-    data: Option<Section>,
+    nodes: Option<(NodeTags, Vec<Point>)>,
+    blocks: Option<EntityBlocks>,
+    data: Option<DataSection>,
 }
 
 /// Elements, and the entity tag of each block, 0 for none.
-type Blocks = (Vec<LooseBlock>, Vec<i64>);
+type EntityBlocks = (Vec<LooseBlock>, Vec<i64>);
 
 #[derive(Clone, Copy, PartialEq)]
 enum Version {
@@ -39,16 +39,16 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, Vec<i64>, bool), MeshFileErr
 pub(super) fn with_data(
     bytes: &[u8],
     name: &str,
-) -> Result<(Vec<Point>, Tags, Vec<LooseBlock>, Option<Section>), MeshFileError> {
+) -> Result<(Vec<Point>, NodeTags, Vec<LooseBlock>, Option<DataSection>), MeshFileError> {
     let (mut file, _) = read(bytes, Some(name))?;
     let data = file.data.take();
     let (points, tags, (blocks, _)) = file.parts(bytes)?;
     Ok((points, tags, blocks, data))
 }
 
-fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(File, bool), MeshFileError> {
+fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(GmshFile, bool), MeshFileError> {
     let mut cursor = Cursor::new(bytes);
-    let mut file = File::default();
+    let mut file = GmshFile::default();
     loop {
         let (at, name) = cursor.word();
         match (name, file.version) {
@@ -87,12 +87,12 @@ fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(File, bool), MeshFileErro
             }
         }
     }
-    Ok((file, cursor.mode != Mode::Ascii))
+    Ok((file, cursor.mode != NumberEncoding::Ascii))
 }
 
-impl File {
+impl GmshFile {
     /// Nodes with their tags, and elements; every file must have them.
-    fn parts(&mut self, bytes: &[u8]) -> Result<(Vec<Point>, Tags, Blocks), MeshFileError> {
+    fn parts(&mut self, bytes: &[u8]) -> Result<(Vec<Point>, NodeTags, EntityBlocks), MeshFileError> {
         let (cursor, end) = (Cursor::new(bytes), bytes.len());
         let (tags, points) = self.nodes.take().ok_or_else(|| cursor.fault(end, "a section $Nodes"))?;
         let blocks = self.blocks.take().ok_or_else(|| cursor.fault(end, "a section $Elements"))?;
@@ -189,15 +189,15 @@ pub(super) fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, 
 }
 
 /// Map from node tags to indices.
-pub(super) enum Tags {
+pub(super) enum NodeTags {
     /// Index by tag, `u32::MAX` for an unused tag, and the number of nodes.
     Dense(Vec<u32>, usize),
     /// Pairs of tag and index, sorted.
     Sparse(Vec<(u64, u32)>),
 }
 
-impl Tags {
-    fn new(tags: &[u64]) -> Result<Tags, MeshFileError> {
+impl NodeTags {
+    fn new(tags: &[u64]) -> Result<NodeTags, MeshFileError> {
         let largest = tags.iter().copied().max().unwrap_or(0);
         if largest < 4 * tags.len() as u64 + 64 {
             let mut dense = vec![u32::MAX; largest as usize + 1];
@@ -206,22 +206,22 @@ impl Tags {
                     return Err(MeshFileError::RepeatedNode { tag });
                 }
             }
-            return Ok(Tags::Dense(dense, tags.len()));
+            return Ok(NodeTags::Dense(dense, tags.len()));
         }
         let mut sparse: Vec<(u64, u32)> = tags.iter().enumerate().map(|(index, &tag)| (tag, index as u32)).collect();
         sparse.sort_unstable();
         match sparse.windows(2).find(|pair| pair[0].0 == pair[1].0) {
             Some(pair) => Err(MeshFileError::RepeatedNode { tag: pair[0].0 }),
-            None => Ok(Tags::Sparse(sparse)),
+            None => Ok(NodeTags::Sparse(sparse)),
         }
     }
 
     pub(super) fn index(&self, tag: i64) -> Option<u32> {
         match self {
-            Tags::Dense(dense, _) => {
+            NodeTags::Dense(dense, _) => {
                 usize::try_from(tag).ok().and_then(|t| dense.get(t)).copied().filter(|&i| i != u32::MAX)
             }
-            Tags::Sparse(sparse) => {
+            NodeTags::Sparse(sparse) => {
                 let tag = u64::try_from(tag).ok()?;
                 sparse.binary_search_by_key(&tag, |pair| pair.0).ok().and_then(|at| sparse.get(at)).map(|pair| pair.1)
             }
@@ -230,8 +230,8 @@ impl Tags {
 
     fn len(&self) -> usize {
         match self {
-            Tags::Dense(_, count) => *count,
-            Tags::Sparse(sparse) => sparse.len(),
+            NodeTags::Dense(_, count) => *count,
+            NodeTags::Sparse(sparse) => sparse.len(),
         }
     }
 }
@@ -248,20 +248,20 @@ fn coordinates(cursor: &mut Cursor, tag: u64) -> Result<Point, MeshFileError> {
     Ok(point)
 }
 
-fn nodes(cursor: &mut Cursor, version: Version) -> Result<(Tags, Vec<Point>), MeshFileError> {
+fn nodes(cursor: &mut Cursor, version: Version) -> Result<(NodeTags, Vec<Point>), MeshFileError> {
     let read = match version {
         Version::Two => nodes_of_two(cursor)?,
         Version::Four => nodes_of_four(cursor)?,
     };
     cursor.end_section("Nodes")?;
-    Ok((Tags::new(&read.0)?, read.1))
+    Ok((NodeTags::new(&read.0)?, read.1))
 }
 
 /// A count that version 2 writes as text also in binary files; the data begin on the next line.
 fn text_count(cursor: &mut Cursor, what: &'static str) -> Result<(usize, u64), MeshFileError> {
     let at = cursor.word_position();
     let count = u64::try_from(cursor.text_integer(what)?).map_err(|_| cursor.fault(at, what))?;
-    if matches!(cursor.mode, Mode::Binary { .. }) {
+    if matches!(cursor.mode, NumberEncoding::Binary { .. }) {
         cursor.line();
     }
     Ok((at, count))
@@ -332,7 +332,7 @@ fn kind(cursor: &mut Cursor) -> Result<Kind, MeshFileError> {
 fn connectivity(
     cursor: &mut Cursor,
     kind: &Kind,
-    tags: &Tags,
+    tags: &NodeTags,
     version: Version,
     nodes: &mut Vec<u32>,
 ) -> Result<(), MeshFileError> {
@@ -354,7 +354,11 @@ fn connectivity(
     Ok(())
 }
 
-fn elements_of_four(cursor: &mut Cursor, tags: &Tags, entities: Option<&Entities>) -> Result<Blocks, MeshFileError> {
+fn elements_of_four(
+    cursor: &mut Cursor,
+    tags: &NodeTags,
+    entities: Option<&Entities>,
+) -> Result<EntityBlocks, MeshFileError> {
     cursor.line();
     let blocks = cursor.size("the number of blocks of elements")?;
     let at_count = cursor.position();
@@ -401,7 +405,7 @@ fn elements_of_four(cursor: &mut Cursor, tags: &Tags, entities: Option<&Entities
     Ok((read, of))
 }
 
-fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileError> {
+fn elements_of_two(cursor: &mut Cursor, tags: &NodeTags) -> Result<EntityBlocks, MeshFileError> {
     let mut read = BlocksOfTwo::default();
     let (at, count) = text_count(cursor, "elements")?;
     let count = cursor.fits(at, "elements", count, 4, 8)?;
@@ -410,7 +414,7 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileE
         let at = cursor.position();
         // In text the element tag comes first; in binary a header precedes elements of one type.
         let mut number = 0;
-        let (kind, follow) = if cursor.mode == Mode::Ascii {
+        let (kind, follow) = if cursor.mode == NumberEncoding::Ascii {
             number = cursor.integer("the tag of an element")?;
             (kind(cursor)?, 1)
         } else {
@@ -428,7 +432,7 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Blocks, MeshFileE
         let tag_count = u64::try_from(cursor.integer("the number of tags of an element")?).unwrap_or(u64::MAX);
         let tag_count = cursor.fits(at_tags, "tags of an element", tag_count, 1, 4)?;
         for _ in 0..follow {
-            if cursor.mode != Mode::Ascii {
+            if cursor.mode != NumberEncoding::Ascii {
                 number = cursor.integer("the tag of an element")?;
             }
             // Physical group, entity, number of partitions, and the partitions, of which the first owns the element.

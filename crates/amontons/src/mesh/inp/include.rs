@@ -16,7 +16,7 @@ const MOST: usize = 1000;
 const LONGEST: usize = 4 << 30;
 
 /// A text with the origin of its lines.
-pub(super) struct Whole<'a> {
+pub(super) struct JoinedText<'a> {
     pub bytes: Cow<'a, [u8]>,
     stretches: Vec<Stretch>,
     /// Names of the files; the first is the mesh file.
@@ -33,18 +33,22 @@ struct Stretch {
     line: usize,
 }
 
-impl<'a> Whole<'a> {
+impl<'a> JoinedText<'a> {
     /// The text of a file of this name.
     ///
     /// # Errors
     /// Fails if an included file cannot be read, includes itself, or is nested too deep, or if the text is too long.
-    pub fn of(name: &str, bytes: &'a [u8], include: Option<&mut Include>) -> Result<Whole<'a>, MeshFileError> {
+    pub fn of(name: &str, bytes: &'a [u8], include: Option<&mut Include>) -> Result<JoinedText<'a>, MeshFileError> {
         let stretch = Stretch { first: 1, file: 0, line: 1 };
         if !lines(bytes).any(|(_, text)| is_include(text)) {
-            return Ok(Whole { bytes: Cow::Borrowed(bytes), stretches: vec![stretch], names: vec![name.to_owned()] });
+            return Ok(JoinedText {
+                bytes: Cow::Borrowed(bytes),
+                stretches: vec![stretch],
+                names: vec![name.to_owned()],
+            });
         }
         let longest = crate::machine::memory().map_or(LONGEST, |memory| LONGEST.min((memory.bytes / 4.0) as usize));
-        let text = Whole { bytes: Cow::Owned(Vec::new()), stretches: Vec::new(), names: Vec::new() };
+        let text = JoinedText { bytes: Cow::Owned(Vec::new()), stretches: Vec::new(), names: Vec::new() };
         let mut made = Making { text, lines: 0, longest, open: Vec::new(), include };
         made.take(name, bytes)?;
         Ok(made.text)
@@ -87,7 +91,7 @@ fn inside(file: Option<&String>, fault: MeshFileError) -> MeshFileError {
 
 /// A whole text under construction.
 struct Making<'i, 'f, 'a> {
-    text: Whole<'a>,
+    text: JoinedText<'a>,
     /// Lines of the text so far.
     lines: usize,
     longest: usize,

@@ -3,7 +3,7 @@
 //!
 //! Supported are `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` with `GENERATE`, `*SURFACE` of element faces and of nodes,
 //! `*SOLID SECTION`, parts with their instances, and `*INCLUDE`. Everything else is skipped and listed in
-//! [`Read::skipped`](crate::mesh::Read::skipped): materials, loads and steps come from the case file.
+//! [`MeshFile::skipped`](crate::mesh::MeshFile::skipped): materials, loads and steps come from the case file.
 //!
 //! - Regions are the element sets of the solid sections; a later section takes the cells of an earlier one. Without
 //!   sections, they are the sets named by `*ELEMENT` lines. In a file of Gmsh, which names these Volume1, Volume2 and
@@ -27,27 +27,27 @@ mod told;
 pub use lines::{Keyword, entries, keywords};
 pub use solid::{SolidType, face, solid_type};
 
-use super::read::{FilePosition, Include, MeshFileError, Read};
+use super::read::{FilePosition, Include, MeshFile, MeshFileError};
 
 /// Reads a mesh from the bytes of an input file without included files.
 ///
 /// # Errors
 /// Fails if the bytes are no mesh of one body; the error names the line.
-pub fn parse(bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub fn parse(bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     read("deck.inp", bytes, None)
 }
 
 /// Reads a mesh from the bytes of a named input file and of the files that it includes.
-pub(super) fn read(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<Read, MeshFileError> {
-    let whole = include::Whole::of(name, bytes, include)?;
+pub(super) fn read(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<MeshFile, MeshFileError> {
+    let whole = include::JoinedText::of(name, bytes, include)?;
     let mut read = of_text(&String::from_utf8_lossy(&whole.bytes)).map_err(|fault| whole.told(fault))?;
     read.skipped = read.skipped.into_iter().map(|skipped| whole.located(skipped)).collect();
     read.whole = whole.includes().then(|| whole.bytes.into());
     Ok(read)
 }
 
-fn of_text(text: &str) -> Result<Read, MeshFileError> {
-    let mut model = model::Model::of(&keywords(text)?)?;
+fn of_text(text: &str) -> Result<MeshFile, MeshFileError> {
+    let mut model = model::InpModel::of(&keywords(text)?)?;
     let skipped = std::mem::take(&mut model.skipped);
     let sets = sets::Sets::of(model)?;
     let loose = sets.loose(skipped)?;
@@ -55,5 +55,5 @@ fn of_text(text: &str) -> Result<Read, MeshFileError> {
     let mut read = loose.into_read(FilePosition::Line)?;
     read.skipped.sort_by_key(|skipped| skipped.line);
     read.mesh.axisymmetric = axisymmetric && read.mesh.dim == 2;
-    Ok(Read { plane, ..read })
+    Ok(MeshFile { plane, ..read })
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::super::read::{FilePosition, MeshFileError, Skipped};
 use super::lines::{Keyword, entries, number};
-use super::solid::{self, Solid, Type};
+use super::solid::{self, InpSolid, InpType};
 use crate::tensor::Point;
 
 /// Keywords that generate nodes or elements: without them the mesh would be incomplete.
@@ -22,8 +22,8 @@ pub(super) struct Sort {
 
 /// An element of a body.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
-    pub solid: Solid,
+pub(super) struct InpCell {
+    pub solid: InpSolid,
     pub number: i64,
     /// Its line.
     pub line: usize,
@@ -36,20 +36,20 @@ pub(super) struct Cell {
 
 /// Nodes and elements with a common numbering.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Part {
+pub(super) struct InpPart {
     pub tags: Vec<i64>,
     pub points: Vec<Point>,
-    pub cells: Vec<Cell>,
+    pub cells: Vec<InpCell>,
     /// Numbers of the nodes of the cells.
     pub nodes: Vec<i64>,
-    pub sets: Vec<Set>,
+    pub sets: Vec<InpSet>,
     /// Numbers of the elements left out.
     pub left_out: HashSet<i64>,
 }
 
 /// The contents of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum Has {
+pub(super) enum SetKind {
     Nodes,
     Elements,
     /// Faces of elements, or nodes that define facets.
@@ -61,18 +61,18 @@ pub(super) enum Has {
 
 /// A set as defined by the file, in parts.
 #[derive(Clone, Debug)]
-pub(super) struct Set {
-    pub has: Has,
+pub(super) struct InpSet {
+    pub has: SetKind,
     pub name: String,
     pub line: usize,
     /// The instance to which its numbers refer.
     pub instance: Option<String>,
-    pub items: Vec<Item>,
+    pub items: Vec<InpSetItem>,
 }
 
 /// An entry of a set.
 #[derive(Clone, Debug)]
-pub(super) enum Item {
+pub(super) enum InpSetItem {
     /// First and last number, and step.
     Range(i64, i64, i64),
     /// A number or the name of a set, and the label of a face, if given.
@@ -85,25 +85,25 @@ pub(super) enum Item {
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
     pub name: String,
-    pub part: Part,
+    pub part: InpPart,
 }
 
 /// The mesh data in the keywords of a file.
 #[derive(Debug, Default)]
-pub(super) struct Model {
+pub(super) struct InpModel {
     /// Items outside of parts.
-    pub flat: Part,
-    parts: BTreeMap<String, Part>,
+    pub flat: InpPart,
+    parts: BTreeMap<String, InpPart>,
     pub instances: Vec<Instance>,
     pub skipped: Vec<Skipped>,
     part: Option<String>,
     instance: Option<Instance>,
 }
 
-impl Model {
+impl InpModel {
     /// Reads the keywords in order.
-    pub fn of(keywords: &[Keyword]) -> Result<Model, MeshFileError> {
-        let mut model = Model::default();
+    pub fn of(keywords: &[Keyword]) -> Result<InpModel, MeshFileError> {
+        let mut model = InpModel::default();
         for keyword in keywords {
             model.take(keyword)?;
         }
@@ -111,7 +111,7 @@ impl Model {
     }
 
     /// The part to which nodes, elements and sets are currently added.
-    fn current(&mut self) -> &mut Part {
+    fn current(&mut self) -> &mut InpPart {
         if let Some(instance) = &mut self.instance {
             return &mut instance.part;
         }
@@ -136,10 +136,11 @@ impl Model {
                 nodes(keyword, self.current())?;
                 if let Some(name) = keyword.parameter("NSET") {
                     let numbers = keyword.data.iter().filter_map(|&(line, text)| Some((line, entries(text).next()?)));
-                    let items =
-                        numbers.map(|(line, name)| Item::Named { line, name: name.to_owned(), face: None }).collect();
-                    self.current().sets.push(Set {
-                        has: Has::Nodes,
+                    let items = numbers
+                        .map(|(line, name)| InpSetItem::Named { line, name: name.to_owned(), face: None })
+                        .collect();
+                    self.current().sets.push(InpSet {
+                        has: SetKind::Nodes,
                         name: name.to_owned(),
                         line: keyword.line,
                         instance: None,
@@ -150,17 +151,23 @@ impl Model {
             "ELEMENT" => self.elements(keyword)?,
             "NSET" => {
                 let items = match keyword.parameter("ELSET") {
-                    Some(name) => vec![Item::NodesOf { line: keyword.line, name: name.to_owned() }],
+                    Some(name) => vec![InpSetItem::NodesOf { line: keyword.line, name: name.to_owned() }],
                     None => members(keyword)?,
                 };
-                self.set(keyword, Has::Nodes, "NSET", items)?;
+                self.set(keyword, SetKind::Nodes, "NSET", items)?;
             }
-            "ELSET" => self.set(keyword, Has::Elements, "ELSET", members(keyword)?)?,
+            "ELSET" => self.set(keyword, SetKind::Elements, "ELSET", members(keyword)?)?,
             "SURFACE" => self.surface(keyword)?,
             "SOLID SECTION" => {
                 let name = keyword.required("ELSET")?.to_owned();
-                let items = vec![Item::Named { line: keyword.line, name: name.clone(), face: None }];
-                self.current().sets.push(Set { has: Has::Section, name, line: keyword.line, instance: None, items });
+                let items = vec![InpSetItem::Named { line: keyword.line, name: name.clone(), face: None }];
+                self.current().sets.push(InpSet {
+                    has: SetKind::Section,
+                    name,
+                    line: keyword.line,
+                    instance: None,
+                    items,
+                });
             }
             name if MAKERS.contains(&name) => {
                 return Err(MeshFileError::Syntax {
@@ -216,7 +223,7 @@ impl Model {
             let [ax, ay, az, bx, by, bz, angle] = values[..] else {
                 return Err(wrong(*line, values.len(), "two points of an axis and an angle in degrees, seven numbers"));
             };
-            let turn = Rotation::new([ax, ay, az], [bx, by, bz], angle)
+            let turn = InpRotation::new([ax, ay, az], [bx, by, bz], angle)
                 .ok_or_else(|| wrong(*line, values.len(), "two different points of the axis of a rotation"))?;
             part.points.iter_mut().for_each(|point| *point = turn.apply(point));
         }
@@ -227,8 +234,8 @@ impl Model {
     fn elements(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
         let name = keyword.required("TYPE")?.to_uppercase();
         let solid = match solid::of(&name) {
-            Type::Solid(solid) => solid,
-            Type::Missing => {
+            InpType::Solid(solid) => solid,
+            InpType::Missing => {
                 return Err(MeshFileError::Element {
                     at: FilePosition::Line(keyword.line),
                     found: name,
@@ -237,7 +244,7 @@ impl Model {
                             .to_owned(),
                 });
             }
-            Type::Other => {
+            InpType::Other => {
                 self.leave_out(keyword, &name);
                 return Ok(());
             }
@@ -260,12 +267,12 @@ impl Model {
                 };
                 part.nodes.push(number(line, text, "the number of a node")?);
             }
-            items.push(Item::Range(element, element, 1));
-            part.cells.push(Cell { solid, number: element, line, first, of: Arc::clone(&of), set: set.clone() });
+            items.push(InpSetItem::Range(element, element, 1));
+            part.cells.push(InpCell { solid, number: element, line, first, of: Arc::clone(&of), set: set.clone() });
         }
         if let Some(name) = set {
-            part.sets.push(Set {
-                has: Has::Elements,
+            part.sets.push(InpSet {
+                has: SetKind::Elements,
                 name: name.to_string(),
                 line: keyword.line,
                 instance: None,
@@ -281,26 +288,32 @@ impl Model {
         let mut items = Vec::new();
         for &(_, text) in &keyword.data {
             if let Some(Ok(number)) = entries(text).next().map(str::parse).filter(|_| !continues) {
-                items.push(Item::Range(number, number, 1));
+                items.push(InpSetItem::Range(number, number, 1));
             }
             continues = text.ends_with(',');
         }
         let part = self.current();
         part.left_out.extend(items.iter().filter_map(|item| match item {
-            Item::Range(number, ..) => Some(*number),
+            InpSetItem::Range(number, ..) => Some(*number),
             _ => None,
         }));
         let count = items.len();
         if let Some(set) = keyword.parameter("ELSET") {
-            part.sets.push(Set { has: Has::Elements, name: set.to_owned(), line: keyword.line, instance: None, items });
+            part.sets.push(InpSet {
+                has: SetKind::Elements,
+                name: set.to_owned(),
+                line: keyword.line,
+                instance: None,
+                items,
+            });
         }
         self.skip(format!("elements of type {name}"), keyword.line, count);
     }
 
-    fn set(&mut self, keyword: &Keyword, has: Has, key: &str, items: Vec<Item>) -> Result<(), MeshFileError> {
+    fn set(&mut self, keyword: &Keyword, has: SetKind, key: &str, items: Vec<InpSetItem>) -> Result<(), MeshFileError> {
         let name = keyword.required(key)?.to_owned();
         let instance = keyword.parameter("INSTANCE").map(str::to_owned);
-        self.current().sets.push(Set { has, name, line: keyword.line, instance, items });
+        self.current().sets.push(InpSet { has, name, line: keyword.line, instance, items });
         Ok(())
     }
 
@@ -311,8 +324,8 @@ impl Model {
             return Ok(());
         }
         let has = match keyword.parameter("TYPE").map(str::to_uppercase).as_deref() {
-            None | Some("ELEMENT") => Has::Faces,
-            Some("NODE") => Has::NodesOfSurface,
+            None | Some("ELEMENT") => SetKind::Faces,
+            Some("NODE") => SetKind::NodesOfSurface,
             Some(other) => {
                 self.skip(format!("*SURFACE, TYPE={other}"), keyword.line, 1);
                 return Ok(());
@@ -321,26 +334,26 @@ impl Model {
         let item = |&(line, text): &(usize, &str)| {
             let mut entries = entries(text);
             let name = entries.next()?.to_owned();
-            Some(Item::Named { line, name, face: entries.next().map(str::to_uppercase) })
+            Some(InpSetItem::Named { line, name, face: entries.next().map(str::to_uppercase) })
         };
         let items = keyword.data.iter().filter_map(item).collect();
-        self.current().sets.push(Set { has, name, line: keyword.line, instance: None, items });
+        self.current().sets.push(InpSet { has, name, line: keyword.line, instance: None, items });
         Ok(())
     }
 }
 
 /// The members of a set: numbers, set names, or ranges.
-fn members(keyword: &Keyword) -> Result<Vec<Item>, MeshFileError> {
+fn members(keyword: &Keyword) -> Result<Vec<InpSetItem>, MeshFileError> {
     if !keyword.has("GENERATE") {
-        let named = |(line, name): (usize, &str)| Item::Named { line, name: name.to_owned(), face: None };
+        let named = |(line, name): (usize, &str)| InpSetItem::Named { line, name: name.to_owned(), face: None };
         return Ok(keyword.entries().map(named).collect());
     }
     let range = |&(line, text): &(usize, &str)| {
         let numbers: Vec<i64> =
             entries(text).map(|entry| number(line, entry, "an integer")).collect::<Result<_, _>>()?;
         match numbers[..] {
-            [first, last] if first <= last => Ok(Item::Range(first, last, 1)),
-            [first, last, step] if first <= last && step > 0 => Ok(Item::Range(first, last, step)),
+            [first, last] if first <= last => Ok(InpSetItem::Range(first, last, 1)),
+            [first, last, step] if first <= last && step > 0 => Ok(InpSetItem::Range(first, last, step)),
             _ => Err(MeshFileError::Syntax {
                 at: FilePosition::Line(line),
                 found: format!("{text:?}"),
@@ -352,7 +365,7 @@ fn members(keyword: &Keyword) -> Result<Vec<Item>, MeshFileError> {
 }
 
 /// Reads nodes: number and up to three coordinates.
-fn nodes(keyword: &Keyword, part: &mut Part) -> Result<(), MeshFileError> {
+fn nodes(keyword: &Keyword, part: &mut InpPart) -> Result<(), MeshFileError> {
     for &(line, text) in &keyword.data {
         let mut entries = text.split(',').map(str::trim);
         let tag: i64 = number(line, entries.next().unwrap_or_default(), "the number of a node")?;
@@ -382,21 +395,21 @@ pub(super) fn index<'a>(tags: impl Iterator<Item = &'a i64>) -> Result<HashMap<i
 }
 
 /// A rotation about an axis (Rodrigues' formula).
-struct Rotation {
+struct InpRotation {
     at: Point,
     axis: Point,
     cos: f64,
     sin: f64,
 }
 
-impl Rotation {
+impl InpRotation {
     /// The rotation about the axis from `a` to `b` by an angle in degrees; `None` if the axis or angle is undefined.
-    fn new(a: Point, b: Point, degrees: f64) -> Option<Rotation> {
+    fn new(a: Point, b: Point, degrees: f64) -> Option<InpRotation> {
         let d: Point = std::array::from_fn(|i| b[i] - a[i]);
         let length = crate::tensor::length(&d);
         let axis = d.map(|x| x / length);
         let (sin, cos) = degrees.to_radians().sin_cos();
-        (length > 0.0 && length.is_finite() && cos.is_finite()).then_some(Rotation { at: a, axis, cos, sin })
+        (length > 0.0 && length.is_finite() && cos.is_finite()).then_some(InpRotation { at: a, axis, cos, sin })
     }
 
     fn apply(&self, x: &Point) -> Point {

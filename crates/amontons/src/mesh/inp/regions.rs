@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::super::read::{Loose, MeshFileError};
-use super::model::{Cell, Has};
+use super::model::{InpCell, SetKind};
 use super::sets::{CellOf, Sets};
 use super::told::Left;
 
@@ -12,12 +12,12 @@ const BODY: &str = "body";
 
 /// Names of regions in the order of occurrence.
 #[derive(Default)]
-struct Groups {
+struct RegionNames {
     names: Vec<String>,
     numbers: HashMap<String, i64>,
 }
 
-impl Groups {
+impl RegionNames {
     fn number(&mut self, name: String) -> i64 {
         let next = self.names.len() as i64;
         *self.numbers.entry(name).or_insert_with_key(|name| {
@@ -33,7 +33,7 @@ type OfCells = HashMap<CellOf, BTreeSet<i64>>;
 impl Sets {
     /// Adds the cells with their regions.
     pub(super) fn regions(&self, loose: &mut Loose) -> Result<(), MeshFileError> {
-        let mut groups = Groups::default();
+        let mut groups = RegionNames::default();
         let mut of_cell = self.of_sections(&mut groups)?;
         if groups.names.is_empty() {
             of_cell = self.of_elements(&mut groups)?;
@@ -49,7 +49,7 @@ impl Sets {
             loose.names.insert((self.dim, number as i64), name);
         }
         for (body, cell) in self.body_cells() {
-            let Cell { solid, line, .. } = self.cell(body, cell);
+            let InpCell { solid, line, .. } = self.cell(body, cell);
             let groups = of_cell.remove(&(body, cell)).unwrap_or_default();
             loose.push(solid.kind, &groups, *line, &self.nodes(body, cell)?);
         }
@@ -57,16 +57,16 @@ impl Sets {
     }
 
     /// Regions from the sections; the last section that names a cell counts.
-    fn of_sections(&self, groups: &mut Groups) -> Result<OfCells, MeshFileError> {
+    fn of_sections(&self, groups: &mut RegionNames) -> Result<OfCells, MeshFileError> {
         let mut of_cell = HashMap::new();
         let mut met: HashMap<(Option<usize>, String), usize> = HashMap::new();
-        for (body, _, name) in self.order.iter().filter(|(_, has, _)| *has == Has::Section) {
+        for (body, _, name) in self.order.iter().filter(|(_, has, _)| *has == SetKind::Section) {
             let times = met.entry((*body, name.to_uppercase())).or_insert(0);
-            let line = self.lines(*body, Has::Section, name).nth(*times).unwrap_or(0);
+            let line = self.lines(*body, SetKind::Section, name).nth(*times).unwrap_or(0);
             *times += 1;
-            let cells = self.elements(*body, Has::Section, name, 0)?;
+            let cells = self.elements(*body, SetKind::Section, name, 0)?;
             let cells: Vec<CellOf> = cells.into_iter().filter(|cell| self.is_of_body(*cell)).collect();
-            let outside = self.outside(*body, &self.spelling(*body, Has::Elements, name));
+            let outside = self.outside(*body, &self.spelling(*body, SetKind::Elements, name));
             if cells.is_empty() {
                 self.told.note(Left::Sections, line, &outside, 1);
                 continue;
@@ -84,12 +84,13 @@ impl Sets {
     }
 
     /// Regions from the sets named by element keywords; in a file of Gmsh its groups come first.
-    fn of_elements(&self, groups: &mut Groups) -> Result<OfCells, MeshFileError> {
+    fn of_elements(&self, groups: &mut RegionNames) -> Result<OfCells, MeshFileError> {
         let mut of_cell = HashMap::new();
         if self.is_of_gmsh() {
-            for (body, _, name) in self.order.iter().filter(|(_, has, name)| *has == Has::Elements && !is_entity(name))
+            for (body, _, name) in
+                self.order.iter().filter(|(_, has, name)| *has == SetKind::Elements && !is_entity(name))
             {
-                let cells = self.elements(*body, Has::Elements, name, 0)?;
+                let cells = self.elements(*body, SetKind::Elements, name, 0)?;
                 let cells: Vec<CellOf> = cells.into_iter().filter(|cell| self.is_of_body(*cell)).collect();
                 let number = (!cells.is_empty()).then(|| groups.number(self.outside(*body, name)));
                 for cell in cells {
@@ -102,7 +103,7 @@ impl Sets {
             let Some(set) = self.cell(body, cell).set.as_deref() else { continue };
             let number = match last {
                 Some((same_body, same, number)) if (same_body, same) == (body, set) => number,
-                _ => groups.number(self.outside(Some(body), &self.spelling(Some(body), Has::Elements, set))),
+                _ => groups.number(self.outside(Some(body), &self.spelling(Some(body), SetKind::Elements, set))),
             };
             last = Some((body, set, number));
             of_cell.insert((body, cell), BTreeSet::from([number]));
@@ -117,7 +118,7 @@ impl Sets {
 
     /// Records the cell sets that are no regions, except those of Gmsh's volumes and the internal sets of
     /// preprocessors, whose names begin with an underscore.
-    fn unnamed(&self, groups: &Groups, used: &BTreeSet<i64>) -> Result<(), MeshFileError> {
+    fn unnamed(&self, groups: &RegionNames, used: &BTreeSet<i64>) -> Result<(), MeshFileError> {
         let regions: BTreeSet<String> = groups
             .names
             .iter()
@@ -126,12 +127,12 @@ impl Sets {
             .map(|(name, _)| name.to_uppercase())
             .collect();
         let is_region = |body: Option<usize>, name: &str| regions.contains(&self.outside(body, name).to_uppercase());
-        for (body, _, name) in self.order.iter().filter(|(_, has, _)| *has == Has::Elements) {
+        for (body, _, name) in self.order.iter().filter(|(_, has, _)| *has == SetKind::Elements) {
             if is_region(*body, name) || is_entity(name) || name.starts_with('_') {
                 continue;
             }
-            let line = self.line(*body, Has::Elements, name);
-            if self.elements(*body, Has::Elements, name, 0)?.into_iter().any(|cell| self.is_of_body(cell)) {
+            let line = self.line(*body, SetKind::Elements, name);
+            if self.elements(*body, SetKind::Elements, name, 0)?.into_iter().any(|cell| self.is_of_body(cell)) {
                 self.told.note(Left::Unnamed, line, &self.outside(*body, name), 1);
             }
         }

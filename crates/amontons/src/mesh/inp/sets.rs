@@ -5,19 +5,19 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::Arc;
 
-use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, Plane, Skipped, facet_with};
-use super::model::{Cell, Has, Item, Model, Part, Set, Sort, index};
+use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, PlaneState, Skipped, facet_with};
+use super::model::{InpCell, InpModel, InpPart, InpSet, InpSetItem, SetKind, Sort, index};
 use super::solid::face;
-use super::thin::Skin;
+use super::thin::BoundaryFacets;
 use super::told::{Left, Told};
 
 /// Largest depth of nested sets.
 const DEEPEST: usize = 32;
 
 /// A body of the assembly: the items outside of parts, or an instance.
-struct Body {
+struct InpBody {
     name: Option<String>,
-    part: Part,
+    part: InpPart,
     /// Global number of its first node.
     first_node: u32,
     nodes: HashMap<i64, u32>,
@@ -25,19 +25,19 @@ struct Body {
 }
 
 /// Sets of a body, or of the assembly, by kind and name in capitals.
-type Key = (Option<usize>, Has, String);
+type InpSetKey = (Option<usize>, SetKind, String);
 
 /// Cache of resolved sets, so that a set used many times is resolved once.
-type Resolved<T> = RefCell<HashMap<Key, Arc<[T]>>>;
+type Resolved<T> = RefCell<HashMap<InpSetKey, Arc<[T]>>>;
 
 /// All sets, with the data needed to resolve them.
 pub(super) struct Sets {
-    bodies: Vec<Body>,
-    known: HashMap<Key, Vec<Set>>,
+    bodies: Vec<InpBody>,
+    known: HashMap<InpSetKey, Vec<InpSet>>,
     elements: Resolved<CellOf>,
     numbers: Resolved<u32>,
     /// Sets in the order of the file: body, kind and name as written.
-    pub(super) order: Vec<(Option<usize>, Has, String)>,
+    pub(super) order: Vec<(Option<usize>, SetKind, String)>,
     /// Dimension of the cells of the body.
     pub(super) dim: usize,
     pub(super) told: Told,
@@ -96,7 +96,7 @@ impl Sets {
         skipped
     }
 
-    pub(super) fn of(model: Model) -> Result<Sets, MeshFileError> {
+    pub(super) fn of(model: InpModel) -> Result<Sets, MeshFileError> {
         let mut sets = Sets {
             bodies: Vec::new(),
             known: HashMap::new(),
@@ -117,7 +117,7 @@ impl Sets {
             let nodes = index(part.tags.iter())?;
             let cells = part.cells.iter().enumerate().map(|(place, cell)| (cell.number, place)).collect();
             let more = part.points.len() as u32;
-            sets.bodies.push(Body { name, part, first_node, nodes, cells });
+            sets.bodies.push(InpBody { name, part, first_node, nodes, cells });
             first_node += more;
             let body = sets.bodies.len() - 1;
             for set in own {
@@ -132,11 +132,11 @@ impl Sets {
         Ok(sets)
     }
 
-    fn add(&mut self, body: Option<usize>, set: Set) {
+    fn add(&mut self, body: Option<usize>, set: InpSet) {
         let key = (body, set.has, set.name.to_uppercase());
         let parts = self.known.entry(key).or_default();
         // Sections are kept in their order.
-        if parts.is_empty() || set.has == Has::Section {
+        if parts.is_empty() || set.has == SetKind::Section {
             self.order.push((body, set.has, set.name.clone()));
         }
         parts.push(set);
@@ -158,14 +158,14 @@ impl Sets {
         solid.fills && solid.kind.dim == self.dim
     }
 
-    pub(super) fn cell(&self, body: usize, cell: usize) -> &Cell {
+    pub(super) fn cell(&self, body: usize, cell: usize) -> &InpCell {
         &self.bodies[body].part.cells[cell]
     }
 
     /// Global node numbers of a cell.
     pub(super) fn nodes(&self, body: usize, cell: usize) -> Result<Vec<u32>, MeshFileError> {
-        let Body { part, nodes, first_node, .. } = &self.bodies[body];
-        let Cell { first, solid, line, .. } = &part.cells[cell];
+        let InpBody { part, nodes, first_node, .. } = &self.bodies[body];
+        let InpCell { first, solid, line, .. } = &part.cells[cell];
         part.nodes[*first..first + solid.kind.nodes]
             .iter()
             .map(|&tag| {
@@ -191,7 +191,7 @@ impl Sets {
     }
 
     /// Plane stress or strain, if all elements agree on it.
-    pub(super) fn plane(&self) -> Option<Plane> {
+    pub(super) fn plane(&self) -> Option<PlaneState> {
         let mut of_cells = self.body_cells().map(|(body, cell)| self.cell(body, cell).solid.plane);
         let first = of_cells.next().flatten();
         first.filter(|_| of_cells.all(|other| other == first))
@@ -207,43 +207,43 @@ impl Sets {
     }
 
     /// The name of a set in its first spelling.
-    pub(super) fn spelling(&self, body: Option<usize>, has: Has, name: &str) -> String {
+    pub(super) fn spelling(&self, body: Option<usize>, has: SetKind, name: &str) -> String {
         let first = self.known.get(&(body, has, name.to_uppercase())).and_then(|sets| sets.first());
         first.map_or_else(|| name.to_owned(), |set| set.name.clone())
     }
 
     /// The line in which a set is first defined.
-    pub(super) fn line(&self, body: Option<usize>, has: Has, name: &str) -> usize {
+    pub(super) fn line(&self, body: Option<usize>, has: SetKind, name: &str) -> usize {
         self.lines(body, has, name).next().unwrap_or(0)
     }
 
     /// The lines in which parts of a set are defined.
-    pub(super) fn lines(&self, body: Option<usize>, has: Has, name: &str) -> impl Iterator<Item = usize> {
+    pub(super) fn lines(&self, body: Option<usize>, has: SetKind, name: &str) -> impl Iterator<Item = usize> {
         self.known.get(&(body, has, name.to_uppercase())).into_iter().flatten().map(|set| set.line)
     }
 
     /// Adds the sides: surfaces, sets of elements on the boundary, and node sets.
     fn sides(&self, loose: &mut Loose) -> Result<(), MeshFileError> {
         let has_thin = self.cells().any(|cell| !self.is_of_body(cell));
-        let skin = has_thin.then(|| Skin::of(loose));
+        let skin = has_thin.then(|| BoundaryFacets::of(loose));
         let mut of_body = vec![false; loose.points.len()];
         loose.blocks.iter().flat_map(|block| &block.nodes).for_each(|&node| of_body[node as usize] = true);
         // For equal names the surface counts, then the element set, then the node set.
-        let mut order: Vec<&(Option<usize>, Has, String)> = self.order.iter().collect();
+        let mut order: Vec<&(Option<usize>, SetKind, String)> = self.order.iter().collect();
         order.sort_by_key(|(_, has, _)| match has {
-            Has::Faces | Has::NodesOfSurface | Has::Section => 0,
-            Has::Elements => 1,
-            Has::Nodes => 2,
+            SetKind::Faces | SetKind::NodesOfSurface | SetKind::Section => 0,
+            SetKind::Elements => 1,
+            SetKind::Nodes => 2,
         });
         let mut names: HashSet<String> = HashSet::new();
         for (body, has, name) in order {
             let (outside, line) = (self.outside(*body, name), self.line(*body, *has, name));
             let is_named = names.contains(&outside.to_uppercase());
             match has {
-                Has::Section => continue,
-                Has::Faces | Has::Elements => {
+                SetKind::Section => continue,
+                SetKind::Faces | SetKind::Elements => {
                     let facets = match has {
-                        Has::Faces => self.faces(*body, name, loose, skin.as_ref())?,
+                        SetKind::Faces => self.faces(*body, name, loose, skin.as_ref())?,
                         _ => self.thin(*body, name, skin.as_ref())?,
                     };
                     if facets.is_empty() {
@@ -255,12 +255,12 @@ impl Sets {
                     }
                     loose.side(outside.clone(), &facets);
                 }
-                Has::Nodes | Has::NodesOfSurface => {
+                SetKind::Nodes | SetKind::NodesOfSurface => {
                     let all = self.node_numbers(*body, *has, name, 0)?;
                     let nodes: BTreeSet<u32> = all.into_iter().filter(|node| of_body[*node as usize]).collect();
                     if nodes.is_empty() {
                         self.told.note(
-                            if *has == Has::Nodes { Left::NodeSets } else { Left::Surfaces },
+                            if *has == SetKind::Nodes { Left::NodeSets } else { Left::Surfaces },
                             line,
                             &outside,
                             1,
@@ -282,11 +282,11 @@ impl Sets {
     fn nothing_of(
         &self,
         body: Option<usize>,
-        has: Has,
+        has: SetKind,
         (name, outside): (&str, &str),
         line: usize,
     ) -> Result<(), MeshFileError> {
-        if has == Has::Faces {
+        if has == SetKind::Faces {
             self.told.note(Left::Surfaces, line, outside, 1);
         } else if !self.elements(body, has, name, 0)?.into_iter().any(|cell| self.is_of_body(cell)) {
             self.told.note(Left::ElementSets, line, outside, 1);
@@ -295,9 +295,14 @@ impl Sets {
     }
 
     /// The boundary facets that the elements of a set represent; empty if one of them is a cell of the body.
-    fn thin(&self, body: Option<usize>, name: &str, skin: Option<&Skin>) -> Result<Vec<FacetOf>, MeshFileError> {
+    fn thin(
+        &self,
+        body: Option<usize>,
+        name: &str,
+        skin: Option<&BoundaryFacets>,
+    ) -> Result<Vec<FacetOf>, MeshFileError> {
         let Some(skin) = skin else { return Ok(Vec::new()) };
-        let cells = self.elements(body, Has::Elements, name, 0)?;
+        let cells = self.elements(body, SetKind::Elements, name, 0)?;
         if cells.iter().any(|cell| self.is_of_body(*cell)) {
             return Ok(Vec::new());
         }
@@ -305,7 +310,7 @@ impl Sets {
     }
 
     /// The boundary facet that an element represents; records the element as part of a side.
-    fn facet_of(&self, (body, cell): CellOf, skin: &Skin) -> Option<FacetOf> {
+    fn facet_of(&self, (body, cell): CellOf, skin: &BoundaryFacets) -> Option<FacetOf> {
         let kind = self.cell(body, cell).solid.kind;
         let nodes = self.nodes(body, cell).ok().filter(|_| kind.dim + 1 == self.dim)?;
         let facet = skin.facet(&kind, &nodes)?.clone();
@@ -320,12 +325,12 @@ impl Sets {
         body: Option<usize>,
         name: &str,
         loose: &Loose,
-        skin: Option<&Skin>,
+        skin: Option<&BoundaryFacets>,
     ) -> Result<Vec<FacetOf>, MeshFileError> {
         let (mut facets, mut free) = (Vec::new(), None);
-        for set in self.known.get(&(body, Has::Faces, name.to_uppercase())).into_iter().flatten() {
+        for set in self.known.get(&(body, SetKind::Faces, name.to_uppercase())).into_iter().flatten() {
             for item in &set.items {
-                let Item::Named { line, name, face: label } = item else { continue };
+                let InpSetItem::Named { line, name, face: label } = item else { continue };
                 let scope = self.scope(body, set.instance.as_deref());
                 let cells = self.named_elements(scope, *line, name, 0)?;
                 let (cells, others): (Vec<_>, Vec<_>) = cells.into_iter().partition(|cell| self.is_of_body(*cell));
@@ -388,9 +393,9 @@ impl Sets {
     /// The items that the entries of a set stand for, in their order and without repetition.
     fn resolved<T: Copy + Eq + Hash>(
         &self,
-        (body, has, name): (Option<usize>, Has, &str),
+        (body, has, name): (Option<usize>, SetKind, &str),
         resolved: &Resolved<T>,
-        resolve: impl Fn(Option<usize>, &Item) -> Result<Vec<T>, MeshFileError>,
+        resolve: impl Fn(Option<usize>, &InpSetItem) -> Result<Vec<T>, MeshFileError>,
     ) -> Result<Vec<T>, MeshFileError> {
         let key = (body, has, name.to_uppercase());
         if let Some(members) = resolved.borrow().get(&key) {
@@ -412,13 +417,13 @@ impl Sets {
     fn home(
         &self,
         (scope, line, depth): (Option<usize>, usize, usize),
-        has: Has,
+        has: SetKind,
         name: &str,
     ) -> Result<Option<usize>, MeshFileError> {
         let known = |body: &Option<usize>| self.known.contains_key(&(*body, has, name.to_uppercase()));
         let home = if depth < DEEPEST { [scope, None].into_iter().find(known) } else { None };
         home.ok_or_else(|| {
-            let kind = if has == Has::Nodes { "node" } else { "element" };
+            let kind = if has == SetKind::Nodes { "node" } else { "element" };
             unknown(line, format!("the {kind} set {name:?}"), "a set that the file defines")
         })
     }
@@ -427,20 +432,20 @@ impl Sets {
     pub(super) fn elements(
         &self,
         body: Option<usize>,
-        has: Has,
+        has: SetKind,
         name: &str,
         depth: usize,
     ) -> Result<Vec<CellOf>, MeshFileError> {
         self.resolved((body, has, name), &self.elements, |scope, item| match item {
-            Item::Range(first, last, step) => {
+            InpSetItem::Range(first, last, step) => {
                 let Some(body) = scope else { return Ok(Vec::new()) };
                 let mut cells: Vec<CellOf> =
                     within(&self.bodies[body].cells, *first, *last, *step).map(|cell| (body, *cell)).collect();
                 cells.sort_unstable();
                 Ok(cells)
             }
-            Item::Named { line, name, .. } => self.named_elements(scope, *line, name, depth),
-            Item::NodesOf { .. } => Ok(Vec::new()),
+            InpSetItem::Named { line, name, .. } => self.named_elements(scope, *line, name, depth),
+            InpSetItem::NodesOf { .. } => Ok(Vec::new()),
         })
     }
 
@@ -460,21 +465,27 @@ impl Sets {
             }
             return Ok(found.into_iter().collect());
         }
-        let body = self.home((scope, line, depth), Has::Elements, name)?;
-        self.elements(body, Has::Elements, name, depth + 1)
+        let body = self.home((scope, line, depth), SetKind::Elements, name)?;
+        self.elements(body, SetKind::Elements, name, depth + 1)
     }
 
     /// Nodes of a set, by global number.
-    fn node_numbers(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<u32>, MeshFileError> {
+    fn node_numbers(
+        &self,
+        body: Option<usize>,
+        has: SetKind,
+        name: &str,
+        depth: usize,
+    ) -> Result<Vec<u32>, MeshFileError> {
         self.resolved((body, has, name), &self.numbers, |scope, item| match item {
-            Item::Range(first, last, step) => {
-                let Some(Body { nodes, first_node, .. }) = scope.map(|body| &self.bodies[body]) else {
+            InpSetItem::Range(first, last, step) => {
+                let Some(InpBody { nodes, first_node, .. }) = scope.map(|body| &self.bodies[body]) else {
                     return Ok(Vec::new());
                 };
                 Ok(within(nodes, *first, *last, *step).map(|node| first_node + node).collect())
             }
-            Item::Named { line, name, .. } => self.named_nodes(scope, *line, name, depth),
-            Item::NodesOf { line, name } => {
+            InpSetItem::Named { line, name, .. } => self.named_nodes(scope, *line, name, depth),
+            InpSetItem::NodesOf { line, name } => {
                 let cells = self.named_elements(scope, *line, name, depth)?;
                 let nodes = cells.into_iter().map(|(body, cell)| self.nodes(body, cell));
                 Ok(nodes.collect::<Result<Vec<_>, _>>()?.concat())
@@ -492,15 +503,15 @@ impl Sets {
     ) -> Result<Vec<u32>, MeshFileError> {
         let (scope, name) = self.split(scope, name);
         if let (Ok(tag), Some(body)) = (name.parse::<i64>(), scope) {
-            let Body { nodes, first_node, .. } = &self.bodies[body];
+            let InpBody { nodes, first_node, .. } = &self.bodies[body];
             let found = nodes.get(&tag).map(|node| first_node + node);
             if found.is_none() {
                 self.told.note(Left::Nodes, line, name, 1);
             }
             return Ok(found.into_iter().collect());
         }
-        let body = self.home((scope, line, depth), Has::Nodes, name)?;
-        self.node_numbers(body, Has::Nodes, name, depth + 1)
+        let body = self.home((scope, line, depth), SetKind::Nodes, name)?;
+        self.node_numbers(body, SetKind::Nodes, name, depth + 1)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::element::{self, Element};
 
-use super::super::read::{Kind, Plane};
+use super::super::read::{Kind, PlaneState};
 
 /// Families of types whose elements fill a body, with their dimension. The number of nodes follows, then letters for
 /// integration, mixed forms and coupled fields, which do not affect the mesh.
@@ -27,21 +27,21 @@ const REVOLUTION: [&str; 3] = ["CGAX", "CAX", "DCAX"];
 
 /// A type of element.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Solid {
+pub(super) struct InpSolid {
     pub kind: Kind,
     /// True if it belongs to the half section of a body of revolution.
     pub axisymmetric: bool,
     /// Plane stress or strain, for a plane element.
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
     /// True if it fills a body; other elements may be facets of one.
     pub fills: bool,
 }
 
 /// The meaning of the name of an element type.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Type {
+pub(super) enum InpType {
     /// An element that fills a body, or that may be a facet of one.
-    Solid(Solid),
+    Solid(InpSolid),
     /// An element that fills a body but is not in the library.
     Missing,
     /// A spring, mass or other element that is neither part nor facet of a body.
@@ -49,11 +49,11 @@ pub(super) enum Type {
 }
 
 /// The type with a name in capitals.
-pub(super) fn of(name: &str) -> Type {
+pub(super) fn of(name: &str) -> InpType {
     let family = FAMILIES.iter().filter(|(family, _)| name.starts_with(family)).max_by_key(|(family, _)| family.len());
     let Some(&(family, dim)) = family else { return thin(name) };
     let digits: String = name[family.len()..].chars().take_while(char::is_ascii_digit).collect();
-    let Ok(nodes) = digits.parse::<usize>() else { return Type::Other };
+    let Ok(nodes) = digits.parse::<usize>() else { return InpType::Other };
     let element: &'static Element = match (dim, nodes) {
         (1, 2) => &element::P1_SEGMENT,
         (1, 3) => &element::P2_SEGMENT,
@@ -69,10 +69,10 @@ pub(super) fn of(name: &str) -> Type {
         (3, 10) => &element::P2_TETRAHEDRON,
         (3, 15) => &element::P2_PRISM,
         (3, 20) => &element::Q2_HEXAHEDRON,
-        _ => return Type::Missing,
+        _ => return InpType::Missing,
     };
     let kind = Kind { name: element.name, dim, nodes, element: Some(element) };
-    Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family), fills: true })
+    InpType::Solid(InpSolid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family), fills: true })
 }
 
 /// Families of shells, membranes, surfaces and lines, with their dimension and node counts by the following digit; Gmsh
@@ -101,15 +101,15 @@ const BEAMS: &[(char, usize)] = &[('1', 2), ('2', 3), ('3', 2)];
 const ORDERS: &[(char, usize)] = &[('1', 2), ('2', 3)];
 
 /// The type of an element that fills no body.
-fn thin(name: &str) -> Type {
+fn thin(name: &str) -> InpType {
     let nodes = |(family, dim, counts): &(&str, usize, &[(char, usize)])| {
         let number = name.strip_prefix(family)?.chars().next()?;
         let (_, nodes) = counts.iter().find(|(digit, _)| *digit == number)?;
         Some((*dim, *nodes))
     };
-    let Some((dim, nodes)) = THIN.iter().find_map(nodes) else { return Type::Other };
+    let Some((dim, nodes)) = THIN.iter().find_map(nodes) else { return InpType::Other };
     let kind = Kind { name: "thin element", dim, nodes, element: None };
-    Type::Solid(Solid { kind, axisymmetric: false, plane: None, fills: false })
+    InpType::Solid(InpSolid { kind, axisymmetric: false, plane: None, fills: false })
 }
 
 /// The number of vertices of an element below dimension 3 from its number of nodes.
@@ -131,20 +131,20 @@ pub struct SolidType {
     /// True if it belongs to the half section of a body of revolution.
     pub axisymmetric: bool,
     /// Plane stress or strain, for a plane element.
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
 }
 
 /// The type with a name such as `C3D8R`; `None` if its elements fill no body or are not in the library.
 pub fn solid_type(name: &str) -> Option<SolidType> {
-    let Type::Solid(Solid { kind, axisymmetric, plane, .. }) = of(&name.to_uppercase()) else { return None };
+    let InpType::Solid(InpSolid { kind, axisymmetric, plane, .. }) = of(&name.to_uppercase()) else { return None };
     kind.element.map(|element| SolidType { element, nodes: kind.nodes, axisymmetric, plane })
 }
 
 /// Plane stress or strain of a family of elements.
-fn plane(family: &str) -> Option<Plane> {
+fn plane(family: &str) -> Option<PlaneState> {
     match family {
-        "CPS" => Some(Plane::Stress),
-        "CPE" | "CPEG" => Some(Plane::Strain),
+        "CPS" => Some(PlaneState::Stress),
+        "CPE" | "CPEG" => Some(PlaneState::Strain),
         _ => None,
     }
 }

@@ -4,17 +4,17 @@ use std::collections::HashMap;
 
 use super::super::read::{FacetOf, Kind, Loose};
 use super::solid::vertices;
-use crate::mesh::topology::{Key, key};
+use crate::mesh::topology::{SortedFacet, key};
 
 /// The facets of the boundary by their vertices.
-pub(super) struct Skin {
-    free: HashMap<Key, FacetOf>,
+pub(super) struct BoundaryFacets {
+    free: HashMap<SortedFacet, FacetOf>,
 }
 
-impl Skin {
+impl BoundaryFacets {
     /// The boundary of the cells.
-    pub fn of(loose: &Loose) -> Skin {
-        Skin { free: loose.free_facets() }
+    pub fn of(loose: &Loose) -> BoundaryFacets {
+        BoundaryFacets { free: loose.free_facets() }
     }
 
     /// The boundary facet with the nodes of an element.

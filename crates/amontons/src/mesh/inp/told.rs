@@ -38,7 +38,7 @@ impl Left {
 }
 
 #[derive(Default)]
-struct Entry {
+struct LeftItems {
     line: usize,
     count: usize,
     names: BTreeSet<String>,
@@ -46,13 +46,13 @@ struct Entry {
 
 /// Items left out, by kind.
 #[derive(Default)]
-pub(super) struct Told(RefCell<BTreeMap<Left, Entry>>);
+pub(super) struct Told(RefCell<BTreeMap<Left, LeftItems>>);
 
 impl Told {
     /// Records an item by its name and the number of things it stands for.
     pub fn note(&self, left: Left, line: usize, name: &str, count: usize) {
         let mut entries = self.0.borrow_mut();
-        let entry = entries.entry(left).or_insert_with(|| Entry { line, ..Entry::default() });
+        let entry = entries.entry(left).or_insert_with(|| LeftItems { line, ..LeftItems::default() });
         entry.line = entry.line.min(line);
         entry.count += count;
         entry.names.insert(name.to_owned());
@@ -60,7 +60,7 @@ impl Told {
 
     /// One entry per kind.
     pub fn skipped(&self) -> Vec<Skipped> {
-        let entry = |(left, Entry { line, count, names }): (&Left, &Entry)| {
+        let entry = |(left, LeftItems { line, count, names }): (&Left, &LeftItems)| {
             let colon = if *left == Left::Taken { "" } else { ":" };
             let what = format!("{}{colon} {}", left.words(), listed(names.iter()));
             Skipped { what, file: None, line: Some(*line), count: *count }

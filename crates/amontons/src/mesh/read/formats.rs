@@ -7,7 +7,7 @@ const HEAD: usize = 1 << 16;
 
 /// A supported format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
+pub(super) enum MeshFormat {
     Gmsh,
     Input,
     Grid,
@@ -72,44 +72,44 @@ const OF_RESULTS: &str = "the mesh; read the input file (.inp) of the computatio
 /// The supported formats, for messages.
 pub(super) const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .mail (Code_Aster), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
 
-impl Format {
+impl MeshFormat {
     /// The format of a file with this extension in lower case; unmistakable contents take precedence.
     ///
     /// # Errors
     /// Fails if the format is not supported; the error names the format, if it is known.
-    pub fn of(ending: &str, bytes: &[u8]) -> Result<Format, MeshFileError> {
+    pub fn of(ending: &str, bytes: &[u8]) -> Result<MeshFormat, MeshFileError> {
         let head = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
         if let Some((found, hint)) = foreign_contents(ending, head) {
             return Err(MeshFileError::Foreign { found, hint });
         }
-        let of_ending = Format::of_ending(ending);
+        let of_ending = MeshFormat::of_ending(ending);
         // Binary formats report their own faults.
-        match (of_ending, Format::of_contents(head)) {
-            (Some(Format::Gmsh | Format::Input) | None, Some(format)) => Ok(format),
+        match (of_ending, MeshFormat::of_contents(head)) {
+            (Some(MeshFormat::Gmsh | MeshFormat::Input) | None, Some(format)) => Ok(format),
             (Some(format), _) => Ok(format),
             (None, None) => Err(unknown(ending)),
         }
     }
 
     /// The format of an extension in lower case.
-    pub fn of_ending(ending: &str) -> Option<Format> {
+    pub fn of_ending(ending: &str) -> Option<MeshFormat> {
         Some(match ending {
-            "msh" => Format::Gmsh,
-            "inp" => Format::Input,
-            "vtu" => Format::Grid,
-            "med" => Format::Med,
-            "mail" => Format::Mail,
-            "e" | "exo" | "g" => Format::Exodus,
+            "msh" => MeshFormat::Gmsh,
+            "inp" => MeshFormat::Input,
+            "vtu" => MeshFormat::Grid,
+            "med" => MeshFormat::Med,
+            "mail" => MeshFormat::Mail,
+            "e" | "exo" | "g" => MeshFormat::Exodus,
             _ => return None,
         })
     }
 
     /// The format of a text with unmistakable contents.
-    fn of_contents(head: &[u8]) -> Option<Format> {
+    fn of_contents(head: &[u8]) -> Option<MeshFormat> {
         if head.starts_with(b"$MeshFormat") {
-            return Some(Format::Gmsh);
+            return Some(MeshFormat::Gmsh);
         }
-        is_deck(head).then_some(Format::Input)
+        is_deck(head).then_some(MeshFormat::Input)
     }
 }
 

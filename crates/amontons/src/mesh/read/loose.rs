@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::node_sets::NodeSet;
 use super::overlap::Overlap;
 use super::serendipity::complete;
-use super::{FilePosition, MeshFileError, Read, Skipped};
+use super::{FilePosition, MeshFile, MeshFileError, Skipped};
 use crate::element::{self, Element};
-use crate::mesh::topology::{Key, key};
+use crate::mesh::topology::{SortedFacet, key};
 use crate::mesh::{Block, FacetSet, Mesh};
 use crate::tensor::{Point, dot};
 
@@ -68,7 +68,10 @@ impl Loose {
     }
 
     /// The mesh of the elements of the highest dimension, with the groups of the next lower one as its sides.
-    pub(in crate::mesh) fn into_read(mut self, place: impl Fn(usize) -> FilePosition) -> Result<Read, MeshFileError> {
+    pub(in crate::mesh) fn into_read(
+        mut self,
+        place: impl Fn(usize) -> FilePosition,
+    ) -> Result<MeshFile, MeshFileError> {
         self.blocks.retain(|block| !block.nodes.is_empty());
         let dim = self.dim();
         if dim == 0 {
@@ -92,7 +95,7 @@ impl Loose {
         if mesh.facets.is_empty() {
             mesh.facets.insert(BOUNDARY.to_owned(), mesh.boundary());
         }
-        Ok(Read { mesh, plane: None, skipped: self.skipped, whole: None })
+        Ok(MeshFile { mesh, plane: None, skipped: self.skipped, whole: None })
     }
 
     /// Sets coordinates beyond the dimension to zero; fails if they are not constant on the body.
@@ -207,7 +210,7 @@ impl Loose {
         rest: &[LooseBlock],
         place: &impl Fn(usize) -> FilePosition,
     ) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
-        let mut sides: BTreeMap<String, (FacetSet, BTreeSet<Key>)> = BTreeMap::new();
+        let mut sides: BTreeMap<String, (FacetSet, BTreeSet<SortedFacet>)> = BTreeMap::new();
         for loose in rest.iter().filter(|block| block.kind.dim + 1 == above && !block.groups.is_empty()) {
             let element = supported(loose, place)?;
             let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(above - 1, group)).collect();
@@ -266,7 +269,7 @@ fn turn_over(element: &Element, nodes: &mut [u32]) {
 /// Orders the nodes of every side facet as in the first cell that has it, hence oriented outward.
 fn orient(mesh: &mut Mesh) {
     let mut on_side = vec![false; mesh.points.len()];
-    let mut wanted: HashMap<Key, Vec<(usize, usize)>> = HashMap::new();
+    let mut wanted: HashMap<SortedFacet, Vec<(usize, usize)>> = HashMap::new();
     let listed = |set: &FacetSet| set.facets().map(|(element, nodes)| (element, nodes.to_vec())).collect::<Vec<_>>();
     let mut oriented: Vec<Vec<(&'static Element, Vec<u32>)>> = mesh.facets.values().map(listed).collect();
     for (s, side) in oriented.iter().enumerate() {

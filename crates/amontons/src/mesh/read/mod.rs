@@ -28,7 +28,7 @@ use super::Mesh;
 use crate::machine;
 pub(super) use announced::{CHARACTER, NUMBER, Room};
 pub use error::{FilePosition, MeshFileError};
-use formats::Format;
+use formats::MeshFormat;
 pub(super) use loose::{Kind, Loose, LooseBlock};
 pub(super) use node_sets::{FacetOf, NodeSet, facet_with};
 pub(super) use serendipity::{complete_data, completed, of_vtk};
@@ -41,7 +41,7 @@ pub const EXTENSIONS: [&str; 8] = ["msh", "inp", "vtu", "med", "mail", "e", "exo
 
 /// Plane state given by the elements of a plane mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
+pub enum PlaneState {
     /// Plane stress, as CPS3.
     Stress,
     /// Plane strain, as CPE4.
@@ -50,11 +50,11 @@ pub enum Plane {
 
 /// A mesh from a file, with the skipped contents of the file.
 #[derive(Clone, Debug)]
-pub struct Read {
+pub struct MeshFile {
     /// The mesh.
     pub mesh: Mesh,
     /// Plane state, if all elements agree on it; `None` in formats without one.
-    pub plane: Option<Plane>,
+    pub plane: Option<PlaneState>,
     /// Skipped contents of the file, in order.
     pub skipped: Vec<Skipped>,
     /// The text of an input file with its includes inserted; `None` if it includes no file.
@@ -120,7 +120,7 @@ pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
 ///
 /// # Errors
 /// Fails like [`read`].
-pub fn read_all(path: &Path) -> Result<Read, MeshFileError> {
+pub fn read_all(path: &Path) -> Result<MeshFile, MeshFileError> {
     read_from(path, false)
 }
 
@@ -128,18 +128,18 @@ pub fn read_all(path: &Path) -> Result<Read, MeshFileError> {
 ///
 /// # Errors
 /// Fails like [`read`], and if a file elsewhere is included.
-pub fn read_confined(path: &Path) -> Result<Read, MeshFileError> {
+pub fn read_confined(path: &Path) -> Result<MeshFile, MeshFileError> {
     read_from(path, true)
 }
 
-fn read_from(path: &Path, confined: bool) -> Result<Read, MeshFileError> {
+fn read_from(path: &Path, confined: bool) -> Result<MeshFile, MeshFileError> {
     let inside = |fault| MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let bytes = machine::read(path, LONGEST).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }));
     let bytes = match bytes {
         Ok(bytes) => bytes,
         // For a missing file, too, a wrong extension is reported first.
-        Err(unreadable) => return Err(Format::of(&ending(&name), b"").err().map_or(unreadable, inside)),
+        Err(unreadable) => return Err(MeshFormat::of(&ending(&name), b"").err().map_or(unreadable, inside)),
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut include = |name: &str| {
@@ -160,7 +160,7 @@ pub type Include<'a> = dyn FnMut(&str) -> Result<Arc<[u8]>, String> + 'a;
 ///
 /// # Errors
 /// Fails like [`read`].
-pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
+pub fn parse(extension: &str, bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
     parse_file(&format!("file.{extension}"), bytes, None)
 }
 
@@ -168,14 +168,14 @@ pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
 ///
 /// # Errors
 /// Fails like [`read`].
-pub fn parse_file(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<Read, MeshFileError> {
-    match Format::of(&ending(name), bytes)? {
-        Format::Gmsh => super::gmsh::read(bytes),
-        Format::Input => super::inp::read(name, bytes, include),
-        Format::Grid => super::vtu::read(bytes),
-        Format::Med => super::med::read(bytes),
-        Format::Mail => super::mail::read(bytes),
-        Format::Exodus => super::exodus::read(bytes),
+pub fn parse_file(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<MeshFile, MeshFileError> {
+    match MeshFormat::of(&ending(name), bytes)? {
+        MeshFormat::Gmsh => super::gmsh::read(bytes),
+        MeshFormat::Input => super::inp::read(name, bytes, include),
+        MeshFormat::Grid => super::vtu::read(bytes),
+        MeshFormat::Med => super::med::read(bytes),
+        MeshFormat::Mail => super::mail::read(bytes),
+        MeshFormat::Exodus => super::exodus::read(bytes),
     }
 }
 

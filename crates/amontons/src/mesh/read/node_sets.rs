@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::loose::{Kind, Loose, LooseBlock};
 use crate::element::{Element, Facet, POINT_LEFT};
-use crate::mesh::topology::{Key, key};
+use crate::mesh::topology::{SortedFacet, key};
 
 /// A named node set.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl FacetOf {
     }
 
     /// Its key: the vertices.
-    pub(in crate::mesh) fn key(&self) -> Key {
+    pub(in crate::mesh) fn key(&self) -> SortedFacet {
         key(self.nodes.iter().copied().take(self.facet.element.shape.vertices()))
     }
 }
@@ -92,8 +92,8 @@ impl Loose {
     }
 
     /// The facets with a single cell.
-    pub(in crate::mesh) fn free(&self) -> HashSet<Key> {
-        let mut count: HashMap<Key, bool> = HashMap::new();
+    pub(in crate::mesh) fn free(&self) -> HashSet<SortedFacet> {
+        let mut count: HashMap<SortedFacet, bool> = HashMap::new();
         self.each_facet(|facet| {
             count.entry(facet.key()).and_modify(|once| *once = false).or_insert(true);
         });
@@ -101,7 +101,7 @@ impl Loose {
     }
 
     /// The facets with a single cell, by their vertices.
-    pub(in crate::mesh) fn free_facets(&self) -> HashMap<Key, FacetOf> {
+    pub(in crate::mesh) fn free_facets(&self) -> HashMap<SortedFacet, FacetOf> {
         let (free, mut facets) = (self.free(), HashMap::new());
         self.each_facet(|facet| {
             let key = facet.key();
@@ -139,7 +139,8 @@ impl Loose {
             return;
         }
         let free = self.free();
-        let (mut facets, mut edges): (Vec<FacetOf>, BTreeMap<Key, (&'static Element, Vec<u32>)>) = Default::default();
+        let (mut facets, mut edges): (Vec<FacetOf>, BTreeMap<SortedFacet, (&'static Element, Vec<u32>)>) =
+            Default::default();
         self.each_facet(|of| {
             for edge in of.facet.element.facets.iter().filter(|edge| edge.element.dim() == 1) {
                 let nodes: Vec<u32> = edge.nodes.iter().filter_map(|&node| of.nodes.get(node).copied()).collect();

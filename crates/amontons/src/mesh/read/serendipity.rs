@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use super::{Kind, LooseBlock};
 use crate::element::{self, Element};
 use crate::mesh::Block;
-use crate::mesh::topology::{Key, key};
+use crate::mesh::topology::{SortedFacet, key};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -83,7 +83,7 @@ struct Added<'a> {
     /// A value per node; empty without values.
     values: &'a mut Vec<f64>,
     /// The nodes in the middle of faces, by vertices.
-    known: HashMap<Key, u32>,
+    known: HashMap<SortedFacet, u32>,
 }
 
 impl Added<'_> {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::super::csv::write_contact;
-use super::super::files::{Written, create_folder, remove_empty_folder, remove_file};
+use super::super::files::{WrittenFile, create_folder, remove_empty_folder, remove_file};
 use super::super::packed::{self, FieldsFormat, Packed};
 use super::super::vtu::{write_collection, write_fields};
 use super::super::{OutputError, Snapshot, StressRecovery, owned, surface};
@@ -81,7 +81,7 @@ impl Folder {
     pub(super) fn keep_snapshots(&mut self, problem: &Problem, step: usize) -> Result<(), OutputError> {
         let (every, passing) = (self.manifest.settings().every, self.manifest.passing());
         let before = self.manifest.clone();
-        let listed: Vec<(&str, Option<&Written>)> = before.outputs();
+        let listed: Vec<(&str, Option<&WrittenFile>)> = before.outputs();
         let counts = |n: usize, name: &str| {
             n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
         };
@@ -103,7 +103,7 @@ impl Folder {
             }
             let written = match listed.iter().find(|(other, _)| *other == name) {
                 Some((_, Some(written))) => (*written).clone(),
-                _ => Written::read(&path).map_err(OutputError::io("read", &path))?,
+                _ => WrittenFile::read(&path).map_err(OutputError::io("read", &path))?,
             };
             self.manifest.list(&name, Some(written));
             if name == fields_file(n) {

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{FIGURES, Lives, Shown, Table, shown};
+use super::{FIGURES, Lives, ResultTable, Shown, shown};
 use crate::case::{self, Case};
 use crate::contact::Contact;
 use crate::output::{Folder, FolderOptions, Summary, surface};
-use crate::plot::{self, Kind, Options};
+use crate::plot::{self, Options, PictureKind};
 use crate::run::{Settings, run};
 use crate::units::Measure;
 use crate::vtu::Grid;
@@ -37,17 +37,17 @@ struct Ran {
     case: Case,
     summary: Summary,
     folder: PathBuf,
-    history: Columns,
-    contact: Columns,
+    history: ColumnWords,
+    contact: ColumnWords,
     fields: Grid,
     sides: Option<Grid>,
 }
 
 /// The columns of a table by name, as text.
-type Columns = BTreeMap<String, Vec<String>>;
+type ColumnWords = BTreeMap<String, Vec<String>>;
 
-fn columns(path: &Path) -> Columns {
-    let Ok(text) = fs::read_to_string(path) else { return Columns::new() };
+fn columns(path: &Path) -> ColumnWords {
+    let Ok(text) = fs::read_to_string(path) else { return ColumnWords::new() };
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
@@ -55,7 +55,7 @@ fn columns(path: &Path) -> Columns {
     header.iter().enumerate().map(|(c, name)| ((*name).to_owned(), column(c))).collect()
 }
 
-fn numbers(columns: &Columns, name: &str) -> Vec<f64> {
+fn numbers(columns: &ColumnWords, name: &str) -> Vec<f64> {
     columns.get(name).into_iter().flatten().map(|text| text.parse().unwrap_or(f64::NAN)).collect()
 }
 
@@ -116,7 +116,7 @@ impl Ran {
     fn has_its_names(&self, all: &[Shown]) {
         let manifest: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(self.folder.join("manifest.json")).unwrap()).unwrap();
-        let check = |table: Table, names: &mut dyn Iterator<Item = &String>| {
+        let check = |table: ResultTable, names: &mut dyn Iterator<Item = &String>| {
             for name in names {
                 let of_side = name.split('@').next().unwrap();
                 let known = all.iter().find(|value| value.table == table && value.name == of_side);
@@ -125,14 +125,14 @@ impl Ran {
                 let told = manifest["columns"][table.file()][name].as_str().unwrap_or_default();
                 assert_eq!(told, unit, "{} of {}", name, table.file());
                 let at_cells = matches!(known.lives, Lives::Cell);
-                assert!(table != Table::Fields || at_cells == self.fields.cell_data.contains_key(name), "{name}");
+                assert!(table != ResultTable::Fields || at_cells == self.fields.cell_data.contains_key(name), "{name}");
             }
         };
-        check(Table::History, &mut self.history.keys());
-        check(Table::Contact, &mut self.contact.keys());
-        check(Table::Fields, &mut self.fields.point_data.keys().chain(self.fields.cell_data.keys()));
+        check(ResultTable::History, &mut self.history.keys());
+        check(ResultTable::Contact, &mut self.contact.keys());
+        check(ResultTable::Fields, &mut self.fields.point_data.keys().chain(self.fields.cell_data.keys()));
         if let Some(sides) = &self.sides {
-            check(Table::Surface, &mut sides.point_data.keys().chain(sides.cell_data.keys()));
+            check(ResultTable::Surface, &mut sides.point_data.keys().chain(sides.cell_data.keys()));
         }
     }
 
@@ -140,7 +140,8 @@ impl Ran {
     fn has_its_extremes(&self, all: &[Shown]) {
         let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let lives = |table: Table, name: &str| all.iter().find(|v| v.table == table && v.name == name).unwrap().lives;
+        let lives =
+            |table: ResultTable, name: &str| all.iter().find(|v| v.table == table && v.name == name).unwrap().lives;
         let of_body: [(&str, &str, &dyn Fn(&[f64]) -> f64); 6] = [
             ("final.displacement_min", "displacement", &least),
             ("final.displacement_max", "displacement", &most),
@@ -152,7 +153,7 @@ impl Ran {
         for (key, array, take) in of_body {
             let (found, values) = (self.figure(key), self.array(array));
             assert_eq!(found.is_empty(), values.is_empty(), "{key}");
-            assert_eq!(lives(Table::Summary, key), lives(Table::Fields, array));
+            assert_eq!(lives(ResultTable::Summary, key), lives(ResultTable::Fields, array));
             found.iter().zip(&values).for_each(|(found, values)| self.near(key, *found, take(values)));
         }
         let contact = self.summary.last.contact.as_ref().filter(|_| !self.contact.is_empty());
@@ -164,8 +165,11 @@ impl Ran {
         self.near("pressure", contact.pressure_max, largest("pressure"));
         self.near("penetration", contact.penetration_max, largest("penetration"));
         for (key, column) in [("pressure_max", "pressure"), ("penetration_max", "penetration"), ("wear_max", "wear")] {
-            assert_eq!(lives(Table::Summary, &format!("final.contact.{key}")), lives(Table::Contact, column));
-            assert_eq!(lives(Table::History, key), lives(Table::Contact, column));
+            assert_eq!(
+                lives(ResultTable::Summary, &format!("final.contact.{key}")),
+                lives(ResultTable::Contact, column)
+            );
+            assert_eq!(lives(ResultTable::History, key), lives(ResultTable::Contact, column));
         }
         let status = &self.contact["status"];
         let number = |name: &str| status.iter().zip(&areas).filter(|(s, area)| *s == name && **area > 0.0).count();
@@ -282,7 +286,7 @@ impl Ran {
     fn has_its_pictures(&self) {
         let options = Options { times: vec![self.summary.time], ..Options::default() };
         let drawn: Vec<PathBuf> = plot::folder(&self.folder, &options).unwrap();
-        let text = |kind: Kind| {
+        let text = |kind: PictureKind| {
             let of_kind = drawn.iter().find(|path| path.ends_with(format!("{}.svg", kind.file_name())));
             of_kind.map(|path| fs::read_to_string(path).unwrap())
         };
@@ -291,7 +295,7 @@ impl Ran {
         let lengths: Vec<f64> = (0..u.first().map_or(0, Vec::len)).map(|i| length(i, &u)).collect();
         let theta = self.array("temperature").into_iter().next().unwrap_or_default();
         for (kind, values, measure) in
-            [(Kind::Deformed, lengths, Measure::Length), (Kind::Temperature, theta, Measure::Temperature)]
+            [(PictureKind::Deformed, lengths, Measure::Length), (PictureKind::Temperature, theta, Measure::Temperature)]
         {
             let Some(picture) = text(kind) else { continue };
             let ends = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);

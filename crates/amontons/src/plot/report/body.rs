@@ -4,15 +4,15 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use super::field::{Field, reading};
+use super::field::{PageField, reading};
 use super::pack::Pack;
-use super::thin::Shape;
-use crate::plot::body::{Body, window};
-use crate::plot::field::{Quantity, shown};
+use super::thin::ReducedMesh;
+use crate::plot::body::{PlaneMesh, window};
+use crate::plot::field::{DrawnQuantity, shown};
 use crate::plot::folder::Results;
-use crate::plot::run::{Run, at_corners};
+use crate::plot::run::{DrawnRun, at_corners};
 use crate::plot::surface::norm;
-use crate::plot::{Kind, Options, PlotError, axes, ground, plane, sheet};
+use crate::plot::{Options, PictureKind, PlotError, axes, ground, plane, sheet};
 use crate::problem::Problem;
 use crate::units::{Extent, Measure, Units};
 
@@ -22,8 +22,8 @@ pub(super) const VERTICES: usize = 20_000;
 const FOUNDATION: usize = 4_000;
 
 /// The surface of a body, or a plane body, with the origin of its vertices.
-struct Surface {
-    shape: Shape,
+struct PageSurface {
+    shape: ReducedMesh,
     /// The node of each vertex, and one of its triangle corners in the body: three times the triangle plus 0 to 2.
     nodes: Vec<u32>,
     corners: Vec<usize>,
@@ -33,9 +33,9 @@ struct Surface {
     before: usize,
 }
 
-impl Surface {
+impl PageSurface {
     /// The surface of a run, with one vertex per node and region, because stresses jump between regions.
-    fn of(run: &Run) -> Option<Surface> {
+    fn of(run: &DrawnRun) -> Option<PageSurface> {
         let (points, triangles, owners, regions): (Vec<[f64; 3]>, &[[u32; 3]], &[u32], &[f64]) =
             match (&run.snapshot, &run.solid) {
                 (Some(s), _) => {
@@ -45,7 +45,7 @@ impl Surface {
                 (_, Some(s)) => (s.surface.points.clone(), &s.surface.triangles, &s.surface.owners, &s.regions),
                 _ => return None,
             };
-        let (mut shape, mut nodes, mut corners) = (Shape::default(), Vec::new(), Vec::new());
+        let (mut shape, mut nodes, mut corners) = (ReducedMesh::default(), Vec::new(), Vec::new());
         let mut known: HashMap<(u32, u64), u32> = HashMap::new();
         let mut of_node: HashMap<u32, u32> = HashMap::new();
         for (t, triangle) in triangles.iter().enumerate() {
@@ -78,47 +78,47 @@ impl Surface {
         let (before, triangles) = (shape.vertices.len(), shape.triangles.len());
         let (shape, kept) = shape.thinned(VERTICES);
         let (nodes, corners) = (kept.iter().map(|&i| nodes[i]).collect(), kept.iter().map(|&i| corners[i]).collect());
-        Some(Surface { shape, nodes, corners, triangles, before })
+        Some(PageSurface { shape, nodes, corners, triangles, before })
     }
 
     /// Values of a field of a run at the vertices.
-    fn values(&self, kind: Kind, run: &Run) -> (Vec<f64>, [f64; 2]) {
+    fn values(&self, kind: PictureKind, run: &DrawnRun) -> (Vec<f64>, [f64; 2]) {
         let (triangles, owners, nodal, cells, areas): (_, _, &[f64], _, _) = match (&run.snapshot, &run.solid) {
             (Some(s), _) => {
-                let nodal = if kind == Kind::VonMises { &s.nodal_von_mises } else { &s.temperature };
+                let nodal = if kind == PictureKind::VonMises { &s.nodal_von_mises } else { &s.temperature };
                 (&s.body.triangles, &s.body.owners, nodal, (&s.von_mises[..], &s.regions[..]), s.body.areas())
             }
             (_, Some(s)) => {
-                let nodal = if kind == Kind::VonMises { &s.nodal_von_mises } else { &s.temperature };
+                let nodal = if kind == PictureKind::VonMises { &s.nodal_von_mises } else { &s.temperature };
                 let (surface, areas) = (&s.surface, s.surface.areas());
                 (&surface.triangles, &surface.owners, nodal, (&s.von_mises[..], &s.regions[..]), areas)
             }
             _ => return (Vec::new(), [0.0; 2]),
         };
-        let cells = if kind == Kind::VonMises { cells } else { (&[][..], &[][..]) };
+        let cells = if kind == PictureKind::VonMises { cells } else { (&[][..], &[][..]) };
         let all = at_corners(triangles, owners, nodal, cells);
         let extent = axes::range(all.iter().flatten().copied()).unwrap_or([0.0, 0.0]);
-        let range = if kind == Kind::VonMises { shown(&all, &areas, extent) } else { extent };
+        let range = if kind == PictureKind::VonMises { shown(&all, &areas, extent) } else { extent };
         (self.corners.iter().map(|&c| all[c / 3][c % 3]).collect(), range)
     }
 }
 
 /// The displacements of all nodes.
-fn displacement(run: &Run) -> Vec<[f64; 3]> {
+fn displacement(run: &DrawnRun) -> Vec<[f64; 3]> {
     let plane = run.snapshot.iter().flat_map(|s| s.displacement.iter().map(|u| [u[0], u[1], 0.0]));
     plane.chain(run.solid.iter().flat_map(|s| s.displacement.iter().copied())).collect()
 }
 
 /// Data collected while the snapshots are read.
-struct Gathered {
-    surface: Surface,
+struct KeptSnapshots {
+    surface: PageSurface,
     /// The body, if it is plane.
-    body: Option<Body>,
+    body: Option<PlaneMesh>,
     problem: Option<std::sync::Arc<Problem>>,
     factor: f64,
     times: Vec<f64>,
     displacements: Vec<Vec<[f64; 3]>>,
-    fields: Vec<Field>,
+    fields: Vec<PageField>,
     has_moved: bool,
 }
 
@@ -128,9 +128,9 @@ fn size(points: &mut dyn Iterator<Item = [f64; 3]>) -> f64 {
     (0..3).filter_map(|d| axes::range(all.iter().map(|p| p[d]))).map(|[lo, hi]| hi - lo).fold(0.0, f64::max)
 }
 
-fn empty(kind: Kind) -> Field {
-    let quantity = Quantity::of(kind);
-    Field {
+fn empty(kind: PictureKind) -> PageField {
+    let quantity = DrawnQuantity::of(kind);
+    PageField {
         name: quantity.name.to_owned(),
         symbol: quantity.symbol,
         measure: quantity.measure,
@@ -140,22 +140,22 @@ fn empty(kind: Kind) -> Field {
     }
 }
 
-impl Gathered {
+impl KeptSnapshots {
     /// An empty collection for the body of a run, or `None` for a body on a line.
-    fn new(run: &Run) -> Option<Gathered> {
-        Some(Gathered {
-            surface: Surface::of(run)?,
+    fn new(run: &DrawnRun) -> Option<KeptSnapshots> {
+        Some(KeptSnapshots {
+            surface: PageSurface::of(run)?,
             body: run.snapshot.as_ref().map(|s| s.body.clone()),
             problem: run.problem.clone(),
             factor: f64::INFINITY,
             times: Vec::new(),
             displacements: Vec::new(),
-            fields: vec![empty(Kind::VonMises), empty(Kind::Temperature)],
+            fields: vec![empty(PictureKind::VonMises), empty(PictureKind::Temperature)],
             has_moved: false,
         })
     }
 
-    fn add(&mut self, run: &Run) -> Result<(), PlotError> {
+    fn add(&mut self, run: &DrawnRun) -> Result<(), PlotError> {
         let u = displacement(run);
         let triangles = run.snapshot.iter().map(|s| s.body.triangles.len());
         let triangles: usize = triangles.chain(run.solid.iter().map(|s| s.surface.triangles.len())).sum();
@@ -165,11 +165,12 @@ impl Gathered {
         }
         let largest = u.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let sizes = [(largest, size(&mut self.surface.shape.vertices.iter().map(|v| v.0)))];
-        self.factor = self.factor.min(plane::factor(Kind::Deformed, &[run], sizes.into_iter(), &Options::default()));
+        self.factor =
+            self.factor.min(plane::factor(PictureKind::Deformed, &[run], sizes.into_iter(), &Options::default()));
         self.has_moved |= largest > 0.0;
         self.times.push(run.t);
         self.displacements.push(u);
-        for (field, kind) in self.fields.iter_mut().zip([Kind::VonMises, Kind::Temperature]) {
+        for (field, kind) in self.fields.iter_mut().zip([PictureKind::VonMises, PictureKind::Temperature]) {
             if kind.is_in(run) {
                 let (values, range) = self.surface.values(kind, run);
                 field.components[0].push(values);
@@ -179,16 +180,16 @@ impl Gathered {
         Ok(())
     }
 
-    fn displacement(&self) -> Field {
+    fn displacement(&self) -> PageField {
         let of = |d: usize| {
             self.displacements.iter().map(|u| self.surface.nodes.iter().map(|&n| u[n as usize][d]).collect()).collect()
         };
         let dim = if self.body.is_some() { 2 } else { 3 };
-        Field { components: (0..dim).map(of).collect(), ..empty(Kind::Deformed) }
+        PageField { components: (0..dim).map(of).collect(), ..empty(PictureKind::Deformed) }
     }
 
     /// The window that holds the body at all times and the foundation near to it.
-    fn window(&self, body: &Body) -> [[f64; 2]; 2] {
+    fn window(&self, body: &PlaneMesh) -> [[f64; 2]; 2] {
         let mut points = body.points.clone();
         for (t, u) in self.times.iter().zip(&self.displacements) {
             let moved: Vec<[f64; 2]> =
@@ -261,11 +262,11 @@ impl Gathered {
 
 /// The body at some snapshots, for the page; null for a body on a line.
 pub(super) fn write(results: &Results, chosen: &[usize], units: Units, pack: &mut Pack) -> Result<Value, PlotError> {
-    let mut gathered: Option<Gathered> = None;
+    let mut gathered: Option<KeptSnapshots> = None;
     for &i in chosen {
         let run = results.run(i)?;
         if gathered.is_none() {
-            gathered = Gathered::new(&run);
+            gathered = KeptSnapshots::new(&run);
         }
         let Some(all) = &mut gathered else { return Ok(Value::Null) };
         all.add(&run)?;
@@ -275,7 +276,7 @@ pub(super) fn write(results: &Results, chosen: &[usize], units: Units, pack: &mu
 
 /// The fields of a body on a line at some snapshots, for the page; null for others.
 pub(super) fn rod(results: &Results, chosen: &[usize], units: Units, pack: &mut Pack) -> Result<Value, PlotError> {
-    let mut fields = [empty(Kind::Deformed), empty(Kind::Temperature)];
+    let mut fields = [empty(PictureKind::Deformed), empty(PictureKind::Temperature)];
     fields[0].symbol = "u";
     let mut x = Vec::new();
     for &i in chosen {

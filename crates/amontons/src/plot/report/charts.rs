@@ -12,7 +12,7 @@ use crate::contact::names;
 use crate::output::{columns, history_measures};
 use crate::plot::charts::{Chart, Series};
 use crate::plot::color::{Color, LINES};
-use crate::plot::run::Run;
+use crate::plot::run::DrawnRun;
 use crate::plot::table::CsvTable;
 use crate::plot::{PlotError, axes, history};
 use crate::units::{Measure, Units};
@@ -38,7 +38,7 @@ pub(super) fn hexadecimal(color: Color) -> String {
 }
 
 /// Lines over time, on the page.
-struct Lines<'a> {
+struct ChartLines<'a> {
     name: String,
     measure: Measure,
     /// True if the lines are stacked parts of a whole.
@@ -47,24 +47,24 @@ struct Lines<'a> {
 }
 
 /// The kept rows of a table, with their times.
-struct Rows {
+struct KeptRows {
     kept: Vec<usize>,
     /// Number of the array of times.
     times: usize,
 }
 
-impl Rows {
-    fn new(times: &[f64], columns: &mut dyn Iterator<Item = &[f64]>, pack: &mut Pack) -> Rows {
+impl KeptRows {
+    fn new(times: &[f64], columns: &mut dyn Iterator<Item = &[f64]>, pack: &mut Pack) -> KeptRows {
         let kept = kept(times.len(), columns);
         let times = pack.reals(kept.iter().map(|&i| times[i]));
-        Rows { kept, times }
+        KeptRows { kept, times }
     }
 
     fn of(&self, values: &[f64], factor: f64, pack: &mut Pack) -> usize {
         pack.reals(self.kept.iter().map(|&i| values.get(i).copied().unwrap_or(f64::NAN) * factor))
     }
 
-    fn write(&self, lines: &Lines, units: Units, pack: &mut Pack) -> Value {
+    fn write(&self, lines: &ChartLines, units: Units, pack: &mut Pack) -> Value {
         let all = lines.all.iter().flat_map(|line| &line.3);
         let largest = all.filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
         let (unit, factor) = reading(units, largest, lines.measure);
@@ -87,7 +87,7 @@ impl Rows {
 }
 
 /// The lines of a chart of a picture.
-fn lines(chart: &Chart) -> Lines<'_> {
+fn lines(chart: &Chart) -> ChartLines<'_> {
     let line = |series: &Series| series.pieces.iter().flatten().map(|p| p[1]).collect::<Vec<f64>>();
     let of_series = chart.series.iter();
     let mut all: Vec<_> = of_series.map(|s| (s.label.clone(), s.stroke.color, &s.stroke.dashes[..], line(s))).collect();
@@ -97,11 +97,11 @@ fn lines(chart: &Chart) -> Lines<'_> {
         let n = edge.len() / 2;
         all.push((area.label.clone(), area.color, &[], (0..n).map(|i| edge[2 * n - 1 - i] - edge[i]).collect()));
     }
-    Lines { name: chart.quantity.clone(), measure: chart.measure, stacked: !chart.areas.is_empty(), all }
+    ChartLines { name: chart.quantity.clone(), measure: chart.measure, stacked: !chart.areas.is_empty(), all }
 }
 
 /// The contact force on each side of a run with several.
-fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
+fn forces(run: &DrawnRun) -> impl Iterator<Item = ChartLines<'_>> {
     let of_side = |side: String| {
         let line = |c: usize| {
             let values = run.history.get(&format!("{}@{side}", columns::CONTACT_FORCE.component(c)))?;
@@ -109,16 +109,16 @@ fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
         };
         let lines: Vec<_> = (0..3).filter_map(line).collect();
         let name = format!("contact force on \"{side}\"");
-        (!lines.is_empty()).then_some(Lines { name, measure: Measure::Force, stacked: false, all: lines })
+        (!lines.is_empty()).then_some(ChartLines { name, measure: Measure::Force, stacked: false, all: lines })
     };
     let sides = run.problem.iter().flat_map(|problem| names(&problem.contacts));
     sides.filter_map(of_side)
 }
 
 /// The history of a run: the charts of its picture, and every column.
-pub(super) fn write(run: &Run, units: Units, pack: &mut Pack) -> Value {
+pub(super) fn write(run: &DrawnRun, units: Units, pack: &mut Pack) -> Value {
     let Some(times) = run.history.get(columns::TIME.name) else { return Value::Null };
-    let rows = Rows::new(times, &mut run.history.values().map(Vec::as_slice), pack);
+    let rows = KeptRows::new(times, &mut run.history.values().map(Vec::as_slice), pack);
     let charts = history::chart_list(run, units);
     let forces = forces(run);
     let all = charts.iter().map(lines).chain(forces);
@@ -127,7 +127,7 @@ pub(super) fn write(run: &Run, units: Units, pack: &mut Pack) -> Value {
     let column = |(name, measure): &(String, Measure)| {
         let values = run.history.get(name).filter(|_| name != columns::TIME.name && name != columns::STEP.name)?;
         let line = (String::new(), LINES[0], &[][..], values.clone());
-        let lines = Lines { name: name.clone(), measure: *measure, stacked: false, all: vec![line] };
+        let lines = ChartLines { name: name.clone(), measure: *measure, stacked: false, all: vec![line] };
         Some(rows.write(&lines, units, pack))
     };
     let all: Vec<Value> = measures.iter().filter_map(column).collect();
@@ -153,10 +153,10 @@ pub(super) fn probes(dir: &Path, case: &Case, units: Units, pack: &mut Pack) -> 
             own.push((label, LINES[i % LINES.len()], &[][..], values));
         }
         let (name, measure) = (probe.name.clone(), probe.measure().unwrap_or(Measure::Number));
-        all.push(Lines { name, measure, stacked: false, all: own });
+        all.push(ChartLines { name, measure, stacked: false, all: own });
     }
     let finite = all.iter().flat_map(|lines| &lines.all).map(|line| &line.3[..]);
-    let rows = Rows::new(&times, &mut finite.filter(|v| axes::range(v.iter().copied()).is_some()), pack);
+    let rows = KeptRows::new(&times, &mut finite.filter(|v| axes::range(v.iter().copied()).is_some()), pack);
     let written: Vec<Value> = all.iter().map(|lines| rows.write(lines, units, pack)).collect();
     Ok(json!({ "charts": written, "rows": [rows.kept.len(), times.len()] }))
 }

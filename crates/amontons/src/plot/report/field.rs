@@ -9,7 +9,7 @@ use crate::units::{Measure, Units};
 
 /// A field with one number, or the components of a vector, per vertex and snapshot.
 #[derive(Clone, Debug)]
-pub(super) struct Field {
+pub(super) struct PageField {
     pub name: String,
     /// Symbol with subscripts, as in pictures; empty for none.
     pub symbol: &'static str,
@@ -30,7 +30,7 @@ pub(super) fn reading(units: Units, largest: f64, measure: Measure) -> (String, 
     }
 }
 
-impl Field {
+impl PageField {
     fn values(&self) -> impl Iterator<Item = f64> {
         self.components.iter().flatten().flatten().copied()
     }

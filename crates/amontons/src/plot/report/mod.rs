@@ -23,7 +23,7 @@ use super::{Options, PlotError, convergence, frames, profiles, time};
 use crate::case::{self, Case, CaseError};
 use crate::machine;
 use crate::output::{LONGEST, Summary, write_file};
-use crate::units::{Measure, System, Units};
+use crate::units::{Measure, UnitSystem, Units};
 use pack::Pack;
 
 /// Name of the page in a results folder.
@@ -82,7 +82,7 @@ fn study(dir: &Path, units: Units) -> Result<Option<(CsvTable, String)>, PlotErr
     if !path.exists() {
         return Ok(None);
     }
-    let options = Options { dimensionless: units.system == System::Dimensionless, ..Options::default() };
+    let options = Options { dimensionless: units.system == UnitSystem::Dimensionless, ..Options::default() };
     let picture = convergence(&ConvergencePlot::read(&path, &options)?)?;
     Ok(Some((CsvTable::read(&path)?, picture.svg())))
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::field::{Field, reading};
+use super::field::{PageField, reading};
 use super::pack::Pack;
-use super::thin::Shape;
+use super::thin::ReducedMesh;
 use crate::output::{surface_measures, surface_sides};
 use crate::plot::color::ColorMap;
 use crate::plot::folder::Results;
@@ -23,7 +23,7 @@ pub(super) const VERTICES: usize = 4_000;
 const LEFT_OUT: [&str; 2] = ["displacement", "weight"];
 
 /// A side as drawn.
-struct Side {
+struct PageSide {
     name: String,
     number: usize,
     /// The node of each vertex in the grid.
@@ -33,11 +33,11 @@ struct Side {
     /// Pieces of the line: the first vertex of each.
     pieces: Vec<usize>,
     /// A surface in space.
-    shape: Shape,
+    shape: ReducedMesh,
     normal: [f64; 3],
     /// Number of vertices before coarsening.
     before: usize,
-    fields: Vec<Field>,
+    fields: Vec<PageField>,
 }
 
 /// The nodes of the cells of a side, cell by cell.
@@ -93,15 +93,15 @@ fn chains(points: &[[f64; 3]], cells: &[Vec<u32>]) -> Vec<Vec<usize>> {
     all
 }
 
-impl Side {
-    fn new(grid: &Grid, name: &str, number: usize) -> Side {
-        let mut side = Side {
+impl PageSide {
+    fn new(grid: &Grid, name: &str, number: usize) -> PageSide {
+        let mut side = PageSide {
             name: name.to_owned(),
             number,
             nodes: Vec::new(),
             along: Vec::new(),
             pieces: Vec::new(),
-            shape: Shape::default(),
+            shape: ReducedMesh::default(),
             normal: [0.0; 3],
             before: 0,
             fields: Vec::new(),
@@ -115,7 +115,7 @@ impl Side {
         }
         let has = |(name, measure): (String, Measure)| {
             let components = grid.point_data.get(&name).filter(|_| !LEFT_OUT.contains(&name.as_str()))?.components;
-            Some(Field {
+            Some(PageField {
                 name: if components == 3 { format!("{name} (magnitude)") } else { name }.replace('_', " "),
                 symbol: "",
                 measure,
@@ -239,7 +239,7 @@ pub(super) fn write(
         return Ok(Value::Null);
     }
     let all = vtu::snapshots(&file)?;
-    let (mut sides, mut at): (Vec<Side>, Vec<usize>) = (Vec::new(), Vec::new());
+    let (mut sides, mut at): (Vec<PageSide>, Vec<usize>) = (Vec::new(), Vec::new());
     for (place, &i) in chosen.iter().enumerate() {
         let t = results.snapshots[i].0;
         let Some((_, name)) = all.iter().find(|(own, _)| (own - t).abs() <= 1e-12 * t.abs()) else { continue };
@@ -247,7 +247,7 @@ pub(super) fn write(
         let grid = vtu::read(&path)?;
         if at.is_empty() {
             let names = surface_sides(&results.problem.contacts).enumerate();
-            sides = names.map(|(number, side)| Side::new(&grid, &side.name, number)).collect();
+            sides = names.map(|(number, side)| PageSide::new(&grid, &side.name, number)).collect();
         }
         at.push(place);
         sides.iter_mut().try_for_each(|side| side.add(&grid, &path))?;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Triangles and lines between vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Shape {
+pub(super) struct ReducedMesh {
     /// Position and part of each vertex; only vertices of the same part are merged.
     pub vertices: Vec<([f64; 3], u64)>,
     pub triangles: Vec<[u32; 3]>,
@@ -15,9 +15,9 @@ pub(super) struct Shape {
 }
 
 /// A box of a part: its index along each axis.
-type Place = ([i64; 3], u64);
+type BoxIndex = ([i64; 3], u64);
 
-impl Shape {
+impl ReducedMesh {
     /// The vertices kept in a coarser shape of at most `most` vertices: their numbers, and for each vertex the index of
     /// the kept one that represents it. A kept vertex is the one nearest to the mean of those it represents, or of
     /// those of them on the outline, if any.
@@ -26,7 +26,7 @@ impl Shape {
         let high = [0, 1, 2].map(|d| self.vertices.iter().map(|(p, _)| p[d]).fold(f64::NEG_INFINITY, f64::max));
         let size = [0, 1, 2].map(|d| high[d] - low[d]).into_iter().fold(0.0, f64::max);
         let boxes = |count: f64| {
-            let mut inside: BTreeMap<Place, Vec<usize>> = BTreeMap::new();
+            let mut inside: BTreeMap<BoxIndex, Vec<usize>> = BTreeMap::new();
             for (i, (p, part)) in self.vertices.iter().enumerate() {
                 let place = [0, 1, 2].map(|d| ((p[d] - low[d]) / size * count).floor() as i64);
                 inside.entry((place, *part)).or_default().push(i);
@@ -53,7 +53,7 @@ impl Shape {
     }
 
     /// The shape with at most about `most` vertices, and the kept vertices of the original shape.
-    pub(super) fn thinned(self, most: usize) -> (Shape, Vec<usize>) {
+    pub(super) fn thinned(self, most: usize) -> (ReducedMesh, Vec<usize>) {
         let all: Vec<usize> = (0..self.vertices.len()).collect();
         if self.vertices.len() <= most {
             return (self, all);
@@ -76,7 +76,7 @@ impl Shape {
             .map(|[a, b]| [a.min(b), a.max(b)])
             .collect();
         let vertices = kept.iter().map(|&i| self.vertices[i]).collect();
-        (Shape { vertices, triangles, outline: outline.into_iter().collect(), mesh: Vec::new() }, kept)
+        (ReducedMesh { vertices, triangles, outline: outline.into_iter().collect(), mesh: Vec::new() }, kept)
     }
 }
 
@@ -87,7 +87,7 @@ mod tests {
     /// A square of 40 × 40 cells keeps its corners up to a box, its area up to a rim, and both parts separate.
     #[test]
     fn a_coarser_square_is_a_square() {
-        let (n, mut shape) = (40u32, Shape::default());
+        let (n, mut shape) = (40u32, ReducedMesh::default());
         for i in 0..=n {
             for j in 0..=n {
                 shape.vertices.push(([f64::from(i) / f64::from(n), f64::from(j) / f64::from(n), 0.0], 0));
@@ -105,7 +105,7 @@ mod tests {
         let (thin, kept) = shape.clone().thinned(300);
         assert!(thin.vertices.len() <= 300 && thin.vertices.len() > 100, "{}", thin.vertices.len());
         assert!(kept.iter().zip(&thin.vertices).all(|(&i, v)| shape.vertices[i] == *v));
-        let area = |s: &Shape| -> f64 {
+        let area = |s: &ReducedMesh| -> f64 {
             let p = |v: u32| s.vertices[v as usize].0;
             let twice = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(p);

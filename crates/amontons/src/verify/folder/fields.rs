@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::tables::Table;
+use super::tables::NumberTable;
 use crate::discretization::Discretization;
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
@@ -136,7 +136,7 @@ impl Fields {
         &self,
         discretization: &Discretization,
         problem: &Problem,
-        (history, row): (&Table, usize),
+        (history, row): (&NumberTable, usize),
         found: &mut Differences,
     ) {
         let state = self.state(discretization, problem);

@@ -9,19 +9,19 @@ use crate::output::{LONGEST, columns};
 use crate::problem::Problem;
 
 /// A table of numbers with a header line; words are read as NaN.
-pub(super) struct Table {
+pub(super) struct NumberTable {
     pub names: Vec<String>,
     pub rows: Vec<Vec<f64>>,
     /// The word of each row in the column `status`; empty without that column.
     status: Vec<String>,
 }
 
-impl Table {
+impl NumberTable {
     /// Reads a table.
     ///
     /// # Errors
     /// The fault of the file.
-    pub fn read(path: &Path) -> Result<Table, String> {
+    pub fn read(path: &Path) -> Result<NumberTable, String> {
         let text = machine::read_text(path, LONGEST).map_err(|error| format!("cannot be read: {error}"))?;
         let mut lines = text.lines();
         let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
@@ -36,7 +36,7 @@ impl Table {
             rows.push(cells.iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect());
             status.extend(words.and_then(|c| cells.get(c)).map(|word| (*word).to_owned()));
         }
-        Ok(Table { names, rows, status })
+        Ok(NumberTable { names, rows, status })
     }
 
     /// The values of a column; NaN if there is no such column.
@@ -63,7 +63,7 @@ pub(super) struct Audit {
 ///
 /// The initial energy is in no row: it is derived from the first. Terms of n rows are sums of n numbers, each with its
 /// own round-off.
-pub(super) fn audit(history: &Table) -> Audit {
+pub(super) fn audit(history: &NumberTable) -> Audit {
     let plus = [
         columns::KINETIC.name,
         columns::ELASTIC.name,
@@ -93,9 +93,9 @@ pub(super) fn audit(history: &Table) -> Audit {
 
 /// Compares the contact points at a step with its row in the history.
 pub(super) fn contact(
-    points: &Table,
+    points: &NumberTable,
     problem: &Problem,
-    (history, row): (&Table, usize),
+    (history, row): (&NumberTable, usize),
     differences: &mut Differences,
 ) {
     // Worn material of bodies that slide over each other does not stay with their contact points.
