@@ -542,7 +542,7 @@ fn turned(
         match local.along(dof - 1) {
             Some((axis, sign)) if axis < dim => all.push((PrescribedQuantity::Displacement(axis), sign * value)),
             _ if moved.len() == 1 && value == 0.0 && !local.is_radial(dof - 1) => {
-                all.push((PrescribedQuantity::Normal, 0.0))
+                all.push((PrescribedQuantity::Normal, 0.0));
             }
             _ => {
                 let found = format!("the degree of freedom {dof} in the axes of a *TRANSFORM, {}", number(value));

@@ -434,7 +434,7 @@ impl MeshReader {
                 self.set(DeckSetKind::Nodes, card.required("NSET")?, card.parameter("INSTANCE"), items);
             }
             "ELSET" => {
-                self.set(DeckSetKind::Elements, card.required("ELSET")?, card.parameter("INSTANCE"), members(card)?)
+                self.set(DeckSetKind::Elements, card.required("ELSET")?, card.parameter("INSTANCE"), members(card)?);
             }
             "SURFACE" => self.set(DeckSetKind::Surface, card.required("NAME")?, None, Vec::new()),
             _ => {}

@@ -288,13 +288,13 @@ impl<'a> CaseWriter<'a> {
                 PrescribedQuantity::Traction(d) => traction[*d] = of((0.0, true), units.stress(), 0.0),
                 PrescribedQuantity::Normal => lines += "normal_displacement = 0.0\n",
                 PrescribedQuantity::Temperature => {
-                    lines += &format!("temperature = {}\n", of((initial, true), 1.0, -shift))
+                    lines += &format!("temperature = {}\n", of((initial, true), 1.0, -shift));
                 }
                 PrescribedQuantity::Pressure => {
-                    lines += &format!("pressure = {}\n", of((0.0, true), units.stress(), 0.0))
+                    lines += &format!("pressure = {}\n", of((0.0, true), units.stress(), 0.0));
                 }
                 PrescribedQuantity::HeatInflow => {
-                    lines += &format!("heat_inflow = {}\n", of((0.0, true), units.flux(), 0.0))
+                    lines += &format!("heat_inflow = {}\n", of((0.0, true), units.flux(), 0.0));
                 }
                 PrescribedQuantity::Ambient => {
                     let ambient = of((initial, false), 1.0, -shift);

@@ -173,7 +173,7 @@ fn wear_and_friction_work_are_drawn_where_there_are_some() {
     assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m at a contact point"), "wear");
     assert!(!has_text(&svg(PictureKind::Contact, &run), "friction work"), "no friction work");
     let change = |run: &mut DrawnRun, f: fn(&mut SolidContact)| {
-        run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f)
+        run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f);
     };
     change(&mut run, |row| row.friction_work = 5.0 + row.x[0]);
     let both = svg(PictureKind::Contact, &run);
