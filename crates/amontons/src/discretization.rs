@@ -341,7 +341,7 @@ impl Discretization {
         if self.warm.capacity.is_empty() {
             self.storage().1.apply(theta)
         } else {
-            forms::stored_heat(&self.mesh, &self.warm.capacity, theta).into()
+            forms::stored_heat(&self.mesh, &self.warm.capacity, theta)
         }
     }
 
@@ -351,7 +351,7 @@ impl Discretization {
         if self.warm.expansion.is_empty() {
             self.m.apply(theta)
         } else {
-            forms::expanded(&self.mesh, &self.warm.expansion, &self.dilatation, theta).into()
+            forms::expanded(&self.mesh, &self.warm.expansion, &self.dilatation, theta)
         }
     }
 
@@ -403,7 +403,7 @@ impl Discretization {
         let conducted = if conductivity.is_empty() {
             self.d.apply(theta)
         } else {
-            forms::conduction(&self.mesh, conductivity, theta).into()
+            forms::conduction(&self.mesh, conductivity, theta)
         };
         with(conducted, self.convection.as_ref(), theta)
     }

@@ -89,7 +89,7 @@ impl Relaxation {
                 for ((e, bar), time) in strains.chunks_exact_mut(count).zip(bar.chunks_exact(count)).zip(times) {
                     e.iter_mut().zip(bar).for_each(|(e, bar)| *e = factor(rule, *time) * (bar + gamma * *e));
                 }
-                strains.into()
+                strains
             }
         }
     }
@@ -100,7 +100,7 @@ impl Relaxation {
         match &self.0 {
             BranchKind::Same { form, .. } => form.apply(state),
             BranchKind::Varying { mesh, dilatation, springs, .. } => {
-                StrainPoints { mesh, dilatation }.force(&laws(springs), state).into()
+                StrainPoints { mesh, dilatation }.force(&laws(springs), state)
             }
         }
     }

@@ -74,7 +74,7 @@ impl Begun {
         } else {
             let mut theta = copy(&old.theta);
             discrete.q.prescribe(t, &mut theta);
-            step.to_level(&mut theta);
+            step.put_at_level(&mut theta);
             let [mass_theta, d_theta] = if theta == bar.theta {
                 [copy(&products.mass_theta), copy(&products.d_theta)]
             } else {

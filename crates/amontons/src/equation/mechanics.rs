@@ -481,10 +481,10 @@ struct Iterate<'a> {
     w: Vec<f64>,
     rigid: Vec<Rigid>,
     multipliers: Multipliers,
-    mass_w: Cow<'a, Vec<f64>>,
-    a_u: Cow<'a, Vec<f64>>,
-    a_w: Cow<'a, Vec<f64>>,
-    b_w: Cow<'a, Vec<f64>>,
+    mass_w: Cow<'a, [f64]>,
+    a_u: Cow<'a, [f64]>,
+    a_w: Cow<'a, [f64]>,
+    b_w: Cow<'a, [f64]>,
     /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
     relaxing: Vec<f64>,
     hold: Hold,
@@ -585,7 +585,7 @@ impl<'a> Begun<'a> {
         } else if discrete.is_linear() && !changes {
             // a(ū + γ w̄, ·) without another product.
             let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
-            let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(Cow::Borrowed);
+            let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
             let relaxing = step.relaxing(&w);
             Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
         } else {
@@ -603,7 +603,7 @@ impl<'a> Begun<'a> {
             let products = step.discrete.mechanical_products(&m.u, &w, warmed);
             Iterate::new(step, w, multipliers, products)
         } else {
-            let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(Cow::Borrowed);
+            let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(|v| Cow::Borrowed(&**v));
             let (rigid, relaxing, hold) = (rigid.clone(), relaxing.clone(), m.hold.clone());
             Iterate { w, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold }
         };

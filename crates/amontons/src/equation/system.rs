@@ -130,7 +130,7 @@ impl Step<'_> {
     }
 
     /// Takes values of the temperature at the end of the step to the time of its equations.
-    pub fn to_level(&self, theta: &mut [f64]) {
+    pub fn put_at_level(&self, theta: &mut [f64]) {
         if !self.rule.is_at_end() {
             let start = self.old.theta.iter();
             theta.iter_mut().zip(start).for_each(|(theta, start)| *theta = self.rule.between([*start, *theta]));

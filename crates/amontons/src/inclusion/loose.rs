@@ -354,14 +354,18 @@ impl Jumps {
     pub fn take_off(&self, x: &mut [f64]) {
         for column in &self.columns {
             let share: f64 = column.iter().map(|(at, value)| value * x[*at as usize]).sum();
-            column.iter().for_each(|(at, value)| x[*at as usize] -= share * value);
+            for (at, value) in column {
+                x[*at as usize] -= share * value;
+            }
         }
     }
 
     /// Adds the forces that do along each motion what is given, to forces that do nothing.
     pub fn put_on(&self, loads: &[[f64; 2]], r: &mut [f64]) {
         for (column, [load, _]) in self.columns.iter().zip(loads) {
-            column.iter().for_each(|(at, value)| r[*at as usize] += load * value);
+            for (at, value) in column {
+                r[*at as usize] += load * value;
+            }
         }
     }
 

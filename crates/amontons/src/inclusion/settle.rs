@@ -170,13 +170,13 @@ impl Mechanical<'_> {
                 Err(error) => return Err(error),
             }
         }
-        let of_free = |free: Free| Undetermined { load: 0.0, sum: free.a.to_vec() };
+        let of_free = |free: Free| Undetermined { load: 0.0, sum: free.a.clone() };
         let mut loose: Vec<Undetermined> = self.left_free(&end).into_iter().map(of_free).collect();
         let mut held = vec![0.0; end.x.len()];
         for (free, spring) in self.holds.iter().flat_map(|holds| &holds.held) {
             let motion = spring.motion(&end.x);
             spring.add(-motion, &mut held);
-            loose.push(Undetermined { load: spring.stiffness * motion, sum: free.a.to_vec() });
+            loose.push(Undetermined { load: spring.stiffness * motion, sum: free.a.clone() });
         }
         Ok(Settled { end, iterations, loose, held: self.interface.back(&held) })
     }
@@ -202,7 +202,7 @@ impl Mechanical<'_> {
                 self.interface.rows[i].weight * (p.abs() + q1.hypot(q2)) * (DOUBTFUL * doubt + DRIVES * size)
             };
             let doubtful: f64 = laws.iter().enumerate().map(of_point).sum();
-            (load.abs() > doubtful + DRIVES * self.load(free)[1]).then(|| Undetermined { load, sum: free.a.to_vec() })
+            (load.abs() > doubtful + DRIVES * self.load(free)[1]).then(|| Undetermined { load, sum: free.a.clone() })
         };
         holds.held.iter().filter_map(of).collect()
     }
@@ -216,7 +216,7 @@ impl Mechanical<'_> {
     /// What the loads do along a motion that no contact resists, if it is not their round-off.
     fn driven(&self, free: &Free) -> Option<Undetermined> {
         let [load, size] = self.load(free);
-        (free.is_exact && load.abs() > DRIVES * size).then(|| Undetermined { load, sum: free.a.to_vec() })
+        (free.is_exact && load.abs() > DRIVES * size).then(|| Undetermined { load, sum: free.a.clone() })
     }
 
     /// Beyond which distance a part of the body meets nothing, as a velocity in m/s; infinite where no part is loose.
@@ -263,7 +263,7 @@ impl Mechanical<'_> {
             let load = dot(&free.vector, &rest);
             let [acts, size] = self.load(free);
             (acts.abs() > SLIPS * size && load.abs() > SLIPS * acts.abs())
-                .then(|| Undetermined { load, sum: free.a.to_vec() })
+                .then(|| Undetermined { load, sum: free.a.clone() })
         };
         Ok(free.iter().filter_map(drives).collect())
     }

@@ -248,7 +248,7 @@ impl Span {
 }
 
 fn combination(factors: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
-    let mut sum = vec![0.0; vectors.first().map_or(0, |vector| vector.len())];
+    let mut sum = vec![0.0; vectors.first().map_or(0, Vec::len)];
     add_combination(&mut sum, factors, vectors);
     sum
 }

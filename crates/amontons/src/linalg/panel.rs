@@ -144,7 +144,7 @@ impl Panel {
             for a in 0..4 {
                 let mut s = dense[j + a];
                 for b in 0..a {
-                    s = s - z[b] * c[b][a - b];
+                    s -= z[b] * c[b][a - b];
                 }
                 z[a] = s / c[a][0];
             }
@@ -153,7 +153,7 @@ impl Panel {
             let m = tail.len();
             let (c0, c1, c2, c3) = (&c[0][4..][..m], &c[1][3..][..m], &c[2][2..][..m], &c[3][1..][..m]);
             for i in 0..m {
-                tail[i] = tail[i] - ((z[0] * c0[i] + z[1] * c1[i]) + (z[2] * c2[i] + z[3] * c3[i]));
+                tail[i] -= (z[0] * c0[i] + z[1] * c1[i]) + (z[2] * c2[i] + z[3] * c3[i]);
             }
             j += 4;
         }
@@ -162,7 +162,7 @@ impl Panel {
             let z = dense[j] / c[0];
             dense[j] = z;
             for (d, c) in dense[j + 1..].iter_mut().zip(&c[1..]) {
-                *d = *d - z * *c;
+                *d -= z * *c;
             }
             j += 1;
         }
@@ -171,7 +171,7 @@ impl Panel {
         for rows in &rows[self.below.clone()] {
             let (now, rest) = changes.split_at(rows.range().len());
             for (entry, change) in vector[rows.range()].iter_mut().zip(now) {
-                *entry = *entry + *change;
+                *entry += *change;
             }
             changes = rest;
         }
@@ -200,7 +200,7 @@ impl Panel {
             for a in (0..4).rev() {
                 let mut s = dense[j + a] - sums[a];
                 for b in a + 1..4 {
-                    s = s - dense[j + b] * c[a][b - a];
+                    s -= dense[j + b] * c[a][b - a];
                 }
                 dense[j + a] = s / c[a][0];
             }

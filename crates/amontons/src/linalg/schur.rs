@@ -161,7 +161,9 @@ impl Schur {
         }
         for Spring { stiffness, vector } in tangent.springs() {
             for (i, a) in vector {
-                vector.iter().for_each(|(j, b)| matrix.add(*i as usize, *j as usize, stiffness * a * b));
+                for (j, b) in vector {
+                    matrix.add(*i as usize, *j as usize, stiffness * a * b);
+                }
             }
         }
         matrix

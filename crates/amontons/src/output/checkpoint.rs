@@ -394,7 +394,7 @@ impl Checkpoint {
         }
         let worn = &self.state.surface.worn;
         let (kept, expected): (Vec<usize>, _) =
-            (worn.depths.iter().map(|d| d.len()).collect(), discretization.worn.lengths());
+            (worn.depths.iter().map(Vec::len).collect(), discretization.worn.lengths());
         same("sides that wear", kept.len(), expected.len())?;
         kept.into_iter().zip(expected).try_for_each(|(kept, of)| same("vertices of a side that wears", kept, of))?;
         same("volumes worn off", worn.volumes.len(), problem.contacts.len())?;

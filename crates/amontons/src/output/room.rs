@@ -38,10 +38,7 @@ pub(super) fn demand(
     let points = from.discretization.boundary.points.len() as f64;
     let per_snapshot = grid * 4.0 / 3.0 + points * (300.0 + OF_SURFACE);
     let state = from.state;
-    let kept = state.u.len()
-        + state.w.len()
-        + state.theta.len()
-        + state.branches.iter().map(|branch| branch.len()).sum::<usize>();
+    let kept = state.u.len() + state.w.len() + state.theta.len() + state.branches.iter().map(Vec::len).sum::<usize>();
     let checkpoint = 8.0 * kept as f64 + points * 300.0;
     let snapshots: f64 = snapshots.iter().map(|&n| n as f64).sum();
     let packed = if format == FieldsFormat::Vtu { 0.0 } else { snapshots * grid };

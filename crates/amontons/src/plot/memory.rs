@@ -213,7 +213,7 @@ fn displacement<const D: usize>(mesh: &Mesh, state: &State) -> Vec<[f64; D]> {
 }
 
 fn temperature(problem: &Problem, state: &State) -> Vec<f64> {
-    if problem.physics.has_temperature() { state.theta.to_vec() } else { Vec::new() }
+    if problem.physics.has_temperature() { state.theta.clone() } else { Vec::new() }
 }
 
 /// The region of each cell.

@@ -48,7 +48,7 @@ impl ProblemData {
     #[must_use]
     pub fn first_temperature(&self) -> Vec<f64> {
         if self.temperature.is_empty() {
-            self.initial.temperature.values(&self.mesh.points, 0.0).to_vec()
+            self.initial.temperature.values(&self.mesh.points, 0.0)
         } else {
             self.given_temperature(0.0)
         }

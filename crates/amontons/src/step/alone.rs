@@ -17,7 +17,7 @@ use crate::state::CouplingReport;
 /// Solves (4.1) without a temperature, or with that which is given at t_n.
 pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let theta: Vec<f64> = match step.problem.physics {
-        Physics::Warmed => step.problem.given_temperature(step.level).into(),
+        Physics::Warmed => step.problem.given_temperature(step.level),
         _ => vec![0.0; step.old.theta.len()],
     };
     Ok(made(Mechanics::solve(step, half, &theta, None, &mut ())?, no_heat(step, theta)))

@@ -473,9 +473,9 @@ impl Scheme for March {
         Ok(State {
             step: 0,
             t: 0.0,
-            u: u.into(),
-            w: w.into(),
-            theta: theta.into(),
+            u,
+            w,
+            theta,
             multipliers,
             branches,
             carried: Carried::default(),

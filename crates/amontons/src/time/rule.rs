@@ -34,7 +34,7 @@ impl Rule {
     /// Returns true if the equations hold at the end of the step.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
-        self.level == 1.0
+        self.level >= 1.0
     }
 
     /// The time t_ϑ of the equations in a step from `start` to `end`, s.

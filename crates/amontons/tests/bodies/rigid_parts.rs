@@ -392,7 +392,7 @@ fn a_punch_is_pressed_by_a_force() {
 /// All nodes of the rigid part have the displacement of a rigid body.
 fn assert_moves_rigidly(problem: &Problem, state: &State, most: f64) {
     let body = &problem.displacement_space().rigid[0];
-    let mut projected = state.u.to_vec();
+    let mut projected = state.u.clone();
     body.enter(&mut projected);
     body.leave(&mut projected);
     assert!(projected.iter().zip(state.u.iter()).all(|(a, b)| (a - b).abs() < 1e-12 * most));
@@ -409,7 +409,7 @@ fn assert_moved_bears(problem: &Problem) {
     let memory = solve(problem);
     let state = last(&memory);
     let body = &problem.displacement_space().rigid[0];
-    let mut q = state.u.to_vec();
+    let mut q = state.u.clone();
     body.enter(&mut q);
     // u = Σ q_j m_j as expressions in x and y.
     let sum = |of: &dyn Fn(&Point) -> f64| -> f64 {

@@ -34,7 +34,7 @@ fn tenth(elements: &str, n: usize, more: &str) -> Case {
 fn solved(problem: &Problem) -> Vec<f64> {
     let mut memory = Memory::new().states_every(1);
     run(problem, &settings(), &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
-    memory.states.last().unwrap().u.to_vec()
+    memory.states.last().unwrap().u.clone()
 }
 
 /// The root of the mean square of the error of u at the nodes, against Lamé's formula in plane strain.

@@ -332,7 +332,7 @@ fn turned(problem: Problem, angle: f64) -> Problem {
 fn turned_back(state: &State, angle: f64) -> [Vec<f64>; 3] {
     let (sin, cos) = angle.sin_cos();
     let back = |v: &[f64]| v.chunks_exact(2).flat_map(|v| [cos * v[0] + sin * v[1], cos * v[1] - sin * v[0]]).collect();
-    [back(&state.u), back(&state.w), state.theta.to_vec()]
+    [back(&state.u), back(&state.w), state.theta.clone()]
 }
 
 /// No direction is preferred: turned by large and by tiny angles, the problem with every pair of laws and a foundation

@@ -74,7 +74,7 @@ fn plain_mechanics(
         (discrete.f.at(t), discrete.mass.apply(&old.w), discrete.a.apply(&old.u), discrete.m.apply(&old.theta));
     let mut right: Vec<f64> = (0..size).map(|i| load[i] + mass_w[i] / k - a_u[i] + thermal[i]).collect();
     discrete.v.mask(&mut right);
-    let mut w = old.w.to_vec();
+    let mut w = old.w.clone();
     let mut multiplier = multiplier.to_vec();
     let mut previous = Vec::new();
     for _ in 0..60 {
@@ -160,8 +160,7 @@ fn condensed_and_plain_solutions_agree_to_1e_9() {
         let mut multiplier = vec![0.0; n + 1];
         for step in 1..=problem.timeline.steps() {
             let (u, w, theta) = plain_step(&scheme, &plain, &mut multiplier, problem.timeline.longest(), n, foundation);
-            plain =
-                State { step, t: problem.timeline.time(step), u: u.into(), w: w.into(), theta: theta.into(), ..plain };
+            plain = State { step, t: problem.timeline.time(step), u, w, theta, ..plain };
             state = scheme.step(&state).expect("a step").0;
             for (name, a, b) in
                 [("u", &state.u, &plain.u), ("w", &state.w, &plain.w), ("theta", &state.theta, &plain.theta)]

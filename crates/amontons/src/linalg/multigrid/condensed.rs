@@ -291,7 +291,9 @@ impl Iterative {
         let (turns, by_degree) = (self.turns_by_degree.clone(), self.by_degree(tangent));
         let Some(factor) = self.factor()? else { return Ok(None) };
         let mut x = factor.solve(&by_degree, &turns, &straight)?;
-        turns.iter().for_each(|turn| turn.forward(&mut x));
+        for turn in &turns {
+            turn.forward(&mut x);
+        }
         Ok(Some(self.unknowns.pick(&x)))
     }
 

@@ -75,7 +75,7 @@ impl Fields {
             let difference = from.as_ref().map_or(f64::NAN, |from| largest_difference(from, into));
             tell(name, difference, into.iter().fold(0.0f64, |m, v| m.max(v.abs())));
             if let Some(from) = from {
-                *into = from.into();
+                *into = from;
             }
         };
         if problem.physics.has_mechanics() {
@@ -92,9 +92,9 @@ impl Fields {
         let nodes = problem.mesh.points.len();
         let zero = || vec![0.0; nodes * self.dim];
         State {
-            u: self.vector("displacement").unwrap_or_else(zero).into(),
-            w: self.vector("velocity").unwrap_or_else(zero).into(),
-            theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], |values| values.to_vec()),
+            u: self.vector("displacement").unwrap_or_else(zero),
+            w: self.vector("velocity").unwrap_or_else(zero),
+            theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], <[f64]>::to_vec),
             step: 0,
             t: 0.0,
             multipliers: Multipliers::default(),
