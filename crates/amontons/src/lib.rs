@@ -20,7 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`problem::Problem`] holds the data, [`scheme`] makes the steps, [`output::Sink`]s take the results; laws are
+//! [`problem::Problem`] holds the data, [`step`] makes the steps, [`output::Sink`]s take the results; laws are
 //! the traits of [`material`] and [`contact`], and [`contract`] tests yours.
 //!
 //! | feature | on by default | holds |
