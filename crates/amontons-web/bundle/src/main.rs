@@ -1,11 +1,12 @@
 //! Writes the page for a browser as one file, which needs no server and asks for no other file, and beside it the
 //! licences of the libraries in it:
-//! `cargo run --release --manifest-path crates/amontons-web/Cargo.toml [-- FILE]`.
+//! `cargo run --release --manifest-path crates/amontons-web/bundle/Cargo.toml [-- [--profile PROFILE] FILE]`.
 //!
 //! The library is compiled to WebAssembly, compressed, and put into the page beside its script, its style and the
 //! paper's case. `release/licences` lists the licences, with Python 3: `PYTHON` may name the interpreter.
 
 use std::error::Error;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{env, fs};
@@ -24,16 +25,24 @@ const SCRIPT: &str = include_str!("../../page/main.js");
 const WORKER: &str = include_str!("../../page/worker.js");
 const CASE: &str = include_str!("../../../../cases/paper.toml");
 const LEVEL: u8 = 9;
+/// How the library is compiled unless `--profile` says so.
+const PROFILE: &str = "release";
 /// What the name of the licences has beyond that of the page.
 const LICENCES: &str = "-THIRD-PARTY.txt";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let file = PathBuf::from(env::args_os().nth(1).unwrap_or_else(|| "amontons.html".into()));
+    let mut arguments: Vec<OsString> = env::args_os().skip(1).collect();
+    let profile = match arguments.first() {
+        Some(first) if first == "--profile" && arguments.len() > 1 => arguments.drain(..2).nth(1),
+        _ => None,
+    };
+    let profile = profile.unwrap_or_else(|| PROFILE.into());
+    let file = PathBuf::from(arguments.pop().unwrap_or_else(|| "amontons.html".into()));
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let name = file.file_name().ok_or_else(|| format!("found {}, expected the name of a file", file.display()))?;
     let beside = format!("{}{LICENCES}", name.to_string_lossy());
     let licences = licences(&package)?;
-    let [glue, library] = bound(&compiled(&package)?)?;
+    let [glue, library] = bound(&compiled(&package, &profile)?)?;
     let page = page(&String::from_utf8(glue)?, &library, &beside)?;
     let put = |file: &Path, text: &[u8]| {
         fs::write(file, text).map_err(|error| format!("cannot write {}: {error}", file.display()))
@@ -58,25 +67,19 @@ fn licences(package: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     }
 }
 
-/// The library as WebAssembly.
-fn compiled(package: &Path) -> Result<PathBuf, Box<dyn Error>> {
+/// The library as WebAssembly, compiled with a profile of the workspace.
+fn compiled(package: &Path, profile: &OsStr) -> Result<PathBuf, Box<dyn Error>> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| package.join("target"), PathBuf::from);
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| package.join("../../target"), PathBuf::from);
     let manifest = package.join("Cargo.toml");
     let mut command = Command::new(cargo);
-    command.args([
-        "build",
-        "--release",
-        "--locked",
-        "--package",
-        "amontons-web",
-        "--target",
-        TARGET,
-        "--manifest-path",
-    ]);
-    let status = command.arg(&manifest).arg("--target-dir").arg(&target).status()?;
+    command
+        .args(["build", "--locked", "--package", "amontons-web", "--lib", "--target", TARGET, "--profile"])
+        .arg(profile);
+    command.arg("--manifest-path").arg(&manifest).arg("--target-dir").arg(&target);
+    let status = command.status()?;
     if status.success() {
-        Ok(target.join(TARGET).join("release/amontons_web.wasm"))
+        Ok(target.join(TARGET).join(profile).join("amontons_web.wasm"))
     } else {
         Err(format!("the library could not be compiled for {TARGET}; `rustup target add {TARGET}` adds this target")
             .into())

@@ -58,7 +58,7 @@ fn block(scheme: TimeScheme, steps: usize, quarters: usize, has_contact: bool) -
     (data.physics, data.scheme) = (Physics::Mechanics, scheme);
     let [x, y, _] = turned([0.3, -1.0, 0.0]);
     data.body_force = vec![x.into(), y.into()];
-    data.boundary = vec![BoundaryCondition::on(top).displacement([0.0; 3])];
+    data.boundary = vec![BoundaryCondition::on(top).displacement([0.0; 2])];
     if has_contact {
         let mut contact = Contact::new(bottom, Compliance { stiffness: 300.0 });
         contact.friction = Arc::new(Coulomb { coefficient: 0.3 });

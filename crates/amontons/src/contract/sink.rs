@@ -16,7 +16,7 @@ fn rod() -> Problem {
     let material = Material::new(1, Isotropic::elastic(1, 1.0, 0.0, StressState::PlaneStress));
     let mut data = ProblemData::new("a rod", mesh, material, 1.0, 4);
     data.physics = Physics::Mechanics;
-    data.boundary = vec![BoundaryCondition::on("left").displacement([0.0; 3])];
+    data.boundary = vec![BoundaryCondition::on("left").displacement([0.0; 1])];
     data.contacts = vec![Contact::new("right", Compliance { stiffness: 10.0 })];
     data.body_force = vec![1.0.into()];
     data.check().unwrap_or_else(|faults| panic!("{faults}"))
