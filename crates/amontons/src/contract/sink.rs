@@ -1,12 +1,12 @@
 //! What every sink of results must satisfy.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contact::{Compliance, Contact};
 use crate::material::{Isotropic, Material, StressState};
 use crate::mesh::{Elements, Mesh};
-use crate::output::Sink;
+use crate::output::{OutputError, RunStart, Sink, Snapshot, Summary};
 use crate::problem::{BoundaryCondition, Physics, Problem, ProblemData};
 use crate::run::{RunError, Settings, run};
 
@@ -22,7 +22,26 @@ fn rod() -> Problem {
     data.check().unwrap_or_else(|faults| panic!("{faults}"))
 }
 
-/// Checks that a sink takes a whole run, and one that is asked to stop before its first step, without an error.
+/// Asks the run to stop after its first step.
+struct Stop(Arc<AtomicBool>);
+
+impl Sink for Stop {
+    fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
+        Ok(())
+    }
+    fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+        self.0.store(true, Ordering::Relaxed);
+        Ok(())
+    }
+    fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+        Ok(())
+    }
+    fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+/// Checks that a sink takes a whole run, and one that is asked to stop after its first step, without an error.
 ///
 /// # Panics
 /// Panics if the sink violates the contract.
@@ -33,8 +52,9 @@ pub fn assert_sink<S: Sink>(make: impl Fn() -> S) {
         panic!("a sink does not take a run: {error}");
     }
     let mut sink = make();
-    let stopped = Settings { interrupt: Some(Arc::new(AtomicBool::new(true))), ..settings() };
-    match run(&problem, &stopped, &mut [&mut sink]) {
+    let flag = Arc::new(AtomicBool::new(false));
+    let stopped = Settings { interrupt: Some(Arc::clone(&flag)), ..settings() };
+    match run(&problem, &stopped, &mut [&mut Stop(flag), &mut sink]) {
         Err(RunError::Interrupted(_)) => {}
         Err(error) => panic!("a sink does not take a run that is asked to stop: {error}"),
         Ok(_) => panic!("a run that is asked to stop goes on"),

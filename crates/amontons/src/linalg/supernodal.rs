@@ -422,8 +422,8 @@ mod tests {
         assert!(error < 1e-13, "{components} per node: {error:e}");
     }
 
-    /// With both diagonals, nodes in no order, one to three unknowns per node, in the plane and in space, one cell unlike
-    /// the others, two materials in no order, and no cell like another.
+    /// With both diagonals, nodes in no order, one to three unknowns per node, in the plane and in space, one cell
+    /// unlike the others, two materials in no order, and no cell like another.
     #[test]
     fn the_sweeps_find_a_known_solution() -> Result<(), MeshError> {
         let alike = |_: usize| 1.0;

@@ -322,8 +322,8 @@ fn heading(panels: &[RunPanel], what: &str) -> String {
 /// their paths.
 ///
 /// Pictures of the body and of Γ_C show the times of the options, or those that [`DrawnRun::frames`] chooses. A body in
-/// one dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no temperature
-/// without heat, no wear without wear.
+/// one dimension has no pictures of its fields and of Γ_C. Fields that a run does not have are not drawn: no
+/// temperature without heat, no wear without wear.
 ///
 /// # Errors
 /// A file is missing or damaged, or a picture cannot be written; the error names the file.

@@ -297,9 +297,8 @@ impl March {
         let (mut state, mut report, products) = made.end(&now, ledger);
         state.counts.krylov_iterations += krylov;
         report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
-        // Products of a deformation, and of laws that are not linear before the end of a step, are made anew.
-        let stays = state.carried.rigid.is_empty() && (now.rule.is_at_end() || self.discrete.is_linear());
-        self.products = stays.then_some(products);
+        // Products of a deformation are made anew, as after a break; so are those before the end of a step.
+        self.products = (state.carried.rigid.is_empty() && now.rule.is_at_end()).then_some(products);
         Ok((state, report))
     }
 }
@@ -373,15 +372,14 @@ impl Made {
                 heat_flow: heat.through_contact,
             },
         };
-        let before = step.products;
         let products = Products {
             t: step.t,
-            mass_w: step.end(&before.mass_w, mechanics.mass_w),
-            a_u: step.end(&before.a_u, mechanics.a_u),
-            a_w: step.end(&before.a_w, mechanics.a_w),
-            b_w: step.end(&before.b_w, mechanics.b_w),
-            mass_theta: step.end(&before.mass_theta, heat.mass_theta),
-            d_theta: step.end(&before.d_theta, heat.d_theta),
+            mass_w: mechanics.mass_w,
+            a_u: mechanics.a_u,
+            a_w: mechanics.a_w,
+            b_w: mechanics.b_w,
+            mass_theta: heat.mass_theta,
+            d_theta: heat.d_theta,
         };
         (state, report, products)
     }

@@ -7,7 +7,9 @@ use super::papers::{files, text};
 /// Folders with the sources of library and program.
 const SOURCES: [&str; 2] = ["crates/amontons/src", "crates/amontons-cli/src"];
 /// Largest number of names that several types share.
-const SHARED: usize = 10;
+const SHARED: usize = 13;
+/// The keys of the case file: their types are called as what they become.
+const MIRROR: &str = "case/raw";
 
 /// The name that a line defines as a type or a trait; definitions in functions and modules of a file do not count.
 fn defined(line: &str) -> Option<&str> {
@@ -24,7 +26,8 @@ fn defined(line: &str) -> Option<&str> {
 #[test]
 fn few_names_of_types_are_shared() {
     let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for path in SOURCES.iter().flat_map(|folder| files(folder, &[".rs"])) {
+    let all = SOURCES.iter().flat_map(|folder| files(folder, &[".rs"]));
+    for path in all.filter(|path| !path.to_string_lossy().contains(MIRROR)) {
         for (number, line) in text(&path).lines().enumerate() {
             if let Some(name) = defined(line) {
                 places.entry(name.to_owned()).or_default().push(format!("{}:{}", path.display(), number + 1));

@@ -105,8 +105,8 @@ mod tests {
         }
     }
 
-    /// At ϑ = ½ the work of the mean pressure is the change of the energy, of every law that is a function; the slope is
-    /// the derivative.
+    /// At ϑ = ½ the work of the mean pressure is the change of the energy, of every law that is a function; the slope
+    /// is the derivative.
     #[test]
     fn the_work_is_the_change_of_the_energy() {
         let x = [0.1, 0.2, 0.0];
