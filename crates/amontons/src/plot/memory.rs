@@ -65,7 +65,7 @@ impl DrawnRun {
 ///
 /// ```
 /// use std::sync::Arc;
-/// use amontons::plot::{self, Film, Kind, Options, Panel};
+/// use amontons::plot::{self, Film, Options, PictureKind, RunPanel};
 /// use amontons::{case, run::{Settings, run}};
 ///
 /// let source = case::Source::new("starter.toml", case::STARTER);
@@ -73,7 +73,7 @@ impl DrawnRun {
 /// let mut film = Film::new(&problem, 8);
 /// run(&problem, &Settings::default(), &mut [&mut film])?;
 /// let last = film.frame(film.times().len() - 1)?;
-/// let picture = plot::picture(Kind::Contact, &[Panel { title: "", run: &last }], &Options::default())?;
+/// let picture = plot::picture(PictureKind::Contact, &[RunPanel { title: "", run: &last }], &Options::default())?;
 /// assert!(picture.svg().contains("pressure"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
