@@ -12,7 +12,7 @@ use crate::state::Ledger;
 use crate::tensor;
 use crate::time::Rule;
 
-/// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
+/// Closing error, relative to the energy or heat turned over, above which the round-off of the terms is examined.
 const TELLING: f64 = 1e-11;
 
 /// The ledger after a step.
@@ -21,8 +21,8 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let theta = step.end(&step.old.theta, heat.theta.clone());
     let energy = Energy::of(step, m, &theta);
     let error = energy.error(before);
-    // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its
-    // terms closes.
+    // If a body only moves rigidly, its stresses are round-off and no energy is turned over. The identity then counts
+    // as closed if the error is within the round-off of its terms.
     let mut turned_over = energy.load_work.abs() + energy.thermal_work.abs() + energy.modulus_work.abs();
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
         let v = m.moving();
@@ -69,7 +69,7 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
 
 /// The terms of the identity of energy over a step, J.
 struct Energy {
-    /// Stored at its end: ½ρ‖w‖², elasticity, and the compliance of the contact.
+    /// Energy, dissipation and work on Γ_C in the step. `load_work` is the work of loads and supports, J.
     kinetic: f64,
     elastic: f64,
     contact: f64,
@@ -123,19 +123,19 @@ impl Energy {
     }
 }
 
-/// What the tractions on Γ_C store, dissipate and work in a step, J.
+/// Stored energy, dissipation and work of the tractions on Γ_C in a step, J.
 #[derive(Default)]
 struct OnContact {
-    /// Stored in the compliance at its end, and by what a stiffness that changes with time raises it.
+    /// Energy stored in the compliance at the end of the step, and its increase by a stiffness that changes with time.
     energy: f64,
     stiffening: f64,
     friction: f64,
     /// Work of the pressure along the change of the penetration, wear included.
     pressing: f64,
-    /// Of this, dissipated by damped layers, and lost with wear.
+    /// Shares of this work: dissipated by damped layers, and lost with wear.
     damping: f64,
     worn: f64,
-    /// Work of the loads and supports, with that of a foundation that moves.
+    /// Work of the loads, the supports and a moving foundation.
     load_work: f64,
 }
 
@@ -144,13 +144,13 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
     let Step { contacts, discrete, boundary, old, rule: Rule { k, .. }, .. } = *step;
     let changes = contacts.iter().any(|contact| contact.normal.at_time(step.level).is_some());
     let mut sum = OnContact { load_work, ..OnContact::default() };
-    // The energy of the layer at the start of the step by the laws at its end.
+    // Energy of the layer at the start of the step, with the laws at the end of the step.
     let mut start = 0.0;
     let asked = per_point(&arrays(contacts), boundary.points.len().min(m.states.len()), |i| {
         let (point, state) = (&boundary.points[i], &m.states[i]);
         let normal = &contacts[point.contact].normal;
         let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
-        // The pressure of a mean is none of a rate.
+        // The pressure at t_ϑ < t₁ is a mean over the step and does not belong to a rate.
         let is_function = normal.graph() == GraphKind::Function && step.rule.is_at_end();
         (normal.potential(&point.x, state.penetration), is_function.then(at_rest))
     });
@@ -167,8 +167,8 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
         sum.worn += point.weight * state.pressure * state.opened;
         if let Some(at_rest) = at_rest {
-            // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
-            // is lost with wear.
+            // The pressure in excess of the pressure at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] the
+            // whole pressure is lost with wear.
             let beyond = state.pressure - at_rest;
             sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.opened);
         }
@@ -180,7 +180,7 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
     sum
 }
 
-/// The sizes of what the heat of a step is the sum of: contents and flows that may cancel over the body.
+/// Sum of the absolute heat contents and flows of a step, which may cancel over the body.
 fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
     let (c, storage) = step.discrete.storage();
     let sum = |sizes: Vec<f64>| sizes.iter().sum::<f64>();
@@ -188,7 +188,7 @@ fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
         + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
 }
 
-/// The size of terms that cancel, where their round-off is the error; else nothing, and the error stands out.
+/// Size of the cancelling terms if the error is within their round-off (4 ε · size), else 0.
 fn explained(error: f64, size: f64) -> f64 {
     if error.abs() <= 4.0 * f64::EPSILON * size { size } else { 0.0 }
 }
@@ -198,19 +198,19 @@ fn absolute(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.abs() * b).sum()
 }
 
-/// The energy that the body stores after a step, and what it dissipates in one besides viscosity.
+/// Energy that the body stores after a step, and the dissipation in the step without viscosity.
 struct Stored {
-    /// In elasticity, springs and branches, J.
+    /// Energy stored in elasticity, springs and branches, J.
     elastic: f64,
     /// Dissipated by the dashpots of the branches, J.
     relaxed: f64,
     /// Dissipated by the scheme, J.
     scheme: f64,
-    /// By what the change of moduli with the temperature raises the energy, J.
+    /// Energy increase by moduli that change with the temperature, J.
     modulus: f64,
 }
 
-/// With the temperature `theta` at the end of the step.
+/// Stored energy and dissipation of a step. `theta` is the temperature at the end of the step.
 fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let Step { discrete, old, rule: Rule { k, .. }, .. } = *step;
     let mut branches = 0.0;
@@ -224,8 +224,8 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     } else if let Some(sum) = softening(step, m, theta) {
         sum
     } else {
-        // What the stress works beyond the change of the potential is the scheme's; without a potential the work is
-        // taken for stored.
+        // The stress work in excess of the change of the potential is dissipated by the scheme. Without a potential the
+        // work is treated as stored.
         let end = step.end(&old.u, m.u.clone());
         let work = dot(&difference(&end, &old.u), &m.a_u);
         let before = before(step);
@@ -242,13 +242,13 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     sum
 }
 
-/// The energy of the body at the start of a step without that of the branches.
+/// Energy of the body at the start of a step, without the branches.
 fn before(step: &Step) -> f64 {
     let branches = step.old.branches.iter().zip(&step.discrete.branches);
     step.old.ledger.elastic - branches.map(|(state, branch)| branch.energy(state)).sum::<f64>()
 }
 
-/// The same of laws that depend on the temperature; none where none does, or where one has no potential.
+/// The stored energy for laws that depend on the temperature, or `None` if no law does or one has no potential.
 ///
 /// With W(u, θ) the energy and θ̂ the temperature that (4.1) was made with, the stress works W(u_n, θ̂) − W(u_{n−1},
 /// θ̂) and what the scheme dissipates. The energy at t is W(u_n, θ_n): its change beyond that work is made by the
@@ -275,7 +275,7 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
 #[derive(Default)]
 struct Foundations {
     content: f64,
-    /// To the surroundings in the step.
+    /// Heat lost to the surroundings in the step.
     lost: f64,
     /// Change of content minus what came in plus what went out, and the absolute amounts.
     error: f64,

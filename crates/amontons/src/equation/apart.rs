@@ -1,4 +1,4 @@
-//! Bodies that move far: their rigid motion apart from their deformation.
+//! Bodies that move far: their rigid motion is split off from their deformation.
 //!
 //! The displacement of a small stiff body that has moved far is the same number at all nodes up to its last digits,
 //! and K u of it is the round-off of that number. With u = R + d, R a rigid motion of each body, K u = K d; with the
@@ -17,9 +17,10 @@ use crate::problem::Problem;
 use crate::state::{Carried, Rigid};
 use crate::tensor::{Point, dot, length};
 
-/// Share of the moments of a body below which its nodes lie on a line, about which they do not turn.
+/// Fraction of the moments of a body below which its nodes count as collinear, so that it does not rotate about their
+/// line.
 const FLAT: f64 = 1e-9;
-/// Sine of the angle between two normals that are those of one plane.
+/// Sine of the angle between two normals below which they count as parallel to one plane.
 const ACROSS: f64 = 1e-6;
 
 /// The bodies of a mesh, whose rigid motions have no strain.
@@ -27,21 +28,21 @@ const ACROSS: f64 = 1e-6;
 pub(crate) struct Bodies {
     dim: usize,
     all: Vec<Body>,
-    /// The body of each node; none of a node without cells.
+    /// The body of each node, or `None` for a node without cells.
     of_node: Vec<Option<usize>>,
 }
 
 #[derive(Debug)]
 struct Body {
     nodes: Vec<u32>,
-    /// x − c of each node, and the inverse of Σ (|x − c|² 1 − (x − c)(x − c)ᵀ); zero where nothing turns.
+    /// x − c of each node, and the inverse of Σ (|x − c|² 1 − (x − c)(x − c)ᵀ); zero if the body does not rotate.
     arms: Vec<Point>,
     inverse: [Point; 3],
 }
 
 impl Bodies {
-    /// None where rigid motions are not free of forces or not those of the mesh: with springs and dashpots, and of a
-    /// sector, whose nodes follow each other turned; and where laws are not linear.
+    /// The bodies of a mesh, or `None` if a law is not linear, or if rigid motions cause forces (springs, dashpots) or
+    /// are not those of the mesh (sectors, whose nodes follow each other rotated; rigid bodies).
     pub fn new(problem: &Problem, mesh: &Mesh, is_linear: bool) -> Option<Bodies> {
         let is_free = problem.boundary.iter().all(|b| b.spring.is_none() && b.dashpot.is_none());
         if !is_linear || !is_free || !problem.cyclic.is_empty() || !problem.rigid.is_empty() {
@@ -65,8 +66,8 @@ impl Bodies {
         Some(Bodies { dim: mesh.dim, all, of_node })
     }
 
-    /// Takes the rigid motion of each body off a field: the one that is nearest to it in the mean square over the
-    /// nodes. A body of revolution moves along its axis alone.
+    /// Removes from a field the rigid motion of each body that is nearest to it in the mean square over the nodes, and
+    /// returns it. A body of revolution moves along its axis only.
     pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> Vec<Rigid> {
         let all = self.all.iter().map(|body| {
             let at = |node: u32| -> Point {
@@ -102,7 +103,7 @@ impl Bodies {
     }
 }
 
-/// The motion at the end of a step: u and w, and where rigid motions are taken apart v = w − W and u by its parts.
+/// The motion at the end of a step: u and w, and if rigid motions are split off also v = w − W and the parts of u.
 pub(crate) struct Whole {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
@@ -110,7 +111,7 @@ pub(crate) struct Whole {
     pub carried: Carried,
 }
 
-/// Where a step takes rigid motions apart.
+/// Bodies and split displacement of a step that splits off rigid motions.
 #[derive(Clone, Copy)]
 pub(crate) struct Apart<'a> {
     pub bodies: &'a Bodies,
@@ -118,13 +119,13 @@ pub(crate) struct Apart<'a> {
 }
 
 impl Step<'_> {
-    /// Takes the rigid motions off velocities; none where the step does not take them apart.
+    /// Removes the rigid motions from velocities and returns them; empty if the step does not split them off.
     pub fn take(&self, w: &mut [f64]) -> Vec<Rigid> {
         let mesh = &self.discrete.mesh;
         self.apart.map_or_else(Vec::new, |apart| apart.bodies.take(mesh.axisymmetric, w))
     }
 
-    /// A field with rigid motions added; as it is where none are taken apart.
+    /// A field plus rigid motions; unchanged if the step does not split them off.
     pub fn with_rigid(&self, rigid: &[Rigid], field: &[f64]) -> Vec<f64> {
         let mut field = field.to_vec();
         if let Some(apart) = self.apart {
@@ -133,7 +134,7 @@ impl Step<'_> {
         field
     }
 
-    /// A field less rigid motions.
+    /// A field minus rigid motions; unchanged if the step does not split them off.
     pub fn less_rigid(&self, rigid: &[Rigid], field: &[f64]) -> Vec<f64> {
         let mut field = field.to_vec();
         if let Some(apart) = self.apart {
@@ -142,7 +143,8 @@ impl Step<'_> {
         field
     }
 
-    /// Displacement and velocity put together of the rigid velocities W, the displacement that strains see and v.
+    /// Displacement and velocity composed of the rigid velocities W, the deformation, which determines the strains, and
+    /// v.
     pub fn whole(&self, rigid: &[Rigid], deformation: Vec<f64>, v: Vec<f64>) -> Whole {
         if self.apart.is_none() {
             return Whole { u: deformation, w: v, v: Vec::new(), carried: Carried::default() };
@@ -152,9 +154,10 @@ impl Step<'_> {
         Whole { u, w, v, carried: Carried { rigid: moved, deformation } }
     }
 
-    /// The rigid velocities with those translations that balance load, contact forces and inertia of each body. The
-    /// mass of a small body may be the round-off of its stiffness, so that a factor of K knows nothing of it. Only
-    /// where neither supports nor contact hold a body: across the normals of points that press, if none sticks.
+    /// The rigid velocities, with translations that balance load, contact forces and inertia of each body. The mass of
+    /// a small body may be lost in the round-off of its stiffness, so that a factor of K does not contain it. Applies
+    /// only to bodies that neither supports nor contact hold; with contact across the normals of the points that press,
+    /// if no point sticks.
     pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> Vec<Rigid> {
         let (rho, form) = self.discrete.inertia();
         let (Some(apart), factor, [load, contact]) = (self.apart, rho / self.rule.delta, forces) else {
@@ -183,7 +186,7 @@ impl Step<'_> {
         apart.bodies.all.iter().zip(rigid).zip(&held).map(of).collect()
     }
 
-    /// Orthonormal directions in which contact holds each body; none where it holds it in all.
+    /// Orthonormal directions in which contact holds each body, or `None` if contact holds it in all directions.
     fn held_directions(&self, bodies: &Bodies, states: &[PointState]) -> Vec<Option<Vec<Point>>> {
         let mut held: Vec<Option<Vec<Point>>> = vec![Some(Vec::new()); bodies.all.len()];
         for (point, state) in self.boundary.points.iter().zip(states) {
@@ -206,7 +209,7 @@ impl Step<'_> {
         held
     }
 
-    /// R_{n−1} + γ W.
+    /// Rigid motions at t_ϑ: R_{n−1} + γ W.
     pub fn carried_on(&self, rigid: &[Rigid]) -> Vec<Rigid> {
         let gamma = self.rule.gamma;
         let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + gamma * b[c]);
@@ -218,19 +221,20 @@ impl Step<'_> {
         both.collect()
     }
 
-    /// The displacement that strains see before the step.
+    /// The displacement before the step that determines the strains.
     pub fn deformation_before(&self) -> &[f64] {
         self.apart.map_or(&self.old.u, |apart| &apart.carried.deformation)
     }
 
-    /// That with the velocity `v`, less W where that is taken apart: ū + γ v, or d_{n−1} + γ v.
+    /// The displacement that determines the strains, with velocity `v` (minus W if rigid motions are split off): ū + γ
+    /// v, or d_{n−1} + γ v.
     pub fn deformed(&self, v: &[f64]) -> Vec<f64> {
         let gamma = self.rule.gamma;
         let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
         map([before, v], |[u, v]| u + gamma * v)
     }
 
-    /// The foundation as bodies see it that move with their rigid motions: gaps, their rates and velocities less those.
+    /// The foundation relative to the rigid motions of the bodies: gaps, gap rates and velocities minus those motions.
     pub fn seen_from(&self, frames: &[Frame], rigid: &[Rigid]) -> Vec<Frame> {
         let (dim, size) = (self.discrete.mesh.dim, self.old.u.len());
         let field = |rigid: &[Rigid]| self.with_rigid(rigid, &vec![0.0; size]);
@@ -249,7 +253,7 @@ impl Step<'_> {
     }
 }
 
-/// A vector less its part along a direction.
+/// A vector minus its component along a direction.
 fn less(v: &Point, direction: &Point) -> Point {
     let along = dot(v, direction);
     std::array::from_fn(|c| v[c] - along * direction[c])
@@ -259,8 +263,8 @@ fn cross(a: &Point, b: &Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The inverse of the moments of a body; zero where its nodes lie on a line. In the plane it turns about the last axis
-/// alone.
+/// The inverse of the moments of a body; zero if its nodes lie on a line. A plane body rotates about the last axis
+/// only.
 fn inverse(arms: &[Point], dim: usize) -> [Point; 3] {
     let mut moments = [[0.0; 3]; 3];
     for arm in arms {

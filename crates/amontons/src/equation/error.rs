@@ -1,4 +1,4 @@
-//! Why a step could not be made, or a scheme not be set up.
+//! Errors of a step and of the setup of a scheme.
 
 use crate::contact::Status;
 use crate::inclusion::NotConverged;
@@ -7,10 +7,10 @@ use crate::problem::{Coupling, Faults, Uncovered};
 use crate::state::Contraction;
 use crate::tensor::Point;
 
-/// Why a step could not be made.
+/// Reason why a step could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StepError {
-    /// The iteration on Γ_C did not end.
+    /// The iteration on Γ_C did not converge.
     #[error(
         "step {step} (t = {t:.6e}): {part} did not converge in {} iterations{}; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
         .why.iterations,
@@ -24,16 +24,16 @@ pub enum StepError {
         t: f64,
         /// `mechanics` or `heat`.
         part: &'static str,
-        /// Parts of the step, of which one was tried: more than one where the step was halved.
+        /// Number of parts of the step, one of which was tried: more than one if the step was halved.
         parts: usize,
         /// Iterations, residual and contact pattern.
         why: Box<NotConverged>,
         /// The contact points whose states did not settle, in words; empty if all did.
         unsettled: String,
-        /// Whether no point of a body without inertia that contact alone holds sticks: it may slide away.
+        /// True if no point sticks of a body without inertia that is supported by contact only: it may slide away.
         slides: bool,
     },
-    /// Loads drive motions without strain that nothing resists.
+    /// Loads drive strain-free motions that no support and no contact resists.
     #[error("step {step} (t = {t:.6e}): a load drives what no support and no contact holds: {motions}")]
     Driven {
         /// The step n that failed.
@@ -43,8 +43,8 @@ pub enum StepError {
         /// The motions in words.
         motions: String,
     },
-    /// A section bears no such tension however far its sides are drawn together, or a body no such force however far an
-    /// obstacle is pressed in.
+    /// A section does not reach the tension however far its sides are drawn together, or a body does not reach the
+    /// force however far an obstacle is pressed in.
     #[error(
         "step {step} (t = {t:.6e}): {at}: {}{reached:.6e} N, expected {force:.6e} N: {}",
         if at.ends_with("preload") { "the section bears " } else { "the body bears " },
@@ -61,9 +61,9 @@ pub enum StepError {
         t: f64,
         /// Dotted path of the force in the case file.
         at: String,
-        /// The force asked for, N per unit of thickness in two dimensions.
+        /// The prescribed force, N per unit of thickness in two dimensions.
         force: f64,
-        /// That reached.
+        /// The force reached, N per unit of thickness in two dimensions.
         reached: f64,
     },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
@@ -79,7 +79,7 @@ pub enum StepError {
         part: &'static str,
         /// The residual.
         residual: f64,
-        /// The residual that is accepted.
+        /// Largest accepted residual.
         accepted: f64,
     },
     /// A linear system of the step could not be solved.
@@ -91,7 +91,7 @@ pub enum StepError {
         t: f64,
         /// `mechanics` or `heat`.
         part: &'static str,
-        /// Why.
+        /// Error of the linear solver.
         source: SolveError,
     },
     /// The tangent of laws that are not linear could not be factorized.
@@ -101,10 +101,10 @@ pub enum StepError {
         step: usize,
         /// t_n in s.
         t: f64,
-        /// Why.
+        /// Error of the factorization.
         source: SolveError,
     },
-    /// The half-steps could not be brought together.
+    /// The coupling of the half-steps did not converge.
     #[error(
         "step {step} (t = {t:.6e}): the {coupling} coupling of mechanics and heat did not converge in {passes} passes: defect {defect:.3e}{}; {}",
         .contraction.map(|c| format!(", mean contraction factor {:.3}, largest {:.3}", c.mean, c.largest)).unwrap_or_default(),
@@ -115,16 +115,16 @@ pub enum StepError {
         step: usize,
         /// t_n in s.
         t: f64,
-        /// The coupling asked for.
+        /// The requested coupling.
         coupling: Coupling,
         /// Passes over both half-steps.
         passes: usize,
-        /// What is left of the defect.
+        /// Remaining defect.
         defect: f64,
-        /// Contraction factors seen.
+        /// Observed contraction factors.
         contraction: Option<Contraction>,
     },
-    /// A datum has no finite value where a step needs it.
+    /// A datum has no finite value at a position and time at which a step needs it.
     #[error("step {step} (t = {t:.6e}): {key} is {value} at ({}, {}, {}), t = {t:?}: data must be finite wherever they act and at all times of the run", .at[0], .at[1], .at[2])]
     Data {
         /// The step n that failed.
@@ -135,7 +135,7 @@ pub enum StepError {
         key: String,
         /// The value.
         value: f64,
-        /// Where, m.
+        /// Position, m.
         at: Point,
     },
     /// A table of a material does not cover a temperature of the step.
@@ -164,7 +164,7 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// Whether the step was not made because it was asked to stop.
+    /// True if the step was not made because it was asked to stop.
     #[must_use]
     pub fn is_interruption(&self) -> bool {
         matches!(
@@ -174,9 +174,9 @@ impl StepError {
         )
     }
 
-    /// Whether the equations of the step were not solved, or what was tried left the range of its data: a shorter step
-    /// or another way may do. Everything else, an interruption, data without a value, a lack of memory, stays whatever
-    /// is tried.
+    /// True if the equations of the step were not solved, or the attempt left the range of its data: a shorter step or
+    /// another method may succeed. All other errors (interruption, data without a value, lack of memory) persist
+    /// whatever is tried.
     #[must_use]
     pub fn is_unsolved(&self) -> bool {
         match self {
@@ -193,7 +193,7 @@ impl StepError {
     }
 }
 
-/// What was tried, none where its equations were not solved; any other error goes up.
+/// Result of an attempt, or `None` if its equations were not solved. Any other error is returned.
 pub(crate) fn tried<T>(made: Result<T, StepError>) -> Result<Option<T>, StepError> {
     match made {
         Ok(made) => Ok(Some(made)),
@@ -202,7 +202,7 @@ pub(crate) fn tried<T>(made: Result<T, StepError>) -> Result<Option<T>, StepErro
     }
 }
 
-/// Why a scheme could not be set up.
+/// Reason why a scheme could not be set up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SetupError {
     /// A system could not be factorized.
@@ -210,13 +210,13 @@ pub enum SetupError {
     Factor {
         /// `mechanical` or `heat`.
         part: &'static str,
-        /// Why.
+        /// Error of the factorization.
         source: SolveError,
     },
     /// Initial data are not finite.
     #[error("the initial {0} is not finite at every node")]
     Initial(&'static str),
-    /// The problem that a scheme makes of its own has faults.
+    /// The problem that a scheme derives from the given one has faults.
     #[error(transparent)]
     Data(#[from] Faults),
 }

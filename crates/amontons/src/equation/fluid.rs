@@ -1,4 +1,4 @@
-//! Fluids in a step: which contact points they wet, and how they press.
+//! Fluids in a step: the contact points that they wet, and their pressure.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use crate::inclusion::{Frame, PointState};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
-/// The contact points that fluids wet in a step, and those that they have left in it; empty without a fluid.
+/// The contact points wet by fluids in a step, and the points that fluids have left in it; empty without a fluid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pools {
     pub wet: Vec<bool>,
     pub left: Vec<bool>,
 }
 
-/// No point is wet before the first step.
+/// The wet points before the first step: none.
 pub(crate) fn dry(problem: &Problem, discrete: &Discretization) -> Wet {
     if discrete.ways.is_empty() {
         return Wet::default();
@@ -24,7 +24,7 @@ pub(crate) fn dry(problem: &Problem, discrete: &Discretization) -> Wet {
     Wet { points: vec![false; discrete.boundary.points.len()], leaks: vec![None; problem.contacts.len()] }
 }
 
-/// Whether a fluid passes a point in its state; never where there is none.
+/// True if a fluid passes a point in its state; false if the contact has no fluid.
 fn passes(step: &Step, i: usize, states: &[PointState]) -> bool {
     let (Some(point), Some(state)) = (step.boundary.points.get(i), states.get(i)) else { return false };
     let fluid = step.contacts.get(point.contact).and_then(|contact| contact.fluid.as_ref());
@@ -32,7 +32,7 @@ fn passes(step: &Step, i: usize, states: &[PointState]) -> bool {
 }
 
 impl Step<'_> {
-    /// The loads with the pressure of fluids at the points that are wet: −Σ ω Nᵀ p_f ν besides.
+    /// The loads plus the pressure of fluids at the wet points, −Σ ω Nᵀ p_f ν.
     pub(crate) fn with_fluid(&self, load: &Arc<Vec<f64>>, wet: &[bool], frames: &[Frame]) -> Arc<Vec<f64>> {
         if !wet.contains(&true) {
             return Arc::clone(load);
@@ -46,9 +46,9 @@ impl Step<'_> {
         Arc::new(difference(load, &on_degrees(self.boundary, &self.discrete.v, pressed)))
     }
 
-    /// Where fluids go on from the points that are wet, in the states that these are in: to those that they reach, else
-    /// out of those that have closed, and of what is cut off behind these. A point is left once in a step; none if
-    /// nothing changes.
+    /// The next wet points, by the states of the contact points: fluids first spread to the points that they reach. If
+    /// they reach no more, they leave closed points, and the points cut off behind these. A point is left once per
+    /// step. Returns `None` if nothing changes.
     pub(crate) fn spread(&self, pools: &Pools, states: &[PointState]) -> Option<Pools> {
         let ways = &self.discrete.ways;
         if ways.is_empty() {
@@ -70,7 +70,7 @@ impl Step<'_> {
     }
 }
 
-/// What is wet after a step in which these points were: those that have closed hold no fluid in the next one.
+/// The wet points after a step in which the points `wet` were wet. Closed points hold no fluid in the next step.
 pub(crate) fn after(step: &Step, before: &Wet, wet: &[bool], states: &[PointState]) -> Wet {
     let ways = &step.discrete.ways;
     if ways.is_empty() {

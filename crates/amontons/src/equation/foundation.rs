@@ -1,4 +1,4 @@
-//! The foundation in a step: where it is, how it moves, and what stays on Γ_C from step to step.
+//! The foundation in a step: its position, its motion, and the quantities that Γ_C keeps from step to step.
 
 use super::fluid;
 use super::given::Given;
@@ -13,7 +13,7 @@ use crate::tensor::{self, Point, dot};
 use crate::time::{Interval, Rule};
 
 impl Accumulated {
-    /// At t = 0.
+    /// The accumulated quantities at t = 0.
     pub(crate) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
         let boundary = &discrete.boundary;
         let n = boundary.points.len();
@@ -35,7 +35,7 @@ impl Accumulated {
         }
     }
 
-    /// After a step at whose end δ is as given, with the points that were wet.
+    /// The accumulated quantities after a step, with δ at its end and the wet points.
     pub(crate) fn after(
         &self,
         step: &Step,
@@ -64,11 +64,11 @@ impl Accumulated {
 
 /// The foundation at the contact points in the step from t_{n−1} to t_n of a body at `u`.
 ///
-/// Without an obstacle ν is that of the body and g(x, t) the datum. An obstacle has the distance δ and the normal n at
-/// the nearest point of its surface to x, or to x + u_{n−1} where it is followed: with ν = −n,
-/// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` has the depth worn off at each point
-/// and by how much the gap opens per depth that wears off, `advance` δ of each contact at the start and at the end of
-/// the step; they are empty where nothing wears or δ is zero.
+/// Without an obstacle ν is the normal of the body and g(x, t) the datum. An obstacle has the distance δ and the normal
+/// n at the nearest point of its surface to x, or to x + u_{n−1} if it is followed: with ν = −n,
+/// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` holds the depth worn off at each point
+/// and the opening of the gap per depth worn off; `advance` holds δ of each contact at the start and at the end of the
+/// step. They are empty if nothing wears or δ is zero.
 pub(crate) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
@@ -86,7 +86,7 @@ pub(crate) fn frames(
         let x: Vec<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
         let velocity = velocities(contact, &x, level);
-        // Where the side `with` bears the points, its own motion is the slip.
+        // If the side `with` has the contact points, the slip is its own motion.
         let sign = contact.sign();
         let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| rate(of(to) - of(from))));
         let [start, end] = advance.map(|all| all.get(side).copied().unwrap_or(0.0));
@@ -127,7 +127,7 @@ pub(crate) fn frames(
     frames
 }
 
-/// v_F by the datum; empty for a foundation at rest.
+/// v_F of the datum; empty for a foundation at rest.
 fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
     let components: Vec<Vec<f64>> = contact.foundation_velocity.iter().map(|field| field.values(x, t)).collect();
     if components.is_empty() {
@@ -137,8 +137,8 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
 }
 
 impl Step<'_> {
-    /// The contacts that a force drives in the step, with δ as far as it has grown in it: the sections that are
-    /// tightened, and the obstacles under a load.
+    /// The contacts driven by a force in the step, with the growth of δ so far: tightened sections and obstacles under
+    /// a load.
     pub(crate) fn drives(&self, given: &Given) -> Vec<Drive> {
         let k = self.rule.k;
         let of = |(contact, of): (usize, &Contact)| {
@@ -155,14 +155,13 @@ impl Step<'_> {
         self.problem.contacts.iter().enumerate().filter_map(of).collect()
     }
 
-    /// The mean force at a contact point of what drives a contact, N.
+    /// Mean force per contact point of a driven contact, N.
     pub(crate) fn at_points(&self, drive: &Drive) -> f64 {
         let points = self.boundary.points.iter().filter(|point| point.contact == drive.contact).count();
         drive.force.abs() / points.max(1) as f64
     }
 
-    /// The depth worn off at each contact point, and by how much its gap opens per depth that wears off; empty where
-    /// nothing wears.
+    /// The depth worn off at each contact point, and the opening of its gap per depth worn off; empty if nothing wears.
     pub(crate) fn worn(&self) -> Vec<[f64; 2]> {
         let Accumulated { wear, worn, .. } = &self.old.surface;
         self.discrete.worn.at_points(self.contacts, self.boundary, wear, &worn.depths)
@@ -187,11 +186,11 @@ pub(crate) fn temperatures(step: &Step) -> Vec<f64> {
     all
 }
 
-/// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static
-/// one there.
+/// True for each contact point at rest against the foundation at t = 0. A bound that drops when slip starts is the
+/// static one there.
 pub(crate) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
-    // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
-    // cancel but for round-off.
+    // The velocity of an obstacle at t = 0 is computed by differences over the first step. For a motion that starts
+    // from rest they cancel except for round-off.
     let k = problem.timeline.instant(1).k;
     let start = |obstacle: &crate::contact::Obstacle, x: &Point| -> [Point; 2] {
         let first = obstacle.motion(0.0, &|of| (4.0 * of(0.5 * k) - 3.0 * of(0.0) - of(k)) / k);

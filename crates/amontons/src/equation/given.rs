@@ -1,4 +1,4 @@
-//! What the contact points are given in a mechanical half-step.
+//! Data of the contact points in a mechanical half-step.
 
 use std::borrow::Cow;
 
@@ -8,27 +8,27 @@ use crate::inclusion::{Drive, Frame, MechanicalStep, Multipliers, PointState};
 use crate::linalg::SolveError;
 use crate::state::Rigid;
 
-/// Prescribed motion relative to the displacement of its node that is round-off.
+/// Largest prescribed motion, relative to the displacement of its node, that counts as round-off.
 const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 
-/// What is known on Γ_C before the half-step is solved.
+/// Data on Γ_C that are known before the half-step is solved.
 #[derive(Clone, Default)]
 pub(crate) struct Given {
     u_bar: Vec<f64>,
     w_prescribed: Vec<f64>,
     /// The foundation at the contact points.
     pub frames: Vec<Frame>,
-    /// The temperature that the half-step is made with, at the contact points on the side `on`.
+    /// The temperature used by the half-step, at the contact points on the side `on`.
     pub temperature: Vec<f64>,
-    /// What the loads do along the rigid motions that nothing but contact holds.
+    /// Resultants of the loads along the rigid motions that are resisted by contact only.
     pub loads: Vec<[f64; 2]>,
-    /// δ of each contact, by which a section is drawn together or an obstacle has moved, m: with what the step has
-    /// added, as in `frames`.
+    /// δ of each contact, m: the length by which a section is drawn together or an obstacle has moved. It includes the
+    /// growth in this step, as in `frames`.
     pub advance: Vec<f64>,
 }
 
 impl Given {
-    /// At the prescribed values in `w`; without a temperature.
+    /// The data with the prescribed values in `w`, without a temperature.
     pub fn new(step: &Step, w: &[f64]) -> Given {
         let Step { problem, discrete, boundary, old, bar, .. } = *step;
         Given {
@@ -41,19 +41,19 @@ impl Given {
         }
     }
 
-    /// The same at another temperature of the contact points.
+    /// These data with another temperature of the contact points.
     pub fn at(self, temperature: Vec<f64>) -> Given {
         Given { temperature, ..self }
     }
 
-    /// The same with each δ grown by these lengths, of these contacts.
+    /// These data with δ of each driven contact increased by `lengths`.
     pub fn advanced(&self, step: &Step, drives: &[Drive], lengths: &[f64]) -> Given {
         let mut given = self.clone();
         given.advance(step, drives, lengths);
         given
     }
 
-    /// Lets each δ grow by these lengths, of these contacts.
+    /// Increases δ of each driven contact by `lengths`.
     pub fn advance(&mut self, step: &Step, drives: &[Drive], lengths: &[f64]) {
         if drives.is_empty() {
             return;
@@ -66,7 +66,7 @@ impl Given {
         self.frames = frames(problem, boundary, &old.u, (&step.worn(), advance), step.interval());
     }
 
-    /// The same as bodies see it that move with rigid velocities W; `v` has the velocities less W.
+    /// These data relative to bodies that move with rigid velocities W; `v` holds the velocities minus W.
     pub fn relative(&self, step: &Step, rigid: &[Rigid], v: &[f64]) -> Given {
         let Step { discrete, boundary, .. } = *step;
         Given {
@@ -79,8 +79,8 @@ impl Given {
         }
     }
 
-    /// The velocities in the directions of the degrees of freedom. What is prescribed there and is the round-off of the
-    /// displacements that it is the difference of is no motion, along which a point would slip.
+    /// The velocities in the directions of the degrees of freedom. A prescribed velocity that is the round-off of the
+    /// displacements whose difference it is counts as no motion, so that no point slips along it.
     fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Cow<'v, [f64]> {
         let (space, gamma) = (&step.discrete.v, step.rule.gamma);
         let mut directed = space.in_frames(w);
@@ -94,7 +94,7 @@ impl Given {
         directed
     }
 
-    /// The problem on Γ_C; none without contact.
+    /// The problem on Γ_C, or `None` without contact.
     pub fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
         if step.problem.contacts.is_empty() {
             return None;
@@ -118,7 +118,7 @@ impl Given {
         })
     }
 
-    /// Whether there is one solution between w_{n−1} and a velocity, as far as laws that fall are concerned.
+    /// True if softening laws allow only one solution between w_{n−1} and a velocity.
     pub fn is_unique(
         &self,
         step: &Step,
@@ -129,7 +129,7 @@ impl Given {
         self.is_unique_between(step, half, [&step.old.w, w], multipliers)
     }
 
-    /// The same between two velocities.
+    /// True if softening laws allow only one solution between two velocities.
     pub fn is_unique_between(
         &self,
         step: &Step,

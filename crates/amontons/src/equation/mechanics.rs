@@ -20,22 +20,22 @@ use crate::state::{Carried, Rigid};
 use crate::tensor::Point;
 use crate::time::Rule;
 
-/// What the mechanical half-step found.
+/// Result of the mechanical half-step.
 pub(crate) struct Mechanics {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
-    /// Where rigid motions are taken apart: w − W, W, and what the contact points are given relative to it; and u by
-    /// its parts.
+    /// Parts of the motion if rigid motions are split off: w − W, W, the data of the contact points relative to W, and
+    /// the parts of u.
     pub v: Vec<f64>,
     pub rigid: Vec<Rigid>,
     pub relative: Option<Given>,
     pub carried: Carried,
     pub multipliers: Multipliers,
-    /// z_n of the branches that relax, and the force of their springs; empty without.
+    /// z_n of the relaxing branches, and the force of their springs; empty without branches.
     pub branches: Vec<Vec<f64>>,
     pub relaxing: Vec<f64>,
     pub states: Vec<PointState>,
-    /// Whether there is one solution between the state before and this one, as far as laws that fall are concerned.
+    /// True if softening laws allow only one solution between the previous state and this one.
     pub is_unique: bool,
     /// Newton iterations on Γ_C, and sweeps.
     pub iterations: usize,
@@ -45,55 +45,55 @@ pub(crate) struct Mechanics {
     pub scale: f64,
     /// The contact points that fluids wet.
     pub wet: Vec<bool>,
-    /// The temperature that the half-step was made with, and m(θ, ·) of it.
+    /// The temperature used by the half-step, and its m(θ, ·).
     pub theta: Vec<f64>,
     pub thermal: Vec<f64>,
     pub mass_w: Vec<f64>,
     pub a_u: Vec<f64>,
     pub a_w: Vec<f64>,
     pub b_w: Vec<f64>,
-    /// What holds rigid motions.
+    /// Springs that hold undetermined rigid motions.
     pub hold: Hold,
-    /// What the contact points were given.
+    /// Data of the contact points.
     pub given: Given,
     /// Resultant of σν on Γ_C.
     pub force: Point,
-    /// What the supports exert, one number per prescribed degree of freedom, N; their work in the step, J.
+    /// Reactions of the supports, one number per prescribed degree of freedom, N; their work in the step, J.
     pub reactions: Vec<f64>,
     pub support_work: f64,
     /// The sums that the audit needs.
     pub powers: Powers,
 }
 
-/// What is made on the other threads while the mechanical half-step is solved.
+/// Work done on the other threads while the mechanical half-step is solved.
 pub(crate) trait Beside: Send {
-    /// Beside the contact, which takes one thread.
+    /// Runs in parallel with the contact, which takes one thread.
     fn with_contact(&mut self) {}
 
-    /// Beside the backward sweep and the balance, with the states of the contact points. Called where the laws of the
-    /// body are linear, in every pass; the states of the last pass are those of the solution.
+    /// Runs in parallel with the backward sweep and the balance, with the states of the contact points. It is called in
+    /// every iteration if the laws of the body are linear; the states of the last iteration are those of the solution.
     fn with_rest(&mut self, _states: &[PointState]) {}
 }
 
-/// Nothing.
+/// No parallel work.
 impl Beside for () {}
 
-/// Iterations over the body after which it has not converged, and the shortest part of one that is tried.
+/// Most iterations over the body, and the shortest fraction of an iteration that is tried.
 const ITERATIONS: usize = 50;
 const SHORTEST_STEP: f64 = 1.0 / 256.0;
-/// Ratio of two residuals in turn above which the tangent is made anew.
+/// Ratio of two consecutive residuals above which the tangent is recomputed.
 const SLOW: f64 = 0.01;
 
 impl Mechanics {
     /// Solves (4.1) with the temperature `theta` in m, from the velocity w_{n−1} or from a solution of the same
     /// step with another temperature.
     ///
-    /// The step is solved for the increment over the velocity at hand, with the contact solved inside. Where the body
-    /// is linear, that is it, and what the round-off of the sweeps leaves is met by another pass. Where a law is not
-    /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand. Where laws are
-    /// linear and depend on the temperature, K_u is that of an earlier temperature as long as the passes converge fast.
+    /// The step is solved for the increment over the current velocity, with the contact solved inside. For a linear
+    /// body one iteration suffices; another one removes the round-off of the sweeps. For a nonlinear law the iterations
+    /// are Newton's method over the body, and K_u is the tangent at the current velocity. If laws are linear and depend
+    /// on the temperature, K_u is that of an earlier temperature as long as the iterations converge fast.
     ///
-    /// `beside` is called in every pass, as [`Beside`] says.
+    /// `beside` is called in every iteration, as [`Beside`] says.
     pub fn solve(
         step: &Step,
         half: &mut HalfStep,
@@ -109,7 +109,7 @@ impl Mechanics {
         let mut equation = Equation::new(step, wet, given, (theta, warmed))?;
         let (mut newton, mut passes) = (0, 0);
         let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
-        // K_u is a matrix of the temperature.
+        // K_u depends on the temperature only.
         let softens = !is_linear && discrete.is_linear_at_each_temperature();
         let mut is_stale = !is_linear && !softens;
         loop {
@@ -148,37 +148,36 @@ impl Mechanics {
         }
     }
 
-    /// The part of the velocity that strains see.
+    /// The part of the velocity that determines the strain rates.
     pub fn moving(&self) -> &[f64] {
         if self.relative.is_some() { &self.v } else { &self.w }
     }
 
-    /// What the contact points were given with that velocity.
+    /// The data of the contact points that belong to that velocity.
     fn seen(&self) -> &Given {
         self.relative.as_ref().unwrap_or(&self.given)
     }
 
-    /// The displacement that strains see.
+    /// The displacement that determines the strains.
     pub fn deformed<'m>(&'m self, step: &Step) -> &'m [f64] {
         if step.apart.is_some() { &self.carried.deformation } else { &self.u }
     }
 
-    /// Factorizes K_u as it is at the solution.
+    /// Factorizes K_u at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
         let warmed = step.discrete.warmed(&self.theta);
         let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &warmed);
         half.replace(tangent, &self.theta)
     }
 
-    /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
-    /// concerned.
+    /// True if softening laws allow a step only one solution between w_{n−1} and the velocity of a state.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
         let temperature = step.boundary.scalars_on(step.contacts, &step.old.theta);
         let given = Given::new(step, &end.w).at(temperature);
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
-    /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures of the side `on`.
+    /// Σ ω Nᵀ of the change of the contact forces if their laws use other temperatures of the side `on`.
     pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> Vec<f64> {
         let w = half.system.kept_of(self.moving());
         let forces = |given: &Given| {
@@ -191,7 +190,8 @@ impl Mechanics {
         on_degrees(step.boundary, &step.discrete.v, change)
     }
 
-    /// The derivatives of the contact forces at the solution: what they add to S, and what each contact point sees.
+    /// The derivatives of the contact forces at the solution: their contribution to S, and the derivative at each
+    /// contact point.
     pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, Vec<PointDerivative>) {
         let w = half.system.kept_of(self.moving());
         let HalfStep { system, on_contact, .. } = half;
@@ -201,10 +201,10 @@ impl Mechanics {
     }
 }
 
-/// (4.1) in a step: what is known of it before it is solved.
+/// Equation (4.1) in a step, with the data known before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
-    /// The loads, without and with the pressure of fluids, and where these are.
+    /// The loads without and with the pressure of fluids, and the wet points.
     dry: Arc<Vec<f64>>,
     load: Arc<Vec<f64>>,
     pools: Pools,
@@ -216,7 +216,7 @@ struct Equation<'a> {
 }
 
 impl<'a> Equation<'a> {
-    /// With the temperature `theta` in m and in the laws of the body and of contact.
+    /// The equation with the temperature `theta` in m and in the laws of the body and of contact.
     fn new(
         step: &'a Step,
         wet: Vec<bool>,
@@ -235,7 +235,7 @@ impl<'a> Equation<'a> {
         Ok(equation)
     }
 
-    /// Lets fluids be at these contact points.
+    /// Sets the contact points wet by fluids.
     fn pour(&mut self, pools: Pools) {
         let step = self.step;
         self.load = step.with_fluid(&self.dry, &pools.wet, &self.given.frames);
@@ -243,7 +243,7 @@ impl<'a> Equation<'a> {
         self.pools = pools;
     }
 
-    /// ρ/δ.
+    /// The scale ρ/δ of the inertia term.
     fn inertia(&self) -> f64 {
         self.step.discrete.inertia().0 / self.step.rule.delta
     }
@@ -253,14 +253,14 @@ impl<'a> Equation<'a> {
         [&self.load, &self.thermal, &at.mass_w, &self.step.products.mass_w, &at.b_w, &at.a_u]
     }
 
-    /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
+    /// The right-hand side for the increment over the velocity of an iterate, without contact.
     fn right(&self, at: &Iterate) -> Vec<f64> {
         let inertia = self.inertia();
         let right = map(self.terms(at), |terms| right_hand_side(inertia, terms));
         if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
     }
 
-    /// What the contact points are given as the bodies see it that move apart, with δ grown by these lengths.
+    /// The data of the contact points relative to the split-off rigid motions, with δ increased by `lengths`.
     fn seen(&self, now: &Iterate, drives: &[Drive], lengths: &[f64]) -> Cow<'_, Given> {
         let given = if drives.is_empty() {
             Cow::Borrowed(&self.given)
@@ -270,7 +270,7 @@ impl<'a> Equation<'a> {
         if self.step.apart.is_none() { given } else { Cow::Owned(given.relative(self.step, &now.rigid, &now.w)) }
     }
 
-    /// The forward sweep and the contact.
+    /// Makes the forward sweep and solves the contact.
     fn settle(&self, half: &mut HalfStep, now: &Iterate, beside: &mut dyn Beside) -> Result<Settled, StepError> {
         let step = self.step;
         let right = self.right(now);
@@ -312,7 +312,7 @@ impl<'a> Equation<'a> {
         })
     }
 
-    /// The backward sweep, and what is left of (4.1) with the velocity that it makes.
+    /// Makes the backward sweep and evaluates the residual of (4.1) with the resulting velocity.
     fn expand(&self, half: &HalfStep, now: &Iterate, settled: Settled) -> Result<Balanced<'a>, StepError> {
         let Settled { x, found, .. } = settled;
         let w = half.system.expand(x, &now.w).map_err(|source| self.step.unsolved("mechanics", source))?;
@@ -324,7 +324,7 @@ impl<'a> Equation<'a> {
     fn balance(&self, mut v: Vec<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced<'a>, StepError> {
         let Found { multipliers, states, hold } = found;
         let Step { discrete, rule: Rule { k, .. }, .. } = *self.step;
-        // What the pass has added to the rigid motion is put to it.
+        // The rigid motion added by the iteration moves from v to W.
         let more = self.step.take(&mut v);
         let rigid: Vec<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
         let (force, contact_force) = contact_forces(self.step, &states);
@@ -333,7 +333,7 @@ impl<'a> Equation<'a> {
         let w: &[f64] = whole.as_ref().unwrap_or(&v);
         let u = self.step.deformed(&v);
         let (inertia, mut rest) = (self.inertia(), zeros(v.len()));
-        // Of each block of the terms what is left of (4.1), the largest entries, and the sums of the audit.
+        // Per block of the terms: the residual of (4.1), the largest entries, and the sums of the audit.
         let of_block = |first: usize, [mass_w, a_u, b_w]: [&[f64]; 3], rest: &mut [f64]| {
             let [load, thermal, bar, force] = [&*self.load, &self.thermal, &self.step.products.mass_w, &contact_force]
                 .map(|v| &v[first..first + mass_w.len()]);
@@ -380,8 +380,8 @@ impl<'a> Equation<'a> {
         })
     }
 
-    /// The iterate `next`, or where its residual is larger than the one before, the best of ever shorter parts of the
-    /// way to it: a law that is not linear may overshoot.
+    /// The iterate `next`. If its residual exceeds the previous one, the best of ever shorter fractions of the way to
+    /// it, because a nonlinear law may overshoot.
     fn shortened(
         &self,
         half: &HalfStep,
@@ -475,8 +475,8 @@ impl<'a> Equation<'a> {
     }
 }
 
-/// A velocity with the terms of (4.1) that it makes, or those of the state before. Where rigid motions are taken apart
-/// it is less these.
+/// A velocity with its terms of (4.1), or with those of the previous state. It excludes the rigid motions if they are
+/// split off.
 struct Iterate<'a> {
     w: Vec<f64>,
     rigid: Vec<Rigid>,
@@ -485,12 +485,12 @@ struct Iterate<'a> {
     a_u: Cow<'a, [f64]>,
     a_w: Cow<'a, [f64]>,
     b_w: Cow<'a, [f64]>,
-    /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
+    /// Σ ∫ 𝓖ε(z):ε(·) of the relaxing branches.
     relaxing: Vec<f64>,
     hold: Hold,
 }
 
-/// What holds the rigid motions that nothing determines.
+/// Undetermined rigid motions and the springs that hold them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hold {
     pub loose: Vec<Undetermined>,
@@ -499,7 +499,7 @@ pub(crate) struct Hold {
 }
 
 impl Hold {
-    /// A part α of the way to another one.
+    /// Interpolates to another one: the fraction α of the way.
     fn towards(&self, other: &Hold, alpha: f64) -> Hold {
         let before = self.forces.iter().copied().chain(std::iter::repeat(0.0));
         let forces = other.forces.iter().zip(before).map(|(new, old)| old + alpha * (new - old)).collect();
@@ -512,37 +512,38 @@ fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6
     load + thermal - inertia * (mass_w - bar) - b_w - a_u
 }
 
-/// By how much the δ of the contacts that are driven have grown.
+/// Growth of δ of the driven contacts.
 struct Advanced {
     drives: Vec<Drive>,
-    /// Of each, m.
+    /// Growth of each δ, m.
     lengths: Vec<f64>,
 }
 
-/// A pass whose contact is solved: the increments on Γ_C with what is reduced to the body, and the contact points.
+/// An iteration whose contact is solved: the increments on Γ_C with the reduced values of the body, and the contact
+/// points.
 struct Settled {
     x: Vec<f64>,
     found: Found,
     /// Newton iterations on Γ_C.
     iterations: usize,
-    /// By how much each δ has grown.
+    /// Growth of each δ.
     advanced: Advanced,
 }
 
-/// What was found on Γ_C.
+/// Solution on Γ_C.
 struct Found {
     multipliers: Multipliers,
     states: Vec<PointState>,
     hold: Hold,
 }
 
-/// What is left of (4.1) at an iterate.
+/// Residual of (4.1) at an iterate.
 struct Balanced<'a> {
     iterate: Iterate<'a>,
-    /// ū + γ w of it.
+    /// ū + γ w of the iterate.
     u: Vec<f64>,
     states: Vec<PointState>,
-    /// Loads, what drives contacts, heat and inertia act.
+    /// Residual, whose acting terms are loads, forces of driven contacts, heat and inertia.
     residual: Residual,
     force: Point,
     reactions: Vec<f64>,
@@ -551,7 +552,7 @@ struct Balanced<'a> {
 }
 
 impl Iterate<'_> {
-    /// At a velocity, with M w, a(u, ·), a(w, ·) and b(w, ·) of it.
+    /// The iterate at a velocity, with its M w, a(u, ·), a(w, ·) and b(w, ·).
     fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, products: [Vec<f64>; 4]) -> Self {
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
         let relaxing = step.relaxing(&w);
@@ -559,7 +560,7 @@ impl Iterate<'_> {
     }
 }
 
-/// Where a half-step starts.
+/// Starting values of a half-step.
 struct Begun<'a> {
     now: Iterate<'a>,
     wet: Vec<bool>,
@@ -567,14 +568,14 @@ struct Begun<'a> {
 }
 
 impl<'a> Begun<'a> {
-    /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
+    /// Starts from w_{n−1}, and from (u_D(t_n) − ū)/γ if the displacement is prescribed.
     fn new(step: &Step<'a>, warmed: &Warmed) -> Begun<'a> {
         let Step { discrete, old, bar, products, t, rule: Rule { k, gamma, .. }, .. } = *step;
         let mut w = copy(&old.w);
         let changes = discrete.v.prescribe_rates(t, k, bar.u, &mut w);
         let given = Given::new(step, &w);
         let mut multipliers = old.multipliers.clone();
-        // What no longer faces the other body has let go of it.
+        // A point that no longer faces the other body has lost contact.
         for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
             (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
         }
@@ -583,7 +584,7 @@ impl<'a> Begun<'a> {
             let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
             Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
         } else if discrete.is_linear() && !changes {
-            // a(ū + γ w̄, ·) without another product.
+            // a(ū + γ w̄, ·) is obtained without another product.
             let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
             let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
             let relaxing = step.relaxing(&w);
@@ -595,7 +596,7 @@ impl<'a> Begun<'a> {
         Begun { now, wet: old.surface.wet.points.clone(), given }
     }
 
-    /// At a solution of the same step.
+    /// Starts from a solution of the same step.
     fn from(step: &Step, m: &'a Mechanics, warmed: &Warmed) -> Begun<'a> {
         let Mechanics { rigid, multipliers, wet, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         let (w, multipliers) = (m.moving().to_vec(), multipliers.clone());
@@ -611,7 +612,7 @@ impl<'a> Begun<'a> {
     }
 }
 
-/// M w, a(d, ·), a(v, ·) and b(v, ·) where rigid motions W are taken apart: w = W + v.
+/// M w, a(d, ·), a(v, ·) and b(v, ·) if rigid motions W are split off: w = W + v.
 fn products_apart(step: &Step, [d, v]: [&[f64]; 2], rigid: &[Rigid], warmed: &Warmed) -> [Vec<f64>; 4] {
     let mut products = step.discrete.mechanical_products(d, v, warmed);
     let whole = step.with_rigid(rigid, &zeros(v.len()));

@@ -1,10 +1,10 @@
-//! Anderson's mixing of the passes of a fixed-point iteration.
+//! Anderson's mixing of the iterates of a fixed-point iteration.
 
 use crate::linalg::dot;
 
-/// Earlier passes that are used.
+/// Number of earlier iterates used.
 const MEMORY: usize = 6;
-/// Part of a vector that must be left when those before are taken off it.
+/// Fraction of a vector that must remain after orthogonalization against the earlier ones.
 const INDEPENDENT: f64 = 1e-8;
 
 /// Speeds up an iteration x ← g(x): the next argument is the combination of the last values g at which the combined
@@ -32,7 +32,7 @@ impl Mixing {
             }
         }
         let mut next = value.to_vec();
-        // Gram and Schmidt from the newest change to the oldest; the same combinations are taken of the values.
+        // Gram–Schmidt from the newest change to the oldest; the values are combined in the same way.
         let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
         let mut left = residual.clone();
         for (change, of_value) in self.residuals.iter().zip(&self.values).rev() {
@@ -62,8 +62,8 @@ impl Mixing {
 mod tests {
     use super::*;
 
-    /// x ← Mx + b in four dimensions, with M not symmetric: after as many changes as there are dimensions the residual
-    /// is round-off, as that of GMRES.
+    /// x ← Mx + b in four dimensions, with M not symmetric: after four changes, one per dimension, the residual is
+    /// round-off, as that of GMRES.
     #[test]
     fn a_linear_iteration_ends_after_as_many_passes_as_unknowns() {
         let m = [[0.5, -0.4, 0.1, 0.0], [0.3, 0.6, 0.0, -0.2], [0.0, 0.2, -0.7, 0.3], [0.1, 0.0, 0.5, 0.4]];

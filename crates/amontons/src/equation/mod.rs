@@ -1,5 +1,4 @@
-//! The equations of a step: (4.1) and (4.2) with what is known of them, their systems, their residuals and the powers
-//! of their terms.
+//! The equations of a step, (4.1) and (4.2): their data, systems and residuals, and the powers of their terms.
 
 pub(crate) mod apart;
 mod error;

@@ -6,15 +6,15 @@ use crate::linalg::sum_block;
 /// Products of the vectors of the mechanical half-step, summed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Powers {
-    /// w·M w at the end of the step, and that of the change of w in it.
+    /// w·M w at the end of the step, and the same product of the change of w in the step.
     pub kinetic: f64,
     pub inertial: f64,
     /// b(w, w).
     pub viscous: f64,
-    /// Of m(θ, ·) and of the load.
+    /// Powers of m(θ, ·) and of the load.
     pub thermal: f64,
     pub load: f64,
-    /// a(u, u) at the end of the step, and that of the change of u in it; zero where a is not linear.
+    /// a(u, u) at the end of the step, and the same product of the change of u in the step; zero if a is not linear.
     pub elastic: f64,
     pub strained: f64,
 }
@@ -22,7 +22,7 @@ pub(crate) struct Powers {
 /// Blocks of the vectors that [`Powers`] are sums of, from an entry on.
 pub(crate) struct PowerTerms<'a> {
     pub first: usize,
-    /// The displacement that strains see, the velocity, and its part that strains see.
+    /// The displacement that determines the strains, the velocity, and its part that determines the strain rates.
     pub u: &'a [f64],
     pub w: &'a [f64],
     pub v: &'a [f64],
@@ -34,7 +34,7 @@ pub(crate) struct PowerTerms<'a> {
 }
 
 impl Powers {
-    /// The sums over a block, those of all blocks to be given to [`Powers::new`].
+    /// The sums over a block. The sums of all blocks are passed to [`Powers::new`].
     pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
         let Step { discrete, old, products, rule, .. } = *step;
         let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;

@@ -1,4 +1,4 @@
-//! What the parts of a step share: what is known when it is made, and the systems of both half-steps.
+//! Data shared by the parts of a step: its input, and the systems of both half-steps.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,22 +22,21 @@ use crate::state::State;
 use crate::tensor::Point;
 use crate::time::{Interval, Rule};
 
-/// Largest relative residual of a step that is accepted.
+/// Largest accepted relative residual of a step.
 pub const ACCEPTED: f64 = 1e-10;
-/// Roundings of a state, each of half a last bit or less, that a residual may have: those of u and of the terms made of
-/// it.
+/// Roundings of a state, each of half a last bit or less, that a residual may contain: those of u and of its terms.
 const ROUNDINGS: f64 = 2.0;
-/// Relative residual above which another pass of sweeps is made.
+/// Relative residual above which another iteration of sweeps is made.
 pub const REFINE: f64 = 1e-11;
 
-/// What is known when a step is made.
+/// Input of a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Step<'a> {
     pub problem: &'a Problem,
-    /// The contacts of the problem with their laws at t_n.
+    /// The contacts of the problem with their laws at the time of the equations.
     pub contacts: &'a [Contact],
     pub discrete: &'a Discretization,
-    /// Γ_C in this step: pairs may be made anew.
+    /// Γ_C in this step, with updated pairs.
     pub boundary: &'a ContactBoundary,
     /// The state that the step starts from.
     pub old: &'a State,
@@ -50,17 +49,17 @@ pub(crate) struct Step<'a> {
     pub rule: Rule,
     pub t: f64,
     pub level: f64,
-    /// Where rigid motions of bodies are taken apart from their deformation.
+    /// Split-off rigid motions of the bodies, or `None` if the step does not split them off.
     pub apart: Option<Apart<'a>>,
-    /// Told of each iteration on Γ_C.
+    /// Receives the progress of each iteration on Γ_C.
     pub pulse: &'a Pulse,
-    /// Whether the step is made in halves where an iteration on Γ_C does not end.
+    /// True if the step is halved when an iteration on Γ_C does not converge.
     pub may_be_halved: bool,
-    /// The rigid motions of the parts that nothing but contact holds.
+    /// The rigid motions of the parts that are supported by contact only.
     pub loose: &'a Arc<Loose>,
 }
 
-/// What the rule in time adds to: with backward Euler the state before.
+/// Values to which the rule in time adds: with backward Euler the previous state.
 #[derive(Clone, Copy)]
 pub(crate) struct Bar<'a> {
     pub u: &'a [f64],
@@ -75,20 +74,21 @@ impl<'a> From<&'a State> for Bar<'a> {
     }
 }
 
-/// Of which state the round-off is asked for.
+/// State whose round-off is requested.
 #[derive(Clone, Copy)]
 pub(crate) enum Rounded {
     Here,
-    /// The state before.
+    /// The previous state.
     Before,
-    /// The prescribed values of this state alone.
+    /// The prescribed values of this state only.
     Prescribed,
-    /// The places of the nodes, by which gaps are known.
+    /// The positions of the nodes, which determine the gaps.
     Places,
 }
 
 impl Step<'_> {
-    /// What a vector has at the contact nodes, and then at those in whose place the motions of rigid bodies stand.
+    /// The entries of a vector at the contact nodes, followed by those of the nodes that hold the motions of rigid
+    /// bodies.
     pub fn on_contact(&self, values: &[f64]) -> Vec<f64> {
         let n = self.discrete.mesh.dim;
         let mut seen = Vec::with_capacity(self.boundary.nodes.len() * n);
@@ -98,19 +98,19 @@ impl Step<'_> {
         seen
     }
 
-    /// |ū| + γ |v|, the sizes of what the displacement is the sum of that strains see.
+    /// |ū| + γ |v|, the sizes of the summands of the displacement that determines the strains.
     pub fn sizes(&self, v: &[f64]) -> Vec<f64> {
         let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
         before.iter().zip(v).map(|(u, v)| u.abs() + self.rule.gamma * v.abs()).collect()
     }
 
-    /// The state of the branches that relax.
+    /// The state of the relaxing branches.
     pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
         let branches = self.discrete.branches.iter().zip(self.bar.branches);
         branches.map(|(branch, bar)| branch.step(self.rule, bar, w)).collect()
     }
 
-    /// Σ ∫ 𝓖e_n:ε(·) of the branches with the strains e_n of their springs; empty without.
+    /// Σ ∫ 𝓖e_n:ε(·) of the branches with the strains e_n of their springs; empty without branches.
     pub fn relaxing(&self, w: &[f64]) -> Vec<f64> {
         let mut sum = Vec::new();
         for (branch, z) in self.discrete.branches.iter().zip(self.branches(w)) {
@@ -129,7 +129,7 @@ impl Step<'_> {
         Interval { start: self.old.t, end: self.t, level: self.level }
     }
 
-    /// Takes values of the temperature at the end of the step to the time of its equations.
+    /// Interpolates temperatures at the end of the step to the time of its equations.
     pub fn put_at_level(&self, theta: &mut [f64]) {
         if !self.rule.is_at_end() {
             let start = self.old.theta.iter();
@@ -137,7 +137,7 @@ impl Step<'_> {
         }
     }
 
-    /// The values at the end of the step of an unknown that it has found at the time of its equations.
+    /// The values at the end of the step of an unknown that was solved for at the time of the equations.
     pub fn end(&self, start: &[f64], at_level: Vec<f64>) -> Vec<f64> {
         if self.rule.is_at_end() {
             return at_level;
@@ -145,7 +145,7 @@ impl Step<'_> {
         start.iter().zip(&at_level).map(|(start, at)| self.rule.end([*start, *at])).collect()
     }
 
-    /// An error where a value is not finite.
+    /// Returns an error if a value is not finite.
     pub fn finite(&self, values: &[f64], part: &'static str) -> Result<(), StepError> {
         if is_finite(values) { Ok(()) } else { Err(StepError::NotFinite { step: self.n, t: self.t, part }) }
     }
@@ -156,11 +156,12 @@ impl Step<'_> {
         if relative.is_nan() { Err(StepError::NotFinite { step: self.n, t: self.t, part }) } else { Ok(relative) }
     }
 
-    /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the
-    /// last bits of the state make of it, as long as that is small beside what acts on the body. A contact
-    /// force that is no more than that round-off is none. Where nothing acts, the round-off of the state must be small
-    /// beside the motion that is prescribed, or hardly be more than that of the state before, or the motion no more
-    /// than the last bits of the places of the nodes. What is round-off is given relative to the sizes of the numbers
+    /// The residual relative to the largest term, if it is small enough to be accepted: below [`ACCEPTED`], or within
+    /// the round-off of the state, provided that this is small relative to the terms that act on the body. A contact
+    /// force within that round-off counts as zero. If nothing acts, the round-off of the state must be small relative
+    /// to the prescribed motion, or hardly exceed that of the previous state, or the motion must be within the last
+    /// bits of the positions of the nodes. A residual that is round-off is given relative to the sizes of the summands
+    /// of the terms.
     /// that the terms are sums of.
     pub fn accept(
         &self,
@@ -197,7 +198,7 @@ impl Step<'_> {
         StepError::Linear { step: self.n, t: self.t, part, source }
     }
 
-    /// How many of what is made here a whole step has: 1, or 2, 4, … where the step was halved.
+    /// Number of such parts in a whole step: 1, or 2, 4, … if the step was halved.
     fn parts(&self) -> usize {
         (self.problem.timeline.instant(self.n).k / self.rule.k).round() as usize
     }
@@ -229,7 +230,7 @@ impl Step<'_> {
         described(&self.problem.mesh, &self.loose.motions, &sums)
     }
 
-    /// Whether no point of a body without inertia that contact alone holds sticks at the last iterate.
+    /// True if no point sticks at the last iterate of a body without inertia that is supported by contact only.
     fn slides(&self, why: &NotConverged) -> bool {
         if why.states.is_empty() || self.discrete.inertia().0 != 0.0 {
             return false;
@@ -244,7 +245,7 @@ impl Step<'_> {
         free.any(|(part, _)| part.nodes.iter().all(|node| !stuck.contains(node)))
     }
 
-    /// The first contact points that did not settle: place, side, laws, states of the last iterates.
+    /// The first contact points that did not settle: position, side, laws, states of the last iterates.
     fn unsettled(&self, why: &NotConverged) -> String {
         const TOLD: usize = 3;
         let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
@@ -266,27 +267,28 @@ impl Step<'_> {
     }
 }
 
-/// When a matrix that changes from pass to pass is factorized anew.
+/// Rule for the refactorization of a matrix that changes from iteration to iteration.
 ///
-/// A factor costs as much as many passes with it, and the matrix changes little from step to step: it is kept as long
-/// as the residual falls fast. A new one may not help, as where a law bends: the passes between two of them double.
+/// A factorization costs as much as many iterations with its factor, and the matrix changes little from step to step:
+/// it is kept as long as the residual decreases fast. Refactorization may not help at a kink of a law; the interval
+/// between two doubles each time.
 #[derive(Default)]
 pub(crate) struct Renewal {
     passes: usize,
     wait: usize,
 }
 
-/// Ratio of two residuals in turn above which the matrix is factorized anew.
+/// Ratio of two consecutive residuals above which the matrix is refactorized.
 const SLOW: f64 = 0.1;
 
 impl Renewal {
-    /// Whether an iteration whose matrix is not that of the iterate is at the round-off of the residual: the sums of
-    /// the audit take every entry of it, and an iterate is not accepted because it happens to be near.
+    /// True if an iteration whose matrix is not that of the iterate has reached the round-off of the residual. The sums
+    /// of the audit use every entry of the iterate, so it is not accepted merely because it happens to be near.
     pub fn has_ended(residual: f64, ratio: f64) -> bool {
         residual <= f64::EPSILON || (residual <= REFINE && ratio > 0.25) || (residual <= ACCEPTED && ratio > 0.5)
     }
 
-    /// Whether a pass that multiplied the residual by `ratio` is reason for a new factor.
+    /// True if an iteration that multiplied the residual by `ratio` calls for a new factor.
     pub fn is_due(&mut self, ratio: f64) -> bool {
         self.passes += 1;
         if ratio <= SLOW || self.passes <= self.wait {
@@ -302,10 +304,10 @@ impl Renewal {
 pub(crate) struct Products {
     /// t_n of the state.
     pub t: f64,
-    /// (ρ·, ·), or (·, ·) where the density is the same everywhere.
+    /// (ρ·, ·), or (·, ·) if the density is uniform.
     pub mass_w: Vec<f64>,
     pub a_u: Vec<f64>,
-    /// a(w, ·); empty where a is not linear.
+    /// a(w, ·); empty if a is not linear.
     pub a_w: Vec<f64>,
     pub b_w: Vec<f64>,
     pub mass_theta: Vec<f64>,
@@ -326,15 +328,16 @@ impl Products {
 #[derive(Debug)]
 pub(crate) struct HalfStep {
     pub system: System,
-    /// Unknown of each degree of freedom of the contact nodes, and of the motions of rigid bodies after them, among
-    /// those that are kept, none where prescribed.
+    /// The kept unknown of each degree of freedom of the contact nodes, followed by the motions of rigid bodies, or
+    /// `None` if it is prescribed.
     pub on_contact: Vec<Option<u32>>,
-    /// The temperature that the matrix was factorized anew at; empty where it is that of the start, or does not matter.
+    /// The temperature at which the matrix was refactorized; empty if it is the initial one or does not matter.
     pub at: Vec<f64>,
 }
 
 impl HalfStep {
-    /// Factorizes the matrix of a temperature; empty for one that does not matter.
+    /// Replaces the matrix by that of a temperature and factorizes it; `theta` is empty if the temperature does not
+    /// matter.
     pub fn replace(&mut self, matrix: BlockMatrix, theta: &[f64]) -> Result<(), SolveError> {
         self.system.replace(&Arc::new(matrix))?;
         self.at = theta.to_vec();
@@ -351,7 +354,7 @@ impl HalfStep {
         let (contact, components) = (&discrete.boundary.nodes, space.components);
         let system = System::new(backend, &Arc::new(matrix), &Layout::of(&discrete.mesh, space, contact))?;
         let position = system.unknowns().positions(space.free.len());
-        // The motions stand after all nodes, and at no node.
+        // The motions follow all nodes and belong to no node.
         let is_motion = |(i, node): (usize, u32)| (node, i >= contact.len() || !space.is_rigid(node));
         let count = if contact.is_empty() { 0 } else { usize::MAX };
         let seen = space.with_rigid(contact).take(count).enumerate().map(is_motion);
@@ -360,14 +363,15 @@ impl HalfStep {
         Ok(HalfStep { system, on_contact, at: Vec::new() })
     }
 
-    /// The motions of the parts that nothing but contact holds.
+    /// The motions of the parts that are supported by contact only.
     pub fn motions(&self, problem: &Problem, discrete: &Discretization) -> Loose {
         let Discretization { mesh, boundary, v, .. } = discrete;
         Loose::new(mesh, boundary, &problem.contacts, v, (&self.on_contact, &floating(problem)))
     }
 }
 
-/// The increment over the guess of a problem without contact, the guess added: a backend may keep unknowns of the body.
+/// Solves a problem without contact: the increment over the guess, plus the guess. A backend may keep unknowns of the
+/// body.
 pub(crate) fn without_contact(
     condensed: &mut dyn Condensed,
     r: &[f64],
@@ -381,7 +385,7 @@ pub(crate) fn without_contact(
     Ok((x, 0))
 }
 
-/// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
+/// Σ ω Nᵀ f over all degrees of freedom, of vectors at the contact points, or of scalars in their first components.
 pub(crate) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
     let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
@@ -403,7 +407,7 @@ pub(crate) fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<
     (resultant, on_degrees(boundary, &discrete.v, states.iter().map(force)))
 }
 
-/// Of numbers for each block of the vectors, the largest of the first and the sums of the others.
+/// Combines numbers per block of the vectors: the largest of the first ones and the sums of the others.
 pub(crate) fn over_blocks<const N: usize, const M: usize>(blocks: &[([f64; N], [f64; M])]) -> ([f64; N], [f64; M]) {
     let most = |i: usize| blocks.iter().fold(0.0, |most, (largest, _)| larger(most, largest[i]));
     (std::array::from_fn(most), std::array::from_fn(|i| blocks.iter().map(|(_, sums)| sums[i]).sum()))

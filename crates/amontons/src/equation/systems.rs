@@ -21,7 +21,7 @@ impl Systems {
     /// rest; each step replaces it.
     ///
     /// # Errors
-    /// The name of the system that cannot be factorized, and why.
+    /// The name of the system that cannot be factorized, and the error.
     pub(crate) fn factorize(
         problem: &Problem,
         discrete: &Discretization,
@@ -63,7 +63,7 @@ impl Systems {
         self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
     }
 
-    /// Factorizes the matrices of these temperatures, one for each half-step, empty for those that stay.
+    /// Factorizes the matrices at these temperatures, one per half-step; an empty one leaves the matrix as it is.
     pub(crate) fn recall<'a>(
         &mut self,
         discrete: &Discretization,

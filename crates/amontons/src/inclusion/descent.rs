@@ -1,5 +1,5 @@
-//! Where a step starts whose iteration did not end, and the solution itself where there is no friction: the minimum of
-//! a convex energy.
+//! Starting point of a step whose iteration did not converge, which is the solution if there is no friction: the
+//! minimum of a convex energy.
 //!
 //! With pressures that do not fall and q = ρ w_τ in place of friction,
 //!
@@ -44,7 +44,7 @@ const ACCURACY: f64 = 1e-3;
 const SEARCH: usize = 100;
 
 impl Mechanical<'_> {
-    /// Whether no pressure falls with the penetration.
+    /// True if no pressure decreases with the penetration.
     pub(super) fn rises(&self) -> bool {
         let points = self.step.boundary.points.iter().enumerate();
         points
@@ -62,7 +62,7 @@ impl Mechanical<'_> {
         Ok(if reached.0.iter().all(|w| w.is_finite()) { reached } else { (right.guess.to_vec(), reached.1) })
     }
 
-    /// Whether a layer in series makes one of the layers much softer.
+    /// True if a layer in series makes one of the layers much softer.
     fn is_softer(&self, soft: Option<f64>) -> bool {
         (0..self.interface.len()).any(|i| match (soft, self.response[i]) {
             (Some(share), Response::Multiplier { lambda }) => {
@@ -74,7 +74,7 @@ impl Mechanical<'_> {
         })
     }
 
-    /// The same for layers with λ times this share in series.
+    /// The same minimisation for layers with λ times the share `soft` in series.
     fn descend_from(
         &self,
         condensed: &mut dyn Condensed,
@@ -104,8 +104,8 @@ impl Mechanical<'_> {
         Ok((w, before + ITERATIONS))
     }
 
-    /// Newton's direction; none where there is none that leads down. A direction that does not is what round-off makes
-    /// of a matrix that nothing holds, and of which a pivot was not exactly zero.
+    /// Newton's direction, or `None` if it does not lead down. A direction that does not is the round-off of the matrix
+    /// of an unsupported body in which no pivot was exactly zero.
     fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
         let mut curvature = self.curvature(now);
         let against = || now.f.iter().map(|f| -f).collect::<Vec<f64>>();
@@ -119,7 +119,7 @@ impl Mechanical<'_> {
         curvature.add_diagonal(condensed.scale().iter().map(|scale| HOLD * scale));
         step = against();
         match condensed.solve(&curvature, &mut step, ACCURACY) {
-            // What it leaves is no obstacle: whether the direction leads down is asked for.
+            // An inexact solution is tolerated: the direction is checked for descent below.
             Ok(()) | Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => {}
             Err(error) => return Err(error),
         }
@@ -187,8 +187,8 @@ impl Mechanical<'_> {
         Ok(Gradient { f, scale, laws })
     }
 
-    /// How the energy takes a pressure: as the function that it is, or with a layer in series; a graph always with a
-    /// layer, which makes it smooth.
+    /// Form of the pressure in the energy: the function itself, or a function with a layer in series. A graph always
+    /// has a layer, which makes it smooth.
     fn in_energy(&self, i: usize, soft: Option<f64>) -> Response {
         match (soft, self.response[i]) {
             (None, Response::Multiplier { .. }) if self.contact(i).normal.graph() == GraphKind::Function => {
@@ -235,7 +235,7 @@ impl Mechanical<'_> {
     }
 }
 
-/// Where a search has ended.
+/// Result of a search.
 enum Searched {
     Found(Vec<f64>, Box<Gradient>),
     Lost,

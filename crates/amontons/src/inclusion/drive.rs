@@ -1,8 +1,8 @@
-//! Lengths that are found with a step: by how much sections of bolts are drawn together, and obstacles are pressed in.
+//! Lengths that are solved for with a step: sections of bolts drawn together, and obstacles pressed in.
 //!
-//! What is beyond a contact moves by one length δ, the same at all points, along a direction d: the other side of a
-//! section along ν, which is a tie there, an obstacle along the line on which it is guided. What it bears is that which
-//! drives it, and accelerates its mass:
+//! The opposite side of a contact moves by one length δ, the same at all points, along a direction d: the other side of
+//! a section along ν, where the section is a tie, or an obstacle along the line on which it is guided. The driving
+//! force F balances the contact forces and the inertia of its mass:
 //!
 //! ```text
 //!     T(δ) = m δ̈ − Σ ω (p ν + q)·d = F
@@ -63,9 +63,9 @@ pub struct Drives<'a> {
     pub frames: &'a (dyn Fn(&[f64]) -> Vec<Frame> + Sync),
 }
 
-/// What a try has found.
+/// Result of a try.
 struct Tried {
-    /// By how much each δ grows in the step, m.
+    /// Growth of each δ in the step, m.
     lengths: Vec<f64>,
     /// T of each, and the sum of the sizes of its terms, N.
     borne: Vec<f64>,
@@ -162,12 +162,12 @@ impl Tries<'_> {
         Ok(tried)
     }
 
-    /// What each lacks.
+    /// Missing force of each drive: prescribed force minus borne force, N.
     fn lacks(&self, at: &Tried) -> Vec<f64> {
         self.drives.all.iter().zip(&at.borne).map(|(drive, borne)| drive.force - borne).collect()
     }
 
-    /// What one lacks.
+    /// Missing force of drive j: prescribed force minus borne force, N.
     fn lack(&self, at: &Tried, j: usize) -> f64 {
         self.drives.all[j].force - at.borne[j]
     }
@@ -218,8 +218,8 @@ impl Tries<'_> {
         if error <= ACCEPTED { Ok(now) } else { Err(self.unborne(&now)) }
     }
 
-    /// A part of the way along a change of the lengths at which less is lacking, the slopes corrected by what each try
-    /// tells; none where there is no such part.
+    /// A fraction of the way along a change of the lengths that reduces the missing force, or `None` if there is none.
+    /// Each try corrects the slopes.
     fn nearer(&mut self, now: &Tried, towards: &[f64], slopes: &mut Mat<f64>) -> Result<Option<Tried>, Failure> {
         let error = self.error(now);
         let mut alpha = 1.0;
@@ -287,7 +287,7 @@ impl Tries<'_> {
         let mut change = self.first_change(now, j);
         // The largest change that is known to be too small and the least that is too large, with what is lacking there.
         let (mut small, mut large) = ((0.0, before), None::<(f64, f64)>);
-        // By how much more it is pressed in where no gap is left to close.
+        // Further penetration that is tried if no gap is left to close.
         let (mut press, mut more, mut last) = (change, change, None);
         for _ in 0..TRIES {
             match self.at(grown(&now.lengths, j, change), &now.multipliers) {

@@ -3,7 +3,7 @@
 use crate::contact::Status;
 use crate::tensor::Point;
 
-/// What the foundation is at one contact point in a step.
+/// The foundation at one contact point in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Unit normal ν of the contact, towards the foundation: that of the body, or the opposite of the normal of the
@@ -15,8 +15,8 @@ pub struct Frame {
     pub gap_rate: f64,
     /// v_F(t_n) in m/s, tangential.
     pub velocity: Point,
-    /// By how much the gap opens at the point within the step per depth that wears off there: 1, but less where the
-    /// surface that wears is faced in part.
+    /// Opening of the gap at the point within the step per depth worn off there: 1, or less if the worn surface is
+    /// faced only in part.
     pub opening: f64,
 }
 
@@ -39,14 +39,14 @@ pub struct PointState {
     pub slip: Point,
     /// Depth that wears off in the step, of both bodies of a pair together, m.
     pub wear: f64,
-    /// By how much the gap opens by it in the step, m.
+    /// Opening of the gap by wear in the step, m.
     pub opened: f64,
     /// Open, stick or slip.
     pub status: Status,
 }
 
 impl PointState {
-    /// Whether a traction acts at the point: pressure, adhesion or friction.
+    /// True if a traction acts at the point: pressure, adhesion or friction.
     #[must_use]
     pub fn bears(&self) -> bool {
         self.pressure != 0.0 || self.q.iter().any(|q| *q != 0.0)
@@ -59,12 +59,12 @@ pub type PointTangent = [[f64; 3]; 3];
 /// Derivatives at a contact point, the multipliers eliminated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointDerivative {
-    /// Of the force p ν + q in the velocity.
+    /// Derivative of the force p ν + q in the velocity.
     pub force: PointTangent,
-    /// Of the force in the temperature of the body, Pa/K.
+    /// Derivative of the force in the temperature of the body, Pa/K.
     pub force_by_temperature: Point,
-    /// Of the depth by which the gap opens by wear in the step in the velocity, s.
+    /// Derivative in the velocity of the depth by which the gap opens by wear in the step, s.
     pub wear: Point,
-    /// Of that depth in the temperature, m/K.
+    /// Derivative of that depth in the temperature, m/K.
     pub wear_by_temperature: f64,
 }

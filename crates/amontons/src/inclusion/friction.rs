@@ -27,7 +27,7 @@ fn map(matrix: &[Tangential; 2], v: &Tangential) -> Tangential {
     std::array::from_fn(|a| matrix[a][0] * v[0] + matrix[a][1] * v[1])
 }
 
-/// How friction is taken.
+/// Treatment of friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Slip {
     /// As it is: q is a multiplier.
@@ -48,7 +48,7 @@ pub(super) struct Friction {
     pub slip: Tangential,
     /// Bound s in Pa.
     pub bound: f64,
-    /// Whether q̃ + ρ w̃ lies inside the cone.
+    /// True if q̃ + ρ w̃ lies inside the cone.
     pub sticks: bool,
     /// Π(q + ρ w_τ), which is q at a solution.
     pub projected: Tangential,
@@ -129,9 +129,9 @@ impl Friction {
             self.shape.map_or((self.q, self.slip), |s| (map(&s.inverse, &self.q), map(&s.factor, &self.slip)));
         let (mut force, mut tangent) = ([0.0; 2], [[0.0; 2]; 2]);
         if self.is_smooth {
-            // That of q √(‖w̃‖² + ε²) = s w̃ in q and w̃ (Chan, Golub and Mulet, SIAM J. Sci. Comput. 20 (1999) 1964),
-            // symmetric and with ‖q‖ ≤ s. The derivative of q = s w̃/√(…) in w̃ alone knows nothing of q, and Newton's
-            // method with it circles.
+            // Derivative of q √(‖w̃‖² + ε²) = s w̃ in q and w̃ (Chan, Golub and Mulet, SIAM J. Sci. Comput. 20 (1999)
+            // 1964), symmetric and with ‖q‖ ≤ s. The derivative of q = s w̃/√(…) in w̃ alone does not contain q, and
+            // Newton's method cycles with it.
             let n = self.z.map(|c| c / self.z_length);
             let within = q[0].hypot(q[1]).max(self.bound);
             let dual = q.map(|q| q / within);
@@ -197,7 +197,7 @@ mod tests {
             }
             let along = force[0] * n[0] + force[1] * n[1];
             assert!((along - bound).abs() <= 4.0 * f64::EPSILON * bound, "{along:e} for {bound:e}, {beyond:e} beyond");
-            // What is left across is taken back by a turn that is within the round-off of the bound.
+            // The remaining component across is cancelled by a rotation within the round-off of the bound.
             let across = force[1] * n[0] - force[0] * n[1];
             let stiffness = tangent[0][0] + tangent[1][1];
             assert!(across.abs() <= 4.0 * f64::EPSILON * stiffness / rho * bound, "{across:e}, {beyond:e} beyond");

@@ -13,19 +13,19 @@ use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, Status, array
 use crate::linalg::{Condensed, Tangent};
 use crate::tensor::{dot, length};
 
-/// What is known of a heat step on Γ_C before it is solved.
+/// Data of a heat step on Γ_C that are known before it is solved.
 pub struct HeatStep<'a> {
     /// The laws of each side.
     pub contacts: &'a [Contact],
     /// The contact points.
     pub boundary: &'a ContactBoundary,
-    /// Unknown of each contact node, none where prescribed.
+    /// Unknown of each contact node, or `None` if it is prescribed.
     pub unknown: &'a [Option<u32>],
     /// Temperatures at the contact nodes, those that are prescribed filled in, K.
     pub theta_prescribed: &'a [f64],
     /// θ_F(t_n) at the contact points where it is prescribed, K.
     pub foundation: &'a [f64],
-    /// What each side's foundation with a heat capacity starts from; none where θ_F is prescribed.
+    /// Initial state of each side's foundation with a heat capacity, or `None` if θ_F is prescribed.
     pub lumped: &'a [Option<Lumped>],
     /// States of the contact points at u_n.
     pub states: &'a [PointState],
@@ -55,7 +55,7 @@ pub struct Exchange {
     pub flux: Vec<Flux>,
     /// Power of friction that enters both bodies of a pair, W/m².
     pub rubbed: Vec<f64>,
-    /// θ_F of each foundation with a heat capacity; none where it is prescribed.
+    /// θ_F of each foundation with a heat capacity, or `None` if it is prescribed.
     pub foundation: Vec<Option<f64>>,
     /// Heat that passes each contact, W.
     pub passed: Vec<Passed>,
@@ -127,7 +127,7 @@ impl HeatStep<'_> {
         }
     }
 
-    /// What the laws see at a point, at the temperatures of the side `on` and of what it faces.
+    /// Input of the laws at a point, at the temperatures of the side `on` and of the opposite body or foundation.
     pub(super) fn at(&self, i: usize, temperature: f64, foundation: f64) -> ContactPoint {
         let state = &self.states[i];
         ContactPoint {
@@ -141,7 +141,7 @@ impl HeatStep<'_> {
         }
     }
 
-    /// Whether a point lies between two bodies.
+    /// True if a point lies between two bodies.
     fn is_pair(&self, i: usize) -> bool {
         let point = &self.boundary.points[i];
         point.own < point.nodes.len()
@@ -162,7 +162,7 @@ impl HeatStep<'_> {
     /// temperature over the guess. Returns the temperatures on Γ_C and the exchange there.
     ///
     /// # Errors
-    /// When the iteration does not end, or a linear system is not solved.
+    /// If the iteration does not converge, or a linear system is not solved.
     pub fn solve(
         &self,
         condensed: &mut dyn Condensed,

@@ -39,9 +39,9 @@ pub struct Row {
     pub contact: usize,
     /// ν, t₁ and t₂; tangents beyond the dimension are those in which a body does not move.
     pub basis: [Point; 3],
-    /// Where its entries stand in those of all rows.
+    /// Range of its entries among those of all rows.
     entries: Range<usize>,
-    /// What prescribed values add to the jump.
+    /// Contribution of prescribed values to the jump.
     prescribed: Local,
 }
 
@@ -154,7 +154,7 @@ impl Interface {
         self.rows.len()
     }
 
-    /// Whether there are no contact points.
+    /// True if there are no contact points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
@@ -173,7 +173,7 @@ impl Interface {
         x
     }
 
-    /// The same vector in the axes of space again.
+    /// The vector `x` in the axes of space again.
     #[must_use]
     pub fn back(&self, x: &[f64]) -> Vec<f64> {
         let mut x = x.to_vec();
@@ -247,7 +247,7 @@ impl Interface {
         self.entries(i).iter().map(move |(unknown, on)| (*unknown, row.weight * on[0] * factor))
     }
 
-    /// Whether a point sees unknowns at all.
+    /// True if a point depends on unknowns.
     #[must_use]
     pub fn is_free(&self, i: usize) -> bool {
         !self.entries(i).is_empty()
@@ -319,7 +319,7 @@ fn own_node(point: &PointOnBoundary, seen: &[usize], unknown: &[Option<u32>], di
     Some(unknowns)
 }
 
-/// What is known of the values at the contact nodes, and of the motions of rigid bodies after them.
+/// Data on the values at the contact nodes, followed by the motions of rigid bodies.
 struct OnNodes<'a> {
     unknown: &'a [Option<u32>],
     prescribed: &'a [f64],

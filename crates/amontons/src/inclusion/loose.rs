@@ -33,7 +33,7 @@ use crate::tensor::{Point, dot, length};
 /// Share of A below which a motion may be one that is not resisted, and of a motion below which a point does not move.
 const CANDIDATE: f64 = 1e-10;
 const STILL: f64 = 1e-6;
-/// How much of what the mesh does not know may be resisted.
+/// Largest resisted part of a motion that counts as free, in multiples of the uncertainty due to the mesh.
 pub(super) const DOUBTFUL: f64 = 2.0;
 
 /// The rigid motions of the parts that nothing but contact holds, on the unknowns that are kept.
@@ -125,7 +125,7 @@ impl Loose {
         loose
     }
 
-    /// What forces over all nodes of the mesh, node-major, do along each of the motions: their sum, and that of their
+    /// Resultant of forces over all nodes of the mesh, node-major, along each of the motions, and the sum of their
     /// sizes.
     #[must_use]
     pub fn loads(&self, mesh: &Mesh, forces: &[f64]) -> Vec<[f64; 2]> {
@@ -143,7 +143,7 @@ impl Loose {
         loads
     }
 
-    /// Whether there is no such motion.
+    /// True if there is no such motion.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.motions.is_empty()
@@ -231,7 +231,7 @@ pub(super) struct Jumps {
     covers: usize,
 }
 
-/// How well the jump of a point is known: up to an angle, and along a turn common to both sides up to a distance.
+/// Uncertainty of the jump of a point: an angle, and along a rotation common to both sides a distance.
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
     angle: f64,
@@ -247,12 +247,12 @@ pub(super) struct Free {
     pub a: Vec<f64>,
     /// Over the unknowns, in the bases of the nodes.
     pub vector: Vec<f64>,
-    /// Whether no point moves along a direction in which it resists; else it is in doubt.
+    /// True if no point moves along a direction in which it resists; else the motion is in doubt.
     pub is_exact: bool,
 }
 
 impl Jumps {
-    /// Of the motions of a step at the points of its interface; `size` is the number of unknowns.
+    /// Jumps of the motions of a step at the points of its interface; `size` is the number of unknowns.
     pub fn new(step: &MechanicalStep, interface: &Interface, size: usize) -> Jumps {
         let MechanicalStep { loose, boundary, contacts, u_bar, dim, .. } = *step;
         let count = loose.motions.len();
@@ -332,7 +332,7 @@ impl Jumps {
         let found =
             (0..n).filter(|&k| values[k] <= CANDIDATE * most).map(|k| eigen.U().col(k).iter().copied().collect());
         let made = found.filter_map(|mut a: Vec<f64>| {
-            // What the loads do along motions that are in it by round-off is none of it.
+            // Coefficients that are round-off are set to zero, so that the loads along their motions do not count.
             a.iter_mut().filter(|a| a.abs() < CANDIDATE).for_each(|a| *a = 0.0);
             let moves = self.moves(&resists, &a);
             let is_exact = moves <= STILL * self.size;
@@ -378,7 +378,7 @@ impl Jumps {
         (0..3).map(along).fold(0.0, f64::max)
     }
 
-    /// Whether a motion closes no point.
+    /// True if a motion closes no point.
     pub fn opens(&self, a: &[f64]) -> bool {
         let most = a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
         let normal = |jumps: &Vec<(u32, Local)>| jumps.iter().map(|(k, jump)| a[*k as usize] * jump[0]).sum::<f64>();
@@ -393,7 +393,7 @@ impl Jumps {
         self.loose.columns.iter().map(of).collect()
     }
 
-    /// What is not known of the jump of a point along a direction, by the motions.
+    /// Uncertain contributions of the motions to the jump of a point along a direction.
     fn unknown(&self, i: usize, direction: &Local) -> Vec<Vec<(usize, f64)>> {
         let Doubt { angle, distance, first, count } = self.doubts[i];
         let mut terms = Vec::new();
@@ -411,7 +411,7 @@ impl Jumps {
         terms
     }
 
-    /// How far the points that resist a motion move along the directions in which they do, at the most.
+    /// Largest displacement of the resisting points along the directions in which they resist a motion.
     fn moves(&self, resists: &[Resists], a: &[f64]) -> f64 {
         let of = |(jumps, resists): (&Vec<(u32, Local)>, &Resists)| {
             let jump: Local = std::array::from_fn(|c| jumps.iter().map(|(k, jump)| a[*k as usize] * jump[c]).sum());
@@ -420,7 +420,7 @@ impl Jumps {
         self.points.iter().zip(resists).map(of).fold(0.0, f64::max)
     }
 
-    /// How much of that the mesh does not know.
+    /// Largest such displacement that the uncertainty due to the mesh allows; zero unless `in_doubt`.
     fn leaves(&self, resists: &[Resists], a: &[f64], in_doubt: bool) -> f64 {
         if !in_doubt {
             return 0.0;
@@ -428,7 +428,7 @@ impl Jumps {
         DOUBTFUL * (0..resists.len()).map(|i| self.doubt(i, &resists[i], a)).fold(0.0, f64::max)
     }
 
-    /// What is not known of the motion of a point along the directions in which it resists.
+    /// Uncertainty of the motion of a point along the directions in which it resists.
     pub fn doubt(&self, i: usize, resists: &Resists, a: &[f64]) -> f64 {
         let size = |terms: &Vec<(usize, f64)>| terms.iter().map(|(k, value)| a[*k] * value).sum::<f64>();
         let of = |direction: &Local| self.unknown(i, direction).iter().map(|terms| size(terms).powi(2)).sum::<f64>();
@@ -479,6 +479,6 @@ impl Jumps {
 pub struct Undetermined {
     /// It as a sum of [`Loose::motions`].
     pub sum: Vec<f64>,
-    /// What acts along it and nothing takes, for the motion of this size: a force times a length over a time.
+    /// Unbalanced load along the motion, for the motion of this size: a force times a length over a time.
     pub load: f64,
 }

@@ -39,7 +39,7 @@ pub struct Multipliers {
     pub p: Vec<f64>,
     /// q = −σ_τ at each contact point, Pa.
     pub q: Vec<Point>,
-    /// Whether the point sticks: a bound that drops when slip starts is the static one there.
+    /// True if the point sticks. A bound that drops when slip starts is then the static one.
     pub sticks: Vec<bool>,
 }
 
@@ -62,13 +62,13 @@ impl Multipliers {
     }
 }
 
-/// What is known of a mechanical step on Γ_C before it is solved.
+/// Data of a mechanical step on Γ_C that are known before it is solved.
 pub struct MechanicalStep<'a> {
     /// The laws of each side.
     pub contacts: &'a [Contact],
     /// The contact points.
     pub boundary: &'a ContactBoundary,
-    /// Unknown of (contact node, component), none where prescribed.
+    /// Unknown of (contact node, component), or `None` if it is prescribed.
     pub unknown: &'a [Option<u32>],
     /// The space of the velocities.
     pub space: &'a Space,
@@ -84,15 +84,15 @@ pub struct MechanicalStep<'a> {
     pub frames: &'a [Frame],
     /// Temperature at the contact points that the step is made with, of the side `on`, K.
     pub temperature: &'a [f64],
-    /// Whether the step is solved again for what the round-off leaves.
+    /// True if the step is solved again for the remaining round-off.
     pub is_repeated: bool,
-    /// Whether the step is made in halves where the iteration does not end, which then ends sooner.
+    /// True if the step is halved when the iteration does not converge; the iteration then ends sooner.
     pub may_be_halved: bool,
-    /// Told of each iteration.
+    /// Receives the progress of each iteration.
     pub pulse: &'a Pulse,
     /// The rigid motions of parts that nothing but contact holds.
     pub loose: &'a Arc<Loose>,
-    /// What the loads do along each of these motions, and what they would do if none of them cancelled.
+    /// Resultant of the loads along each of these motions, and its value if no loads cancelled.
     pub loads: &'a [[f64; 2]],
 }
 
@@ -103,7 +103,7 @@ pub(super) struct Mechanical<'a> {
     /// ρ of each point in Pa s/m, and how its pressure is found.
     pub rho: Vec<f64>,
     pub response: Vec<Response>,
-    /// How friction is taken at all points.
+    /// Treatment of friction at all points.
     pub slip: Slip,
     /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
     stiff: f64,
@@ -113,7 +113,7 @@ pub(super) struct Mechanical<'a> {
     foundation: Vec<[f64; 2]>,
     /// States of the points at the last iterates that were evaluated, the last one last.
     seen: Mutex<[Vec<Status>; SEEN]>,
-    /// What holds rigid motions; none where the parts are held.
+    /// Supports of rigid motions, or `None` if the parts are supported.
     pub holds: Option<Holds>,
 }
 
@@ -171,7 +171,7 @@ impl<'a> Mechanical<'a> {
         // r = ū_ν + k w_ν − g, at the end of the step.
         let penetration = self.opening[i][0] + k * w_nu;
         let rate = w_nu - frame.gap_rate;
-        // That of r₊ where r > 0, so that the pressure does not jump where the gap closes within the step.
+        // Rate of r₊ if r > 0, so that the pressure does not jump if the gap closes within the step.
         let rate = rate.min(penetration / k);
         let [v1, v2] = self.foundation[i];
         let [first, second] = self.held(i);
@@ -197,7 +197,7 @@ impl<'a> Mechanical<'a> {
             rule,
             response,
             rho: self.rho[i],
-            // What never slips has no bound that could be smooth.
+            // A point that never slips has no bound that could be smoothed.
             slip: if self.contact(i).friction.never_slips() { Slip::Exact } else { self.slip },
             stiff: self.stiff,
             in_space: self.step.dim == 3,
@@ -208,7 +208,7 @@ impl<'a> Mechanical<'a> {
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }
 
-    /// The same term with friction taken in another way.
+    /// This term with another treatment of friction.
     pub fn with(&self, slip: Slip) -> Mechanical<'a> {
         Mechanical {
             step: self.step,
@@ -272,7 +272,7 @@ impl<'a> Mechanical<'a> {
         }
     }
 
-    /// Whether the foundation slides in a direction in which a body in the plane, or of revolution, does not move.
+    /// True if the foundation slides in a direction in which a plane body or a body of revolution does not move.
     fn slides_out(&self, i: usize) -> bool {
         self.foundation[i].iter().skip(self.step.dim - 1).any(|v| *v != 0.0)
     }
@@ -290,15 +290,15 @@ impl<'a> Mechanical<'a> {
         }
     }
 
-    /// Whether the bound of a point drops when slip starts: then the iteration stays on the branch that it starts on,
-    /// because what its iterates overshoot would let a point go that can stick.
+    /// True if the bound of a point drops when slip starts. The iteration then stays on the branch on which it starts,
+    /// because overshooting iterates would release a point that can stick.
     pub fn drops(&self, i: usize) -> bool {
         self.contact(i).friction.drops_from_rest()
     }
 }
 
 impl MechanicalStep<'_> {
-    /// Whether the pressure of a point is a multiplier: all but for laws that fall, which have no resolvent.
+    /// True if the pressure of a point is a multiplier, as for all but softening laws, which have no resolvent.
     fn has_multiplier(&self, i: usize) -> bool {
         let point = &self.boundary.points[i];
         let law = &self.contacts[point.contact].normal;
@@ -361,8 +361,8 @@ impl MechanicalStep<'_> {
         (tangent, points)
     }
 
-    /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the
-    /// cone, in Pa. At a solution that is the force p ν + q.
+    /// Contact forces by the laws at each point: the pressure on the graph along ν, and q + ρ w_τ projected onto the
+    /// cone, in Pa. At a solution this is the force p ν + q.
     #[must_use]
     pub fn forces(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
         let term = Mechanical::new(self, Some(condensed));
@@ -374,13 +374,13 @@ impl MechanicalStep<'_> {
         term.at_points(of)
     }
 
-    /// Whether the step with its friction bounds frozen has no other solution between two velocities: S with the least
-    /// slopes that the laws have between them, friction at the larger of the pressures of both ends, is positive
-    /// definite. Of friction, the fall with the slip speed counts, and not the drop from rest, after which a point that
-    /// sticks goes on sticking as long as it can. Proof: `book/src/theory.md`, section 3.5.
+    /// True if the step with its friction bounds frozen has no other solution between two velocities: S with the least
+    /// slopes of the laws between them, friction at the larger of the pressures of both ends, is positive definite. Of
+    /// friction, velocity weakening counts, but not the drop from rest, after which a sticking point continues to stick
+    /// as long as it can. Proof: `book/src/theory.md`, section 3.5.
     ///
     /// # Errors
-    /// When definiteness cannot be found out.
+    /// If definiteness cannot be determined.
     pub fn is_unique(
         &self,
         condensed: &mut dyn Condensed,
@@ -409,7 +409,7 @@ impl MechanicalStep<'_> {
             term.interface.add_tangent(i, &tangent, &mut sum);
         }
         match condensed.is_positive_definite(&sum) {
-            // What an iteration leaves open is not known to be unique.
+            // If the iterative solver does not converge, uniqueness is not known and is denied.
             Err(SolveError::NotConverged { .. }) => Ok(false),
             found => found,
         }

@@ -88,7 +88,7 @@ pub enum Failure {
     Unborne {
         /// The contact.
         drive: Drive,
-        /// What it bears, N per unit of thickness in two dimensions.
+        /// Force borne, N per unit of thickness in two dimensions.
         reached: f64,
     },
 }

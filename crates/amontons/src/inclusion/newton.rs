@@ -29,11 +29,11 @@ pub(super) trait Term {
     fn laws(&self, x: &[f64], multipliers: &Self::Multipliers) -> Self::Laws;
     /// Σ ω Nᵀ f, f the multipliers.
     fn forces(&self, laws: &Self::Laws, out: &mut [f64]);
-    /// What the multipliers lack of what the laws make of them, as forces.
+    /// Differences between the multipliers and their values by the laws, as forces.
     fn defects(&self, laws: &Self::Laws) -> Vec<f64>;
     /// The largest round-off of a term of the laws, as a force.
     fn round_off(&self, x: &[f64], laws: &Self::Laws) -> f64;
-    /// Whether what the laws give beyond the defects is as small as the residual has to be.
+    /// True if the error of the laws besides the defects is as small as the residual must be.
     fn is_sharp(&self, _x: &[f64], _laws: &Self::Laws, _tolerance: f64) -> bool {
         true
     }
@@ -43,7 +43,7 @@ pub(super) trait Term {
     fn after(&self, laws: &Self::Laws, before: &Self::Multipliers, step: &[f64]) -> Self::Multipliers;
     /// The multipliers a part α of the way from one to another.
     fn towards(from: &Self::Multipliers, to: &Self::Multipliers, alpha: f64) -> Self::Multipliers;
-    /// What is taken for granted before the first step.
+    /// Sets the statuses assumed before the first iteration.
     fn begin(&self, _laws: &mut Self::Laws, _multipliers: &Self::Multipliers) {}
     /// The multipliers of an iterate that has converged: those that the laws make of them.
     fn settled(&self, x: &[f64], laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
@@ -64,13 +64,13 @@ pub(super) struct Right<'a> {
     pub guess: &'a [f64],
     /// β and the anchor of a proximal term β diag(S) (x − anchor).
     pub proximal: Option<(f64, Vec<f64>)>,
-    /// Whether the step is solved again for what the round-off leaves: then round-off of any size ends the iteration.
+    /// True if the step is solved again for the remaining round-off. Round-off of any size then ends the iteration.
     pub is_repeated: bool,
-    /// The springs that hold motions at rest which nothing determines.
+    /// Springs that hold undetermined motions at rest.
     pub springs: &'a [Spring],
-    /// The rigid motions that S does not resist to the last bit; none where it is not known.
+    /// The rigid motions that S does not resist to the last bit, or `None` if they are not known.
     pub rigid: Option<&'a Jumps>,
-    /// Told of each iteration, where somebody watches.
+    /// Receives the progress of each iteration, if there is an observer.
     pub pulse: Option<&'a Pulse>,
 }
 
@@ -84,8 +84,8 @@ impl Right<'_> {
         Ok(product)
     }
 
-    /// Whether a residual is no more than the round-off of S (x − x̂), small beside the largest term: a sum of n terms
-    /// has √n/2 last bits of theirs, and never less than one.
+    /// True if a residual is within the round-off of S (x − x̂) and small relative to the largest term: a sum of n
+    /// terms has √n/2 of their last bits, and never less than one.
     pub fn is_round_off(
         &self,
         condensed: &dyn Condensed,
@@ -119,7 +119,7 @@ impl Right<'_> {
         x.iter().zip(self.guess).map(|(x, guess)| x.abs() + guess.abs()).collect()
     }
 
-    /// What the last bits of x and x̂ make of S (x − x̂), if a residual may be that.
+    /// Round-off of S (x − x̂) by the last bits of x and x̂, if the residual may be as small.
     fn round_off(&self, condensed: &dyn Condensed, x: &[f64], residual: f64) -> Result<f64, SolveError> {
         let sizes = self.sizes(x);
         // A residual beyond the bound is no round-off, whatever the product, which costs as much as S (x − x̂).
@@ -200,7 +200,7 @@ impl<T: Term> Evaluation<T> {
         Ok(Evaluation { at, laws, rest, norm, residual, scale, tolerance, is_sharp })
     }
 
-    /// Whether the residual is as small as it may be.
+    /// True if the residual is within the tolerance and the laws are accurate enough.
     pub fn converged(&self) -> bool {
         self.residual <= self.tolerance && self.is_sharp
     }
@@ -227,12 +227,12 @@ impl<T: Term> Evaluation<T> {
     }
 }
 
-/// How long an iteration goes on.
+/// Limits of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Effort {
     /// Full steps that the residual does not decide on, the first among them.
     pub leaps: usize,
-    /// Whether the residual decides on no step.
+    /// True if every step is accepted whatever the residual.
     pub is_free: bool,
     /// Most iterations.
     pub iterations: usize,
@@ -240,11 +240,11 @@ pub(super) struct Effort {
     pub enough: f64,
 }
 
-/// Where an iteration has ended.
+/// Result of an iteration.
 pub(super) struct Outcome<M> {
     pub end: Iterate<M>,
     pub iterations: usize,
-    /// Why it has not converged; none if it has.
+    /// Reason why it has not converged, or `None` if it has.
     pub failure: Option<NotConverged>,
 }
 
@@ -300,7 +300,8 @@ pub(super) fn iterate<T: Term>(
     Ok(now.fail(term, effort.iterations))
 }
 
-/// δx of (S + J) δx = r − S (x − x̂) − Σ ω Nᵀ f, f of the linearised laws; none where the matrix is singular.
+/// Solution δx of (S + J) δx = r − S (x − x̂) − Σ ω Nᵀ f, with f of the linearised laws, or `None` if the matrix is
+/// singular.
 fn newton_step<T: Term>(
     term: &T,
     condensed: &mut dyn Condensed,

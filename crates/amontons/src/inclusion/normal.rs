@@ -3,7 +3,7 @@
 use crate::contact::{NormalLaw, Pressure, Yield, resolvent};
 use crate::tensor::Point;
 
-/// How the pressure of a point is found.
+/// Computation of the pressure of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Response {
     /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p, ż − λ p/k), ż = ṙ + λ
@@ -12,13 +12,13 @@ pub(super) enum Response {
         /// λ in m/Pa.
         lambda: f64,
     },
-    /// p = G(r, ṙ): laws that fall, which have no resolvent.
+    /// p = G(r, ṙ): softening laws, which have no resolvent.
     Function,
     /// The multiplier is the pressure, and the law is not asked.
     Given,
 }
 
-/// What a normal law looks at in a step.
+/// Input of a normal law in a step.
 pub(super) struct Approach<'a> {
     pub law: &'a dyn NormalLaw,
     pub x: &'a Point,

@@ -19,7 +19,7 @@ pub struct Passed {
 }
 
 impl Passed {
-    /// The same with another during a time k in s added.
+    /// This heat plus that of `power` during a time k in s.
     #[must_use]
     pub fn after(&self, k: f64, power: &Passed) -> Passed {
         // The names of the step, which take no memory, and no zero with a sign.
@@ -37,7 +37,7 @@ impl Passed {
         }
     }
 
-    /// What has left the side `on` of a contact, by name.
+    /// Heat that has left the side `on` of a contact, by name of the mechanism.
     #[must_use]
     pub fn by_name(&self) -> BTreeMap<String, f64> {
         self.by.iter().map(|(name, heat)| (name.to_string(), *heat)).collect()

@@ -14,11 +14,11 @@ pub(super) struct Multiplier {
     /// Pressure in Pa, and q in Pa along the tangents.
     pub p: f64,
     pub q: Tangential,
-    /// Whether it stuck at the last iterate: which branch it is on where the bound drops when slip starts.
+    /// True if the point stuck at the last iterate: the branch of a bound that drops when slip starts.
     pub sticks: bool,
 }
 
-/// What is known of a point before the laws are evaluated.
+/// Data of a point that are known before the laws are evaluated.
 pub(super) struct Site<'a> {
     pub contact: &'a Contact,
     pub row: &'a Row,
@@ -34,16 +34,17 @@ pub(super) struct Site<'a> {
     pub slip: Slip,
     /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
     pub stiff: f64,
-    /// Whether slip has two directions, and whether the foundation slides where the body does not move.
+    /// True if slip has two directions, and true if the foundation slides in a direction in which the body does not
+    /// move.
     pub in_space: bool,
     pub slides_out: bool,
-    /// Along which tangents there is no friction.
+    /// Tangents along which there is no friction.
     pub held: [bool; 2],
-    /// By how much the gap opens per depth that wears off.
+    /// Opening of the gap per depth worn off.
     pub opening: f64,
 }
 
-/// What moves a point: its kinematics at an iterate.
+/// Kinematics of a point at an iterate.
 pub(super) struct Kinematics {
     /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
     pub penetration: f64,
@@ -54,7 +55,7 @@ pub(super) struct Kinematics {
     pub temperature: f64,
 }
 
-/// What wears off in the step: the depth is k κ ‖w_τ‖ p₊, and the gap opens by a part c of it.
+/// Wear in the step: the depth is k κ ‖w_τ‖ p₊, and the gap opens by a fraction c of it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wear {
     /// k κ; c k κ, and its derivative in the temperature.
@@ -66,14 +67,14 @@ struct Wear {
 /// Slopes of the bound s and of the pressure beyond those of [`Normal`].
 #[derive(Clone, Copy, Debug, Default)]
 struct Slopes {
-    /// Of s in w_ν and in ‖w_τ‖, and the change of s with the pressure that the linearised graph has at δw = 0.
+    /// Slopes of s in w_ν and in ‖w_τ‖, and the change of s with the pressure that the linearised graph has at δw = 0.
     bound_by_normal: f64,
     bound_by_speed: f64,
     bound_change: f64,
-    /// Of the pressure in ‖w_τ‖, and how much of it the bound follows.
+    /// Slope of the pressure in ‖w_τ‖, and the fraction of it that the bound follows.
     pressure_by_speed: f64,
     follows: f64,
-    /// Of s at fixed pressure and of the pressure in the temperature.
+    /// Slopes in the temperature: of s at fixed pressure, and of the pressure.
     bound_by_temperature: f64,
     pressure_by_temperature: f64,
 }
@@ -90,7 +91,7 @@ pub(super) struct Laws {
     pub worn: f64,
     pub opened: f64,
     pub status: Status,
-    /// Whether it is on the branch of sticking; without a bound, as it was.
+    /// True if the point is on the branch of sticking; without a bound, unchanged.
     pub sticks: bool,
     wear: Wear,
     slopes: Slopes,
@@ -98,12 +99,13 @@ pub(super) struct Laws {
 }
 
 impl Site<'_> {
-    /// Whether there is no friction along any tangent in which the point can slip.
+    /// True if there is no friction along any tangent in which the point can slip.
     fn is_smooth(&self) -> bool {
         self.held[0] && (self.held[1] || !self.in_space && !self.slides_out)
     }
 
-    /// How friction is taken: where a part of the slip is prescribed it is never zero, and (2.9) is smooth.
+    /// Treatment of friction at the point: if a component of the slip is prescribed, the slip is never zero and (2.9)
+    /// is smooth.
     fn how(&self) -> Slip {
         match self.slip {
             Slip::Exact if self.slides_out => Slip::Smooth { speed: 0.0 },
@@ -192,8 +194,8 @@ impl Laws {
         [self.normal.pressure, self.friction.q[0], self.friction.q[1]]
     }
 
-    /// What the laws make of the state, which is the force at a solution: the pressure on the graph and q + ρ w_τ
-    /// projected onto the cone.
+    /// Force by the laws, which is the force at a solution: the pressure on the graph, and q + ρ w_τ projected onto the
+    /// cone.
     pub fn projected(&self) -> Local {
         [self.normal.pressed, self.friction.projected[0], self.friction.projected[1]]
     }
@@ -236,7 +238,7 @@ impl Laws {
         let speed = self.friction.speed();
         let (mut wear, mut wear_by_temperature) = ([0.0; 3], 0.0);
         if self.normal.pressure > 0.0 && self.status == Status::Slip && speed > 0.0 {
-            // That of c k κ ‖w_τ‖ p.
+            // Derivative of c k κ ‖w_τ‖ p.
             let along = self.friction.along();
             let in_slip = [0.0, self.normal.pressure * along[0], self.normal.pressure * along[1]];
             wear = std::array::from_fn(|e| self.wear.rate * (in_slip[e] + speed * tangent[0][e]));

@@ -1,10 +1,9 @@
-//! What is left of an equation, and the rule by which the round-off of its terms may be what is left.
+//! Residual of an equation, and the rule by which it may be the round-off of its terms.
 
-/// What is left of an equation, with the sizes that it is measured by. All are the largest entries of vectors, in N or
-/// W.
+/// Residual of an equation, with its reference sizes. All are the largest entries of vectors, in N or W.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
-    /// What is left, relative to `scale`.
+    /// The residual, relative to `scale`.
     pub value: f64,
     /// The largest term of the equation.
     pub scale: f64,

@@ -18,14 +18,14 @@ const DRIVES: f64 = 1e-6;
 /// not resisted at all, and one in doubt.
 const LEAST: f64 = 1e-9;
 const LARGE: f64 = 0.1;
-/// How many times the extent of all contact nodes and gaps is far away.
+/// Distance that counts as far away, in multiples of the extent of all contact nodes and gaps.
 const FAR: f64 = 1e3;
 /// Share of the forces along a motion that is out of balance where a body slides.
 const SLIPS: f64 = 1e-3;
 /// Stiffness of a point, relative to the largest of its tangent, below which it resists nothing.
 const RESISTS: f64 = 1e-9;
 
-/// What holds the rigid motions of a step.
+/// Supports of the rigid motions of a step.
 #[derive(Clone, Debug)]
 pub(super) struct Holds {
     jumps: Arc<Jumps>,
@@ -124,7 +124,7 @@ impl Mechanical<'_> {
             return Err(Failure::Driven(driven));
         }
         let springs = holds.springs();
-        // Where the interior is eliminated the unknowns are those of the contact nodes, and the resultants are known.
+        // If the interior is eliminated, the unknowns are those of the contact nodes, and the resultants are known.
         let jumps = Arc::clone(&holds.jumps);
         let rigid = (jumps.covers() == condensed.len()).then_some(&*jumps);
         let mut r = r.to_vec();
@@ -207,13 +207,13 @@ impl Mechanical<'_> {
         holds.held.iter().filter_map(of).collect()
     }
 
-    /// What the loads do along a motion, and what they would do if none of them cancelled.
+    /// Resultant of the loads along a motion, and its value if no loads cancelled.
     fn load(&self, free: &Free) -> [f64; 2] {
         let terms = || free.a.iter().zip(self.step.loads);
         [terms().map(|(a, load)| a * load[0]).sum(), terms().map(|(a, load)| a.abs() * load[1]).sum()]
     }
 
-    /// What the loads do along a motion that no contact resists, if it is not their round-off.
+    /// Resultant of the loads along a motion that no contact resists, or `None` if it is round-off.
     fn driven(&self, free: &Free) -> Option<Undetermined> {
         let [load, size] = self.load(free);
         (free.is_exact && load.abs() > DRIVES * size).then(|| Undetermined { load, sum: free.a.clone() })

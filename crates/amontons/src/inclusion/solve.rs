@@ -1,4 +1,4 @@
-//! How the mechanical step on Γ_C is solved: Newton's method, and what is done where it does not end.
+//! Solution of the mechanical step on Γ_C: Newton's method, and the alternatives if it does not converge.
 
 use super::friction::Slip;
 use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
@@ -17,15 +17,14 @@ const FIRST: Effort = Effort { leaps: 4, is_free: false, iterations: 14, enough:
 const SECOND: Effort = Effort { leaps: 8, is_free: false, iterations: 60, enough: 0.0 };
 const NEAR: Effort = Effort { leaps: 8, is_free: false, iterations: ITERATIONS, enough: 0.0 };
 const SMOOTH: Effort = Effort { leaps: 0, is_free: true, iterations: 12, enough: 1e-3 };
-/// How much sharper friction is in each step of the path than in the one before, how much sharper than in the first it
-/// is as good as exact, and how much sharper it is made then from step to step until the step is accepted.
+/// Reduction of the creep speed of smooth friction in each step of the path, its reduction over the whole path below
+/// which friction counts as exact, and its further reduction per step until the step is accepted.
 const SHARPER: f64 = 1e-3;
 const SHARP: f64 = 1e-12;
 const SHARPEST: f64 = 0.1;
 /// Iterations after which proximal steps have failed too.
 const APPROACH: usize = 20 * ITERATIONS;
-/// The same, beyond those before, where a body slides under a load that friction does not bear, and where the step is
-/// made in halves then.
+/// Further iterations allowed if a body slides under a load that friction does not bear and the step is then halved.
 const FEW: usize = ITERATIONS;
 
 /// An iterate of the mechanical step.
@@ -36,7 +35,7 @@ impl MechanicalStep<'_> {
     /// the increment of the velocity over the guess.
     ///
     /// # Errors
-    /// When the iteration does not end, or a linear system is not solved; the multipliers are then as they were.
+    /// If the iteration does not converge, or a linear system is not solved. The multipliers are then unchanged.
     pub fn solve(
         &self,
         condensed: &mut dyn Condensed,
@@ -92,8 +91,7 @@ impl MechanicalStep<'_> {
 }
 
 impl Mechanical<'_> {
-    /// Where the pressures of functions start: at J(r + λ p) of the guess, which is G(r) for a soft law and p for a
-    /// stiff one.
+    /// Starting pressures of functions: J(r + λ p) of the guess, which is G(r) for a soft law and p for a stiff one.
     fn predicted(&self, guess: &[f64], mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         let pressures = self.at_points(|i| {
             let is_found = self.contact(i).normal.graph() == crate::contact::GraphKind::Function
@@ -203,7 +201,7 @@ impl Mechanical<'_> {
             (now, iterations) = (made.end, iterations + made.iterations);
             let is_sharp = speed <= SHARP * fastest;
             if is_sharp || speed <= least {
-                // What moves no faster than smooth friction lets a point creep sticks.
+                // A point sticks if it moves no faster than the creep of smooth friction.
                 for (i, multiplier) in now.multipliers.iter_mut().enumerate() {
                     multiplier.sticks =
                         if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed / SHARPER };

@@ -25,17 +25,17 @@ impl Rigid {
     }
 }
 
-/// The displacement of a state with the rigid motion of each body taken apart; empty where it is not.
+/// Displacement of a state split into the rigid motion of each body and the deformation; empty if it is not split.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Carried {
-    /// R of each body, in the order of the lowest nodes.
+    /// Rigid motion R of each body, in the order of the lowest nodes.
     pub rigid: Vec<Rigid>,
     /// d = u − R, m, node-major.
     pub deformation: Vec<f64>,
 }
 
 impl State {
-    /// The displacement whose strains are those of the body: u, or d where a rigid motion is taken apart.
+    /// Displacement that determines the strains: u, or d if rigid motions are split off.
     #[must_use]
     pub fn deformation(&self) -> &[f64] {
         if self.carried.rigid.is_empty() { &self.u } else { &self.carried.deformation }

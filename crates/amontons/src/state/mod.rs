@@ -1,4 +1,4 @@
-//! State of a problem at a time: what a step starts from and a checkpoint holds, with the report of a step.
+//! State of a problem at a time, from which a step starts and which a checkpoint holds, and the report of a step.
 
 mod carried;
 mod ledger;
@@ -12,7 +12,7 @@ pub use surface::Accumulated;
 
 use crate::inclusion::Multipliers;
 
-/// The state at a time t_n: what the next step starts from.
+/// State at a time t_n, from which the next step starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// n.
@@ -29,9 +29,9 @@ pub struct State {
     pub multipliers: Multipliers,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: Vec<Vec<f64>>,
-    /// u with the rigid motions of bodies taken apart that have moved far; empty where none is.
+    /// u with the rigid motions of far-moved bodies split off; empty if no body has moved far.
     pub carried: Carried,
-    /// What Γ_C and the foundation keep.
+    /// Memory of Γ_C and of the foundation.
     pub surface: Accumulated,
     /// Energies and flows since the start.
     pub ledger: Ledger,
@@ -52,18 +52,18 @@ pub struct Counts {
     pub newton_heat_total: usize,
     /// Sweeps over a factor, forward or backward.
     pub sweeps: usize,
-    /// Krylov iterations; 0 where systems are solved by a factor.
+    /// Krylov iterations; 0 if systems are solved by a factor.
     pub krylov_iterations: usize,
-    /// Largest residual of an accepted step, relative to its largest term; one that is round-off, relative to the sizes
-    /// of what its terms are sums of.
+    /// Largest residual of an accepted step, relative to its largest term. A residual that is round-off is relative to
+    /// the sizes of the summands of its terms.
     pub residual_max: f64,
-    /// Passes over both half-steps: one per step where they are staggered.
+    /// Passes over both half-steps: one per step if they are staggered.
     pub passes_total: usize,
-    /// Largest contraction factors of the fixed-point coupling over the steps; 0 where none was seen.
+    /// Largest contraction factors of the fixed-point coupling over the steps; 0 if none was observed.
     pub contraction_max: Contraction,
     /// Steps that were made in halves.
     pub halved_steps: usize,
-    /// Steps in which there may be several solutions.
+    /// Steps that may have several solutions.
     pub ambiguous_steps: usize,
     /// Steps at whose end a contact point bears a traction.
     pub contact_steps: usize,

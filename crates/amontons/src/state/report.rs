@@ -6,32 +6,32 @@ use crate::contact::{ContactBoundary, Flux};
 use crate::inclusion::PointState;
 use crate::tensor::Point;
 
-/// What happened in one step.
+/// Report of one step.
 #[derive(Clone, Debug)]
 pub struct StepReport {
     /// Newton iterations on Γ_C, mechanics.
     pub newton_mechanics: usize,
     /// Newton iterations on Γ_C, heat.
     pub newton_heat: usize,
-    /// Parts that the step was made in: more than one where it was halved.
+    /// Number of parts in which the step was made: more than one if it was halved.
     pub parts: usize,
-    /// Whether laws that fall may have several solutions between the state before and this one, however short the
+    /// True if softening laws may have several solutions between the previous state and this one, however short the
     /// parts.
     pub is_ambiguous: bool,
     /// Residual of (4.1), (4.2), complementarity and cone, relative to the largest term.
     pub residual: f64,
-    /// How the half-steps were coupled.
+    /// Coupling of the half-steps.
     pub coupling: CouplingReport,
-    /// Rigid motions that nothing determines, in words: they are the least.
+    /// Undetermined rigid motions, in words. Their least value is computed.
     pub loose: Vec<String>,
-    /// What the prescribed displacements and temperatures take.
+    /// Reactions at the prescribed displacements and temperatures.
     pub reactions: Reactions,
     /// The contact points.
     pub contact: ContactReport,
 }
 
 impl StepReport {
-    /// The report of two parts of a step in turn.
+    /// The report of two consecutive parts of a step.
     pub(crate) fn after(self, first: &StepReport) -> StepReport {
         StepReport {
             newton_mechanics: first.newton_mechanics + self.newton_mechanics,
@@ -54,8 +54,8 @@ impl StepReport {
     }
 }
 
-/// What holds the prescribed values: what is left of (4.1) and (4.2) tested with the basis functions of the prescribed
-/// degrees of freedom, in their order in the spaces V^h and Q^h. A physics that is not computed has none.
+/// Reactions at prescribed values: remainders of (4.1) and (4.2) tested with the basis functions of the prescribed
+/// degrees of freedom, in their order in the spaces V^h and Q^h. Empty for a physics that is not computed.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reactions {
     /// Forces on the body, N per unit of thickness in two dimensions.
@@ -64,24 +64,24 @@ pub struct Reactions {
     pub heat: Vec<f64>,
 }
 
-/// How the half-steps of a step were coupled.
+/// Report on the coupling of the half-steps of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CouplingReport {
     /// Passes over both half-steps.
     pub passes: usize,
-    /// Contraction factors of Φ seen; fixed-point coupling only, and none where one pass was enough.
+    /// Observed contraction factors of Φ in fixed-point coupling, or `None` if one pass was enough.
     pub contraction: Option<Contraction>,
-    /// By how much (4.1) with θ_n in m and (4.2) with u_n in e fail, relative to their largest terms; none where they
-    /// are staggered.
+    /// Defect of (4.1) with θ_n in m and of (4.2) with u_n in e, relative to their largest terms, or `None` if the
+    /// half-steps are staggered.
     pub defect: Option<f64>,
 }
 
-/// Contraction factors of the fixed-point coupling within a step: ratios of two defects in turn.
+/// Contraction factors of the fixed-point coupling within a step: ratios of two consecutive defects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Contraction {
-    /// Geometric mean: the rate at which the iteration settles.
+    /// Geometric mean: the convergence rate of the coupling.
     pub mean: f64,
-    /// Largest; above 1 where the contact changes from pass to pass.
+    /// Largest ratio; above 1 if the contact changes from pass to pass.
     pub largest: f64,
 }
 
@@ -96,17 +96,17 @@ impl Contraction {
 /// State of the contact points.
 #[derive(Clone, Debug, Default)]
 pub struct ContactReport {
-    /// Γ_C of the step where pairs are made anew; none where it is that of the bodies at rest, and where the step was
-    /// made before a break.
+    /// Γ_C of the step if pairs are updated, or `None` if it is Γ_C of the bodies at rest or the step was made before a
+    /// break.
     pub boundary: Option<Arc<ContactBoundary>>,
-    /// Weight ω of each contact point in the step, m^(d−1): pairs may be made anew.
+    /// Weight ω of each contact point in the step, m^(d−1), which changes if pairs are updated.
     pub weights: Vec<f64>,
     /// Kinematics and tractions.
     pub states: Vec<PointState>,
     /// Temperature of the body at each point, K.
     pub temperature: Vec<f64>,
-    /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair. Zero where a point
-    /// of a pair faces nothing.
+    /// Temperature opposite each point, K: of the foundation, or of the other body of a pair. Zero if a point of a pair
+    /// faces nothing.
     pub opposite: Vec<f64>,
     /// Heat flux q·ν at each point, of the side that bears it.
     pub flux: Vec<Flux>,

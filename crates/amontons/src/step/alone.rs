@@ -1,5 +1,5 @@
-//! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero, or
-//! at the temperature that is given.
+//! A step of a problem with only one half-step. The other one is not computed; its fields are zero, or the prescribed
+//! temperature.
 
 use super::coupling::Made;
 use crate::contact::{Flux, Status};
@@ -14,7 +14,7 @@ use crate::inclusion::{Exchange, Frame, PointState};
 use crate::problem::Physics;
 use crate::state::CouplingReport;
 
-/// Solves (4.1) without a temperature, or with that which is given at t_n.
+/// Solves (4.1) without a temperature, or with the temperature prescribed at the time of the equations.
 pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let theta: Vec<f64> = match step.problem.physics {
         Physics::Warmed => step.problem.given_temperature(step.level),
@@ -23,7 +23,7 @@ pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepEr
     Ok(made(Mechanics::solve(step, half, &theta, None, &mut ())?, no_heat(step, theta)))
 }
 
-/// Solves (4.2) of bodies that do not move. They exchange heat across their gaps at rest, and nothing presses.
+/// Solves (4.2) of bodies that do not move. They exchange heat across their gaps at rest, without contact pressure.
 pub(crate) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let states = across_gaps(step);
     let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &states)?;
@@ -53,7 +53,7 @@ fn made(mechanics: Mechanics, heat: Heat) -> Made {
     Made { mechanics, heat, report: CouplingReport { passes: 1, ..CouplingReport::default() }, iterations, sweeps }
 }
 
-/// A temperature, and no heat that moves.
+/// A heat half-step with the temperature `theta` and no heat flow.
 fn no_heat(step: &Step, theta: Vec<f64>) -> Heat {
     let (zero, points) = (vec![0.0; step.old.theta.len()], step.boundary.points.len());
     Heat {
@@ -80,7 +80,7 @@ fn no_heat(step: &Step, theta: Vec<f64>) -> Heat {
     }
 }
 
-/// u = w = 0 and no forces.
+/// A mechanical half-step with u = w = 0 and no forces.
 fn no_mechanics(step: &Step) -> Mechanics {
     let zero = || vec![0.0; step.old.u.len()];
     let mut given = Given::default();

@@ -1,4 +1,4 @@
-//! How the half-steps of one step are coupled: [`Coupling`].
+//! Coupling of the half-steps of one step: [`Coupling`].
 //!
 //! One *pass* solves (4.1) with a given temperature in m and (4.2) with a given displacement in e. The staggered scheme
 //! is one pass with θ_{n−1} and u_{n−1}. That map of (u, θ) to the solution of both half-steps is the operator Φ of
@@ -18,21 +18,21 @@ use crate::state::{Contraction, CouplingReport};
 use crate::tensor::{self, Point, length};
 use crate::time::Rule;
 
-/// Defect of the coupling, relative to the largest term of the equations, at which an iteration ends.
+/// Defect of the coupling, relative to the largest term of the equations, at which the coupling iteration ends.
 const COUPLED: f64 = 1e-12;
-/// Defect down to which the ratio of two of them is a contraction factor and not round-off.
+/// Smallest defect whose ratio to another one is a contraction factor and not round-off.
 const TELLING: f64 = 1e-9;
-/// Iterations without progress after which an iteration has failed, and after which Newton's method is taken to circle.
+/// Passes without progress after which the coupling has failed, and after which Newton's method is treated as cycling.
 const WITHOUT_PROGRESS: usize = 60;
 const CIRCLING: usize = 6;
-/// Shortest part of a Newton step of the monolithic coupling that is tried.
+/// Shortest fraction of a Newton step of the monolithic coupling that is tried.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
-/// Residual, relative to the one before, at which the linear systems of the monolithic coupling are solved.
+/// Residual, relative to the initial one, at which the linear systems of the monolithic coupling count as solved.
 const LINEAR: f64 = 1e-10;
-/// Most products in such a system: its matrix is the identity plus a compact part, which takes a few.
+/// Most matrix products per system: the matrix is the identity plus a compact operator, so a few products suffice.
 const PRODUCTS: usize = 200;
 
-/// A step that was made.
+/// A completed step.
 pub(crate) struct Made {
     pub mechanics: Mechanics,
     pub heat: Heat,
@@ -48,7 +48,7 @@ struct Pass {
     heat: Heat,
 }
 
-/// The systems of both half-steps, and what was done with them.
+/// The systems of both half-steps, and the work done with them.
 pub(crate) struct Coupled<'a> {
     pub step: Step<'a>,
     pub mechanics: &'a mut HalfStep,
@@ -92,7 +92,8 @@ impl<'a> Coupled<'a> {
         pass
     }
 
-    /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass.
+    /// Φ: solves (4.1) with `theta` in m in parallel with (4.2) with `u` in e, from the start of the step or an earlier
+    /// pass.
     fn pass(&mut self, theta: &[f64], u: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let step = &self.step;
         let half = &mut *self.heat;
@@ -102,7 +103,7 @@ impl<'a> Coupled<'a> {
         Ok(self.count(Pass { mechanics, heat }))
     }
 
-    /// θ ↦ the temperature of (4.2) at the displacement that (4.1) has with θ.
+    /// Maps θ to the temperature of (4.2) at the displacement that solves (4.1) with θ.
     fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut ())?;
         let begun =
@@ -111,8 +112,8 @@ impl<'a> Coupled<'a> {
         Ok(self.count(Pass { mechanics, heat }))
     }
 
-    /// By how much (4.1) with θ_n in m and in the laws of contact, and (4.2) with u_n in e, fail, relative to their
-    /// largest terms.
+    /// Defect of (4.1) with θ_n in m and in the contact laws, and of (4.2) with u_n in e, relative to their largest
+    /// terms.
     fn defect(&self, pass: &Pass) -> Result<f64, StepError> {
         let Step { discrete, .. } = self.step;
         let change = |new: Vec<f64>, old: &[f64], space: &Space| {
@@ -150,7 +151,7 @@ impl<'a> Coupled<'a> {
         }
     }
 
-    /// Φ is iterated until its arguments are its values.
+    /// Iterates Φ until its arguments equal its values.
     fn fixed_point(&mut self) -> Result<(Pass, f64, Progress), StepError> {
         let mut pass = self.pass(&self.step.old.theta, self.step.old.deformation(), None)?;
         let mut progress = Progress::default();
@@ -165,7 +166,7 @@ impl<'a> Coupled<'a> {
         }
     }
 
-    /// Newton's method for Φ(θ) − θ = 0, the mechanical half-step eliminated.
+    /// Applies Newton's method to Φ(θ) − θ = 0, with the mechanical half-step eliminated.
     fn monolithic(&mut self) -> Result<(Pass, f64, Progress), StepError> {
         let start = self.step.old.theta.clone();
         let mut now = Iterate::new(self.pass_in_turn(&start, None)?, start);
@@ -177,7 +178,7 @@ impl<'a> Coupled<'a> {
                 Verdict::Failed => return Err(self.failed(defect, None)),
                 Verdict::GoOn => {}
             }
-            // Where Newton's method circles around a kink, some passes of the fixed point lead out of it.
+            // If Newton's method cycles around a kink, some passes of the fixed-point coupling lead out of the cycle.
             let circling = progress.without() / CIRCLING % 2 == 1;
             let next = if circling { None } else { self.newton(&now)? };
             now = match next {
@@ -187,14 +188,14 @@ impl<'a> Coupled<'a> {
         }
     }
 
-    /// The iterate with this temperature in m.
+    /// The iterate with the temperature `theta` in m.
     fn iterate(&mut self, theta: Vec<f64>, from: &Pass) -> Result<Iterate, StepError> {
         Ok(Iterate::new(self.pass_in_turn(&theta, Some(from))?, theta))
     }
 
-    /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever
-    /// shorter parts of the Newton step. None where none does, or where no direction is found: passes of the fixed
-    /// point go on.
+    /// Returns the first candidate that reduces the residual: the full Newton step, a pass of the fixed-point coupling,
+    /// ever shorter fractions of the Newton step. Returns `None` if no candidate does or no direction is found; the
+    /// fixed-point passes then continue.
     fn newton(&mut self, now: &Iterate) -> Result<Option<Iterate>, StepError> {
         let Some(change) = self.direction(now)? else { return Ok(None) };
         let part = |alpha: f64| {
@@ -211,7 +212,7 @@ impl<'a> Coupled<'a> {
         Ok(None)
     }
 
-    /// The Newton step of the temperature, none where its systems are not solved.
+    /// The Newton step of the temperature, or `None` if its systems cannot be solved.
     fn direction(&mut self, now: &Iterate) -> Result<Option<Vec<f64>>, StepError> {
         let most = now.residual.len().min(PRODUCTS);
         let found = Linearised::new(self, &now.pass).and_then(|tangent| {
@@ -223,7 +224,7 @@ impl<'a> Coupled<'a> {
     }
 }
 
-/// The heat half-step beside the mechanical one, of which it needs the contact on Γ_C only.
+/// The heat half-step, run in parallel with the mechanical one, from which it needs only the contact on Γ_C.
 struct HeatBeside<'a> {
     step: &'a Step<'a>,
     half: &'a mut HalfStep,
@@ -243,7 +244,7 @@ impl HeatBeside<'_> {
         begun.solve(self.step, self.half, states)
     }
 
-    /// The half-step at the contact of the solution, which is that of the last pass.
+    /// The heat half-step at the contact of the solution, which is the contact passed in last.
     fn end(mut self, states: &[PointState]) -> Result<Heat, StepError> {
         self.made.take().unwrap_or_else(|| self.solve(states))
     }
@@ -279,12 +280,12 @@ impl Iterate {
     }
 }
 
-/// How an iteration goes on.
+/// Progress of the coupling iteration.
 #[derive(Default)]
 struct Progress {
     /// The defect after each pass.
     defects: Vec<f64>,
-    /// Where the least of them is.
+    /// Index of the least defect.
     least: usize,
 }
 
@@ -296,7 +297,7 @@ enum Verdict {
 
 impl Progress {
     fn after(&mut self, defect: f64) -> Verdict {
-        // Round-off may keep the defect from falling further.
+        // Round-off may keep the defect from decreasing further.
         let stalled = defect <= ACCEPTED && self.defects.last().is_some_and(|last| defect > 0.5 * last);
         if self.defects.get(self.least).is_none_or(|&least| defect < least) {
             self.least = self.defects.len();
@@ -316,7 +317,7 @@ impl Progress {
         self.defects.len() - 1 - self.least
     }
 
-    /// The contraction factors seen: mean and largest ratio of two defects in turn, as far as they are not round-off.
+    /// The observed contraction factors: mean and largest ratio of two consecutive defects above round-off.
     fn contraction(&self) -> Option<Contraction> {
         let telling: Vec<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
         let (first, last, ratios) =
@@ -335,16 +336,16 @@ struct Linearised {
     fluxes: Vec<[f64; 4]>,
     friction: Vec<[Point; 2]>,
     normals: Vec<Point>,
-    /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative
-    /// of conduction has beside its symmetric part.
+    /// Derivative of the forces of the body with respect to the temperature, if it differs from m, and the nonsymmetric
+    /// part of the derivative of conduction.
     force_slope: Option<BlockMatrix>,
     heat_slope: Option<BlockMatrix>,
-    /// Whether the power of friction enters the bodies whole, as at a pair.
+    /// True if the whole power of friction enters the bodies, as at a pair.
     rubs: Vec<bool>,
 }
 
 impl Linearised {
-    /// Where matrices depend on the temperature they are factorized at the solution.
+    /// Linearises both half-steps. Matrices that depend on the temperature are factorized at the solution.
     fn new(coupled: &mut Coupled, pass: &Pass) -> Result<Linearised, SolveError> {
         let Step { discrete, .. } = coupled.step;
         if discrete.softens() {
@@ -372,15 +373,15 @@ impl Linearised {
         Ok(Linearised { mechanics, points, heat, fluxes, friction, normals, force_slope, heat_slope, rubs })
     }
 
-    /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the
-    /// equations of both sides are multiplied so, and J is not inverted.
+    /// The right-hand side for a residual: P⁻¹J times the residual, with P the symmetric part of the derivative J of
+    /// (4.2). Both sides of the equation are multiplied by P⁻¹J, so that J is not inverted.
     fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<Vec<f64>, SolveError> {
         let Some(slope) = &self.heat_slope else { return Ok(residual.to_vec()) };
         let more = coupled.heat.system.linearised(&self.heat, &slope.apply(residual))?;
         Ok(residual.iter().zip(&more).map(|(residual, more)| residual + more).collect())
     }
 
-    /// δθ − Φ′ δθ, times P⁻¹J.
+    /// δθ − Φ′ δθ, multiplied by P⁻¹J.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
         let Step { discrete, boundary, rule: Rule { gamma, level, .. }, .. } = coupled.step;
         let warmer = boundary.scalars_on(coupled.step.contacts, change);

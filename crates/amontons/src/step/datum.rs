@@ -1,4 +1,4 @@
-//! Which datum is not finite where a step failed.
+//! Search for the datum that is not finite if a step failed.
 
 use crate::element::{Element, ShapeTable};
 use crate::equation::StepError;
@@ -8,16 +8,16 @@ use crate::problem::{Datum, Problem};
 use crate::state::State;
 use crate::tensor::Point;
 
-/// The error of a step with values that are not finite, with the datum that is the cause, if one is; other errors as
-/// they are.
+/// Adds to the error of a step with values that are not finite the datum that caused it, if one is found. Other errors
+/// are returned unchanged.
 pub(crate) fn named(problem: &Problem, old: &State, error: StepError) -> StepError {
     let StepError::NotFinite { step, t, .. } = error else { return error };
-    // The foundation is asked at both ends of a step.
+    // The data of the foundation are used at both ends of a step.
     let found = [t, old.t].into_iter().find_map(|t| Some((t, culprit(problem, old, t)?)));
     found.map_or(error, |(t, (key, value, at))| StepError::Data { step, t, key, value, at })
 }
 
-/// A datum that has no finite value at a time: key, value, and where.
+/// A datum that has no finite value at a time: key, value, and position.
 fn culprit(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point)> {
     let first = |points: &[Point], datum: &Datum| {
         let values = datum.field.values(points, t);
@@ -25,7 +25,7 @@ fn culprit(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point
         Some((datum.key.clone(), value, *x))
     };
     let data = problem.data();
-    // At the nodes first: an expression that breaks down at a node is easier to see there.
+    // The nodes are searched first: a fault of an expression is easier to see there.
     let at_nodes = data.iter().find_map(|datum| first(&problem.nodes_of(datum), datum));
     let inside = || {
         data.iter()
@@ -35,7 +35,7 @@ fn culprit(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point
     at_nodes.or_else(inside).or_else(|| obstacle(problem, old, t))
 }
 
-/// The points at which loads are integrated, of a side or of the body.
+/// The quadrature points of the loads on a side or in the body.
 fn quadrature(mesh: &Mesh, side: Option<&str>) -> Vec<Point> {
     let table = |element: &'static Element| ShapeTable::new(element, forms::data_degree(element));
     let mut points = Vec::new();

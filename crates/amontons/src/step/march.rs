@@ -22,46 +22,46 @@ use crate::state::{Accumulated, Carried, ContactReport, Counts, Ledger, Reaction
 use crate::tensor;
 use crate::time::Interval;
 
-/// How often a step is halved that does not converge, or in which there may be several solutions.
+/// Largest number of halvings of a step that does not converge or may have several solutions.
 const HALVINGS: usize = 5;
-/// Residual of an iteration on Γ_C below which it may have failed by the round-off of the velocities.
+/// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
 
 /// Backward Euler for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
 ///
-/// A step whose contact iteration does not end is made in two halves, and these again. So is one in which laws that
-/// fall may have several solutions between the state before and the one that was found: the shorter the step, the
-/// nearer the solution is to the branch before.
+/// A step whose contact iteration does not converge is made in two halves, and these again. The same holds for a step
+/// in which softening laws may have several solutions between the previous state and the new one: the shorter the step,
+/// the nearer the solution is to the previous branch.
 #[derive(Debug)]
 pub struct March {
     problem: Problem,
     discrete: Arc<Discretization>,
     backend: Arc<dyn Backend>,
-    /// The temperature at which matrices are factorized at first.
+    /// Temperature at which matrices are factorized first.
     start: Vec<f64>,
     systems: Systems,
-    /// The rigid motions of the parts that nothing but contact holds.
+    /// Rigid motions of the parts that are supported by contact only.
     loose: Arc<Loose>,
-    /// Those of halved steps: k/2, k/4 and so on, kept while steps are halved.
+    /// Systems of halved steps: k/2, k/4 and so on, kept while steps are halved.
     halved: Vec<Systems>,
-    /// Factorizations of systems that were given up, of the matrices and of contact systems.
+    /// Factorizations of discarded systems: of the matrices and of contact systems.
     given_up: (usize, usize),
     /// Products that one step computes and the next one needs, with the state they belong to.
     products: Option<Products>,
-    /// The bodies whose rigid motions are taken apart, made when it is first needed; none where they cannot be.
+    /// Bodies whose rigid motions are split off, made at first use, or `None` if they cannot be.
     bodies: OnceLock<Option<Bodies>>,
-    /// Told where each step is.
+    /// Receives the progress of each step.
     pulse: Pulse,
-    /// Whether steps take as many iterations as they need; else they are made in halves after some.
+    /// True if a step takes as many iterations as it needs; else it is halved after a limited number.
     is_patient: bool,
 }
 
 impl March {
-    /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear and no step is
-    /// halved.
+    /// Assembles and factorizes. No other factorization is made in a run if all laws of the body are linear and no step
+    /// is halved.
     ///
     /// # Errors
-    /// When a system is singular or does not fit into memory.
+    /// If a system is singular or does not fit into memory.
     pub fn new(problem: &Problem) -> Result<March, SetupError> {
         March::on(problem, &Arc::new(Discretization::new(problem)), &problem.backend)
     }
@@ -109,21 +109,21 @@ impl March {
         })
     }
 
-    /// Numbers that both factors store.
+    /// Numbers stored by both factors.
     #[must_use]
     pub fn stored(&self) -> usize {
         self.systems.all().map(System::stored).sum()
     }
 
-    /// Goes from a state to t, a part 2^−halvings of the step n; in halves where it has to be.
+    /// Advances a state to t, a part 2^−halvings of the step n, in halves if necessary.
     fn advance(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
         let made = self.attempt(old, n, t, halvings);
         self.refine(made, old, n, t, halvings)
     }
 
-    /// The part in halves where it was not made, or where it may have other solutions: shorter parts have fewer, and
-    /// tell where the branch is in doubt. Where both halves are in doubt and the shortest parts would be, too, as with
-    /// a law that falls with the slip speed on a body without inertia, they tell nothing, and the two halves stand.
+    /// Makes the part in halves if it was not solved, or may have other solutions: shorter parts have fewer solutions
+    /// and show where the branch is in doubt. If both halves are in doubt and the shortest parts would be too, as with
+    /// velocity-weakening friction on a body without inertia, halving gives no information, and the two halves stand.
     fn refine(
         &mut self,
         made: Result<(State, StepReport), StepError>,
@@ -153,8 +153,8 @@ impl March {
             let (state, second) = self.advance(&state, n, t, halvings + 1)?;
             Ok((state, second.after(&first)))
         });
-        // A step that was made stands where its halves are not solved; of one that was not, the first part that is not
-        // solved is named. What was interrupted is made anew by whoever resumes, in halves.
+        // A solved step stands if its halves are not solved. For an unsolved step the error names the first part that
+        // is not solved. An interrupted step is made anew, in halves, by the resumed run.
         halves.or_else(|first| match made {
             _ if !first.is_unsolved() => Err(first),
             Err(_) if halvings == 0 => {
@@ -164,7 +164,7 @@ impl March {
         })
     }
 
-    /// A step whose halves are not solved either, with as many iterations as it takes.
+    /// Makes a step whose halves are not solved either, with as many iterations as it needs.
     fn with_patience(&mut self, old: &State, n: usize, t: f64) -> Result<(State, StepReport), StepError> {
         self.is_patient = true;
         let made = self.attempt(old, n, t, 0);
@@ -184,7 +184,7 @@ impl March {
         Ok(())
     }
 
-    /// Whether the shortest part of a step would have one solution between the velocities of two states.
+    /// True if the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
         self.halve(HALVINGS).map_err(|(_, source)| StepError::Singular { step: n, t: end.t, source })?;
         let Some(Systems { rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
@@ -211,8 +211,8 @@ impl March {
         Mechanics::is_unique(&now, mechanics, end)
     }
 
-    /// Makes a step, or a part of it, as a whole. Where round-off of the displacement may be what it fails by, the
-    /// rigid motions of bodies are taken apart from their deformation, in this and all later steps.
+    /// Makes a step, or a part of it, as a whole. If round-off of the displacement may have caused a failure, the rigid
+    /// motions of bodies are split off from their deformation, in this and all later steps.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
         let is_noise = |error: &StepError| match error {
             StepError::Residual { part, .. } => *part == "mechanics",
@@ -282,7 +282,7 @@ impl March {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
             (Some(mechanics), None) => alone::mechanics(&now, mechanics),
             (None, Some(heat)) => alone::heat(&now, heat),
-            // `Physics` has no such value.
+            // No value of `Physics` leads here.
             (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
         };
         let krylov = krylov_iterations(mechanics.as_ref(), heat.as_ref()) - before;
@@ -297,7 +297,8 @@ impl March {
         let (mut state, mut report, products) = made.end(&now, ledger);
         state.counts.krylov_iterations += krylov;
         report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
-        // Products of a deformation are made anew, as after a break; so are those before the end of a step.
+        // Products are computed anew if they are of a deformation, as after a break, or were taken before the end of a
+        // step.
         self.products = (state.carried.rigid.is_empty() && now.rule.is_at_end()).then_some(products);
         Ok((state, report))
     }
@@ -323,7 +324,7 @@ impl Made {
         }
     }
 
-    /// The state at the end of the step, what happened in it, and the products that the next step needs.
+    /// The state at the end of the step, the report, and the products that the next step needs.
     fn end(self, step: &Step, ledger: Ledger) -> (State, StepReport, Products) {
         let (old, residual, counts) = (step.old, self.residual(), self.counts(&step.old.counts));
         let Made { mechanics, heat, report: coupling, iterations, .. } = self;
@@ -385,7 +386,7 @@ impl Made {
     }
 }
 
-/// θ₀ at the nodes: initial data, or the temperature that is given.
+/// θ₀ at the nodes: the initial data, or the prescribed temperature.
 fn first_temperature(problem: &Problem, discrete: &Discretization) -> Vec<f64> {
     match problem.physics {
         Physics::Warmed => problem.given_temperature(0.0),
@@ -398,12 +399,12 @@ fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> u
     mechanics.into_iter().chain(heat).map(|half| half.system.iterations()).sum()
 }
 
-/// The range that takes in some values, too.
+/// The range extended to include `values`.
 fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
     values.iter().fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)])
 }
 
-/// Γ_C in a step that starts from a state: pairs that are updated are made anew.
+/// Γ_C in a step that starts from the state `old`, with updated pairs searched anew.
 fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
     let of = |supports: Supports| discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, supports);
     let updated = with_supports(&discrete.v, Some(&discrete.outside), of);
@@ -435,7 +436,7 @@ impl Scheme for March {
         }
         let ((rho, inertia), (c, _)) = (self.discrete.inertia(), self.discrete.storage());
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
-        // Without a potential the energy is counted from the initial state.
+        // Without a potential the energy is counted from the initial state, which is 0.
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = self.discrete.branches.iter().map(|branch| vec![0.0; branch.size(u.len())]).collect();
         let boundary = &self.discrete.boundary;

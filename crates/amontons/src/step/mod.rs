@@ -17,18 +17,18 @@ use crate::problem::Problem;
 use crate::pulse::Pulse;
 use crate::state::{State, StepReport};
 
-/// Factorizations that a scheme keeps between steps and how it solves its systems, so that bits and counts of a run
-/// that goes on are those of one without a break.
+/// Factorizations that a scheme keeps between steps, and the chosen solvers, so that a resumed run has the same bits
+/// and counts as one without a break.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Kept {
-    /// How many of the step lengths k/2, k/4, … have matrices.
+    /// Number of step lengths k/2, k/4, … that have matrices.
     pub halvings: usize,
-    /// The temperature of each system whose matrix was factorized anew for it; empty for others.
+    /// Temperature of each system whose matrix was refactorized for it; empty for others.
     #[serde(default)]
     pub temperatures: Vec<Vec<f64>>,
     /// The tangents on Γ_C of each system.
     pub tangents: Vec<Vec<TangentKey>>,
-    /// How systems are solved, where the program has chosen.
+    /// Solvers of the systems that the program has chosen.
     pub solvers: Vec<Decided>,
     /// The work of the iteration of each system.
     #[serde(default)]
@@ -46,32 +46,33 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     /// The state at t = 0, (4.3).
     ///
     /// # Errors
-    /// When initial data are not finite.
+    /// If initial data are not finite.
     fn initial(&self) -> Result<State, SetupError>;
-    /// The state one step on.
+    /// Makes the next step and returns the new state.
     ///
     /// # Errors
-    /// When the step does not converge or is not finite; there is then no new state.
+    /// If the step does not converge or is not finite. There is then no new state.
     fn step(&mut self, state: &State) -> Result<(State, StepReport), StepError>;
     /// Factorizations of the matrices so far, and of contact systems.
     fn factorizations(&self) -> (usize, usize);
-    /// What a run that goes on from here has to factorize again.
+    /// Factorizations that a resumed run has to repeat.
     fn kept(&self) -> Kept {
         Kept::default()
     }
-    /// Makes the factorizations of the matrices that the run before had kept, and takes its tangents as factorized.
+    /// Repeats the factorizations of the matrices that the previous run had kept, and treats its tangents as
+    /// factorized.
     ///
     /// # Errors
-    /// When a matrix cannot be factorized.
+    /// If a matrix cannot be factorized.
     fn recall(&mut self, _kept: &Kept) -> Result<(), SetupError> {
         Ok(())
     }
-    /// Tells from now on where each step is.
+    /// Reports the progress of each step to `pulse` from now on.
     fn watched_by(&mut self, _pulse: &Pulse) {}
     /// Unknowns of displacement, temperature and on Γ_C.
     fn unknowns(&self) -> [usize; 3];
-    /// How systems are solved: `iterative` if one of them is, else `direct`.
+    /// Solver of the systems: `iterative` if one of them is solved so, else `direct`.
     fn backend(&self) -> &'static str;
-    /// Why: what either way was predicted to take, of the mechanical half-step where there is one.
+    /// Reason for the choice: predicted effort of both solvers, for the mechanical half-step if there is one.
     fn backend_reason(&self) -> String;
 }

@@ -1,4 +1,4 @@
-//! The rule in time: which unknown a step has, and how it enters displacements and accelerations.
+//! The rule in time: the unknown of a step, and how it enters displacements and accelerations.
 
 /// The rule of a step from t₀ to t₁ = t₀ + k. Its unknown x is the velocity at t_ϑ = t₀ + ϑk:
 ///
@@ -37,13 +37,13 @@ impl Rule {
         self.level >= 1.0
     }
 
-    /// The time t_ϑ of the equations in a step from `start` to `end`, s.
+    /// The time t_ϑ at which the equations hold in a step from `start` to `end`, s.
     #[must_use]
     pub fn time(&self, [start, end]: [f64; 2]) -> f64 {
         self.between([start, end])
     }
 
-    /// (1 − ϑ) v₀ + ϑ v₁: the value at t_ϑ of what is known at both ends of the step.
+    /// (1 − ϑ) v₀ + ϑ v₁: the value at t_ϑ of a quantity known at both ends of the step.
     #[must_use]
     pub fn between(&self, [start, end]: [f64; 2]) -> f64 {
         if self.is_at_end() { end } else { start + self.level * (end - start) }

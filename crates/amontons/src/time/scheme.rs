@@ -5,7 +5,7 @@ use super::Rule;
 /// A scheme in time: it states the rule of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum TimeScheme {
-    /// Backward Euler: of first order, and dissipative.
+    /// Backward Euler, of first order and dissipative.
     #[default]
     BackwardEuler,
     /// The ϑ-scheme, ½ ≤ ϑ ≤ 1.

@@ -2,7 +2,7 @@
 
 /// The instants of a run: N equal steps from 0 to T.
 ///
-/// Everything else asks here where a step begins and how long it is, so that no other place knows that steps are equal.
+/// All other modules take the start and length of a step from here, so that only this type knows that steps are equal.
 ///
 /// ```
 /// use amontons::time::Timeline;
@@ -82,7 +82,7 @@ impl Timeline {
         self.end / self.steps as f64
     }
 
-    /// Every step cut into equal parts.
+    /// The timeline with each step divided into `parts` equal steps.
     #[must_use]
     pub fn refined(&self, parts: usize) -> Timeline {
         Timeline::equal(self.end, self.steps * parts)
