@@ -17,7 +17,7 @@ use crate::time::Rule;
 pub use relaxation::Relaxation;
 pub(crate) use relaxation::Relaxed;
 
-/// Everything about the discrete problem that does not change with time.
+/// The discrete problem without its state: spaces, matrices, loads and contact boundary.
 #[derive(Debug)]
 pub struct Discretization {
     /// The mesh.
@@ -30,40 +30,41 @@ pub struct Discretization {
     pub q: Space,
     /// (·, ·)_{L²}, on scalars and by components on vectors.
     pub mass: BlockMatrix,
-    /// ρ in kg/m³ where it is the same everywhere, and heat capacity likewise.
+    /// Density ρ (kg/m³) and heat capacity as weights of the mass matrix: one number if uniform.
     density: Weight,
     capacity: Weight,
-    /// a of the laws that are linear and do not depend on the temperature.
+    /// Matrix of a, from the elastic laws that are linear and independent of temperature.
     pub a: BlockMatrix,
-    /// b likewise.
+    /// Matrix of b, from the viscous laws that are linear and independent of temperature.
     pub b: BlockMatrix,
-    /// Laws of elasticity and viscosity that are not linear or depend on the temperature, by region, zero in regions
-    /// whose law is in a or b; empty if all are.
+    /// Elastic and viscous laws per region that are nonlinear or depend on temperature. The entry is zero in regions
+    /// whose law is in a or b; the list is empty if all laws are.
     elasticity: Vec<Arc<dyn TensorLaw>>,
     viscosity: Vec<Arc<dyn TensorLaw>>,
-    /// What depends on the temperature.
+    /// Coefficients of heat and expansion that depend on temperature.
     warm: Warm,
-    /// Branches that relax, by their time; see [`Relaxation`].
+    /// Maxwell branches, grouped by relaxation time; see [`Relaxation`].
     pub branches: Vec<Relaxation>,
-    /// d; where 𝓚 depends on the temperature at that nearest to 0.
+    /// Matrix of d. If 𝓚 depends on temperature, it is evaluated at the tabulated temperature nearest to 0.
     pub d: BlockMatrix,
-    /// m, from temperatures to forces; where 𝓜 depends on the temperature at that nearest to 0.
+    /// Matrix of m (temperature → force). If 𝓜 depends on temperature, it is evaluated at the tabulated temperature
+    /// nearest to 0.
     pub m: BlockMatrix,
-    /// e, from displacements to heat.
+    /// Matrix of e (displacement → heat).
     pub e: BlockMatrix,
-    /// Springs at the boundary, which act beside a.
+    /// Springs at the boundary, added to a.
     pub springs: Option<BlockMatrix>,
-    /// Dashpots at the boundary, which act beside b.
+    /// Dashpots at the boundary, added to b.
     pub dashpots: Option<BlockMatrix>,
-    /// Convection at the boundary, which acts beside d.
+    /// Convection at the boundary, added to d.
     pub convection: Option<BlockMatrix>,
     /// f(t).
     pub f: forms::Load,
     /// q_h(t).
     pub q_h: forms::Load,
-    /// Γ_C; without nodes where there is no contact.
+    /// Contact boundary Γ_C, without nodes if there is no contact.
     pub boundary: Arc<ContactBoundary>,
-    /// The facets that bound the bodies, from the first pairing on that asks for them.
+    /// Facets that bound the bodies, computed by the first pairing that needs them.
     pub outside: OnceLock<FacetSet>,
     /// The sides of pairs that wear.
     pub worn: WornSides,
@@ -71,7 +72,7 @@ pub struct Discretization {
     pub ways: Ways,
 }
 
-/// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
+/// Weight of (·, ·)_{L²}: one number if it is uniform, otherwise a weighted form of its own.
 #[derive(Debug)]
 enum Weight {
     Same(f64),
@@ -105,15 +106,15 @@ impl Weight {
     }
 }
 
-/// The laws of the body at a temperature, with their forms where they are linear in the strain.
+/// Laws of the body at one temperature field, with their matrices if they are linear in the strain.
 #[derive(Debug)]
 pub struct Warmed<'a> {
     theta: &'a [f64],
-    /// a and b of the laws that depend on the temperature.
+    /// Matrices of a and b of the temperature-dependent laws.
     forms: Option<[BlockMatrix; 2]>,
 }
 
-/// The coefficients of heat and expansion by region, those of which one depends on the temperature; others are empty.
+/// Coefficients of heat and expansion per region. A list is empty if none of its coefficients depends on temperature.
 #[derive(Debug, Default)]
 struct Warm {
     capacity: Vec<Coefficient<f64>>,
@@ -135,12 +136,12 @@ impl Warm {
     }
 }
 
-/// Whether a law has a matrix that does not change: one that is linear and does not depend on the temperature.
+/// True if a law has a constant matrix: it is linear and does not depend on temperature.
 pub(crate) fn is_fixed(law: &Arc<dyn TensorLaw>) -> bool {
     law.is_linear() && !depends_on_temperature(law.as_ref())
 }
 
-/// The laws by region that have no such matrix, zero in place of others; empty where all have one.
+/// Laws per region that have no constant matrix, zero in place of the others; empty if every law has one.
 fn others(materials: &[Material], law: fn(&Material) -> &Arc<dyn TensorLaw>) -> Vec<Arc<dyn TensorLaw>> {
     if materials.iter().all(|m| is_fixed(law(m))) {
         return Vec::new();
@@ -207,44 +208,46 @@ impl Discretization {
         }
     }
 
-    /// Whether all laws of the body are linear and do not depend on the temperature, so that K_u does not change.
+    /// True if all laws of the body are linear and independent of temperature, so that K_u does not change.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.elasticity.is_empty() && self.viscosity.is_empty()
     }
 
-    /// Whether (4.1) depends on the temperature otherwise than by m and the contact.
+    /// True if (4.1) depends on temperature otherwise than through m and the contact.
     #[must_use]
     pub fn softens(&self) -> bool {
         self.elasticity.iter().chain(&self.viscosity).any(|law| depends_on_temperature(law.as_ref()))
     }
 
-    /// Whether 𝓔 is a linear function of the strain everywhere, at each temperature.
+    /// True if 𝓔 is a linear function of the strain everywhere, at each temperature.
     #[must_use]
     pub fn is_linearly_elastic(&self) -> bool {
         self.elasticity.iter().all(|law| law.is_linear())
     }
 
-    /// Whether 𝓔 and 𝓥 are, so that K_u is a matrix of the temperature.
+    /// True if 𝓔 and 𝓥 are linear functions of the strain at each temperature, so that K_u depends on temperature but
+    /// not on u or w.
     #[must_use]
     pub fn is_linear_at_each_temperature(&self) -> bool {
         self.is_linearly_elastic() && self.viscosity.iter().all(|law| law.is_linear())
     }
 
-    /// Whether conduction and stored heat are linear in the temperature, so that K_θ does not change.
+    /// True if conduction and stored heat are linear in the temperature, so that K_θ does not change.
     #[must_use]
     pub fn conducts_linearly(&self) -> bool {
         self.warm.capacity.is_empty() && self.warm.conductivity.is_empty()
     }
 
-    /// The number ρ and the form of which inertia is the product: (ρ·, ·) = ρ (·, ·) where the density is the same
-    /// everywhere.
+    /// Inertia (ρ·, ·) as a scale and a form: ρ and (·, ·) if the density is uniform, otherwise 1 and the weighted
+    /// form.
     #[must_use]
     pub fn inertia(&self) -> (f64, &BlockMatrix) {
         (self.density.factor(), self.density.form(&self.mass))
     }
 
-    /// The same of the heat capacity.
+    /// Heat storage as a scale and a form: the heat capacity and (·, ·) if it is uniform, otherwise 1 and the weighted
+    /// form.
     #[must_use]
     pub fn storage(&self) -> (f64, &BlockMatrix) {
         (self.capacity.factor(), self.capacity.form(&self.mass))
@@ -266,7 +269,7 @@ impl Discretization {
         matrix
     }
 
-    /// The laws of the body at the temperature θ of the nodes.
+    /// Laws of the body at the nodal temperatures θ.
     #[must_use]
     pub fn warmed<'a>(&self, theta: &'a [f64]) -> Warmed<'a> {
         let is_matrix = self.softens() && self.is_linear_at_each_temperature();
@@ -325,8 +328,8 @@ impl Discretization {
         d
     }
 
-    /// What the tangent of (4.2) has beside [`Discretization::thermal_tangent`], from the slope of 𝓚; none where 𝓚 does
-    /// not depend on the temperature.
+    /// Part of the tangent of (4.2) that [`Discretization::thermal_tangent`] leaves out, from the slope of 𝓚, or `None`
+    /// if 𝓚 does not depend on temperature.
     #[must_use]
     pub fn thermal_slope(&self, theta: &[f64]) -> Option<BlockMatrix> {
         let conductivity = &self.warm.conductivity;
@@ -334,8 +337,8 @@ impl Discretization {
         (!conductivity.is_empty()).then(slope)
     }
 
-    /// The stored heat by basis functions, less the factor of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy
-    /// H, which is cθ for a constant capacity.
+    /// Stored heat per basis function, without the scale of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy H,
+    /// which is cθ for a constant capacity.
     #[must_use]
     pub fn stored_heat(&self, theta: &[f64]) -> Vec<f64> {
         if self.warm.capacity.is_empty() {
@@ -355,8 +358,8 @@ impl Discretization {
         }
     }
 
-    /// The change of the right-hand side of (4.1) with the temperature at u, w and θ, as a product with the change of
-    /// the temperature: that of m, less those of a and b.
+    /// Derivative of the right-hand side of (4.1) by temperature at u, w and θ: that of m less those of a and b, or
+    /// `None` if expansion and laws do not depend on temperature, so that m is the derivative.
     #[must_use]
     pub fn mechanical_slope(&self, u: &[f64], w: &[f64], theta: &[f64]) -> Option<BlockMatrix> {
         let warm = !self.warm.expansion.is_empty();
@@ -414,7 +417,7 @@ impl Discretization {
         self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
     }
 
-    /// The same, and what `then` makes of blocks of them: see [`thermal_products`].
+    /// The stored heat and d(θ, ·), with the results of `then` on blocks of them: see [`thermal_products`].
     #[must_use]
     pub fn thermal_products_then<T: Send + 'static>(
         &self,
@@ -431,13 +434,14 @@ impl Discretization {
     }
 
     /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
-    /// is empty where K_u may change.
+    /// is empty if K_u may change.
     #[must_use]
     pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [Vec<f64>; 4] {
         self.mechanical_products_then([u, w], warmed, &mut [], |_, _, _| ()).0
     }
 
-    /// The same, and what `then` makes of blocks of the first, second and last: see [`mechanical_products`].
+    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·), with the results of `then` on blocks of the first, second and last: see
+    /// [`mechanical_products`].
     #[must_use]
     pub fn mechanical_products_then<T: Send + 'static>(
         &self,
@@ -467,7 +471,7 @@ impl Discretization {
         (products, made)
     }
 
-    /// What the last bits of u and w make of a(u, ·) and b(w, ·).
+    /// Round-off in a(u, ·) and b(w, ·) from the last bits of u and w.
     #[must_use]
     pub fn mechanical_round_off(&self, u: &[f64], w: &[f64], theta: &[f64]) -> f64 {
         let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[Arc<dyn TensorLaw>], at: &[f64]| {
@@ -478,7 +482,8 @@ impl Discretization {
             + of(&self.b, self.dashpots.as_ref(), &self.viscosity, w)
     }
 
-    /// |a(|u|, ·)| by the sizes of its entries: what terms that cancel are measured by.
+    /// |A| |u|, A the matrix of a with the tangent of temperature-dependent laws: the scale against which cancelling
+    /// terms are measured.
     #[must_use]
     pub fn elastic_sizes(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
         let mut sizes = self.a.magnitude(u);
@@ -489,7 +494,7 @@ impl Discretization {
         sizes
     }
 
-    /// What the last bits of θ make of d(θ, ·) with the convection.
+    /// Round-off in d(θ, ·) with the convection from the last bits of θ.
     #[must_use]
     pub fn thermal_round_off(&self, theta: &[f64]) -> f64 {
         let d = if self.warm.conductivity.is_empty() {
@@ -501,8 +506,8 @@ impl Discretization {
         d + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
     }
 
-    /// The stored energy at u and the temperature θ: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the
-    /// others; none if one of these has no potential.
+    /// Stored energy at u and the temperature θ, or `None` if a law has no potential: ½ a(u, u) of the linear laws with
+    /// the springs, plus ∫ W(ε(u)) of the others.
     #[must_use]
     pub fn stored_energy(&self, u: &[f64], theta: &[f64]) -> Option<f64> {
         let linear = 0.5 * dot(u, &self.apply_linear_a(u));
@@ -523,13 +528,13 @@ impl Discretization {
         product
     }
 
-    /// Heat that leaves through convection beyond what the surroundings send in: ∫ h θ.
+    /// Heat flow out through convection, less what the surroundings supply: ∫ h θ.
     #[must_use]
     pub fn convected(&self, theta: &[f64]) -> f64 {
         self.convection.as_ref().map_or(0.0, |convection| convection.apply(theta).iter().sum())
     }
 
-    /// ‖v‖ in H or L², and ‖ε(v)‖ where `strain` holds the form (ε(·), ε(·)).
+    /// Norm √(v·Av) with A = `matrix`: ‖v‖ in H or L² for the mass matrix, ‖ε(v)‖ for the form (ε(·), ε(·)).
     #[must_use]
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
         let scale = safe_scale(max_abs(v));
@@ -538,14 +543,14 @@ impl Discretization {
     }
 }
 
-/// The law of regions that have none of their own in a form.
+/// Zero law, for regions that have no law of their own in a form.
 static ZERO: material::Branch = material::Branch::new(SymMap([[0.0; 6]; 6]), f64::INFINITY);
 
 fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {
     laws.iter().map(AsRef::as_ref).collect()
 }
 
-/// The sum of a product with that of a form at the boundary.
+/// Adds the product of a boundary form with x to `product`, if there is such a form.
 fn with(mut product: Vec<f64>, form: Option<&BlockMatrix>, x: &[f64]) -> Vec<f64> {
     if let Some(form) = form {
         for (sum, term) in product.iter_mut().zip(form.apply(x)) {

@@ -1,4 +1,4 @@
-//! Stress that relaxes: the Maxwell branches of all materials on a mesh, with the state that they keep.
+//! Stress relaxation: the Maxwell branches of all materials on a mesh, with their state.
 
 use std::sync::Arc;
 
@@ -10,35 +10,36 @@ use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::time::Rule;
 
-/// Branches of the body that keep one state.
+/// Maxwell branches of the body that share one state.
 ///
-/// The spring of a branch has the strain e with ė + e/τ = ε(u̇). Where τ is the same everywhere e = ε(z) is the strain
-/// of a field z with ż + z/τ = u̇, and one z at the nodes serves all branches of this time. Where τ varies e is the
-/// strain of no field, and is kept at the points of the cells at which the forms need it.
+/// The spring of a branch has the strain e with ė + e/τ = ε(u̇). If τ is uniform, e = ε(z) is the strain of a field z
+/// with ż + z/τ = u̇, and one nodal z serves all branches with this τ. If τ varies, e is the strain of no field and is
+/// stored at the points of the cells at which the forms need it.
 #[derive(Debug)]
 pub struct Relaxation(BranchKind);
 
 #[derive(Debug)]
 enum BranchKind {
-    /// One τ in s, with ∫ 𝓖ε(·):ε(·).
+    /// One relaxation time τ, s, with the form ∫ 𝓖ε(·):ε(·).
     Same { time: f64, form: BlockMatrix },
-    /// The springs by region, and τ in s at the points of the cells.
+    /// Springs per region, and τ (s) at the points of the cells.
     Varying { mesh: Arc<Mesh>, dilatation: Vec<Dilatation>, graph: Arc<Graph>, springs: Vec<Branch>, times: Vec<f64> },
 }
 
-/// What the energy identity needs to know of branches over a step, J.
+/// Energies of the branches over a step in the energy identity, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Relaxed {
-    /// Energy of the springs at the end.
+    /// Energy stored in the springs at the end of the step.
     pub stored: f64,
-    /// Dissipated by the dashpots.
+    /// Energy dissipated by the dashpots.
     pub dissipated: f64,
-    /// Dissipated by the scheme.
+    /// Energy dissipated by the time scheme.
     pub scheme: f64,
 }
 
 impl Relaxation {
-    /// The branches of all materials: those with one relaxation time together, ascending, then those whose time varies.
+    /// Branches of all materials: first one group per relaxation time, ascending, then those whose time varies in
+    /// space.
     pub(super) fn of(problem: &Problem, graph: &Arc<Graph>) -> Vec<Relaxation> {
         let mesh = &problem.mesh;
         let same = problem.relaxation_times().into_iter().map(|time| {
@@ -63,7 +64,8 @@ impl Relaxation {
         same.chain(varying).collect()
     }
 
-    /// Numbers of the state: those of a displacement with `fields` components in all, or of strains at the points.
+    /// Length of the state: `fields`, the length of a displacement vector, if τ is uniform, otherwise that of the
+    /// strains at all points.
     #[must_use]
     pub fn size(&self, fields: usize) -> usize {
         match &self.0 {
@@ -94,7 +96,7 @@ impl Relaxation {
         }
     }
 
-    /// ∫ 𝓖e:ε(·) of a state.
+    /// Nodal forces ∫ 𝓖e:ε(·) of a state.
     #[must_use]
     pub fn force(&self, state: &[f64]) -> Vec<f64> {
         match &self.0 {
@@ -125,7 +127,7 @@ impl Relaxation {
         }
     }
 
-    /// The terms of q_n:(ε_n − ε_{n−1}) = [½ e:𝓖e] + (k/τ) e_n:𝓖e_n + ½ Δe:𝓖Δe over a step of length k.
+    /// Energies over a step of length k, the terms of q_n:(ε_n − ε_{n−1}) = [½ e:𝓖e] + (k/τ) e_n:𝓖e_n + ½ Δe:𝓖Δe.
     pub(crate) fn balance(&self, old: &[f64], new: &[f64], k: f64) -> Relaxed {
         let change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
         match &self.0 {
@@ -149,7 +151,7 @@ impl Relaxation {
     }
 }
 
-/// 1/(1 + γ/τ), what a step leaves of the strain of a spring.
+/// Scale 1/(1 + γ/τ) by which a step reduces the strain of a spring.
 fn factor(rule: Rule, time: f64) -> f64 {
     1.0 / (1.0 + rule.gamma / time)
 }

@@ -1,5 +1,5 @@
-//! Which backend solves a system: that which is predicted to take less time, if it fits into memory. An iteration that
-//! takes more work than a factor would have is left for it ([`super::relief`]).
+//! Automatic choice of the backend: the one predicted to take less time, if it fits into memory. An iteration that
+//! takes more work than a factor would have is replaced by the factor ([`super::relief`]).
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -16,7 +16,7 @@ use super::supernodal::Interruptible;
 use super::unknowns::{Layout, Unknowns};
 use crate::machine;
 
-/// A factor or an iteration, by what they are predicted to take.
+/// Backend that solves with a factor or an iteration, whichever is predicted to take less time.
 #[derive(Debug, Clone, Default)]
 pub struct Automatic {
     direct: Interruptible,
@@ -26,7 +26,7 @@ pub struct Automatic {
 }
 
 impl Automatic {
-    /// For so much work.
+    /// Creates the backend for an expected workload.
     #[must_use]
     pub fn for_work(work: Workload) -> Automatic {
         Automatic { work, ..Automatic::default() }
@@ -85,12 +85,12 @@ impl Backend for Automatic {
     }
 }
 
-/// The order of the unknowns for a factor without contact, where it is predicted to take less time than an iteration.
+/// Elimination order for a factor without contact, or `None` if an iteration is predicted to take less time.
 fn proof(graph: &Graph, layout: &Layout) -> Option<Unknowns> {
     let layout = Layout { contact: &[], ..*layout };
     let graph = layout.graph(graph);
     let ordering = layout.ordering(&graph);
-    // A factor answers without a system being solved.
+    // Definiteness follows from the factorization; no system is solved.
     let work = Workload { steps: 1.0, ..Workload::default() };
     let estimate = Estimate::of(&graph, layout.free, layout.components, &ordering);
     let choice = Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes));

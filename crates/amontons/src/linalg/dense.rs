@@ -1,4 +1,4 @@
-//! A dense backend: small systems, and the reference of the sparse one.
+//! Dense backend for small systems, and the reference for the sparse one.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::sparse::BlockMatrix;
 use super::stop::StopFlag;
 use super::unknowns::Unknowns;
 
-/// A dense factorization, for small systems and as the reference of the sparse one.
+/// Dense factorization, for small systems and as the reference for the sparse one.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Dense;
 
@@ -20,7 +20,7 @@ pub struct Dense;
 struct DenseFactor {
     l: Mat<f64>,
     interior: usize,
-    /// First unknown of each contact node.
+    /// First unknown per contact node.
     nodes: Vec<usize>,
 }
 
@@ -34,7 +34,8 @@ impl Backend for Dense {
                 l[(row as usize, j)] = value;
             }
         }
-        // The contact unknowns are last and stay: S need not be positive definite where contact alone holds the body.
+        // The contact unknowns are last and are not eliminated: S need not be positive definite if contact alone holds
+        // the body.
         for j in 0..size {
             for k in 0..j.min(unknowns.interior) {
                 for i in j..size {

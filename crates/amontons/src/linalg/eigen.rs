@@ -15,18 +15,19 @@ use super::sparse::BlockMatrix;
 use super::system::System;
 use super::vectors::{add_combination, dot, orthogonalize};
 
-/// Residual at which the iteration ends, relative to the eigenvalue.
+/// Residual, relative to the eigenvalue, at which the iteration ends.
 const TOLERANCE: f64 = 1e-12;
 
-/// Vectors kept at once: bounds the memory. Of a full basis the better half of its Ritz vectors stays.
+/// Largest number of basis vectors, which bounds the memory. A full basis is reduced to the better half of its Ritz
+/// vectors.
 const BASIS: usize = 60;
 
-/// Steps after which the iteration ends in any case; what is not reached then shows in the error.
+/// Largest number of iterations; if they do not suffice, the error shows it.
 const STEPS: usize = 1000;
 
-/// Where K has no factor: residuals of the systems while vectors are searched and when the last one is judged; residual
-/// of the pair relative to the eigenvalue, whose own error is of the square of that; vectors kept at once, and the
-/// share of its length below which a vector depends on others.
+/// Constants for K without a factor: residual of the systems during the search and of the last one; residual of the
+/// pair relative to the eigenvalue, whose error is of the order of its square; largest number of vectors; and the
+/// fraction of its length below which a vector counts as linearly dependent.
 const ROUGH: f64 = 0.1;
 const JUDGED: f64 = 1e-3;
 const NEAR: f64 = 1e-5;
@@ -44,26 +45,26 @@ pub trait Pencil {
     /// # Errors
     /// When the product cannot be computed.
     fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError>;
-    /// K⁻¹ r in place, until the residual is `enough` times that of zero or as small as a factor leaves it.
+    /// Computes K⁻¹ r in place, until the residual is `enough` times that of zero or at the round-off of a factor.
     ///
     /// # Errors
     /// When the system cannot be solved.
     fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError>;
-    /// Whether solutions are those of a factor, whatever is enough.
+    /// True if solutions come from a factor, which ignores `enough`.
     fn has_factor(&self) -> bool {
         true
     }
 }
 
-/// The largest eigenvalue of a pencil with its vector.
+/// Largest eigenvalue of a pencil, with its eigenvector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eigenpair {
-    /// μ = x·Bx / x·Kx, the largest; 0 where B = 0 or there are no unknowns.
+    /// Largest μ = x·Bx / x·Kx; 0 if B = 0 or there are no unknowns.
     pub value: f64,
-    /// The pencil has an eigenvalue within this distance: ‖K⁻¹Bx − μx‖ / ‖x‖ in the norm √(x·Bx), computed from the
-    /// vector, round-off included.
+    /// Error bound: the pencil has an eigenvalue within this distance, ‖K⁻¹Bx − μx‖ / ‖x‖ in the norm √(x·Bx), computed
+    /// from the vector, round-off included.
     pub error: f64,
-    /// x, of length 1 in the norm of K; zero where B = 0.
+    /// Eigenvector x, of length 1 in the norm of K; zero if B = 0.
     pub vector: Vec<f64>,
 }
 
@@ -76,8 +77,8 @@ pub fn largest(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     if pencil.has_factor() { lanczos(pencil) } else { davidson(pencil) }
 }
 
-/// A fixed start that no eigenvector is orthogonal to by symmetry, put into the range of K⁻¹B, where x·Bx vanishes for
-/// x = 0 only.
+/// Fixed start vector, orthogonal to no eigenvector by symmetry and mapped into the range of K⁻¹B, where x·Bx vanishes
+/// for x = 0 only.
 fn start(pencil: &mut impl Pencil, enough: f64) -> Result<Vec<f64>, SolveError> {
     // Fractional parts of multiples of the golden ratio.
     let start: Vec<f64> = (1..=pencil.size()).map(|i| 0.5 + (i as f64 * 0.618_033_988_749_894_9).fract()).collect();
@@ -86,7 +87,7 @@ fn start(pencil: &mut impl Pencil, enough: f64) -> Result<Vec<f64>, SolveError> 
     Ok(x)
 }
 
-/// The method of Lanczos for K⁻¹B, with a factor of K.
+/// Lanczos method for K⁻¹B, with a factor of K.
 fn lanczos(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     let mut x = start(pencil, EXACT)?;
     let mut bx = pencil.numerator(&x);
@@ -119,8 +120,8 @@ fn lanczos(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     judged(pencil, x)
 }
 
-/// The method of Davidson (E. R. Davidson, J. Comput. Phys. 17 (1975) 87; A. V. Knyazev, SIAM J. Sci. Comput. 23 (2001)
-/// 517): the space of the Ritz vectors grows by the residual, solved with K to a few digits.
+/// Davidson method (E. R. Davidson, J. Comput. Phys. 17 (1975) 87; A. V. Knyazev, SIAM J. Sci. Comput. 23 (2001) 517):
+/// the space of Ritz vectors grows by the residual, solved with K to a few digits.
 fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     let mut next = start(pencil, ROUGH)?;
     let mut space = SearchSubspace::default();
@@ -146,7 +147,7 @@ fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     judged(pencil, best)
 }
 
-/// Vectors orthonormal for x·Ky with their products.
+/// Search space: vectors orthonormal for x·Ky, with their products.
 #[derive(Default)]
 struct SearchSubspace {
     basis: Vec<Vec<f64>>,
@@ -155,7 +156,7 @@ struct SearchSubspace {
 }
 
 impl SearchSubspace {
-    /// Adds a vector; false if there is none or it depends on those before.
+    /// Adds a vector; returns false if it is zero or linearly dependent on those before.
     fn add(&mut self, pencil: &impl Pencil, mut x: Vec<f64>) -> Result<bool, SolveError> {
         let size = dot(&x, &pencil.denominator(&x)?).max(0.0).sqrt();
         orthogonalize(&mut x, &self.basis, &self.denominators);
@@ -177,7 +178,7 @@ impl SearchSubspace {
         Ritz::of(&Mat::from_fn(n, n, |i, j| dot(&self.basis[i.min(j)], &self.numerators[i.max(j)])))
     }
 
-    /// Keeps the first Ritz vectors.
+    /// Reduces the basis to the first `keep` Ritz vectors.
     fn reduce(&mut self, ritz: &Ritz, keep: usize) {
         let vectors: Vec<Vec<f64>> = (0..keep).map(|k| ritz.vector(k)).collect();
         for set in [&mut self.basis, &mut self.numerators, &mut self.denominators] {
@@ -236,7 +237,7 @@ impl Span {
         Ritz::of(&Mat::from_fn(n, n, |i, j| self.matrix[i.max(j)][i.min(j)]))
     }
 
-    /// Keeps the first Ritz vectors.
+    /// Reduces the basis to the first `keep` Ritz vectors.
     fn reduce(&mut self, ritz: &Ritz, keep: usize) {
         let vectors: Vec<Vec<f64>> = (0..keep).map(|k| ritz.vector(k)).collect();
         for set in [&mut self.basis, &mut self.images] {
@@ -253,7 +254,7 @@ fn combination(factors: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
     sum
 }
 
-/// The vector's own quotient and residual.
+/// Eigenpair of a vector: its Rayleigh quotient and the residual as error bound.
 fn judged(pencil: &mut impl Pencil, mut x: Vec<f64>) -> Result<Eigenpair, SolveError> {
     if x.iter().all(|&x| x == 0.0) {
         return Ok(Eigenpair { value: 0.0, error: 0.0, vector: x });
@@ -265,7 +266,7 @@ fn judged(pencil: &mut impl Pencil, mut x: Vec<f64>) -> Result<Eigenpair, SolveE
     subtract(&mut residual, value, &kx);
     let exact = pencil.has_factor();
     pencil.solve(&mut residual, if exact { EXACT } else { JUDGED })?;
-    // Twice, for what an iteration leaves of the solution.
+    // Doubled for the inexact solution of an iteration.
     let sure = if exact { 1.0 } else { 2.0 };
     let error = sure * (dot(&residual, &pencil.numerator(&residual)).max(0.0) / value).sqrt();
     Ok(Eigenpair { value, error, vector: x })
@@ -336,7 +337,7 @@ mod tests {
         fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
             Ok(x.to_vec())
         }
-        /// Without a factor a solution is off by a tenth, which is another one at every entry.
+        /// Without a factor a solution has a relative error of up to `enough`, a different one per entry.
         fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {
             if !self.1 {
                 r.iter_mut().enumerate().for_each(|(i, r)| *r *= 1.0 + enough * (i as f64).sin());

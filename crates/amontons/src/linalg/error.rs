@@ -1,6 +1,6 @@
-//! Why a linear system could not be solved.
+//! Errors of linear systems.
 
-/// Why a linear system could not be factorized or solved.
+/// Reason why a linear system could not be factorized or solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
@@ -14,22 +14,22 @@ pub enum SolveError {
         /// Size of the matrix.
         size: usize,
     },
-    /// The factor does not fit.
+    /// The factor does not fit into memory.
     #[error("the factor of {size} unknowns does not fit into memory: take an iteration, solver.solver = \"iterative\"")]
     Memory {
         /// Size of the matrix.
         size: usize,
     },
-    /// What was found leaves much of the right-hand side.
+    /// The solution found leaves a large part of the right-hand side: the system is singular.
     #[error("the linearised system of {size} unknowns is singular")]
     Singular {
         /// Unknowns of the system.
         size: usize,
     },
-    /// It was asked to stop.
+    /// The computation was asked to stop.
     #[error("interrupted")]
     Interrupted,
-    /// An iteration did not end.
+    /// An iteration did not reach the requested residual.
     #[error(
         "the linear system of {size} unknowns is not solved after {iterations} iterations: relative residual {residual:.3e}"
     )]
@@ -44,8 +44,8 @@ pub enum SolveError {
 }
 
 impl SolveError {
-    /// Whether the system has no solution that was found; another one may be solved. Everything else, an interruption
-    /// or a lack of memory, is so whatever is tried.
+    /// True if no solution of this system was found but that of another system may be. Lack of memory and interruption
+    /// end every attempt.
     #[must_use]
     pub fn is_unsolved(&self) -> bool {
         match self {

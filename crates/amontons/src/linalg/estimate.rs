@@ -1,89 +1,89 @@
-//! What systems with a matrix take, by a factor and by an iteration, predicted from the pattern of the matrix: nothing
-//! of the size of a factor is allocated.
+//! Predicted time and memory of systems with a matrix, by a factor and by an iteration, from the pattern of the matrix
+//! alone: nothing of the size of a factor is allocated.
 
 use serde::Serialize;
 
 use super::graph::Graph;
 use super::ordering::{Ordering, column_lengths};
 
-/// Operations per second of a factorization, and bytes that sweeps and products read per second, as measured on one
-/// core of 2026. Only their ratios decide.
+/// Operations per second of a factorization, and bytes per second that sweeps and products read, measured on one core
+/// of 2026. Only their ratio decides.
 const FACTORIZATION: f64 = 4e10;
 const READING: f64 = 1e10;
-/// Share by which supernodes make a factor larger than its pattern: measured 0.04 to 0.13.
+/// Growth of a factor over its pattern by merged supernodes: measured 0.04 to 0.13.
 const RELAXED: f64 = 1.15;
-/// Bytes per entry of K that an iteration holds while its levels are made, and that a product with the preconditioner
-/// reads: measured on cubes of 14 thousand to a million unknowns.
+/// Bytes per entry of K: held by an iteration while its levels are built, and read by a product with the
+/// preconditioner. Measured on cubes of 14 thousand to a million unknowns.
 const LEVELS: f64 = 60.0;
 const CYCLE: f64 = 25.0;
-/// Products that a step takes with contact, how many more where it rubs, and what making the levels takes, in products.
-/// Cells that are s times as long as high take s times as many products: measured on cubes of 45 thousand unknowns
-/// whose cells are stretched by 1, 8 and 16 and systems solved to 1e-10: 312, 3213 and 5295 for a step with friction.
+/// Products per step with contact, the growth with friction, and the cost of building the levels, in products. Cells
+/// that are s times as long as high take s times as many products: measured on cubes of 45 thousand unknowns whose
+/// cells are stretched by 1, 8 and 16 and systems solved to 1e-10: 312, 3213 and 5295 for a step with friction.
 const PRODUCTS: f64 = 60.0;
 const RUBBING: f64 = 1.5;
 const MAKING: f64 = 35.0;
-/// What contact adds to a product where its points join nodes, with its share of the work that each tangent takes, in
-/// bytes that could be read meanwhile per unknown on Γ_C: measured 7e4 on pairs of 8 thousand to a million unknowns.
+/// Cost that contact adds to a product if its points join nodes, with its share of the work per tangent, in bytes that
+/// could be read meanwhile per unknown on Γ_C: measured 7e4 on pairs of 8 thousand to a million unknowns.
 const JOINING: f64 = 7e4;
-/// Contact patterns of a step for each of which S + J is factorized; unknowns on Γ_C from which on it is not, and
-/// products with S that a step then takes.
+/// Contact patterns per step, for each of which S + J is factorized; unknowns on Γ_C from which on it is not
+/// factorized, and products with S per step in that case.
 pub const PATTERNS: f64 = 3.0;
 const DENSE: f64 = 2000.0;
 const DENSE_PRODUCTS: f64 = 800.0;
-/// Bytes of a number.
+/// Bytes per number.
 const NUMBER: f64 = 8.0;
 
-/// How often a matrix is factorized and how many steps are made with it.
+/// Expected work of a run: number of factorizations, number of steps, and properties of contact and mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workload {
-    /// Matrices that are factorized.
+    /// Number of factorizations.
     pub factorizations: f64,
-    /// Steps: a pair of sweeps with the contact solved between them.
+    /// Number of steps: per step a pair of sweeps with the contact solved between them.
     pub steps: f64,
-    /// Whether there is friction.
+    /// True if there is friction.
     pub rubs: bool,
-    /// Whether a point of contact joins nodes, as those of a pair do.
+    /// True if a contact point joins nodes, as those of a pair do.
     pub joins: bool,
-    /// How slender the cells are: [`Mesh::slenderness`](crate::mesh::Mesh::slenderness), 1 for regular ones.
+    /// Slenderness of the cells: [`Mesh::slenderness`](crate::mesh::Mesh::slenderness), 1 for regular ones.
     pub slenderness: f64,
-    /// Whether the body lies in the plane or on a line, where a factor takes less than an iteration at every size.
+    /// True if the body lies in the plane or on a line, where a factor takes less time than an iteration at every size.
     pub is_plane: bool,
 }
 
 impl Default for Workload {
-    /// One matrix, solved with a hundred times, with contact without friction, of a body of regular cells in space.
+    /// Default workload: one matrix, a hundred steps, contact without friction, regular cells in space.
     fn default() -> Workload {
         Workload { factorizations: 1.0, steps: 100.0, rubs: false, joins: false, slenderness: 1.0, is_plane: false }
     }
 }
 
-/// Time and memory that a way to solve is predicted to take.
+/// Predicted time and memory of a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Demand {
     /// Seconds on a core of 2026.
     pub seconds: f64,
-    /// Bytes at the peak.
+    /// Peak memory in bytes.
     pub bytes: f64,
 }
 
-/// Counts on the pattern of a matrix and its factor.
+/// Size counts of a matrix and its factor, from their patterns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Unknowns, and those on Γ_C.
+    /// Number of unknowns, those on Γ_C included.
     pub unknowns: usize,
-    /// Unknowns on Γ_C.
+    /// Number of unknowns on Γ_C.
     pub contact: usize,
-    /// Entries of K.
+    /// Number of entries of K.
     pub entries: f64,
-    /// Entries of its factor.
+    /// Number of entries of the factor.
     pub stored: f64,
-    /// Operations of the factorization, additions and multiplications.
+    /// Operations of the factorization: additions and multiplications.
     pub flops: f64,
 }
 
 impl Estimate {
-    /// Counts with the nodes in this order, `components` degrees of freedom each, of which some are free. A column of
-    /// the factor with c entries takes c² operations.
+    /// Counts for nodes in this elimination order, with `components` degrees of freedom per node, some of them free. A
+    /// column of the factor with c entries takes c² operations.
     #[must_use]
     pub fn of(graph: &Graph, free: &[bool], components: usize, ordering: &Ordering) -> Estimate {
         let weights: Vec<u32> =
@@ -103,48 +103,48 @@ impl Estimate {
         Estimate { unknowns: count(&ordering.order), contact, entries, stored, flops }
     }
 
-    /// With a factor whose contact unknowns are last, S dense.
+    /// Predicts time and memory with a factor, contact unknowns last, S dense.
     #[must_use]
     pub fn direct(&self, work: &Workload) -> Demand {
         let n = self.contact as f64;
         let patterns = if n < DENSE { PATTERNS } else { 1.0 };
         let step = self.sweeps() + patterns * self.on_contact();
         let seconds = work.factorizations * self.factor() + work.steps * step;
-        // The entries of K with their rows, by columns; S with its factor, and the last contact patterns.
+        // Memory: the entries of K with their rows, by columns; S with its factor, and the last contact patterns.
         let condensed = if n < DENSE { 10.0 } else { 3.0 };
         Demand { seconds, bytes: NUMBER * (RELAXED * self.stored + condensed * n * n) + 6.0 * self.entries }
     }
 
-    /// Seconds of a factorization.
+    /// Time of a factorization, s.
     fn factor(&self) -> f64 {
         (self.flops + (self.contact as f64).powi(3) / 3.0) / FACTORIZATION
     }
 
-    /// Seconds of a pair of sweeps.
+    /// Time of a pair of sweeps, s.
     fn sweeps(&self) -> f64 {
         2.0 * NUMBER * self.stored / READING
     }
 
-    /// Seconds on Γ_C: of the factor of one contact pattern, or of the products that take its place.
+    /// Time on Γ_C, s: the factor per contact pattern, or the products that replace it.
     fn on_contact(&self) -> f64 {
         let n = self.contact as f64;
         if n < DENSE { 2.0 / 3.0 * n.powi(3) / FACTORIZATION } else { DENSE_PRODUCTS * NUMBER * n * n / READING }
     }
 
-    /// Seconds of a factorization, and of a system with a contact pattern of its own that is solved with the factor.
+    /// Times in s of a factorization, and of one system with a new contact pattern, solved with the factor.
     #[must_use]
     pub fn factor_and_system(&self) -> [f64; 2] {
         [self.factor(), self.sweeps() + self.on_contact()]
     }
 
-    /// Seconds of the levels of an iteration, and of one of its products; `joins` as in [`Workload`].
+    /// Times in s of building the levels of an iteration, and of one of its products; `joins` as in [`Workload`].
     #[must_use]
     pub fn levels_and_product(&self, joins: bool) -> [f64; 2] {
         let cycle = CYCLE * self.entries / READING;
         [MAKING * cycle, cycle + if joins { JOINING * self.contact as f64 / READING } else { 0.0 }]
     }
 
-    /// With conjugate gradients or GMRES and smoothed aggregation.
+    /// Predicts time and memory with conjugate gradients or GMRES and smoothed aggregation.
     #[must_use]
     pub fn iterative(&self, work: &Workload) -> Demand {
         let [levels, product] = self.levels_and_product(work.joins);
@@ -153,14 +153,14 @@ impl Estimate {
         Demand { seconds, bytes: LEVELS * self.entries }
     }
 
-    /// Operations of a step and bytes that it reads, with a factor: two sweeps and two solutions on Γ_C.
+    /// Operations per step and bytes that it reads, with a factor: two sweeps and two solutions on Γ_C.
     #[must_use]
     pub fn direct_step(&self) -> [f64; 2] {
         let read = 2.0 * self.stored + 2.0 * (self.contact as f64).powi(2);
         [2.0 * read, NUMBER * read]
     }
 
-    /// The same with an iteration, whose cycles are in single precision.
+    /// Operations per step and bytes that it reads, with an iteration, whose cycles are in single precision.
     #[must_use]
     pub fn iterative_step(&self) -> [f64; 2] {
         let read = PRODUCTS * CYCLE * self.entries;
@@ -168,42 +168,42 @@ impl Estimate {
     }
 }
 
-/// Share of the memory that is free which the systems of a run may take.
+/// Fraction of the free memory that the systems of a run may take.
 const SHARE: f64 = 0.85;
 
-/// How systems are solved, and what it is predicted to take.
+/// Solver of a system, with the reason and the predicted costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Choice {
     /// `direct` or `iterative`.
     pub solver: &'static str,
-    /// In words.
+    /// Reason in words.
     pub why: String,
-    /// With a factor.
+    /// Predicted cost with a factor.
     pub direct: Demand,
-    /// With an iteration.
+    /// Predicted cost with an iteration.
     pub iterative: Demand,
-    /// Whether an iteration is left for a factor when it takes more work than that, which has room.
+    /// True if an iteration is replaced by a factor, which fits into memory, when it takes more work than that.
     #[serde(skip)]
     pub may_change: bool,
 }
 
-/// How systems with so many components per node were solved before a run was interrupted: it goes on in the same way,
+/// Solver that a run used for systems with `components` per node before it was interrupted. The run continues with it,
 /// whatever memory is free then, so that its results keep their bits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Decided {
     /// Components per node.
     pub components: usize,
-    /// Whether by a factor.
+    /// True if systems were solved with a factor.
     pub direct: bool,
-    /// The reason that was given.
+    /// Reason of the choice, in words.
     pub why: String,
-    /// Whether an iteration may be left for a factor, which had room.
+    /// True if an iteration may be replaced by a factor, which had room in memory.
     #[serde(default)]
     pub may_change: bool,
 }
 
 impl Choice {
-    /// The same choice as before.
+    /// Repeats an earlier choice.
     #[must_use]
     pub fn again(decided: &Decided, estimate: &Estimate, work: &Workload) -> Choice {
         let (direct, iterative) = (estimate.direct(work), estimate.iterative(work));
@@ -211,8 +211,8 @@ impl Choice {
         Choice { solver, why: decided.why.clone(), direct, iterative, may_change: decided.may_change }
     }
 
-    /// The faster of both that fits into so many bytes; the smaller one where neither does. In the plane it is a factor
-    /// that fits, since its work grows hardly faster than the number of unknowns.
+    /// Chooses the faster solver that fits into `free` bytes, or the smaller one if neither does. In the plane a factor
+    /// that fits is chosen, since its work grows hardly faster than the number of unknowns.
     #[must_use]
     pub fn new(estimate: &Estimate, work: &Workload, free: Option<f64>) -> Choice {
         let (direct, iterative) = (estimate.direct(work), estimate.iterative(work));
@@ -235,7 +235,7 @@ impl Choice {
         Choice { solver: if is_direct { "direct" } else { "iterative" }, why, direct, iterative, may_change }
     }
 
-    /// The words for a solver that is not chosen by what it takes.
+    /// Reason of a solver that the case sets.
     pub const ASKED: &str = "set by solver.solver";
 
     /// The solver that the case asks for.
@@ -246,13 +246,13 @@ impl Choice {
         Choice { solver, why: Choice::ASKED.to_owned(), direct, iterative, may_change: false }
     }
 
-    /// What the solver chosen is predicted to take.
+    /// Predicted cost of the chosen solver.
     #[must_use]
     pub fn demand(&self) -> Demand {
         if self.is_direct() { self.direct } else { self.iterative }
     }
 
-    /// Whether it is a factor.
+    /// True if the chosen solver is a factor.
     #[must_use]
     pub fn is_direct(&self) -> bool {
         self.solver == "direct"

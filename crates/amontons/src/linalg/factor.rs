@@ -1,8 +1,8 @@
-//! Factorizations of a system whose contact unknowns are last: what one gives, and which backend makes one.
+//! Traits of a factorization with the contact unknowns last, and of the backend that makes it.
 //!
-//! With the unknowns ordered (I, C), interior before contact, the condensed operator is
-//! S = K_CC − K_CI K_II⁻¹ K_IC. The forward sweep over the interior columns reduces the right-hand side to Γ_C; with
-//! the contact unknowns found there, the backward sweep expands them to the body.
+//! With the unknowns ordered (I, C), interior before contact, the condensed operator is S = K_CC − K_CI K_II⁻¹ K_IC.
+//! The forward sweep over the interior columns reduces the right-hand side to Γ_C. Once the contact unknowns are found
+//! there, the backward sweep expands them to the body.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -14,54 +14,55 @@ use super::estimate::{Choice, Decided, Estimate};
 use super::sparse::BlockMatrix;
 use super::unknowns::{Layout, Unknowns};
 
-/// A way to solve symmetric positive definite systems.
+/// A solver of symmetric positive definite systems.
 pub trait Backend: Debug + Send + Sync {
-    /// The order of the unknowns, and which are kept: those of the contact nodes at least, after the others.
+    /// Orders the unknowns and chooses those that are kept: at least those of the contact nodes, after the others.
     fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         Unknowns::new(matrix, layout)
     }
 
-    /// Eliminates the interior of the rows and columns of `matrix` that `unknowns` names.
+    /// Eliminates the interior of the submatrix of `matrix` on `unknowns`.
     ///
     /// # Errors
     /// When the matrix is not positive definite or does not fit into memory.
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError>;
 
-    /// The same backend, ending its work with [`SolveError::Interrupted`] when the flag becomes true; none if it does
-    /// not look at one.
+    /// This backend, ending its work with [`SolveError::Interrupted`] when the flag becomes true, or `None` if it
+    /// ignores flags.
     fn interruptible(&self, _flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
         None
     }
 
-    /// The same backend, solving as was decided before, where it chooses between ways to solve; else none.
+    /// This backend with the choices of an earlier run, or `None` if it does not choose between solvers.
     fn decided(&self, _before: &[Decided]) -> Option<Arc<dyn Backend>> {
         None
     }
 
-    /// How systems with a matrix that has this pattern are solved, and why.
+    /// Chooses the solver for systems with a matrix of this pattern, with the reason.
     fn choice(&self, estimate: &Estimate) -> Choice {
         Choice::asked("direct", estimate)
     }
 
-    /// Whether [`Backend::is_positive_definite`] rests on a factor. Otherwise an iteration answers, and one that is at
-    /// hand for a matrix nearby spares its set-up.
+    /// True if [`Backend::is_positive_definite`] uses a factor. Otherwise an iteration decides, and an existing one of
+    /// a nearby matrix saves its set-up.
     fn proves(&self, _matrix: &BlockMatrix, _layout: &Layout) -> bool {
         true
     }
 
-    /// Whether a matrix is positive definite on the unknowns of the layout.
+    /// True if a matrix is positive definite on the unknowns of the layout.
     ///
     /// # Errors
-    /// When that cannot be found out.
+    /// When definiteness cannot be determined.
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        // No unknowns last: the factor is the plain one, which a matrix that is not positive definite does not have.
+        // No contact unknowns: the factor is the complete Cholesky factor, which exists only for a positive definite
+        // matrix.
         let matrix = layout.matrix(matrix);
         let unknowns = self.order(&matrix, &Layout { contact: &[], ..*layout });
         has_factor(self.factorize(&matrix, &unknowns))
     }
 }
 
-/// Whether a factorization found every pivot positive.
+/// True if a factorization found every pivot positive.
 pub(super) fn has_factor(made: Result<Box<dyn Factor>, SolveError>) -> Result<bool, SolveError> {
     match made {
         Ok(_) => Ok(true),
@@ -70,7 +71,7 @@ pub(super) fn has_factor(made: Result<Box<dyn Factor>, SolveError>) -> Result<bo
     }
 }
 
-/// A matrix whose interior is eliminated, vectors in elimination order.
+/// A matrix with its interior eliminated; vectors are in elimination order.
 pub trait Factor: Debug + Send + Sync {
     /// Eliminates the interior: on return the kept entries hold the reduced right-hand side
     /// r_C − K_CI K_II⁻¹ r_I, the interior ones what [`Factor::backward`] needs.
@@ -78,22 +79,22 @@ pub trait Factor: Debug + Send + Sync {
     /// # Errors
     /// When the sweep fails.
     fn forward(&self, r: &mut [f64]) -> Result<(), SolveError>;
-    /// Expands: takes the kept entries as solved and returns the interior ones.
+    /// Expands a solution: reads the kept entries and computes the interior ones.
     ///
     /// # Errors
     /// When the sweep fails.
     fn backward(&self, x: &mut [f64]) -> Result<(), SolveError>;
     /// The condensed operator S = K_CC − K_CI K_II⁻¹ K_IC.
     fn condensed(&self) -> Box<dyn Condensed>;
-    /// Numbers that the factor stores; a sweep reads them once.
+    /// Number of stored entries of the factor; a sweep reads them once.
     fn stored(&self) -> usize;
-    /// How systems are solved: `direct` or `iterative`.
+    /// Name of the solver: `direct` or `iterative`.
     fn name(&self) -> &'static str {
         "direct"
     }
 }
 
-/// The lower half of a matrix in elimination order by columns, rows ascending, the diagonal first.
+/// Lower half of a matrix in elimination order, by columns: rows ascending, the diagonal first.
 pub(super) struct LowerTriangle {
     pub start: Vec<u32>,
     pub rows: Vec<u32>,
@@ -101,7 +102,7 @@ pub(super) struct LowerTriangle {
 }
 
 impl LowerTriangle {
-    /// The rows and columns of `matrix` that `unknowns` names.
+    /// Lower half of the submatrix of `matrix` on `unknowns`.
     pub fn new(matrix: &BlockMatrix, unknowns: &Unknowns) -> LowerTriangle {
         let (components, _) = matrix.block_shape();
         let mut position = vec![u32::MAX; matrix.graph().len() * components];
@@ -130,7 +131,7 @@ impl LowerTriangle {
         lower
     }
 
-    /// Where the columns of the upper half begin, and their rows.
+    /// Start of each column of the upper half, and its rows.
     pub fn transposed_pattern(&self) -> (Vec<u32>, Vec<u32>) {
         let size = self.start.len() - 1;
         let mut start = vec![0u32; size + 1];

@@ -3,7 +3,7 @@
 use crate::mesh::{Link, Mesh};
 use crate::space::RigidNodes;
 
-/// Which nodes share a cell: compressed rows, columns ascending, the node itself included.
+/// Node adjacency by shared cells: compressed rows, columns ascending, the node itself included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
     pub(super) start: Vec<usize>,
@@ -64,7 +64,7 @@ impl Graph {
         self.columns.len()
     }
 
-    /// Whether there are no nodes.
+    /// True if there are no nodes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -76,7 +76,8 @@ impl Graph {
         &self.columns[self.start[i]..self.start[i + 1]]
     }
 
-    /// The graph in which the nodes that follow others are these: their rows have themselves alone.
+    /// The graph with each following node merged into the node that it follows. The row of a following node contains
+    /// itself only.
     #[must_use]
     pub fn linked(&self, links: &[Link]) -> Graph {
         let leaders = leaders(self.len(), links);
@@ -105,8 +106,8 @@ impl Graph {
         Graph { start, columns }
     }
 
-    /// The graph in which the nodes of rigid bodies are those in whose place their motions stand: the rows of the
-    /// others have themselves alone.
+    /// The graph with the nodes of each rigid body replaced by the nodes that hold its motions. The rows of its other
+    /// nodes contain themselves only.
     #[must_use]
     pub fn rigid(&self, rigid: &[RigidNodes]) -> Graph {
         let body_of = bodies(self.len(), rigid);
@@ -140,13 +141,13 @@ impl Graph {
         Graph { start, columns }
     }
 
-    /// Position of the pair (i, j) among all pairs, if they share a cell.
+    /// Position of the pair (i, j) among all pairs, or `None` if they share no cell.
     pub(super) fn slot(&self, i: usize, j: u32) -> Option<usize> {
         self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
     }
 }
 
-/// The number of the rigid body of each of so many nodes; none of those that belong to none.
+/// Number of the rigid body per node, or `None` if the node belongs to none.
 pub(super) fn bodies(nodes: usize, rigid: &[RigidNodes]) -> Vec<Option<u32>> {
     let mut bodies = vec![None; nodes];
     for (number, body) in (0..).zip(rigid) {
@@ -155,7 +156,7 @@ pub(super) fn bodies(nodes: usize, rigid: &[RigidNodes]) -> Vec<Option<u32>> {
     bodies
 }
 
-/// The node that each of so many nodes follows, or itself.
+/// Node that each node follows, or itself.
 pub(super) fn leaders(nodes: usize, links: &[Link]) -> Vec<u32> {
     let mut leaders: Vec<u32> = (0..nodes as u32).collect();
     for link in links {

@@ -1,19 +1,19 @@
-//! Linear systems known by their products only.
+//! Krylov methods, which need only products with the matrix: GMRES and conjugate gradients.
 
 use rayon::prelude::*;
 
 use super::vectors::{add_combination, copy, dot, map, orthogonalize, zeros};
 
-/// Where a Krylov iteration ended.
+/// Result of GMRES.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Krylov {
     /// The solution found.
     pub x: Vec<f64>,
-    /// Its components along the vectors to which the product was applied, in their order.
+    /// Components of the solution along the vectors to which the product was applied, in their order.
     pub components: Vec<f64>,
-    /// Products made.
+    /// Number of products.
     pub iterations: usize,
-    /// ‖b − A x‖ / ‖b‖ of the recurrence.
+    /// Relative residual ‖b − A x‖ / ‖b‖ of the recurrence.
     pub residual: f64,
 }
 
@@ -77,25 +77,25 @@ pub fn gmres<E>(
     Ok(Krylov { x, components: y, iterations: size, residual: rotated[size].abs() / norm })
 }
 
-/// What a method of conjugate gradients has seen of a matrix.
+/// Definiteness of a matrix observed by conjugate gradients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Definite {
-    /// Positive energies only.
+    /// All energies were positive.
     Seen,
-    /// A vector whose energy is not positive: the matrix, or the preconditioner, is not positive definite.
+    /// An energy was not positive: the matrix, or the preconditioner, is not positive definite.
     No,
 }
 
-/// Where conjugate gradients ended.
+/// Result of conjugate gradients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradients {
     /// The solution found.
     pub x: Vec<f64>,
-    /// Products made.
+    /// Number of products.
     pub iterations: usize,
-    /// ‖b − A x‖ / ‖b‖ of the recurrence.
+    /// Relative residual ‖b − A x‖ / ‖b‖ of the recurrence.
     pub residual: f64,
-    /// Whether an energy was seen that is not positive.
+    /// Definiteness observed: `No` if an energy was not positive.
     pub definite: Definite,
 }
 
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use std::convert::Infallible;
 
-    /// A matrix that is neither symmetric nor definite, with its solution known.
+    /// The matrix is neither symmetric nor definite; its solution is known.
     #[test]
     fn a_system_of_n_unknowns_takes_at_most_n_products() {
         let n = 30;

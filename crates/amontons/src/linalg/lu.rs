@@ -1,5 +1,5 @@
-//! Factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on
-//! the number of threads.
+//! Dense and sparse factorizations on one thread. In parallel ones the order of summation, and with it the last bits,
+//! would depend on the number of threads.
 
 use std::mem::MaybeUninit;
 
@@ -15,22 +15,22 @@ use faer::{Mat, MatMut, MatRef, Par, Spec};
 use super::error::SolveError;
 use super::tangent::Entry;
 
-/// Bytes that columns begin at a multiple of, and numbers of so many bytes: those of a vector register.
+/// Alignment of columns in bytes, the size of a vector register, and the numbers in it.
 const ALIGNED: usize = 64;
 const WIDE: usize = ALIGNED / size_of::<f64>();
 
-/// A square matrix by columns, in memory that is used again.
+/// A dense square matrix by columns, aligned to vector registers.
 #[derive(Debug)]
 pub(super) struct Square {
     numbers: Vec<f64>,
     size: usize,
-    /// The first entry, and from one column to the next.
+    /// Offset of the first entry, and distance between columns.
     first: usize,
     stride: usize,
 }
 
 impl Square {
-    /// A copy.
+    /// Copies a matrix.
     pub fn of(matrix: MatRef<f64>) -> Square {
         let size = matrix.nrows();
         let stride = size.next_multiple_of(WIDE);
@@ -43,46 +43,46 @@ impl Square {
         Square { numbers, size, first, stride }
     }
 
-    /// Rows of it.
+    /// Number of rows.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// Adds to an entry.
+    /// Adds a value to entry (i, j).
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
         self.numbers[self.first + j * self.stride + i] += value;
     }
 
-    /// The matrix, to be read.
+    /// Read-only view of the matrix.
     pub fn as_ref(&self) -> MatRef<'_, f64> {
         let entries = &self.numbers[self.first..][..self.size * self.stride];
         MatRef::from_column_major_slice_with_stride(entries, self.size, self.size, self.stride)
     }
 
-    /// The matrix, to be factorized in place.
+    /// Mutable view of the matrix, for factorizing it in place.
     fn as_mut(&mut self) -> MatMut<'_, f64> {
         let entries = &mut self.numbers[self.first..][..self.size * self.stride];
         MatMut::from_column_major_slice_with_stride_mut(entries, self.size, self.size, self.stride)
     }
 }
 
-/// Work space of the factorizations and solutions here.
+/// Work space for the factorizations and solutions of this file.
 pub(super) fn work_space(needed: StackReq) -> Vec<MaybeUninit<u8>> {
     vec![MaybeUninit::uninit(); needed.unaligned_bytes_required()]
 }
 
-/// A = P⁻¹ L U with partial pivoting.
+/// LU factorization A = P⁻¹ L U with partial pivoting.
 #[derive(Debug)]
 pub(super) struct Lu {
-    /// L below the diagonal, which is one, and U.
+    /// L below the diagonal, with a unit diagonal that is not stored, and U.
     factors: Square,
-    /// The rows in the order of the pivots, and back.
+    /// Permutation of the rows into the order of the pivots, and its inverse.
     forward: Vec<usize>,
     backward: Vec<usize>,
 }
 
 impl Lu {
-    /// Factorizes a matrix; a singular one has solutions that are not finite, or leave much of the right-hand side.
+    /// Factorizes a matrix. If it is singular, solutions are not finite or leave a large part of the right-hand side.
     pub fn new(mut factors: Square) -> Lu {
         let n = factors.size();
         let (mut forward, mut backward) = (vec![0; n], vec![0; n]);
@@ -98,7 +98,7 @@ impl Lu {
         Lu { factors, forward, backward }
     }
 
-    /// Rows of A.
+    /// Number of rows of A.
     pub fn size(&self) -> usize {
         self.factors.size()
     }
@@ -114,12 +114,12 @@ impl Lu {
     }
 }
 
-/// A = L Lᵀ: half of the work of [`Lu`], and none of its search for pivots.
+/// Cholesky factorization A = L Lᵀ: half of the work of [`Lu`], without its search for pivots.
 #[derive(Debug)]
 pub(super) struct Cholesky(Square);
 
 impl Cholesky {
-    /// Factorizes a symmetric matrix, its lower half given; none where it is not positive definite.
+    /// Factorizes a symmetric matrix given by its lower half, or returns `None` if it is not positive definite.
     pub fn new(mut matrix: Square) -> Option<Cholesky> {
         let n = matrix.size();
         let mut buffer = work_space(llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default()));
@@ -142,7 +142,7 @@ impl Cholesky {
     }
 }
 
-/// A sparse matrix with its factors.
+/// Sparse matrix with its LU factors.
 #[derive(Debug)]
 pub(super) struct SparseLu {
     matrix: SparseColMat<usize, f64>,
@@ -153,7 +153,7 @@ impl SparseLu {
     /// Factorizes the square matrix that is the sum of the entries.
     ///
     /// # Errors
-    /// When it is singular.
+    /// When the matrix is singular.
     pub fn new(size: usize, entries: impl Iterator<Item = Entry>) -> Result<SparseLu, SolveError> {
         let singular = || SolveError::Singular { size };
         let triplets: Vec<_> = entries.map(|(i, j, value)| Triplet::new(i as usize, j as usize, value)).collect();
@@ -196,7 +196,7 @@ mod tests {
         let least = 2.0 - 2.0 * (std::f64::consts::PI / (n + 1) as f64).cos();
         let shifted = |shift: f64| {
             let entry = |i: usize, j: usize| [2.0 - shift, -1.0, 0.0][i.abs_diff(j).min(2)];
-            // Above the diagonal nothing is read.
+            // The upper half is not read.
             Square::of(Mat::from_fn(n, n, |i, j| if i < j { f64::NAN } else { entry(i, j) }).as_ref())
         };
         assert!(Cholesky::new(shifted(1.01 * least)).is_none());

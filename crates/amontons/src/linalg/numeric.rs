@@ -1,7 +1,7 @@
-//! The numbers of a factor, supernode by supernode, each from those below it in the elimination tree (left-looking:
-//! E. G. Ng, B. W. Peyton, SIAM J. Sci. Comput. 14 (1993) 1034), and S on the columns that are not eliminated.
+//! Numeric factorization, supernode by supernode, each from its descendants in the elimination tree (left-looking: E.
+//! G. Ng, B. W. Peyton, SIAM J. Sci. Comput. 14 (1993) 1034), and S on the columns that are not eliminated.
 //!
-//! Work is cut into pieces, between which it can be ended.
+//! The work is cut into pieces; it can be interrupted between them.
 
 use std::ops::Range;
 
@@ -17,43 +17,43 @@ use super::factor::LowerTriangle;
 use super::lu::work_space;
 use super::stop::StopFlag;
 
-/// Columns that are eliminated at once.
+/// Columns per block of the elimination.
 const BLOCK: usize = 128;
-/// Operations of a piece of work, about: a tenth of a second.
+/// Operations per piece of work: about a tenth of a second.
 const PIECE: usize = 4_000_000_000;
-/// No supernode.
+/// Marks the end of a list of supernodes.
 const NONE: u32 = u32::MAX;
 
-/// Supernodes of a factor of which the first `interior` columns are eliminated.
+/// Supernodes of a factor; its first `interior` columns are eliminated.
 pub(super) struct Supernodes<'a> {
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
     interior: usize,
-    /// The supernode of each column.
+    /// Supernode per column.
     owner: Vec<u32>,
-    /// Where the numbers of each begin, one after the other.
+    /// Start of the numbers of each supernode, stored one after the other.
     places: Vec<usize>,
 }
 
-/// The columns of a supernode, dense.
+/// The columns of a supernode as a dense panel.
 struct DenseSupernode<'a> {
     columns: Range<usize>,
     leading: usize,
     values: &'a mut [f64],
 }
 
-/// What the work on all panels shares.
+/// Work space shared by the elimination of all panels.
 struct EliminationWorkspace<'a> {
-    /// The row of the panel at hand for each row of the matrix.
+    /// Row in the current panel per row of the matrix.
     place: Vec<u32>,
     product: Vec<f64>,
     stop: &'a StopFlag,
 }
 
-/// Updates that wait: for each supernode those below it that have rows among its columns, as a list.
+/// Pending updates: per supernode a linked list of its descendants that have rows among its columns.
 struct Waiting {
     head: Vec<u32>,
     link: Vec<u32>,
-    /// Position in the pattern of each from which on its rows have not been used.
+    /// Per supernode the position in its pattern of its first row that has not been used.
     next: Vec<usize>,
 }
 
@@ -77,26 +77,26 @@ impl<'a> Supernodes<'a> {
         self.symbolic.supernode_begin()[s] as usize..self.symbolic.supernode_end()[s] as usize
     }
 
-    /// Rows below the columns of a supernode.
+    /// Rows of a supernode below its columns.
     fn pattern(&self, s: usize) -> &[u32] {
         self.symbolic.supernode(s).pattern()
     }
 
-    /// Where the values of a supernode begin.
+    /// Start of the values of a supernode.
     pub fn offset(&self, s: usize) -> usize {
         self.places[s]
     }
 
-    /// Columns of a supernode that are eliminated.
+    /// Number of columns of a supernode that are eliminated.
     fn eliminated(&self, s: usize) -> usize {
         let columns = self.columns(s);
         self.interior.clamp(columns.start, columns.end) - columns.start
     }
 
-    /// Computes the factor of the matrix whose lower half is given, by columns; the columns from `interior` on hold S.
+    /// Computes the factor of the matrix given by its lower half; the columns from `interior` on hold S.
     ///
     /// # Errors
-    /// When a pivot is not positive, or the work is to end.
+    /// When a pivot is not positive, or the computation is interrupted.
     pub fn factorize(&self, lower: &LowerTriangle, values: &mut [f64], stop: &StopFlag) -> Result<(), SolveError> {
         let (count, size) = (self.symbolic.n_supernodes(), self.owner.len());
         let mut work = EliminationWorkspace { place: vec![0u32; size], product: Vec::new(), stop };
@@ -134,7 +134,7 @@ impl<'a> Supernodes<'a> {
         Ok(())
     }
 
-    /// Puts a supernode on the list of that which has its next row among its columns.
+    /// Adds a supernode to the list of the supernode whose columns contain its next row.
     fn wait(&self, waiting: &mut Waiting, d: usize, next: usize) {
         waiting.next[d] = next;
         if let Some(&row) = self.pattern(d).get(next) {
@@ -143,7 +143,7 @@ impl<'a> Supernodes<'a> {
         }
     }
 
-    /// Takes L_d L_dᵀ from a panel; returns the position of the first row of d after its columns.
+    /// Subtracts L_d L_dᵀ from a panel; returns the position of the first row of d after its columns.
     fn update(
         &self,
         d: usize,
@@ -175,7 +175,7 @@ impl<'a> Supernodes<'a> {
         Ok(to)
     }
 
-    /// S, from the columns that are not eliminated.
+    /// The condensed operator S, from the columns that are not eliminated.
     pub fn condensed(&self, values: &[f64]) -> Mat<f64> {
         let n = self.owner.len() - self.interior;
         let mut s = Mat::<f64>::zeros(n, n);
@@ -194,10 +194,10 @@ impl<'a> Supernodes<'a> {
     }
 }
 
-/// Whether a dense symmetric matrix with `shift` added to its diagonal has a Cholesky factor.
+/// Succeeds if a dense symmetric matrix with `shift` added to its diagonal has a Cholesky factor.
 ///
 /// # Errors
-/// The column that has no pivot, or the wish that the work ends.
+/// The column without a positive pivot, or the interruption.
 pub(super) fn has_factor(matrix: MatRef<f64>, shift: f64, stop: &StopFlag) -> Result<(), Ended> {
     let n = matrix.nrows();
     let mut values = Vec::with_capacity(n * n);
@@ -208,15 +208,15 @@ pub(super) fn has_factor(matrix: MatRef<f64>, shift: f64, stop: &StopFlag) -> Re
     eliminate(&mut values, [n, n], n, stop)
 }
 
-/// Why an elimination ended.
+/// Reason why an elimination ended early.
 pub(super) enum Ended {
-    /// At a column without a positive pivot.
+    /// At this column without a positive pivot.
     NotPositive(usize),
     Stopped(SolveError),
 }
 
 impl Ended {
-    /// The error for columns that begin at this one of so many.
+    /// The error, for columns that begin at column `first` of a matrix of size `size`.
     pub fn of(self, first: usize, size: usize) -> SolveError {
         match self {
             Ended::NotPositive(column) => SolveError::NotPositive { pivot: first + column, size },
@@ -225,8 +225,8 @@ impl Ended {
     }
 }
 
-/// Eliminates the first `eliminated` of the columns of a panel, the lower half of which is given: L below these, and
-/// what is left of the matrix in the columns after them.
+/// Eliminates the first `eliminated` columns of a panel given by its lower half: these columns then hold L, the columns
+/// after them the Schur complement.
 fn eliminate(
     panel: &mut [f64],
     [leading, columns]: [usize; 2],
@@ -277,7 +277,7 @@ mod tests {
         (0..n * n).map(|k| if k / n == k % n { 4.0 } else { -1.0 / n as f64 }).collect()
     }
 
-    /// L Lᵀ + S is the matrix, whatever part of its columns is eliminated.
+    /// L Lᵀ + S is the matrix, for any number of eliminated columns.
     #[test]
     fn an_elimination_ends_at_any_column() {
         let n = 2 * BLOCK + 37;
@@ -294,7 +294,7 @@ mod tests {
         }
     }
 
-    /// A pivot that is not positive is named, and work that is to end does.
+    /// A nonpositive pivot is reported, and an interruption ends the work.
     #[test]
     fn an_elimination_names_its_pivot_and_ends() {
         let n = BLOCK + 9;
@@ -307,7 +307,7 @@ mod tests {
         assert_eq!(stop.looks(), 1);
     }
 
-    /// Between two looks at the flag no more is done than a piece: n³/3 operations take at least so many looks.
+    /// At most one piece of work lies between two checks of the flag: n³/3 operations take at least so many checks.
     #[test]
     fn the_flag_is_looked_at_between_pieces() {
         let n = 3000;

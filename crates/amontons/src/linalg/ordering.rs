@@ -7,17 +7,17 @@
 use super::graph::Graph;
 use crate::tensor::Point;
 
-/// Parts below this size are not cut further.
+/// Sets of nodes below this size are not cut further.
 const LEAF: usize = 6;
-/// No position in an order.
+/// Marks a missing position in an order.
 const NONE: u32 = u32::MAX;
 
-/// The elimination order with the tree that it implies.
+/// Elimination order of the nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ordering {
     /// Nodes in the order of their elimination.
     pub order: Vec<u32>,
-    /// How many nodes come before the nodes that were asked to be last.
+    /// Number of nodes before those that were asked to be last.
     pub interior: usize,
 }
 
@@ -42,8 +42,8 @@ pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &
     Ordering { order: post, interior }
 }
 
-/// The parent of each position in the elimination tree of the ordered graph, [`NONE`] at a root (Liu's algorithm with
-/// path compression).
+/// Parent per position in the elimination tree of the ordered graph, [`NONE`] at a root (Liu's algorithm with path
+/// compression).
 fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
     let mut position = vec![NONE; graph.len()];
     for (k, &node) in order.iter().enumerate() {
@@ -67,8 +67,8 @@ fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
     parent
 }
 
-/// Lengths of the columns of the factor, the diagonal included, in the order of elimination: sums of the weights of the
-/// nodes whose rows have an entry.
+/// Column lengths of the factor, the diagonal included, in elimination order: sums of the weights of the nodes whose
+/// rows have an entry.
 ///
 /// Work and memory are nearly those of the graph, not of the factor (J. R. Gilbert, E. G. Ng, B. W. Peyton, SIAM J.
 /// Matrix Anal. Appl. 15 (1994) 1075): a row of the factor is a subtree of the elimination tree, whose columns are
@@ -83,7 +83,7 @@ pub fn column_lengths(graph: &Graph, ordering: &Ordering, weights: &[u32]) -> Ve
     let weight = |k: usize| f64::from(weights[order[k] as usize]);
     let parent = elimination_tree(graph, order);
     let post = postorder(&parent);
-    // The first descendant of each position in postorder; a leaf is its own.
+    // First descendant per position in postorder; a leaf is its own.
     let mut first = vec![NONE; n];
     let mut length = vec![0.0; n];
     for (k, &j) in post.iter().enumerate() {
@@ -126,18 +126,18 @@ pub fn column_lengths(graph: &Graph, ordering: &Ordering, weights: &[u32]) -> Ve
     length
 }
 
-/// The rows of a factor as subtrees of the elimination tree, seen leaf by leaf in postorder.
+/// Rows of a factor as subtrees of the elimination tree, visited leaf by leaf in postorder.
 struct FactorRows {
-    /// Towards the root of the part of the tree that has been seen.
+    /// Ancestor per position in the visited part of the tree, towards its root.
     ancestor: Vec<u32>,
-    /// First descendant of the last leaf of each row, and that leaf.
+    /// First descendant of the last leaf per row, and that leaf.
     latest: Vec<u32>,
     leaf: Vec<u32>,
 }
 
 impl FactorRows {
-    /// Whether position j, whose first descendant is given, is a leaf of row i; and the least common ancestor of it and
-    /// the leaf before, [`NONE`] for the first leaf.
+    /// The least common ancestor of position j and the leaf of row i before it, [`NONE`] for the first leaf, or `None`
+    /// if j, with the first descendant `first`, is no leaf of row i.
     fn leaf(&mut self, i: usize, j: u32, first: u32) -> Option<u32> {
         if self.latest[i] != NONE && first <= self.latest[i] {
             return None;
@@ -159,7 +159,7 @@ impl FactorRows {
     }
 }
 
-/// The positions of a forest in postorder; a parent beyond the last position makes a root.
+/// Postorder of a forest; a parent beyond the last position marks a root.
 fn postorder(parent: &[u32]) -> Vec<u32> {
     let n = parent.len();
     let mut first_child = vec![NONE; n];
@@ -193,21 +193,22 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     post
 }
 
-/// The nodes that are ordered, and where they are.
+/// Nodes to be ordered, with their coordinates.
 struct PlacedNodes<'a> {
     graph: &'a Graph,
     points: &'a [Point],
-    /// The number of each node in the order of places, which breaks ties: nodes that are numbered in another way are
-    /// eliminated in the same order, and subdomains that are translates of each other alike.
+    /// Rank per node in the order of coordinates, which breaks ties: renumbered nodes are eliminated in the same order,
+    /// and subdomains that are translates of each other alike.
     rank: Vec<u32>,
-    /// The half that each node is in while a set is cut.
+    /// Half to which each node belongs while a set is cut.
     half: Vec<u8>,
 }
 
 impl<'a> PlacedNodes<'a> {
     fn new(graph: &'a Graph, points: &'a [Point]) -> PlacedNodes<'a> {
         let mut by_place: Vec<u32> = (0..points.len() as u32).collect();
-        // Rows along x, as generated meshes are numbered. Nodes at one place keep the order of their numbers.
+        // Rows along x, as generated meshes are numbered. Nodes at the same coordinates keep the order of their
+        // numbers.
         let compared = |a: &Point, b: &Point| {
             let along = |d: usize| (a[d] + 0.0).total_cmp(&(b[d] + 0.0));
             along(2).then_with(|| along(1)).then_with(|| along(0))
@@ -218,7 +219,7 @@ impl<'a> PlacedNodes<'a> {
         PlacedNodes { graph, points, rank, half: vec![0; points.len()] }
     }
 
-    /// Sorts nodes along an axis, or selects the one at a position.
+    /// Comparison of nodes along an axis, for sorting and selecting.
     fn key(&self, axis: usize) -> impl Fn(&u32, &u32) -> std::cmp::Ordering + '_ {
         move |&a, &b| {
             let [x, y] = [a, b].map(|node| self.points[node as usize][axis]);
@@ -298,7 +299,7 @@ mod tests {
         Ok(())
     }
 
-    /// The lengths are those of an elimination of the graph, node by node.
+    /// The lengths agree with an elimination of the graph, node by node.
     #[test]
     fn lengths_of_columns_are_those_of_the_elimination() -> Result<(), MeshError> {
         for n in [[1, 1], [3, 2], [9, 7]] {

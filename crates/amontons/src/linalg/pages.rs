@@ -1,14 +1,13 @@
-//! The numbers of a matrix, of a factor, or of a level of an iteration, in large pages of memory, where the system has
-//! them.
+//! Storage of the numbers of a matrix, a factor or a multigrid level in large pages of memory, if the system has them.
 //!
-//! A sweep goes through tens of megabytes. In pages of 4 kB these are more than the tables of a processor hold, and
+//! A sweep reads tens of megabytes. In pages of 4 kB these are more than the page tables of a processor hold, and
 //! looking pages up takes a tenth of the time. The system also hands out large pages in less time.
 
 use std::ops::{Deref, DerefMut};
 
 use bytemuck::Pod;
 
-/// Numbers, zero at first. In large pages they take no memory where they have not been written to.
+/// Numbers, initially zero. In large pages they take no memory until they are written to.
 #[derive(Debug)]
 pub(super) struct PagedNumbers<T = f64> {
     memory: PageStore<T>,
@@ -23,7 +22,7 @@ enum PageStore<T> {
 }
 
 impl<T: Pod> PagedNumbers<T> {
-    /// So many zeros; none where the memory cannot be had.
+    /// Allocates `count` zeros, or returns `None` if there is not enough memory.
     pub fn zeros(count: usize) -> Option<PagedNumbers<T>> {
         #[cfg(target_os = "linux")]
         if let Some(map) = mapped(count.checked_mul(size_of::<T>())?) {
@@ -35,8 +34,8 @@ impl<T: Pod> PagedNumbers<T> {
         Some(PagedNumbers { memory: PageStore::Plain(numbers), count })
     }
 
-    /// So many numbers, zero at first and then filled in. Where there is no memory for them the program ends, as it
-    /// does for a vector.
+    /// Allocates `count` numbers, initially zero, and has `fill` write them. The program ends if there is not enough
+    /// memory, as for a vector.
     pub fn of(count: usize, fill: impl FnOnce(&mut [T])) -> PagedNumbers<T> {
         let plain = || PagedNumbers { memory: PageStore::Plain(vec![T::zeroed(); count]), count };
         let mut numbers = PagedNumbers::zeros(count).unwrap_or_else(plain);
@@ -44,7 +43,7 @@ impl<T: Pod> PagedNumbers<T> {
         numbers
     }
 
-    /// The first of the numbers. The memory of the others is given back if it is more than that.
+    /// Keeps the first `count` numbers. If the others are more than half, their memory is released.
     pub fn first(self, count: usize) -> PagedNumbers<T> {
         let count = count.min(self.count);
         if 2 * count < self.count
@@ -57,11 +56,12 @@ impl<T: Pod> PagedNumbers<T> {
     }
 }
 
-/// Bytes of a large page.
+/// Bytes per large page.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 2 << 20;
 
-/// Large pages for so many bytes; none for what fits into a few.
+/// Allocates large pages for a number of bytes, or returns `None` if they would be fewer than four or are not
+/// available.
 #[cfg(target_os = "linux")]
 fn mapped(bytes: usize) -> Option<memmap2::MmapMut> {
     if bytes < 4 * LARGE {

@@ -1,13 +1,13 @@
-//! A panel of dense columns of a factor, and what a sweep does with it: forward and backward.
+//! A panel of dense columns of a factor, with its part of the forward and backward sweeps.
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
 use std::hint::black_box;
 use std::ops::Range;
 
-/// Numbers of a panel up to which its lines of memory are asked for one after the other before it is worked with: its
-/// columns by themselves are too short for a processor to read ahead. They fit into the second cache.
+/// Largest number of entries of a panel whose cache lines are read in sequence before the sweep uses them: single
+/// columns are too short for the processor to prefetch. They fit into the second-level cache.
 const AHEAD: usize = 1 << 15;
-/// Numbers of a line of memory.
+/// Numbers per cache line.
 const LINE: usize = 8;
 
 /// A dense panel of the factor: columns `first..first + columns` of a vector, with the positions of the rows below them
@@ -16,15 +16,15 @@ const LINE: usize = 8;
 pub(super) struct Panel {
     pub first: usize,
     pub columns: usize,
-    /// Where the rows below stand in the list of rows of all panels on that vector.
+    /// Range of the rows below in the list of rows of all panels on that vector.
     pub below: Range<usize>,
-    /// Where its values begin: columns from the diagonal down, one after the other.
+    /// Start of its values: columns from the diagonal down, one after the other.
     pub values: usize,
-    /// Rows of the first column.
+    /// Length of the first column.
     pub leading: usize,
 }
 
-/// Positions that follow each other.
+/// A range of consecutive positions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PositionRange {
     first: u32,
@@ -37,7 +37,7 @@ impl PositionRange {
         self.first as usize..(self.first + self.length) as usize
     }
 
-    /// Appends positions to a list: where they stand in it.
+    /// Appends positions to a list and returns their range in it.
     pub fn append(positions: impl IntoIterator<Item = u32>, list: &mut Vec<PositionRange>) -> Range<usize> {
         let begin = list.len();
         for position in positions {
@@ -50,7 +50,7 @@ impl PositionRange {
     }
 }
 
-/// Σ c_i x_i, in four sums that do not wait for each other.
+/// Σ c_i x_i, in four independent partial sums.
 #[inline(always)]
 fn dot(c: &[f64], x: &[f64]) -> f64 {
     let ((quads, rest), (x, x_rest)) = (c.as_chunks::<4>(), x.as_chunks::<4>());
@@ -77,7 +77,7 @@ fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
         s3 = add_product(s3, c3[i], quads[i]);
     }
     let mut sums = [0.0; 4];
-    // As one value: the compiler would work on the same lane of all four otherwise, which is slower.
+    // Passed as one value: the compiler would otherwise work on the same lane of all four, which is slower.
     for (a, lanes) in black_box([s0, s1, s2, s3]).iter().enumerate() {
         sums[a] = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
         for (c, x) in c[a][4 * m..].iter().zip(rest) {
@@ -93,7 +93,7 @@ fn add_product(sum: [f64; 4], a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 }
 
 impl Panel {
-    /// Where column j begins among the values of the panel.
+    /// Start of column j among the values of the panel.
     #[inline(always)]
     fn start(&self, j: usize) -> usize {
         j * self.leading - j * j.saturating_sub(1) / 2
@@ -105,7 +105,7 @@ impl Panel {
         &values[self.values..self.values + self.start(self.columns)]
     }
 
-    /// The same, read ahead in the order in which the sweep goes through memory.
+    /// The values of the panel, prefetched in the order in which the sweep reads them.
     #[inline(always)]
     pub fn values_ahead<'a>(&self, values: &'a [f64], is_forward: bool) -> &'a [f64] {
         let values = self.values(values);
@@ -130,7 +130,7 @@ impl Panel {
         [self.column(values, j), self.column(values, j + 1), self.column(values, j + 2), self.column(values, j + 3)]
     }
 
-    /// Solves L y = r on the columns, and adds what they take from the rows below.
+    /// Solves L y = r on the columns, and adds their contribution to the rows below.
     #[inline(always)]
     pub fn forward(&self, values: &[f64], rows: &[PositionRange], vector: &mut [f64], dense: &mut Vec<f64>) {
         let n = self.columns;
@@ -187,7 +187,7 @@ impl Panel {
             dense.extend_from_slice(&vector[rows.range()]);
         }
         let mut j = n;
-        // The odd columns come last here as they did in the forward sweep.
+        // The last columns, which fill no group of four, are solved one by one, as in the forward sweep.
         while !j.is_multiple_of(4) {
             j -= 1;
             let c = self.column(values, j);
@@ -213,7 +213,7 @@ impl Panel {
 mod tests {
     use super::*;
 
-    /// Also where the rows of a panel go on where those of the panel before end.
+    /// Rows of two panels stay apart even if they are consecutive.
     #[test]
     fn the_rows_of_panels_stay_apart() {
         let mut list = Vec::new();

@@ -1,4 +1,5 @@
-//! Products of several matrices on one graph in one pass, and what is made of them while they are in the caches.
+//! Products of several matrices on one graph in one loop, with a function applied to the results while they are in the
+//! caches.
 //!
 //! The products are compiled for the vector instructions of the machine; every sum has the same order on all machines
 //! and with any number of threads.
@@ -10,10 +11,10 @@ use rayon::prelude::*;
 use super::sparse::{BlockMatrix, CHUNK};
 use super::vectors::by_blocks;
 
-/// M w, A u, A w and B w in one pass over the matrices: M of 1 × 1 blocks, A and B of d × d blocks that act on
-/// differences, all on one graph. A is read once for both of its products. And what `then` makes of blocks of M w, A u
-/// and B w while these are in the caches: it gets the first entry of a block, the products, and the block of `rest`, to
-/// write to, which may be empty. In the order of the blocks.
+/// Computes M w, A u, A w and B w in one loop over the matrices: M of 1 × 1 blocks, A and B of d × d blocks that act on
+/// differences, all on one graph. A is read once for both of its products. `then` is applied to each block of M w, A u
+/// and B w while it is in the caches: it gets the first entry of the block, the products, and the block of `rest`, to
+/// write to, which may be empty. Its results are returned in the order of the blocks.
 ///
 /// The bits are those of [`BlockMatrix::apply`].
 #[must_use]
@@ -67,8 +68,8 @@ fn products_of<const C: usize, const B: usize, T: Send + 'static>(
     (out, made)
 }
 
-/// M θ and D θ in one pass over the matrices of 1 × 1 blocks, of which D acts on differences, on one graph; and what
-/// `then` makes of blocks of them, as in [`mechanical_products`].
+/// Computes M θ and D θ in one loop over the matrices of 1 × 1 blocks, of which D acts on differences, on one graph.
+/// `then` is applied to each block of them, as in [`mechanical_products`].
 ///
 /// The bits are those of [`BlockMatrix::apply`].
 #[must_use]
@@ -94,10 +95,10 @@ pub fn thermal_products<T: Send + 'static>(
     (out, made)
 }
 
-/// Rows of two products.
+/// Corresponding rows of two products.
 type RowPair<'a> = (&'a mut [f64], &'a mut [f64]);
 
-/// Rows of M w, A u, A w and B w, from the row of a node on.
+/// Some rows of M w, A u, A w and B w, beginning at the row of node `first`.
 struct ProductRows<'a, const C: usize, const B: usize> {
     mass: &'a BlockMatrix,
     a: &'a BlockMatrix,
@@ -123,7 +124,7 @@ impl<const C: usize, const B: usize> NullaryFnOnce for ProductRows<'_, C, B> {
             let [a, b] = [a, b].map(|matrix| matrix.row_read(first + k).as_chunks::<B>().0);
             for ((&j, m), (a, b)) in of_row.zip(a.iter().zip(b)) {
                 let (u, w) = (u[j as usize], w[j as usize]);
-                // Entry (r, c) of a block, r C + c, meets component c.
+                // Entry (r, c) of a block, number r C + c, multiplies component c.
                 let du: [f64; B] = std::array::from_fn(|i| u[i % C] - u0[i % C]);
                 let dw: [f64; B] = std::array::from_fn(|i| w[i % C] - w0[i % C]);
                 for r in 0..C {
@@ -143,7 +144,7 @@ impl<const C: usize, const B: usize> NullaryFnOnce for ProductRows<'_, C, B> {
     }
 }
 
-/// Rows of M θ and D θ, from the row of a node on.
+/// Some rows of M θ and D θ, beginning at the row of node `first`.
 struct ThermalProducts<'a> {
     mass: &'a BlockMatrix,
     d: &'a BlockMatrix,
@@ -178,7 +179,7 @@ mod tests {
     use crate::linalg::Graph;
     use crate::mesh::{Block, Diagonal, Mesh, MeshError};
 
-    /// And every block of rows is seen once, whole.
+    /// `then` also gets every block of rows exactly once and complete.
     #[test]
     fn products_in_one_pass_have_the_same_bits() -> Result<(), MeshError> {
         let mesh = Mesh::rectangle([1.0, 1.0], [60, 50], Diagonal::Crossed)?;

@@ -1,40 +1,40 @@
-//! When an iteration is left for a factor: by work that is counted, so that results do not depend on the machine.
+//! Change from an iteration to a factor, by counted work, so that results do not depend on the machine.
 //!
-//! An iteration is chosen where it is predicted to take less work than a factor. What it takes is counted in its
-//! products and put beside what a factor would have taken up to the same system. An iteration that is as fast as
-//! predicted stays below that, and one that has taken more is left: both together take at most about twice the work of
+//! An iteration is chosen if it is predicted to take less work than a factor. Its work is counted in products and
+//! compared with the work that a factor would have taken up to the same system. An iteration that is as fast as
+//! predicted stays below that. One that has taken more is replaced: both together take at most about twice the work of
 //! the factor alone.
 
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
 
-/// Work is given in seconds on the core of [`Estimate`].
+/// Predicted work of an iteration and of the factor that may replace it, in seconds on the core of [`Estimate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
     /// Nodes whose unknowns the factor keeps, ascending.
     pub contact: Vec<u32>,
-    /// Work of one factorization, and of one system with contact that is solved with it.
+    /// Work of one factorization, and of one system with contact solved with it, s.
     factor: f64,
     system: f64,
-    /// Work of the levels of an iteration, and of one of its products.
+    /// Work of building the levels of an iteration, and of one of its products, s.
     levels: f64,
     product: f64,
 }
 
-/// Work of an iteration so far, beside that of a factor in its place.
+/// Work of an iteration so far, and that of a factor in its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Account {
-    /// What the iteration has taken.
+    /// Work of the iteration so far, s.
     pub taken: f64,
-    /// What a factor would have taken.
+    /// Work that a factor would have taken, s.
     pub allowed: f64,
-    /// Whether the iteration is left for a factor.
+    /// True if the iteration is replaced by a factor.
     pub is_left: bool,
 }
 
 impl Relief {
-    /// For a matrix with these counts; `joins` says whether a point of contact joins nodes.
+    /// Predicts the work for a matrix with these counts; `joins` is true if a contact point joins nodes.
     #[must_use]
     pub fn new(estimate: &Estimate, joins: bool, contact: Vec<u32>) -> Relief {
         let [factor, system] = estimate.factor_and_system();
@@ -42,7 +42,7 @@ impl Relief {
         Relief { contact, factor, system, levels, product }
     }
 
-    /// Counts a matrix: its levels, and the factor in their place.
+    /// Counts a new matrix: its levels, and the factor in their place.
     pub fn count_matrix(&self, account: &mut Account) {
         account.taken += self.levels;
         account.allowed += self.factor;
@@ -53,13 +53,13 @@ impl Relief {
         account.allowed += self.system;
     }
 
-    /// Counts products; the iteration is left once it has taken more than a factor would have.
+    /// Counts products; the iteration is to be replaced once it has taken more work than a factor would have.
     pub fn count_products(&self, account: &mut Account, products: usize) {
         account.taken += self.product * products as f64;
         account.is_left |= account.taken > account.allowed;
     }
 
-    /// Products after which the iteration is left.
+    /// Number of products after which the iteration is replaced.
     #[must_use]
     pub fn products_left(&self, account: &Account) -> usize {
         let left = (account.allowed - account.taken) / self.product;
@@ -74,7 +74,7 @@ mod tests {
 
     const ESTIMATE: Estimate = Estimate { unknowns: 45_000, contact: 1875, entries: 3.4e6, stored: 3e7, flops: 6e10 };
 
-    /// An iteration is left after the work of the factor and of the systems so far, and not before.
+    /// An iteration is replaced after the work of the factor and of the systems so far, and not before.
     #[test]
     fn an_iteration_is_left_when_it_has_taken_more_than_a_factor() {
         let relief = Relief::new(&ESTIMATE, false, Vec::new());

@@ -1,28 +1,27 @@
-//! Numbers that repeat, stored once.
+//! Storage of repeated numbers once.
 //!
-//! On a uniform mesh the rows of a matrix are those of a few nodes, and the panels of a factor those of a
-//! few subdomains. Sweeps and products are bound by memory traffic, and what is shared stays in the caches.
+//! On a uniform mesh the rows of a matrix are those of a few nodes, and the panels of a factor those of a few
+//! subdomains. Sweeps and products are bound by memory traffic, and shared numbers stay in the caches.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// How far an entry of a factor may be from that of another column to be the same, as a share of the largest of its
-/// column: translates differ by the round-off of their coordinates, and an elimination leaves errors of this size
-/// anyhow.
+/// Largest difference of two equal entries of a factor, as a fraction of the largest entry of its column: translates
+/// differ by the round-off of their coordinates, and an elimination leaves errors of this size anyhow.
 pub(super) const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
-/// Last bits of a sum that do not count.
+/// Number of last bits of a sum that are ignored.
 const BITS: u32 = 12;
-/// How many of the latest places with one sum are compared: where many numbers are nearly the same, a search for equal
-/// ones has to end.
+/// Number of latest places with the same sum that are compared: it bounds the search if many numbers are nearly the
+/// same.
 const LATEST: usize = 32;
 
-/// Share of the rows of a matrix that may be different where they are stored once, and how many rows more than those
-/// that have been seen it is counted of: where rows do not repeat that is known after some of them.
+/// Largest fraction of different rows with which rows are stored once, and how many rows beyond those visited it refers
+/// to: rows that do not repeat are thus detected after some of them.
 const DIFFERENT: f64 = 0.25;
 const AHEAD: usize = 4096;
 
-/// Stores equal rows once: where each row begins, and the numbers. `None` if too many rows differ. Rows are equal to
+/// Stores equal rows once: the start of each row, and the numbers, or `None` if too many rows differ. Rows are equal to
 /// the bit, because the audit of energy relies on the symmetry of the matrix.
 pub(super) fn rows<'a>(count: usize, row: impl Fn(usize) -> &'a [f64]) -> Option<(Vec<u32>, Vec<f64>)> {
     let (mut starts, mut values) = (Vec::with_capacity(count), Vec::new());
@@ -44,11 +43,11 @@ pub(super) fn rows<'a>(count: usize, row: impl Fn(usize) -> &'a [f64]) -> Option
     Some((starts, values))
 }
 
-/// The places of numbers that have been stored, by their kind: what else must be equal.
+/// Places of stored numbers, by kind: numbers of different kinds are never the same.
 #[derive(Debug)]
 pub(super) struct Repeats<Kind> {
     places: HashMap<(Kind, u64), Vec<usize>>,
-    /// How far entries may be from each other, as a share of the largest of a column.
+    /// Largest difference of equal entries, as a fraction of the largest entry of a column.
     same: f64,
 }
 
@@ -57,8 +56,8 @@ impl<Kind: Eq + Hash> Repeats<Kind> {
         Repeats { places: HashMap::new(), same }
     }
 
-    /// Where the numbers from `place` on stand, which are columns of these lengths: at an earlier place if they are the
-    /// same as there.
+    /// Place of the numbers from `place` on, which are columns of these lengths: an earlier place if the same numbers
+    /// stand there.
     pub fn place(
         &mut self,
         kind: Kind,
@@ -81,13 +80,13 @@ impl<Kind: Eq + Hash> Repeats<Kind> {
     }
 }
 
-/// The sum of the sizes of numbers, rounded so that round-off does not tell equal ones apart: where two sums are
-/// rounded to different sides, the numbers are stored twice, which is no fault.
+/// Sum of the absolute values, rounded so that equal numbers agree in spite of round-off. If two sums are rounded to
+/// different sides, the numbers are stored twice, which is harmless.
 fn size(values: &[f64]) -> u64 {
     values.iter().map(|value| value.abs()).sum::<f64>().to_bits() >> BITS
 }
 
-/// Whether two sets of columns have the same numbers.
+/// True if two sets of columns have the same numbers.
 fn are_same(same: f64, mut one: &[f64], mut other: &[f64], mut columns: impl Iterator<Item = usize>) -> bool {
     columns.all(|length| {
         let (a, b);
@@ -115,14 +114,14 @@ mod tests {
         let fine = f64::EPSILON;
         assert_eq!(place([0.0; 4], [2, 2], 0), 1);
         assert_eq!(place([4.0 * fine, -4.0 * fine, 1e-8 * fine, 0.0], [2, 2], 0), 1);
-        // Another kind, another number, and one that only a larger column hides.
+        // Another kind, another number, and a difference that is small only beside a larger column.
         assert_eq!(place([0.0; 4], [2, 2], 1), 5);
         assert_eq!(place([0.0, 1e-13, 0.0, 0.0], [2, 2], 0), 5);
         assert_eq!(place([0.0, 0.0, 0.0, fine], [2, 2], 0), 5);
         assert_eq!(place([0.0, 0.0, 0.0, fine], [4, 0], 0), 1);
     }
 
-    /// Rows of which the first so many are different, and all others the same as one of them.
+    /// The first `different` rows are different, and all others equal one of them.
     #[test]
     fn rows_that_repeat_are_found_where_few_differ() {
         let rows_of = |count: usize, different: usize| {

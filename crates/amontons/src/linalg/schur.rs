@@ -1,5 +1,5 @@
-//! The Schur complement S on Γ_C as a dense matrix, and systems (S + J) x = b with it: with the factors of the last few
-//! J kept, or for a large Γ_C without a factor.
+//! The Schur complement S on Γ_C as a dense matrix, and the solution of systems (S + J) x = b: with the factors of the
+//! last few J, or for a large Γ_C by an iteration.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,48 +18,51 @@ use super::tangent::{Spring, Tangent};
 use super::turn::{Turn, turn};
 use super::vectors::max_abs;
 
-/// Factors kept at once: steps alternate between a few contact patterns at the most.
+/// Number of stored factors: steps alternate between a few contact patterns at the most.
 const KEPT: usize = 8;
 
-/// Unknowns on Γ_C from which on a factor of S + J, whose work is of their third power, costs more than an iteration.
+/// Number of unknowns on Γ_C from which on a factor of S + J, whose work grows with their third power, costs more than
+/// an iteration.
 const LARGE: usize = 2000;
-/// Entries of J for each unknown up to which they are those of neighbours; the temperature of a foundation that follows
-/// all of its points joins each unknown with every other.
+/// Entries of J per unknown up to which J couples neighbours only; a foundation whose temperature follows all of its
+/// points couples every unknown with every other.
 const NEIGHBOURS: usize = 1500;
-/// Residual of the iteration, and most products with S that it makes. Newton's method meets what is left.
+/// Residual of the iteration relative to b, and its largest number of products with S. Newton's method corrects the
+/// remaining residual.
 const TOLERANCE: f64 = 1e-13;
 const PRODUCTS: usize = 400;
-/// Passes of the iteration over what the one before has left, and what each leaves of it: to ask for all in one pass
-/// would be to iterate on the round-off of the residuals.
+/// Number of GMRES runs, each on the residual of the one before, and the relative residual asked of each: asking for
+/// all digits in one run would iterate on the round-off of the residuals.
 const PASSES: usize = 3;
 const PASS: f64 = 1e-7;
 
-/// Share of b in the round-off of S x above which a solution is looked at, and the share of b that it may leave.
+/// Round-off of S x relative to b above which the residual of a solution is checked, and the largest residual, relative
+/// to b, that is accepted then.
 const SUSPICIOUS: f64 = 1e-8;
 const LEFT: f64 = 1e-2;
-/// Last bits of its largest entry that an entry of S, a difference of larger numbers, may be off by.
+/// Largest error of an entry of S, a difference of larger numbers, in units of the round-off of the largest entry.
 const NOISE: f64 = 256.0;
 
 /// The condensed operator S with the factors of S + J for the last few J.
 ///
-/// With piecewise linear laws J has the same bits whenever the same points are open, stuck and
-/// slipping, so a step with an unchanged contact pattern costs no factorization. The key is J
-/// itself: no law has to say that it is piecewise linear.
+/// With piecewise linear laws J has the same bits whenever the same points are open, stuck and slipping, so a step with
+/// an unchanged contact pattern costs no factorization. The key is J itself: no law has to declare that it is piecewise
+/// linear.
 ///
-/// On a large Γ_C the systems are solved by GMRES with the blocks of the nodes on the diagonal of S + J as
-/// preconditioner. S acts like a derivative of first order along Γ_C, so its condition is that of 1/h, and J couples
-/// the unknowns of a node (with Gauss quadrature, of a facet): a few dozen products, whatever the contact pattern.
+/// On a large Γ_C the systems are solved by GMRES with the nodal diagonal blocks of S + J as preconditioner. S acts
+/// like a derivative of first order along Γ_C, so its condition number is that of 1/h, and J couples the unknowns of a
+/// node (with Gauss quadrature, of a facet): a few dozen products, whatever the contact pattern.
 #[derive(Debug)]
 pub(super) struct Schur {
-    /// S in the axes of space, and in the bases of the nodes that are turned, if some are.
+    /// S in the axes of space, and in the bases of the turned nodes, if there are any.
     straight: Arc<Mat<f64>>,
     turned: Option<Mat<f64>>,
     turns: Vec<Turn>,
-    /// The largest entry of S.
+    /// Largest entry of S.
     largest: f64,
-    /// Mean of the diagonal of S over the unknowns of its node, for each unknown: the same in every basis.
+    /// Scale per unknown: the mean of the diagonal of S over its node, the same in every basis.
     scale: Vec<f64>,
-    /// First unknown of each node, and their number.
+    /// First unknown per node.
     nodes: Vec<usize>,
     is_large: bool,
     kept: VecDeque<KeptTangent>,
@@ -70,16 +73,16 @@ pub(super) struct Schur {
 /// One of the last few tangents J.
 #[derive(Debug)]
 enum KeptTangent {
-    /// With the factor of S + J.
+    /// Stored with the factor of S + J.
     Factor(Tangent, Factors),
-    /// By its key alone: the run that this one goes on from had the factor.
+    /// Known by its key alone: the run that this one continues had the factor.
     Known(TangentKey),
 }
 
 /// The factors of S + J.
 #[derive(Debug)]
 enum Factors {
-    /// L of a positive definite matrix: J is symmetric for heat, and where no point slips.
+    /// L of a positive definite matrix: J is symmetric for heat, and if no point slips.
     Cholesky(Cholesky),
     Lu(Lu),
 }
@@ -102,7 +105,7 @@ impl KeptTangent {
     }
 }
 
-/// What tells J in the bases of its nodes from another one.
+/// Identifier of J in the bases of its nodes.
 fn tangent_key(tangent: &Tangent, turns: &[Turn]) -> TangentKey {
     let mut hash = Sha256::new();
     for turn in turns {
@@ -114,11 +117,12 @@ fn tangent_key(tangent: &Tangent, turns: &[Turn]) -> TangentKey {
     hash.finalize().into()
 }
 
-/// Share of the stiffness of a body below which that of its motion is none.
+/// Fraction of the stiffness of a body below which the stiffness of a rigid motion counts as zero.
 pub(super) const STIFFLESS: f64 = 1e-8;
 
 impl Schur {
-    /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
+    /// Creates the solver for the condensed operator `s`, the unknowns of a node together; `nodes` has the first
+    /// unknown per node.
     pub fn new(s: Arc<Mat<f64>>, nodes: Vec<usize>, stop: StopFlag) -> Schur {
         let scale = scale(&s, &nodes);
         let (is_large, largest) = (s.nrows() >= LARGE, s.norm_max());
@@ -136,8 +140,8 @@ impl Schur {
         }
     }
 
-    /// The same with a scale for some unknowns, by their number among those that are kept, whose own is round-off of
-    /// it.
+    /// Replaces the scale of some unknowns, given by their number among those that are kept, if their own is round-off
+    /// of it.
     #[must_use]
     pub fn with_scale(mut self, of: &[(usize, f64)]) -> Schur {
         for &(unknown, value) in of {
@@ -148,7 +152,7 @@ impl Schur {
         self
     }
 
-    /// S in the bases that it is taken in.
+    /// S in the current bases of the nodes.
     fn s(&self) -> &Mat<f64> {
         self.turned.as_ref().filter(|_| !self.turns.is_empty()).unwrap_or(&self.straight)
     }
@@ -175,10 +179,10 @@ impl Schur {
         of_symmetric.map_or_else(|| Factors::Lu(Lu::new(self.with(tangent))), Factors::Cholesky)
     }
 
-    /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
+    /// Sums `term` over the columns, in an order that does not depend on the number of threads.
     fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
-        // S is symmetric and stored by columns: some rows at once, all columns in turn.
+        // S is symmetric and stored by columns: blocks of rows in parallel, all columns in sequence.
         let rows = if self.is_large { 512 } else { x.len().max(1) };
         let s = self.s();
         y.par_chunks_mut(rows).enumerate().for_each(|(part, y)| {
@@ -194,7 +198,7 @@ impl Schur {
 
     fn solve_unchecked(&mut self, tangent: &Tangent, b: &mut [f64]) -> Result<(), SolveError> {
         self.stop.go_on()?;
-        // S alone is solved with over and over, by eigenvalue problems; S + J changes with the contact pattern.
+        // S alone is solved repeatedly by eigenvalue problems; S + J changes with the contact pattern.
         if self.is_large && !tangent.is_empty() {
             b.copy_from_slice(&self.iterate(tangent, b)?);
             return Ok(());
@@ -215,7 +219,7 @@ impl Schur {
         Ok(())
     }
 
-    /// The same by GMRES, preconditioned from the right.
+    /// Solves (S + J) x = b by GMRES, preconditioned from the right.
     fn iterate(&self, tangent: &Tangent, b: &[f64]) -> Result<Vec<f64>, SolveError> {
         let near = self.near(tangent)?;
         let mut x = vec![0.0; b.len()];
@@ -241,7 +245,7 @@ impl Schur {
         y
     }
 
-    /// The blocks of S on the diagonal, a node each, with J, factorized.
+    /// The factorized preconditioner: the nodal diagonal blocks of S, plus J.
     fn near(&self, tangent: &Tangent) -> Result<Near, SolveError> {
         let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.s().nrows());
         let blocks = self.nodes.iter().enumerate().map(|(node, &first)| (first, end(node) - first));
@@ -279,18 +283,18 @@ impl Condensed for Schur {
     }
 
     fn magnitude_bound(&self, x: &[f64]) -> f64 {
-        // Twice, for the round-off of either sum.
+        // Doubled for the round-off of either sum.
         2.0 * self.largest * x.iter().map(|x| x.abs()).sum::<f64>()
     }
 
     fn solve(&mut self, tangent: &Tangent, b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
         let right = b.to_vec();
         self.solve_unchecked(tangent, b)?;
-        // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
+        // Unless the terms of the sums S x are many times as large as b, the remaining residual is round-off.
         let round_off = f64::EPSILON * self.largest * max_abs(b);
         let suspicious = round_off > SUSPICIOUS * max_abs(&right);
         if NOISE * round_off > max_abs(&right) {
-            // A small system with a pivot of round-off leaves nothing, and is singular all the same.
+            // A small system with a pivot of round-off size leaves no residual but is singular all the same.
             return Err(SolveError::Singular { size: b.len() });
         }
         if !suspicious && !max_abs(b).is_nan() {
@@ -346,7 +350,7 @@ impl Condensed for Schur {
     }
 }
 
-/// The mean of the diagonal over the unknowns of the node, for each unknown.
+/// Scale per unknown: the mean of the diagonal over the unknowns of its node.
 fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
     let mut scale = Vec::with_capacity(s.nrows());
     for (node, &first) in nodes.iter().enumerate() {
@@ -357,17 +361,17 @@ fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
     scale
 }
 
-/// The part of S + J that is stiff: J, and of S what joins the unknowns of a node.
+/// The stiff part of S + J: J, and the entries of S between unknowns of one node.
 #[derive(Debug)]
 enum Near {
-    /// Node by node.
+    /// One block per node.
     Nodes(Vec<(usize, Lu)>),
-    /// As a whole, where contact couples nodes as that of a pair does.
+    /// One matrix, if contact couples nodes as that of a pair does.
     Coupled(Box<SparseLu>),
 }
 
 impl Near {
-    /// The solution with this part alone.
+    /// Solves with this part alone.
     fn solve(&self, y: &[f64]) -> Vec<f64> {
         match self {
             Near::Nodes(blocks) => {
@@ -387,7 +391,7 @@ mod tests {
     use super::*;
     use crate::linalg::tangent::Share;
 
-    /// A matrix like S, of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a
+    /// The matrix is like S of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a
     /// nonsymmetric coupling, as pressed and sliding points make them, the iteration agrees with the factor.
     #[test]
     fn the_iteration_agrees_with_the_factor() {
@@ -434,7 +438,7 @@ mod tests {
         assert_eq!(iteration.solve(&joined, &mut y, 0.0), Ok(()));
         let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
         assert!(max_abs(&difference) < 1e-7 * max_abs(&x), "{:e}", max_abs(&difference));
-        // Points that pull make S + J indefinite, which has no L Lᵀ.
+        // Points that pull make S + J indefinite, so that L Lᵀ does not exist.
         let mut pulling = Tangent::new();
         pulling.add_diagonal((0..n).map(|i| if i % 7 == 0 { -1e5 } else { 0.0 }));
         assert!(pulling.is_symmetric() && factor.is_positive_definite(&pulling) == Ok(false));

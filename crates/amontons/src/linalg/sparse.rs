@@ -17,28 +17,28 @@ use crate::mesh::Link;
 use crate::space::{NodeFrame, RigidNodes};
 use crate::tensor::Point;
 
-/// A matrix of R × C blocks, one for each pair of nodes that share a cell; the entry of components
-/// (r, c) of the nodes (i, j) stands in row `i R + r` and column `j C + c`.
+/// A matrix of R × C blocks, one per pair of nodes that share a cell; the entry of components (r, c) of the nodes (i,
+/// j) is in row `i R + r` and column `j C + c`.
 #[derive(Clone, Debug)]
 pub struct BlockMatrix {
     graph: Arc<Graph>,
     rows: usize,
     cols: usize,
     values: PagedNumbers,
-    /// What products read in place of `values`, where rows repeat.
+    /// Values that products read in place of `values`, if rows repeat.
     repeated: Option<Repeated>,
-    /// Whether A x = 0 for every x that is the same at all nodes.
+    /// True if A x = 0 for every x that is the same at all nodes.
     of_differences: bool,
 }
 
-/// The values of the rows of the nodes, of which those that repeat are stored once, and where each row begins.
+/// Row values per node, with repeated rows stored once, and the start of each row.
 #[derive(Clone, Debug)]
 struct Repeated {
     start: Vec<u32>,
     values: Vec<f64>,
 }
 
-/// Nodes whose rows are worked on at once: large enough to pay for a task.
+/// Number of nodes per task: large enough to pay for a task.
 pub(super) const CHUNK: usize = 2048;
 
 impl BlockMatrix {
@@ -55,16 +55,16 @@ impl BlockMatrix {
         }
     }
 
-    /// States that the form depends on differences of x only (x enters by its gradient). Products are
-    /// then summed as Σ A_ij (x_j − x_i), whose round-off is that of the differences, 1/h times smaller.
+    /// Declares that the form depends on differences of x only (x enters by its gradient). Products are then summed as
+    /// Σ A_ij (x_j − x_i), whose round-off is that of the differences, 1/h times smaller.
     #[must_use]
     pub fn of_differences(mut self) -> BlockMatrix {
         self.of_differences = true;
         self
     }
 
-    /// Prepares for many products: rows that repeat are read from one place, which is in the caches then. The matrix
-    /// must not change after it.
+    /// Prepares for many products: repeated rows are read from one place, which is then in the caches. A later change
+    /// of the matrix undoes this.
     #[must_use]
     pub fn repeated(mut self) -> BlockMatrix {
         let rows = repeats::rows(self.graph.len(), |i| self.row_values(i));
@@ -72,13 +72,13 @@ impl BlockMatrix {
         self
     }
 
-    /// Whether products are summed over differences.
+    /// True if products are summed over differences.
     #[must_use]
     pub fn is_of_differences(&self) -> bool {
         self.of_differences
     }
 
-    /// Rows and columns of a block.
+    /// Number of rows and columns per block.
     #[must_use]
     pub fn block_shape(&self) -> (usize, usize) {
         (self.rows, self.cols)
@@ -108,7 +108,7 @@ impl BlockMatrix {
     }
 
     /// Adds the matrices of many cells of `n` nodes each, one after the other, by blocks: block (i, j) of a cell is its
-    /// number i n + j. Every thread takes some rows: an entry is summed in the order of the cells, whatever the number
+    /// number i n + j. Each thread takes some rows: an entry is summed in the order of the cells, whatever the number
     /// of threads.
     pub fn add_cells(&mut self, nodes: &[u32], n: usize, cells: &[f64]) {
         self.repeated = None;
@@ -135,7 +135,7 @@ impl BlockMatrix {
         let mut rest = &mut self.values[from * size..to * size];
         rayon::scope(|scope| {
             for part in 1..=parts {
-                // Rows such that every part has about as many entries.
+                // Rows are divided so that every part has about as many entries.
                 let last = if part == parts {
                     end
                 } else {
@@ -171,7 +171,8 @@ impl BlockMatrix {
         }
     }
 
-    /// The matrix Q A Qᵀ of the components in the directions of the nodes, Q their rows; A itself without directions.
+    /// The matrix Q A Qᵀ of the components along the directions of the nodes, the rows of Q; A itself without
+    /// directions.
     #[must_use]
     pub fn in_frames(self: &Arc<BlockMatrix>, frames: &[NodeFrame]) -> Arc<BlockMatrix> {
         if frames.is_empty() {
@@ -198,8 +199,8 @@ impl BlockMatrix {
         Arc::new(turned)
     }
 
-    /// The matrix Tᵀ A T, T the map that gives the nodes that follow others the components of these; A itself without
-    /// such nodes. The rows of nodes that follow have their own blocks alone.
+    /// The matrix Tᵀ A T, in which T gives following nodes the components of the nodes that they follow; A itself
+    /// without such nodes. The row of a following node has its diagonal block alone.
     #[must_use]
     pub fn linked(self: &Arc<BlockMatrix>, links: &[Link]) -> Arc<BlockMatrix> {
         if links.is_empty() {
@@ -224,8 +225,8 @@ impl BlockMatrix {
         Arc::new(joined)
     }
 
-    /// The matrix Tᵀ A T, T the map from the motions of rigid bodies to the values at their nodes; A itself without
-    /// such bodies. The motions stand in the place of the first nodes, and the rows of the others have their own
+    /// The matrix Tᵀ A T, in which T maps the motions of rigid bodies to the values at their nodes; A itself without
+    /// such bodies. The motions take the place of the first nodes, and the rows of the others have their diagonal
     /// blocks alone; a place without a motion has its own entry on the diagonal.
     #[must_use]
     pub fn rigid(self: &Arc<BlockMatrix>, rigid: &[RigidNodes]) -> Arc<BlockMatrix> {
@@ -235,7 +236,7 @@ impl BlockMatrix {
         let n = self.rows;
         let body_of = bodies(self.graph.len(), rigid);
         let mut joined = BlockMatrix::zero(&Arc::new(self.graph.rigid(rigid)), n, n);
-        // Of a node its own degrees of freedom with the unit vectors, or those of its body with what moves it.
+        // Per node: its own degrees of freedom with the unit vectors, or those of its body with the motions.
         let of_node = |node: usize| -> Vec<(usize, Point)> {
             let body = body_of[node].map(|body| &rigid[body as usize]);
             match body.and_then(|body| Some((body, body.position(node as u32)?))) {
@@ -283,7 +284,7 @@ impl BlockMatrix {
         Arc::new(joined)
     }
 
-    /// Entry of components (r, c) of the nodes (i, j); zero where they share no cell.
+    /// Entry of components (r, c) of the nodes (i, j); zero if they share no cell.
     #[must_use]
     pub fn get(&self, i: usize, r: usize, j: usize, c: usize) -> f64 {
         self.graph.slot(i, j as u32).map_or(0.0, |slot| self.values[(slot * self.rows + r) * self.cols + c])
@@ -301,7 +302,7 @@ impl BlockMatrix {
         &self.values[self.graph.start[i] * size..self.graph.start[i + 1] * size]
     }
 
-    /// The same as products read them.
+    /// The blocks of the row of node `i` as products read them, one after the other.
     #[inline(always)]
     pub(super) fn row_read(&self, i: usize) -> &[f64] {
         let size = (self.graph.start[i + 1] - self.graph.start[i]) * self.rows * self.cols;
@@ -313,7 +314,7 @@ impl BlockMatrix {
 
     /// y ← A x. Every row is summed in the order of its columns, whatever the number of threads.
     ///
-    /// A matrix of 1 × 1 blocks acts on each of the `components` that `x` has a node.
+    /// A matrix of 1 × 1 blocks acts on each of the `components` of `x` per node.
     #[must_use]
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
@@ -325,7 +326,7 @@ impl BlockMatrix {
         y
     }
 
-    /// The rows of blocks of any shape, in which `x` has `components` for each column of a block.
+    /// Product rows for blocks of any shape; `x` has `components` values per column of a block.
     fn rows_of_any(&self, first: usize, components: usize, x: &[f64], y: &mut [f64]) {
         let (rows, cols) = (self.rows, self.cols);
         for (k, y) in y.chunks_exact_mut((rows * components).max(1)).enumerate() {
@@ -352,7 +353,7 @@ impl BlockMatrix {
         for (k, y) in y.iter_mut().enumerate() {
             let blocks = self.row_read(first + k).chunks_exact(R * C);
             let origin = if self.of_differences { x[first + k] } else { [0.0; C] };
-            // A sum per entry of the block: they do not wait for each other.
+            // One sum per entry of the block, so that the sums are independent.
             let mut sums = [[0.0; C]; R];
             for (&j, block) in self.graph.row(first + k).iter().zip(blocks) {
                 let x = &x[j as usize];
@@ -381,14 +382,14 @@ impl BlockMatrix {
         }
     }
 
-    /// What the last bits of x make of A x: the largest sum of ε |A| |x| in a row. Where large terms cancel, as those
-    /// of a body that has moved far, A x is known to this and no better.
+    /// Round-off in A x from the last bits of x: the largest sum of ε |A| |x| in a row. If large terms cancel, as in a
+    /// body that has moved far, A x is no more accurate than this.
     #[must_use]
     pub fn round_off(&self, x: &[f64]) -> f64 {
         f64::EPSILON * max_abs(&self.magnitude(x))
     }
 
-    /// |A| |x|: the sizes of what the sums A x are made of.
+    /// |A| |x|: the magnitudes of the summands of A x.
     #[must_use]
     pub fn magnitude(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
@@ -411,7 +412,7 @@ impl BlockMatrix {
         sizes
     }
 
-    /// Largest absolute difference to the transpose of `other` over the largest entry.
+    /// Largest absolute difference to the transpose of `other`, relative to the largest entry.
     #[must_use]
     pub fn asymmetry(&self, other: &BlockMatrix) -> f64 {
         let largest = self.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -429,7 +430,7 @@ impl BlockMatrix {
     }
 }
 
-/// Rows of a product, from the row of a node on.
+/// Some rows of a product, beginning at the row of node `first`.
 struct SparseProductRows<'a> {
     matrix: &'a BlockMatrix,
     first: usize,
@@ -492,7 +493,7 @@ mod tests {
         Ok(())
     }
 
-    /// On an even mesh the rows of all interior nodes are the same, and a changed matrix is read as it is.
+    /// On an even mesh the rows of all interior nodes are the same, and a changed matrix is read without repetition.
     #[test]
     fn rows_that_repeat_are_read_from_one_place() -> Result<(), MeshError> {
         let even = |n: usize| Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Left);

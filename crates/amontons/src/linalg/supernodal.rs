@@ -1,7 +1,7 @@
 //! One factorization K = L Lᵀ of the interior, contact unknowns last, and the two sweeps of a step.
 //!
-//! The trailing block is the condensed operator for free: what the elimination leaves of it. Together the two sweeps
-//! read the factor twice, which is the bound on the time of a step.
+//! The trailing block after the elimination is the condensed operator, at no further cost. Together the two sweeps read
+//! the factor twice, which bounds the time per step from below.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -41,7 +41,7 @@ impl Backend for Supernodal {
     }
 }
 
-/// The same, which ends its work when it is told to.
+/// The supernodal backend, interruptible by a flag.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Interruptible(pub StopFlag);
 
@@ -55,11 +55,12 @@ impl Backend for Interruptible {
     }
 }
 
-/// Supernodes of up to so many columns are merged while the share of zeros stays below. The sweeps are
-/// bound by memory traffic, so fewer zeros than a factorization alone would take.
+/// Merging of supernodes: those of up to this many columns are merged while the fraction of zeros stays below the
+/// second number. The sweeps are bound by memory traffic, so fewer zeros are allowed than would suit a factorization
+/// alone.
 const RELAX: &[(usize, f64)] = &[(4, 0.5), (16, 0.15)];
 
-/// Bytes of a number.
+/// Bytes per number.
 const NUMBER: f64 = 8.0;
 
 #[derive(Debug)]
@@ -69,16 +70,17 @@ struct SupernodalFactor {
     size: usize,
     interior: usize,
     condensed: Arc<Mat<f64>>,
-    /// First unknown of each contact node.
+    /// First unknown per contact node.
     nodes: Vec<usize>,
-    /// Stiffness of the bodies whose motions are kept, by the number of each of these.
+    /// Kept unknowns that are rigid motions, each with the stiffness of its body.
     rigid: Vec<(usize, f64)>,
     stop: StopFlag,
 }
 
 impl SupernodalFactor {
-    /// The factor of the interior, and S. A body that only contact holds has a singular S; S + J with the contact
-    /// forces is not singular then. S may be indefinite as far as the mean of the diagonal of K on Γ_C makes up for it.
+    /// Factorizes the interior and forms S. If contact alone holds the body, S is singular, but S + J with the contact
+    /// forces is not. S may be indefinite as long as adding the mean of the diagonal of K on Γ_C, or a larger rigid
+    /// stiffness, makes it positive definite.
     fn new(matrix: &BlockMatrix, unknowns: &Unknowns, stop: &StopFlag) -> Result<SupernodalFactor, SolveError> {
         let (size, interior) = (unknowns.len(), unknowns.interior);
         if size == 0 {
@@ -96,7 +98,7 @@ impl SupernodalFactor {
         let too_large = || SolveError::Memory { size };
         let lower = LowerTriangle::new(matrix, unknowns);
         let symbolic = symbolic(&lower, size)?;
-        // Memory that is only promised would end the program when it is written to.
+        // The system may promise memory that it does not have; writing to it would end the program.
         let bytes = NUMBER * symbolic.len_val() as f64;
         if machine::physical_memory().is_some_and(|memory| bytes > memory.bytes) {
             return Err(too_large());
@@ -123,8 +125,8 @@ impl SupernodalFactor {
     }
 }
 
-/// Moves the panels together in the order of their places, without what is above the diagonal, without the columns of
-/// Γ_C and without panels that repeat. Returns how many numbers are left. A sweep reads memory in order.
+/// Compacts the panels in the order of their places, without the part above the diagonal, the columns of Γ_C and
+/// repeated panels, so that a sweep reads memory in order. Returns the number of stored values.
 fn compact(root: &mut Task, values: &mut [f64]) -> usize {
     fn panels<'a>(task: &'a mut Task, all: &mut Vec<&'a mut Panel>) {
         task.children.iter_mut().for_each(|child| panels(child, all));
@@ -150,9 +152,9 @@ fn compact(root: &mut Task, values: &mut [f64]) -> usize {
     end
 }
 
-/// The pattern of the factor.
+/// Symbolic factorization: the pattern of the factor.
 fn symbolic(lower: &LowerTriangle, size: usize) -> Result<SymbolicCholesky<u32>, SolveError> {
-    // Of the identity as its order `faer` takes the upper half.
+    // With the identity as order `faer` reads the upper half.
     let (start, rows) = lower.transposed_pattern();
     let pattern = SymbolicSparseColMatRef::new_checked(size, size, &start, None, &rows);
     let params = CholeskySymbolicParams {
@@ -185,18 +187,18 @@ impl Factor for SupernodalFactor {
     }
 }
 
-/// The supernodes of a factor, for cutting them into tasks.
+/// Tree of the supernodes of a factor, for cutting it into tasks.
 struct SupernodeTree<'a> {
     supernodes: &'a Supernodes<'a>,
     symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
     interior: usize,
-    /// Supernodes that have interior columns.
+    /// Number of supernodes with interior columns.
     count: usize,
     children: Vec<Vec<usize>>,
     roots: Vec<usize>,
-    /// First supernode of the subtree of each.
+    /// First supernode of the subtree, per supernode.
     first: Vec<usize>,
-    /// Numbers stored in the subtree of each.
+    /// Number of stored entries of the subtree, per supernode.
     work: Vec<usize>,
 }
 
@@ -250,13 +252,13 @@ impl<'a> SupernodeTree<'a> {
         Task { ancestors: (0..contact.len() as u32).collect(), ..root }
     }
 
-    /// Numbers below which a subtree is one task. A fixed share, whatever the number of threads: the
-    /// order of summation, hence every bit of the result, must not depend on it.
+    /// Number of stored entries below which a subtree is one task. It is a fixed fraction, whatever the number of
+    /// threads: the order of summation, hence every bit of the result, must not depend on it.
     fn grain(&self) -> usize {
         (self.roots.iter().map(|&r| self.work[r]).sum::<usize>() / 16).max(1 << 14)
     }
 
-    /// Sibling subtrees as first and last supernode; neighbours that are small are joined.
+    /// Groups sibling subtrees into tasks, each given by its first and last supernode; small neighbours are joined.
     fn tasks(&self, siblings: &[usize]) -> Vec<(usize, usize)> {
         let mut groups: Vec<(usize, usize)> = Vec::new();
         let (mut joined, grain) = (0, self.grain());
@@ -282,7 +284,7 @@ impl<'a> SupernodeTree<'a> {
         panels: std::ops::Range<usize>,
         ancestors: &[u32],
     ) -> Task {
-        // Where a row of the matrix stands in the vector of this task.
+        // Position of a row of the matrix in the vector of this task.
         let local = |row: u32| {
             if (row as usize) < own.end {
                 row - own.start as u32
@@ -349,8 +351,8 @@ mod tests {
     use crate::linalg::{Graph, Layout, System};
     use crate::mesh::{Block, Diagonal, Elements, Mesh, MeshError};
 
-    /// A diffusion with storage on an even mesh of 64 × 64 squares, the matrix of each cell times a factor: the error
-    /// of a solution, and the numbers of the factor.
+    /// Solves a diffusion with storage on an even mesh of 64 × 64 squares, the matrix of each cell times a factor.
+    /// Returns the error of the solution and the number of stored entries.
     fn solved(factor: impl Fn(usize) -> f64) -> Result<(f64, usize), MeshError> {
         let mesh = Mesh::rectangle([1.0, 1.0], [64, 64], Diagonal::Left)?;
         let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), 1, 1);
@@ -379,7 +381,7 @@ mod tests {
         Ok((error, system.stored()))
     }
 
-    /// The mesh with other numbers of its nodes, in no order, and the nodes of a side.
+    /// The mesh with its nodes renumbered in no order, and the nodes of a side.
     fn renumbered(mesh: &Mesh, side: &[u32]) -> (Mesh, Vec<u32>) {
         let n = mesh.points.len();
         // A step that shares no factor with n goes through all nodes.
@@ -422,8 +424,8 @@ mod tests {
         assert!(error < 1e-13, "{components} per node: {error:e}");
     }
 
-    /// With both diagonals, nodes in no order, one to three unknowns per node, in the plane and in space, one cell
-    /// unlike the others, two materials in no order, and no cell like another.
+    /// The cases: both diagonals, nodes in no order, one to three unknowns per node, in the plane and in space, one
+    /// cell unlike the others, two materials in no order, and no cell like another.
     #[test]
     fn the_sweeps_find_a_known_solution() -> Result<(), MeshError> {
         let alike = |_: usize| 1.0;
@@ -448,7 +450,7 @@ mod tests {
         Ok(())
     }
 
-    /// What repeats is stored once, and a cell that is another by more than round-off is told from the others.
+    /// Repeated panels are stored once, and a cell that differs by more than round-off is distinguished.
     #[test]
     fn what_repeats_is_stored_once() -> Result<(), MeshError> {
         let (error, all) = solved(|k| 1.0 + 0.1 * (k as f64).sin())?;

@@ -1,4 +1,4 @@
-//! The sweeps over a factor: subtrees of the elimination tree side by side, panels of dense columns in turn.
+//! The sweeps over a factor: subtrees of the elimination tree in parallel, panels of dense columns in sequence.
 //!
 //! The loops are compiled for the vector instructions of the machine; every sum has the same order on all machines and
 //! with any number of threads.
@@ -11,28 +11,28 @@ use pulp::{Arch, NullaryFnOnce};
 use super::panel::{Panel, PositionRange};
 
 thread_local! {
-    /// Memory of the vectors of a sweep that a thread begins, and what it works in at the panels of a task. Both are
+    /// Memory for the vectors of the sweeps that a thread begins, and work space for the panels of a task. Both are
     /// taken out while they are used: a thread that waits for another may begin a sweep of its own.
     static VECTORS: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
     static WORKSPACE: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
-/// A subtree of the elimination tree. Its vector is (own columns, ancestors that it touches).
+/// A subtree of the elimination tree as a task. Its vector is (own columns, ancestors in its rows).
 #[derive(Debug, Default)]
 pub(super) struct Task {
     pub children: Vec<Task>,
-    /// Columns of the whole subtree that precede the own ones are the children's.
+    /// First column of the whole subtree; those before the own ones are the children's.
     pub begin: usize,
     pub own: std::ops::Range<usize>,
     pub panels: Vec<Panel>,
-    /// The rows below the panels.
+    /// Rows below the panels.
     pub rows: Vec<PositionRange>,
-    /// Positions in the parent's vector of the ancestors touched; those of the root are the unknowns of Γ_C.
+    /// Positions of these ancestors in the parent's vector; for the root they are the unknowns of Γ_C.
     pub ancestors: Vec<u32>,
 }
 
 impl Task {
-    /// Solves L y = r on the columns of the tree, and adds what they take from the unknowns of Γ_C.
+    /// Solves L y = r on the columns of the tree, and adds their contribution to the unknowns of Γ_C.
     pub fn forward(&self, values: &[f64], x: &mut [f64], contact: &mut [f64]) {
         self.with_vectors(|vectors| {
             self.forward_in(values, x, vectors);
@@ -45,7 +45,7 @@ impl Task {
         self.with_vectors(|vectors| self.backward_in(values, x, contact, vectors));
     }
 
-    /// Columns of the subtree.
+    /// Number of columns of the subtree.
     fn columns(&self) -> usize {
         self.own.end - self.begin
     }
@@ -60,7 +60,7 @@ impl Task {
         self.length() + self.children.iter().map(Task::all_lengths).sum::<usize>()
     }
 
-    /// Works in the memory of the thread.
+    /// Runs `work` with the thread's memory for all vectors of the subtree.
     fn with_vectors(&self, work: impl FnOnce(&mut [f64])) {
         let (mut memory, length) = (VECTORS.take(), self.all_lengths());
         if memory.len() < length {
@@ -70,7 +70,7 @@ impl Task {
         VECTORS.set(memory);
     }
 
-    /// Solves L y = r on the columns of the subtree. What it adds to the ancestors is left in its vector.
+    /// Solves L y = r on the columns of the subtree. The contribution to the ancestors is left in its vector.
     fn forward_in(&self, values: &[f64], x: &mut [f64], vectors: &mut [f64]) {
         let (inner, own) = x.split_at_mut(self.own.start - self.begin);
         let (vector, vectors) = vectors.split_at_mut(self.length());
@@ -87,7 +87,7 @@ impl Task {
         own.copy_from_slice(&vector[..own.len()]);
     }
 
-    /// Adds what the vector of the task, the first of some, has for the ancestors to the parent's.
+    /// Adds the ancestor entries of the task's vector, the first of `vectors`, to the parent's vector.
     fn add_to_ancestors(&self, vectors: &[f64], parent: &mut [f64]) {
         for (&at, value) in self.ancestors.iter().zip(&vectors[self.own.len()..]) {
             parent[at as usize] += value;
@@ -111,7 +111,7 @@ impl Task {
         });
     }
 
-    /// The sweep over the panels of the task.
+    /// Sweeps over the panels of the task.
     fn sweep(&self, values: &[f64], vector: &mut [f64], is_forward: bool) {
         let mut workspace = WORKSPACE.take();
         Arch::new().dispatch(Sweep { task: self, values, vector, workspace: &mut workspace, is_forward });
@@ -119,7 +119,7 @@ impl Task {
     }
 }
 
-/// Works on subtrees, each with its columns of `x` and its vectors.
+/// Applies `work` to subtrees in parallel, each with its columns of `x` and its vectors.
 fn side_by_side(
     tasks: &[Task],
     x: &mut [f64],
@@ -141,7 +141,7 @@ fn side_by_side(
     }
 }
 
-/// A sweep over the panels of a task in turn.
+/// A sweep over the panels of a task, one after the other.
 struct Sweep<'a> {
     task: &'a Task,
     values: &'a [f64],

@@ -1,4 +1,4 @@
-//! A matrix with its factor and its condensed operator: the one object that schemes and the certificate solve with.
+//! A matrix with its factor and its condensed operator: the one object with which schemes and the certificate solve.
 
 use std::sync::Arc;
 
@@ -18,9 +18,9 @@ pub struct System {
     unknowns: Unknowns,
     factor: Box<dyn Factor>,
     condensed: Box<dyn Condensed>,
-    /// Factorizations of K, and of S + J before the last of these.
+    /// Number of factorizations of K, and of S + J before the last factorization of K.
     factorizations: (usize, usize),
-    /// Krylov iterations before the last factorization of K.
+    /// Number of Krylov iterations before the last factorization of K.
     iterations: usize,
 }
 
@@ -40,7 +40,7 @@ impl System {
     /// Factorizes another matrix with the same unknowns.
     ///
     /// # Errors
-    /// Those of [`System::new`]; the system is then as it was.
+    /// Those of [`System::new`]; the system is then unchanged.
     pub fn replace(&mut self, matrix: &Arc<BlockMatrix>) -> Result<(), SolveError> {
         self.factor = self.backend.factorize(&self.unknowns.matrix(matrix), &self.unknowns)?;
         self.factorizations = (self.factorizations.0 + 1, self.factorizations.1 + self.condensed.factorizations());
@@ -57,50 +57,49 @@ impl System {
         &self.unknowns
     }
 
-    /// The condensed operator S on the unknowns that are kept: x·Sx is the least energy of all vectors with these
-    /// entries.
+    /// The condensed operator S on the kept unknowns: x·Sx is the least energy of all vectors with these entries.
     #[must_use]
     pub fn condensed(&self) -> &dyn Condensed {
         self.condensed.as_ref()
     }
 
-    /// The same, to solve with.
+    /// The condensed operator, mutable, to solve with.
     pub fn condensed_mut(&mut self) -> &mut dyn Condensed {
         self.condensed.as_mut()
     }
 
-    /// Factorizations of K and of S + J so far.
+    /// Number of factorizations of K and of S + J so far.
     #[must_use]
     pub fn factorizations(&self) -> (usize, usize) {
         (self.factorizations.0, self.factorizations.1 + self.condensed.factorizations())
     }
 
-    /// Krylov iterations so far.
+    /// Number of Krylov iterations so far.
     #[must_use]
     pub fn iterations(&self) -> usize {
         self.iterations + self.condensed.iterations()
     }
 
-    /// How systems are solved: `direct` or `iterative`.
+    /// Name of the solver: `direct` or `iterative`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.factor.name()
     }
 
-    /// Why they are solved in this way, where a backend has chosen.
+    /// Choice of the solver with its reason, or `None` if the backend did not choose.
     #[must_use]
     pub fn choice(&self) -> Option<&Choice> {
         self.unknowns.choice.as_deref()
     }
 
-    /// Numbers that the factor stores; a sweep reads them once.
+    /// Number of stored entries of the factor; a sweep reads them once.
     #[must_use]
     pub fn stored(&self) -> usize {
         self.factor.stored()
     }
 
-    /// The forward sweep: a right-hand side over all degrees of freedom in elimination order, reduced to the unknowns
-    /// that are kept.
+    /// Forward sweep: a right-hand side over all degrees of freedom, in elimination order and reduced to the kept
+    /// unknowns.
     ///
     /// # Errors
     /// When the sweep fails.
@@ -110,8 +109,8 @@ impl System {
         Ok(x)
     }
 
-    /// Solves the problem on the unknowns that are kept: `solve` finds them from the reduced right-hand side `x`, in
-    /// whose place are their increments over `values` then.
+    /// Solves the problem on the kept unknowns. `solve` finds them from the reduced right-hand side in `x`, which is
+    /// replaced by their increments over `values`.
     ///
     /// # Errors
     /// Those of `solve`.
@@ -129,7 +128,7 @@ impl System {
         Ok(result)
     }
 
-    /// The backward sweep: the values with the increment that the right-hand side causes.
+    /// Backward sweep: `values` plus the increment that the right-hand side causes.
     ///
     /// # Errors
     /// When the sweep fails.
@@ -162,8 +161,7 @@ impl System {
         Ok(values)
     }
 
-    /// Solves S x = r in place on the unknowns that are kept, until the residual is at most `enough` times that of
-    /// zero.
+    /// Solves S x = r in place on the kept unknowns, until the residual is at most `enough` times that of zero.
     ///
     /// # Errors
     /// When S is singular, or the system cannot be solved.
@@ -171,13 +169,13 @@ impl System {
         if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&Tangent::new(), r, enough) }
     }
 
-    /// Whether systems are solved with a factor.
+    /// True if systems are solved with a factor.
     #[must_use]
     pub fn is_direct(&self) -> bool {
         self.factor.name() == "direct"
     }
 
-    /// The vector with these entries at the unknowns that are kept whose energy is the least, in elimination order.
+    /// Extends kept entries to the vector of least energy, in elimination order.
     ///
     /// # Errors
     /// When the sweep fails.
@@ -197,7 +195,7 @@ impl System {
         self.solve_to(r, EXACT)
     }
 
-    /// The same until the residual is at most `enough` times that of zero.
+    /// Solves K x = r in place until the residual is at most `enough` times that of zero.
     ///
     /// # Errors
     /// Those of [`System::solve`].
@@ -208,7 +206,7 @@ impl System {
         self.factor.backward(r)
     }
 
-    /// The unknowns that are kept of a vector over all degrees of freedom.
+    /// The kept unknowns of a vector over all degrees of freedom.
     #[must_use]
     pub fn kept_of(&self, values: &[f64]) -> Vec<f64> {
         self.unknowns.kept_of(values)

@@ -1,51 +1,51 @@
-//! What the boundary term adds to S.
+//! The tangent J of the boundary term, which is added to S.
 
 use std::ops::Range;
 
 use crate::tensor::Sym;
 
-/// Share of the stiffness of S on the diagonal in the place of springs.
+/// Diagonal stiffness that replaces springs, as a fraction of that of S.
 const SPREAD: f64 = 0.1;
 
 /// An entry of J: row, column, value.
 pub type Entry = (u32, u32, f64);
 
-/// An unknown with what it adds to the components of a jump along (ν, t₁, t₂): an entry of N.
+/// An entry of N: an unknown with its contribution to the components of a jump along (ν, t₁, t₂).
 pub type Share = (u32, [f64; 3]);
 
-/// Difference of the halves of a matrix, relative to its largest entry, that is round-off.
+/// Asymmetry of a matrix, relative to its largest entry, that counts as round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// J = Σ ω Nᵀ T N, the derivative of the forces on Γ_C: a sum over contact points, kept as N and T. A point of a pair
-/// in space sees forty unknowns, so that its part of J has fifteen times the numbers of N and T.
+/// J = Σ ω Nᵀ T N, the derivative of the forces on Γ_C: a sum over contact points, stored as N and T. A point of a pair
+/// in space sees forty unknowns, so its contribution to J has fifteen times as many numbers as N and T.
 ///
-/// A backend that needs to know J up to a factor only, as a preconditioner does, may take each point by itself: a
-/// motion that no point resists is then still one that no point resists.
+/// A backend that needs J up to a factor only, as a preconditioner does, may treat each point by itself: a motion that
+/// no point resists is then still one that no point resists.
 #[derive(Clone, Debug, Default)]
 pub struct Tangent {
-    /// The rows of N of all points, one after the other.
+    /// Rows of N of all points, one after the other.
     shares: Vec<Share>,
     points: Vec<PointContribution>,
     springs: Vec<Spring>,
 }
 
-/// α v vᵀ: a spring that holds a motion of many unknowns, each named at most once.
+/// A spring α v vᵀ that resists a motion of many unknowns, each named at most once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spring {
-    /// α.
+    /// Stiffness α.
     pub stiffness: f64,
-    /// v.
+    /// Motion v.
     pub vector: Vec<(u32, f64)>,
 }
 
 impl Spring {
-    /// v·x.
+    /// Component v·x of x along the motion.
     #[must_use]
     pub fn motion(&self, x: &[f64]) -> f64 {
         self.vector.iter().map(|(at, value)| value * x.get(*at as usize).copied().unwrap_or(0.0)).sum()
     }
 
-    /// y += α v times a number.
+    /// Adds `factor` times α v to y.
     pub fn add(&self, factor: f64, y: &mut [f64]) {
         for (at, value) in &self.vector {
             if let Some(y) = y.get_mut(*at as usize) {
@@ -55,10 +55,10 @@ impl Spring {
     }
 }
 
-/// ω Fᵀ T N of a point: F = N but for terms that have no such form.
+/// Contribution ω Fᵀ T N of a point, with F = N except for terms that are not of that form.
 #[derive(Clone, Debug, PartialEq)]
 struct PointContribution {
-    /// F and N in [`Tangent::shares`].
+    /// Ranges of F and N in [`Tangent::shares`].
     force: Range<usize>,
     jump: Range<usize>,
     weight: f64,
@@ -66,19 +66,19 @@ struct PointContribution {
 }
 
 impl Tangent {
-    /// No forces.
+    /// The zero tangent.
     #[must_use]
     pub fn new() -> Tangent {
         Tangent::default()
     }
 
-    /// No forces, with room for those of `points` contact points that see `shares` unknowns in all.
+    /// The zero tangent, with room for `points` contact points that see `shares` unknowns in all.
     #[must_use]
     pub fn with_capacity(points: usize, shares: usize) -> Tangent {
         Tangent { shares: Vec::with_capacity(shares), points: Vec::with_capacity(points), springs: Vec::new() }
     }
 
-    /// Adds ω Nᵀ T N of one contact point: its weight ω, its row of N and T, rows the force.
+    /// Adds ω Nᵀ T N of one contact point, given by its weight ω, its row of N, and T, whose rows are the force.
     pub fn add(&mut self, weight: f64, row: &[Share], slope: &[[f64; 3]; 3]) {
         let counts: [bool; 3] = std::array::from_fn(|a| row.iter().any(|(_, on)| on[a] != 0.0));
         let counted = |a: usize, b: usize| if counts[a] && counts[b] { slope[a][b] } else { 0.0 };
@@ -90,7 +90,7 @@ impl Tangent {
         self.points.push(PointContribution { force: place.clone(), jump: place, weight, slope });
     }
 
-    /// Adds f nᵀ times a factor, f and n with an entry for each of some unknowns.
+    /// Adds f nᵀ times a factor, with f and n given by their entries at some unknowns.
     pub fn add_product_of(&mut self, factor: f64, force: &[(u32, f64)], jump: &[(u32, f64)]) {
         let along = |(unknown, value): &(u32, f64)| (*unknown, [*value, 0.0, 0.0]);
         let (force, jump) = (self.push(force.iter().map(along)), self.push(jump.iter().map(along)));
@@ -99,14 +99,14 @@ impl Tangent {
         self.points.push(PointContribution { force, jump, weight: factor, slope });
     }
 
-    /// Adds values on the diagonal, each by itself.
+    /// Adds values on the diagonal, as one point per unknown.
     pub fn add_diagonal(&mut self, values: impl IntoIterator<Item = f64>) {
         let one = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
         let of = |(i, value): (usize, f64)| self.add(value, &[(i as u32, [1.0, 0.0, 0.0])], &one);
         values.into_iter().enumerate().for_each(of);
     }
 
-    /// Adds a spring, which is no part of [`Tangent::entries`].
+    /// Adds a spring, which is not among [`Tangent::entries`].
     pub fn hold(&mut self, spring: Spring) {
         self.springs.push(spring);
     }
@@ -116,8 +116,8 @@ impl Tangent {
         &self.springs
     }
 
-    /// The same without springs, their stiffness spread over the diagonal: what a preconditioner may take in their
-    /// place. `scale` is the stiffness of S at an unknown.
+    /// The tangent with each spring replaced by stiffness on the diagonal, for a preconditioner. `scale` is the
+    /// stiffness of S per unknown.
     #[must_use]
     pub(super) fn spread(&self, scale: &[f64]) -> Tangent {
         let mut tangent = Tangent { springs: Vec::new(), ..self.clone() };
@@ -139,7 +139,7 @@ impl Tangent {
         start..self.shares.len()
     }
 
-    /// The entries of all points that are not zero: J is their sum.
+    /// Nonzero entries of all points: J is their sum.
     pub fn entries(&self) -> impl Iterator<Item = Entry> + Clone + '_ {
         self.points.iter().flat_map(|point| self.of_point(point))
     }
@@ -149,7 +149,7 @@ impl Tangent {
         self.shares.iter().map(|(unknown, _)| *unknown)
     }
 
-    /// The entries of one point after the other.
+    /// The entries per point, one point after the other.
     pub fn points(&self) -> impl Iterator<Item = Vec<Entry>> + '_ {
         self.points.iter().map(|point| self.of_point(point).collect())
     }
@@ -164,7 +164,7 @@ impl Tangent {
         entries.filter(|(.., value)| *value != 0.0)
     }
 
-    /// The same with other names of unknowns.
+    /// The tangent with its unknowns renamed.
     #[must_use]
     pub fn renamed(&self, name: impl Fn(u32) -> u32) -> Tangent {
         let shares = self.shares.iter().map(|&(unknown, on)| (name(unknown), on)).collect();
@@ -175,7 +175,7 @@ impl Tangent {
         Tangent { shares, points: self.points.clone(), springs: self.springs.iter().map(named).collect() }
     }
 
-    /// The part on the unknowns that have a new name, under these names; the others are left out.
+    /// The part on the unknowns that have a new name, under these names; other unknowns are dropped.
     #[must_use]
     pub fn within(&self, name: impl Fn(u32) -> Option<u32>) -> Tangent {
         let mut part = Tangent::with_capacity(self.points.len(), self.shares.len());
@@ -192,7 +192,7 @@ impl Tangent {
         part
     }
 
-    /// y += J x times a factor.
+    /// Adds `factor` times J x to y.
     pub fn add_product(&self, factor: f64, x: &[f64], y: &mut [f64]) {
         for point in &self.points {
             let mut jump = [0.0; 3];
@@ -211,19 +211,19 @@ impl Tangent {
         }
     }
 
-    /// Whether nothing is added.
+    /// True if J is zero.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.points.is_empty() && self.springs.is_empty()
     }
 
-    /// Whether it is the same to the last bit.
+    /// True if both tangents are the same to the last bit.
     #[must_use]
     pub fn is_same(&self, other: &Tangent) -> bool {
         self.bits().eq(other.bits())
     }
 
-    /// What tells it from another one.
+    /// All bits that identify the tangent.
     pub(super) fn bits(&self) -> impl Iterator<Item = u64> + '_ {
         let of_point = |point: &PointContribution| {
             let places = [point.force.start, point.force.end, point.jump.start, point.jump.end].map(|at| at as u64);
@@ -241,8 +241,8 @@ impl Tangent {
         points.chain(self.springs.iter().flat_map(of_spring))
     }
 
-    /// The part that resists motion: the symmetric part of each T without its negative principal values. K with it is
-    /// positive definite where K is.
+    /// Positive semidefinite part of J: the symmetric part of each T without its negative principal values. K plus this
+    /// part is positive definite if K is.
     #[must_use]
     pub fn resisting(&self) -> Tangent {
         let mut part = Tangent::with_capacity(self.points.len(), self.shares.len());
@@ -255,7 +255,7 @@ impl Tangent {
         part
     }
 
-    /// Whether the part of every point is symmetric to round-off.
+    /// True if the contribution of every point is symmetric to round-off.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
         self.points.iter().all(|point| {
@@ -277,7 +277,7 @@ fn resisting(slope: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
 }
 
-/// Whether two vectors are multiples of one another, as those of a symmetric f nᵀ.
+/// True if two vectors are multiples of one another, as in a symmetric f nᵀ.
 fn are_parallel(force: &[Share], jump: &[Share]) -> bool {
     let first = |(_, on): &Share| on[0];
     let place = (0..jump.len()).max_by(|&a, &b| first(&jump[a]).abs().total_cmp(&first(&jump[b]).abs()));
@@ -294,7 +294,7 @@ fn are_parallel(force: &[Share], jump: &[Share]) -> bool {
 mod tests {
     use super::*;
 
-    /// The product by points is that by entries, whatever the form of the points.
+    /// The product by points equals that by entries, for points of any form.
     #[test]
     fn the_product_is_that_of_the_entries() {
         let mut tangent = Tangent::new();
@@ -313,8 +313,7 @@ mod tests {
         assert_eq!(all, tangent.entries().collect::<Vec<Entry>>());
     }
 
-    /// What resists is what is left without the negative principal values, and forces that are no multiples of a jump
-    /// are left out.
+    /// The resisting part has no negative principal values, and forces that are no multiples of a jump are left out.
     #[test]
     fn what_resists_has_no_negative_principal_value() {
         let row = [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 1.0])];
@@ -328,7 +327,7 @@ mod tests {
         assert!(Tangent::new().resisting().is_empty());
     }
 
-    /// The part on some unknowns has the entries between them, and none of a point that sees others alone.
+    /// The part on some unknowns has the entries between them, and none of a point that sees other unknowns only.
     #[test]
     fn a_part_has_the_entries_between_its_unknowns() {
         let slope = [[3.0, 0.1, 0.0], [0.5, 2.0, -1.0], [0.0, 4.0, 1.0]];

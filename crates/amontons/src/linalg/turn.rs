@@ -1,22 +1,22 @@
-//! Unknowns of a node in another basis than the axes of space.
+//! Changes of basis for the unknowns of a node.
 
 use faer::Mat;
 
 use crate::tensor::Point;
 
-/// A node whose unknowns are taken along the vectors of an orthonormal basis.
+/// Orthonormal basis for the unknowns of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// The unknowns of the node; those beyond the dimension are not used.
+    /// Unknowns of the node; those beyond the dimension are not used.
     pub unknowns: [u32; 3],
-    /// The basis; its vectors beyond the dimension are not used.
+    /// Vectors of the basis; those beyond the dimension are not used.
     pub basis: [Point; 3],
     /// Dimension d.
     pub dim: usize,
 }
 
 impl Turn {
-    /// The components along the axes of a vector over the unknowns become those along the basis.
+    /// Replaces the components of the node along the axes by those along the basis.
     pub fn forward(&self, x: &mut [f64]) {
         let v: [f64; 3] = std::array::from_fn(|c| if c < self.dim { x[self.unknowns[c] as usize] } else { 0.0 });
         for a in 0..self.dim {
@@ -24,7 +24,7 @@ impl Turn {
         }
     }
 
-    /// The components along the basis become those along the axes.
+    /// Replaces the components of the node along the basis by those along the axes.
     pub fn back(&self, x: &mut [f64]) {
         let v: [f64; 3] = std::array::from_fn(|a| if a < self.dim { x[self.unknowns[a] as usize] } else { 0.0 });
         for c in 0..self.dim {
@@ -33,7 +33,7 @@ impl Turn {
     }
 }
 
-/// Takes a symmetric matrix in the bases of the nodes.
+/// Transforms a symmetric matrix into the bases of the nodes.
 pub(super) fn turn(s: &mut Mat<f64>, turns: &[Turn]) {
     for j in 0..s.ncols() {
         if let Some(column) = s.col_mut(j).try_as_col_major_mut() {
@@ -43,7 +43,7 @@ pub(super) fn turn(s: &mut Mat<f64>, turns: &[Turn]) {
             }
         }
     }
-    // The rows: of the columns of each node their combinations.
+    // The rows: combinations of the columns of each node.
     for turn in turns {
         for i in 0..s.nrows() {
             let v: [f64; 3] =
@@ -53,7 +53,7 @@ pub(super) fn turn(s: &mut Mat<f64>, turns: &[Turn]) {
             }
         }
     }
-    // Symmetric to the bit, as products take it.
+    // Symmetric to the bit, as products assume.
     for j in 0..s.ncols() {
         for i in 0..j {
             s[(j, i)] = s[(i, j)];

@@ -1,4 +1,4 @@
-//! The unknowns of a matrix, where they are, and the order in which they are eliminated.
+//! The unknowns of a matrix, their location, and their elimination order.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -16,20 +16,20 @@ use crate::space::rigid::rigid_of;
 use crate::space::{self, NodeFrame, RigidNodes, Space, frame, links};
 use crate::tensor::Point;
 
-/// Where the unknowns of a matrix are.
+/// Location of the unknowns of a matrix on the nodes of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout<'a> {
     /// Coordinates of the nodes.
     pub points: &'a [Point],
-    /// Unknowns of a node.
+    /// Number of unknowns per node.
     pub components: usize,
-    /// Whether a degree of freedom, node-major, is free.
+    /// Free degrees of freedom, node-major: true if free.
     pub free: &'a [bool],
-    /// Directions of the degrees of freedom where they are not the axes.
+    /// Directions of the degrees of freedom of nodes where they are not the axes.
     pub frames: &'a [NodeFrame],
-    /// Nodes that follow others; what is at them is at these.
+    /// Nodes that follow others; their unknowns are those of the followed nodes.
     pub links: &'a [Link],
-    /// Nodes that move as rigid bodies; what is at them is at the first of them.
+    /// Nodes that move as rigid bodies; their unknowns are at the first nodes of the body.
     pub rigid: &'a [RigidNodes],
     /// Nodes whose unknowns are kept.
     pub contact: &'a [u32],
@@ -43,7 +43,7 @@ impl<'a> Layout<'a> {
         Layout { points: &mesh.points, components: *components, free, frames, links, rigid, contact }
     }
 
-    /// Where unknowns are that have an order.
+    /// The unknowns in a given elimination order, on this layout.
     #[must_use]
     pub fn unknowns(&self, dofs: Vec<u32>, interior: usize) -> Unknowns {
         let frames = (self.frames.into(), self.components);
@@ -53,21 +53,21 @@ impl<'a> Layout<'a> {
         Unknowns { dofs, position, interior, points: Arc::new([]), frames, links, rigid, choice: None, relief: None }
     }
 
-    /// The matrix of the unknowns: in their directions, without the nodes that follow others, and with the motions of
-    /// rigid bodies.
+    /// The matrix on the unknowns: in their directions, with following nodes eliminated, and with the motions of rigid
+    /// bodies.
     #[must_use]
     pub fn matrix(&self, matrix: &Arc<BlockMatrix>) -> Arc<BlockMatrix> {
         matrix.in_frames(self.frames).linked(self.links).rigid(self.rigid)
     }
 
-    /// The graph of the unknowns: without the nodes that follow others, and with the motions of rigid bodies.
+    /// The graph of the unknowns: with following nodes eliminated, and with the motions of rigid bodies.
     #[must_use]
     pub fn graph<'g>(&self, graph: &'g Graph) -> Cow<'g, Graph> {
         let linked = if self.links.is_empty() { Cow::Borrowed(graph) } else { Cow::Owned(graph.linked(self.links)) };
         if self.rigid.is_empty() { linked } else { Cow::Owned(linked.rigid(self.rigid)) }
     }
 
-    /// Whether all nodes have unknowns of their own.
+    /// True if all nodes have unknowns of their own.
     fn is_plain(&self) -> bool {
         self.links.is_empty() && self.rigid.is_empty()
     }
@@ -82,8 +82,8 @@ impl<'a> Layout<'a> {
         nested_dissection(graph, self.points, &keep, &self.leading_contact())
     }
 
-    /// The contact nodes, ascending, with the nodes that they follow in place of those that follow others, and those of
-    /// the motions in place of the nodes of rigid bodies.
+    /// The contact nodes, ascending, with following nodes replaced by the nodes that they follow, and nodes of rigid
+    /// bodies by the nodes that hold the motions.
     #[must_use]
     pub fn leading_contact(&self) -> Vec<u32> {
         let mut contact: Vec<u32> = Vec::with_capacity(self.contact.len());
@@ -102,34 +102,35 @@ impl<'a> Layout<'a> {
 /// The unknowns of a system in elimination order: those that are eliminated, then those that are kept.
 #[derive(Clone, Debug)]
 pub struct Unknowns {
-    /// Degree of freedom at each position.
+    /// Degree of freedom per position.
     pub dofs: Vec<u32>,
-    /// Position of each degree of freedom; the largest number for those that are no unknowns.
+    /// Position per degree of freedom; the largest `u32` for those that are no unknowns.
     pub position: Vec<u32>,
-    /// How many positions are eliminated: the interior.
+    /// Number of eliminated positions: the interior.
     pub interior: usize,
-    /// Coordinates of all nodes, for a backend that asks for them; may be empty.
+    /// Coordinates of all nodes, for a backend that needs them; may be empty.
     pub points: Arc<[Point]>,
-    /// Directions of the degrees of freedom of nodes where they are not the axes, and the number of those of a node.
+    /// Directions of the degrees of freedom of nodes where they are not the axes, and the number of degrees of freedom
+    /// per node.
     pub frames: (Arc<[NodeFrame]>, usize),
     /// Nodes that follow others.
     pub links: Arc<[Link]>,
     /// Nodes that move as rigid bodies.
     pub rigid: Arc<[RigidNodes]>,
-    /// How systems are solved and why, where a backend has chosen.
+    /// Choice of the solver with its reason, or `None` if the backend did not choose.
     pub choice: Option<Arc<Choice>>,
-    /// When an iteration is left for a factor; none where it is not.
+    /// Rule for replacing an iteration by a factor, or `None` if it is never replaced.
     pub relief: Option<Arc<Relief>>,
 }
 
 impl Unknowns {
-    /// Orders the degrees of freedom that are free by nested dissection, those of the contact nodes last.
+    /// Orders the free degrees of freedom by nested dissection, those of the contact nodes last.
     #[must_use]
     pub fn new(matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         Unknowns::ordered(&layout.ordering(matrix.graph()), layout)
     }
 
-    /// The degrees of freedom that are free in the order of their nodes.
+    /// The free degrees of freedom in the order of their nodes.
     #[must_use]
     pub fn ordered(ordering: &Ordering, layout: &Layout) -> Unknowns {
         let Layout { components, free, .. } = *layout;
@@ -143,7 +144,7 @@ impl Unknowns {
         layout.unknowns(dofs, interior)
     }
 
-    /// [`Layout::matrix`].
+    /// The matrix on the unknowns, as [`Layout::matrix`].
     #[must_use]
     pub fn matrix(&self, matrix: &Arc<BlockMatrix>) -> Arc<BlockMatrix> {
         matrix.in_frames(&self.frames.0).linked(&self.links).rigid(&self.rigid)
@@ -155,8 +156,8 @@ impl Unknowns {
         self.dofs.len()
     }
 
-    /// The unknowns that are motions of rigid bodies, with the mean stiffness of a node of the body as it would be
-    /// without the others: the motion of a rigid body may have no stiffness but round-off, as that of a loose part has.
+    /// Unknowns that are rigid motions, each with a stiffness of its body: the mean diagonal entry of the body's other
+    /// degrees of freedom. A rigid motion itself may have no stiffness but round-off, as that of a loose part has.
     #[must_use]
     pub fn rigid_stiffness(&self, matrix: &BlockMatrix) -> Vec<(usize, f64)> {
         let n = self.frames.1.max(1);
@@ -175,20 +176,19 @@ impl Unknowns {
         all
     }
 
-    /// Whether there is nothing to solve for.
+    /// True if there are no unknowns.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.dofs.is_empty()
     }
 
-    /// Degrees of freedom of the unknowns that are kept.
+    /// Degrees of freedom of the kept unknowns.
     #[must_use]
     pub fn kept(&self) -> &[u32] {
         &self.dofs[self.interior..]
     }
 
-    /// The first kept unknown of each node, counted from the first of all, with `components` degrees of freedom per
-    /// node.
+    /// First kept unknown per node, counted from the first kept one, with `components` degrees of freedom per node.
     #[must_use]
     pub fn kept_nodes(&self, components: usize) -> Vec<usize> {
         let node = |dof: u32| dof as usize / components.max(1);
@@ -196,8 +196,8 @@ impl Unknowns {
         (0..kept.len()).filter(|&i| i == 0 || node(kept[i]) != node(kept[i - 1])).collect()
     }
 
-    /// The number of each degree of freedom among the unknowns that are kept; none where it is not kept. At a node that
-    /// follows another one they are those of that node. `size` is the number of degrees of freedom.
+    /// Number of each degree of freedom among the kept unknowns, or `None` if it is not kept. A following node has the
+    /// numbers of the node that it follows. `size` is the number of degrees of freedom.
     #[must_use]
     pub fn positions(&self, size: usize) -> Vec<Option<u32>> {
         let mut positions = vec![None; size];
@@ -212,7 +212,7 @@ impl Unknowns {
         positions
     }
 
-    /// A vector by its components along the degrees of freedom.
+    /// Transforms a vector from components along the axes to those along the degrees of freedom.
     fn entered<'v>(&self, full: &'v [f64]) -> Cow<'v, [f64]> {
         if self.frames.0.is_empty() && self.rigid.is_empty() {
             return Cow::Borrowed(full);
@@ -222,18 +222,19 @@ impl Unknowns {
         Cow::Owned(values)
     }
 
-    /// From components along the degrees of freedom to those along the axes.
+    /// Transforms a vector from components along the degrees of freedom to those along the axes.
     fn leave(&self, full: &mut [f64]) {
         space::leave(&self.frames.0, &self.rigid, self.frames.1, full);
     }
 
-    /// The directions of the degrees of freedom of a node.
+    /// Directions of the degrees of freedom of a node.
     #[must_use]
     pub fn directions(&self, node: u32) -> [Point; 3] {
         frame::directions(&self.frames.0, node)
     }
 
-    /// Forces over all degrees of freedom, in elimination order; what is at a node that follows another one acts there.
+    /// Gathers forces over all degrees of freedom in elimination order; a force at a following node acts at the node
+    /// that it follows.
     #[must_use]
     pub fn gather(&self, full: &[f64]) -> Vec<f64> {
         let components = self.frames.1;
@@ -262,7 +263,7 @@ impl Unknowns {
         links::follow(&self.links, frames, components, full);
     }
 
-    /// Forces on the unknowns that are kept, over all degrees of freedom; none at nodes that follow others.
+    /// Forces on the kept unknowns, over all degrees of freedom; zero at nodes that follow others.
     #[must_use]
     pub fn forces(&self, kept: &[f64], size: usize) -> Vec<f64> {
         let mut full = zeros(size);
@@ -271,7 +272,7 @@ impl Unknowns {
         full
     }
 
-    /// The sum of [`Unknowns::add`].
+    /// Returns the sum of [`Unknowns::add`].
     #[must_use]
     pub fn sum(&self, x: &[f64], full: &[f64]) -> Vec<f64> {
         if !self.frames.0.is_empty() || !self.links.is_empty() || !self.rigid.is_empty() {
@@ -283,21 +284,21 @@ impl Unknowns {
         full.par_iter().zip(&self.position).with_min_len(BLOCK).map(entry).collect()
     }
 
-    /// The unknowns that are kept of a vector over all degrees of freedom.
+    /// The kept unknowns of a vector over all degrees of freedom.
     #[must_use]
     pub fn kept_of(&self, full: &[f64]) -> Vec<f64> {
         let full = self.entered(full);
         self.kept().iter().map(|&d| full[d as usize]).collect()
     }
 
-    /// [`Unknowns::gather`] from a vector that is in the directions of the degrees of freedom, as the matrix of a
-    /// factor is.
+    /// [`Unknowns::gather`] from a vector that is already along the directions of the degrees of freedom, as is the
+    /// matrix of a factor.
     #[must_use]
     pub fn pick(&self, full: &[f64]) -> Vec<f64> {
         self.dofs.par_iter().with_min_len(BLOCK).map(|&d| full[d as usize]).collect()
     }
 
-    /// [`Unknowns::add`] to such a vector.
+    /// [`Unknowns::add`] to a vector along the directions of the degrees of freedom.
     pub fn put(&self, x: &[f64], full: &mut [f64]) {
         full.par_chunks_mut(BLOCK).zip(self.position.par_chunks(BLOCK)).for_each(|(full, positions)| {
             for (entry, &position) in full.iter_mut().zip(positions) {

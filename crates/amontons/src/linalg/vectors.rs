@@ -1,20 +1,20 @@
-//! Passes over vectors: entrywise functions, sums, combinations, the largest entry.
+//! Loops over vectors: entrywise functions, sums, combinations, the largest entry.
 //!
-//! Every thread works on blocks of fixed size, so that no result depends on the number of threads. A pass reads each of
-//! its vectors once; for vectors that do not fit into a cache that is what it costs.
+//! Each thread works on blocks of fixed size, so that no result depends on the number of threads. A loop reads each of
+//! its vectors once; for vectors that do not fit into a cache this is its cost.
 
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-/// Entries that are worked on at once: large enough to pay for a task.
+/// Entries per block: large enough to pay for a task.
 pub(super) const BLOCK: usize = 1 << 14;
 
-/// Entries that are written at once.
+/// Entries per piece that is written at once.
 const WRITTEN: usize = 16;
 
-/// A vector of so many entries, made of pieces: each thread writes its own, once.
+/// Builds a vector of `length` entries from pieces: each thread writes its own, once.
 fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> Vec<f64> {
     let mut entries = vec![0.0; length];
     entries.par_chunks_mut(BLOCK).enumerate().for_each(|(block, entries)| {
@@ -35,13 +35,13 @@ pub fn zeros(length: usize) -> Vec<f64> {
     written(length, |_| [0.0; WRITTEN])
 }
 
-/// A vector with these entries.
+/// A copy of a vector.
 #[must_use]
 pub fn copy(of: &[f64]) -> Vec<f64> {
     map([of], |[entry]| entry)
 }
 
-/// The vector with the entries f(a_i, b_i, …) of vectors of equal length.
+/// The vector of the entries f(a_i, b_i, …) of vectors of equal length.
 #[must_use]
 pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> Vec<f64> {
     let length = of.first().map_or(0, |v| v.len());
@@ -62,13 +62,13 @@ pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) 
     })
 }
 
-/// Writes the entries f(a_i, b_i, …) of blocks of equal length; the largest absolute value of each of the blocks, NaN
+/// Writes the entries f(a_i, b_i, …) of blocks of equal length, and returns the largest absolute value per block, NaN
 /// if there is one.
 pub fn map_block<const N: usize>(of: [&[f64]; N], out: &mut [f64], f: impl Fn([f64; N]) -> f64) -> [f64; N] {
     Arch::new().dispatch(MapBlock { of, out, f })
 }
 
-/// What [`map_block`] does.
+/// Arguments of [`map_block`].
 struct MapBlock<'a, const N: usize, F> {
     of: [&'a [f64]; N],
     out: &'a mut [f64],
@@ -104,14 +104,14 @@ impl<const N: usize, F: Fn([f64; N]) -> f64> NullaryFnOnce for MapBlock<'_, N, F
     }
 }
 
-/// The larger of two absolute values; NaN if one is.
+/// The larger of two absolute values; NaN if one is NaN.
 #[must_use]
 pub fn larger(a: f64, b: f64) -> f64 {
     of_size(size(a).max(size(b)))
 }
 
-/// What `then` makes of each block of entries of vectors of equal length: it gets the first entry, the blocks, and that
-/// of another vector, to write to, which may be empty. In the order of the blocks.
+/// Results of `then` on each block of vectors of equal length, in the order of the blocks. `then` gets the first entry,
+/// the blocks, and the block of another vector, to write to, which may be empty.
 #[must_use]
 pub fn by_blocks<const N: usize, T: Send + 'static>(
     of: [&[f64]; N],
@@ -129,13 +129,13 @@ pub fn by_blocks<const N: usize, T: Send + 'static>(
     out.par_chunks_mut(BLOCK).enumerate().map(|(block, out)| of_block(block, out)).collect()
 }
 
-/// Σ f(a_i, b_i, …) of blocks of equal length, several sums at once, each in eight lanes.
+/// Sums Σ f(a_i, b_i, …) over blocks of equal length, several sums at once, each in eight lanes.
 #[must_use]
 pub fn sum_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M]) -> [f64; M] {
     Arch::new().dispatch(SumBlock { of, f })
 }
 
-/// What [`sum_block`] does.
+/// Arguments of [`sum_block`].
 struct SumBlock<'a, const N: usize, F> {
     of: [&'a [f64]; N],
     f: F,
@@ -166,7 +166,7 @@ impl<const N: usize, const M: usize, F: Fn([f64; N]) -> [f64; M]> NullaryFnOnce 
     }
 }
 
-/// Sum of the products.
+/// Scalar product a·b.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let of_block = |(a, b): (&[f64], &[f64])| sum_block([a, b], |[a, b]| [a * b])[0];
@@ -174,19 +174,19 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     partial.iter().sum()
 }
 
-/// The products of a vector with each of several.
+/// Scalar products of a vector with each of several vectors.
 #[must_use]
 pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
     let of_block = |(block, x): (usize, &[f64])| dots_of_block(vectors, block * BLOCK, x);
     sums_of(vectors.len(), &x.par_chunks(BLOCK).enumerate().map(of_block).collect::<Vec<_>>())
 }
 
-/// The products of a block, which begins at an entry, with each of several vectors.
+/// Scalar products of a block, which begins at entry `at`, with each of several vectors.
 fn dots_of_block<V: AsRef<[f64]>>(vectors: &[V], at: usize, x: &[f64]) -> Vec<f64> {
     vectors.iter().map(|v| sum_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
 }
 
-/// The sums of so many numbers of each block.
+/// Sums of `count` numbers over the blocks.
 fn sums_of(count: usize, partial: &[Vec<f64>]) -> Vec<f64> {
     (0..count).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
 }
@@ -196,7 +196,7 @@ pub fn add_combination<V: AsRef<[f64]> + Sync>(y: &mut [f64], factors: &[f64], v
     y.par_chunks_mut(BLOCK).enumerate().for_each(|(block, y)| add_to_block(y, block * BLOCK, factors, vectors));
 }
 
-/// The same for a block, which begins at an entry.
+/// y ← y + Σ f_i v_i for a block that begins at entry `at`.
 fn add_to_block<V: AsRef<[f64]>>(y: &mut [f64], at: usize, factors: &[f64], vectors: &[V]) {
     for (factor, v) in factors.iter().zip(vectors) {
         for (y, v) in y.iter_mut().zip(&v.as_ref()[at..]) {
@@ -206,9 +206,9 @@ fn add_to_block<V: AsRef<[f64]>>(y: &mut [f64], at: usize, factors: &[f64], vect
 }
 
 /// Orthogonalizes a vector against a basis and returns the components that it had: `duals[i]`·x is that along
-/// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput.
-/// Math. Appl. 50 (2005) 1069). The basis is read three times: the components of the second time are found of each
-/// block as soon as those of the first are taken off it.
+/// `basis[i]`. It is done twice, which makes the rest orthogonal to round-off (Giraud, Langou, Rozložník, Comput. Math.
+/// Appl. 50 (2005) 1069). The basis is read three times: per block, the second components are computed as soon as the
+/// first are subtracted.
 pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
     let minus = |components: Vec<f64>| components.into_iter().map(|component| -component).collect::<Vec<f64>>();
     let first = minus(dots(duals, x));
@@ -222,7 +222,7 @@ pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: 
     first.iter().zip(&second).map(|(first, second)| -first - second).collect()
 }
 
-/// Largest absolute value; NaN if there is one.
+/// Largest absolute value; NaN if an entry is NaN.
 #[must_use]
 pub fn max_abs(v: &[f64]) -> f64 {
     of_size(v.par_chunks(BLOCK).map(largest).reduce(|| 0, i64::max))
@@ -239,7 +239,7 @@ fn largest(v: &[f64]) -> i64 {
     rest.iter().map(|x| size(*x)).chain(lanes).fold(0, i64::max)
 }
 
-/// The absolute value of a number by its bits, whose order is that of the values, NaN above all.
+/// Bits of the absolute value of a number, whose order is that of the values, NaN above all.
 fn size(x: f64) -> i64 {
     x.abs().to_bits().cast_signed()
 }
@@ -248,7 +248,7 @@ fn of_size(size: i64) -> f64 {
     f64::from_bits(size.cast_unsigned())
 }
 
-/// Whether every entry is finite.
+/// True if every entry is finite.
 #[must_use]
 pub fn is_finite(v: &[f64]) -> bool {
     v.par_chunks(BLOCK).all(|v| v.chunks(64).all(|v| v.iter().fold(true, |all, x| all & x.is_finite())))
@@ -273,7 +273,7 @@ mod tests {
         let mut of_both = vec![0.0; a.len()];
         let largest = map_block([&a, &b], &mut of_both, |[a, b]| a - 2.0 * b);
         assert!(mapped == of_both && largest.map(f64::to_bits) == [6.0, 4.0].map(f64::to_bits));
-        // What a block begins with tells where it is.
+        // The first entry of a block identifies its place.
         for out in [&mut of_both[..], &mut []] {
             let told = by_blocks([&a, &b], out, |first, [a, b], out| {
                 out.iter_mut().zip(a).for_each(|(out, a)| *out = 2.0 * a);
@@ -285,7 +285,7 @@ mod tests {
         assert!(of_both.iter().zip(&a).all(|(out, a)| (out - 2.0 * a).abs() == 0.0));
     }
 
-    /// Of a combination of orthonormal vectors nothing is left, and its components are those it was made of.
+    /// A combination of orthonormal vectors is reduced to zero, and its components are those it was made of.
     #[test]
     fn what_is_orthogonal_to_a_basis_is_left() {
         let n: usize = 40_001;

@@ -1,19 +1,19 @@
-//! Aggregates of nodes, and the modes that they keep: the coarse spaces of smoothed aggregation.
+//! Aggregates of nodes with their modes: the coarse spaces of smoothed aggregation.
 //!
 //! P. Vaněk, J. Mandel, M. Brezina, "Algebraic multigrid by smoothed aggregation for second and fourth order elliptic
 //! problems", Computing 56 (1996) 179–196.
 
 use super::blocks::{BlockRowBuilder, BlockRowMatrix};
 
-/// Share of √(‖A_ii‖ ‖A_jj‖) above which two nodes are strongly joined.
+/// Fraction of √(‖A_ii‖ ‖A_jj‖) above which two nodes are strongly coupled.
 const STRONG: f64 = 0.02;
-/// Share of its length below which a mode of an aggregate is a combination of those before.
+/// Fraction of its length below which a mode of an aggregate counts as a combination of those before.
 const DEPENDENT: f64 = 1e-6;
 
-/// Number of the aggregate of a node; none for a node that no unknown of the coarse space moves.
+/// Aggregate per node, or `None` for a node that no unknown of the coarse space moves.
 pub(super) type Aggregates = Vec<Option<u32>>;
 
-/// The nodes that each node is strongly joined with, itself not included.
+/// Strongly coupled neighbours per node, the node itself not included.
 pub(super) fn strong(matrix: &BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
     let norm = |block: &[f64]| block.iter().map(|v| v * v).sum::<f64>().sqrt();
     let diagonal: Vec<f64> =
@@ -30,8 +30,8 @@ pub(super) fn strong(matrix: &BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
     })
 }
 
-/// Puts nodes into aggregates: a node that no neighbour of which has one yet takes all its neighbours; the nodes that
-/// are left go to the aggregate of a neighbour, or form one with those neighbours that are left too.
+/// Groups nodes into aggregates: a node without an aggregated neighbour takes all its neighbours; the remaining nodes
+/// join the aggregate of a neighbour, or form one with remaining neighbours.
 pub(super) fn aggregates(strong: &BlockRowMatrix<f64>, takes_part: &[bool]) -> (Aggregates, usize) {
     let n = takes_part.len();
     let neighbours =
@@ -64,8 +64,8 @@ pub(super) fn aggregates(strong: &BlockRowMatrix<f64>, takes_part: &[bool]) -> (
     (of, count as usize)
 }
 
-/// The tentative prolongation of aggregates with the modes of the finer level as an orthonormal basis of each, and the
-/// modes in it: `modes` has a block of `size` × m for each node.
+/// The tentative prolongation, with the modes of the finer level as an orthonormal basis per aggregate, and the coarse
+/// modes in this basis. `modes` has a block of `size` × m per node.
 pub(super) fn tentative(
     of: &Aggregates,
     count: usize,
@@ -105,7 +105,7 @@ pub(super) fn tentative(
     (prolongation, coarse)
 }
 
-/// Makes columns orthonormal, those that depend on others zero; `r` is the upper triangle, by rows.
+/// Makes columns orthonormal, and linearly dependent ones zero; `r` is the upper triangle, by rows.
 fn orthonormalize(columns: &mut [Vec<f64>], r: &mut [f64]) {
     let m = columns.len();
     for k in 0..m {

@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use super::product::add_product;
 use crate::linalg::pages::PagedNumbers;
 
-/// Block rows that are worked on at once: large enough to pay for a task, the same whatever the number of threads.
+/// Block rows per task: large enough to pay for a task, the same for any number of threads.
 pub(super) const CHUNK: usize = 1024;
 
-/// A number that matrices are made of.
+/// Type of the matrix entries: single or double precision.
 pub(super) trait Real:
     bytemuck::Pod
     + Default
@@ -29,10 +29,10 @@ pub(super) trait Real:
 impl Real for f32 {}
 impl Real for f64 {}
 
-/// A matrix of R × C blocks by compressed block rows.
+/// A matrix of R × C blocks in compressed block rows.
 #[derive(Clone, Debug)]
 pub(super) struct BlockRowMatrix<T: Real> {
-    /// Rows and columns of a block.
+    /// Number of rows and columns per block.
     pub shape: [usize; 2],
     /// Number of block columns.
     pub width: usize,
@@ -42,7 +42,7 @@ pub(super) struct BlockRowMatrix<T: Real> {
     pub values: PagedNumbers<T>,
 }
 
-/// Where blocks stand: where the rows begin, with the end of the last, and the columns of their blocks.
+/// Block pattern: the start of each row, with the end of the last, and the columns of the blocks.
 #[derive(Clone, Copy)]
 pub(super) struct BlockPattern<'a> {
     pub start: &'a [u32],
@@ -55,13 +55,14 @@ impl<'a> BlockPattern<'a> {
         self.start.len().saturating_sub(1)
     }
 
-    /// The columns of the blocks of a row.
+    /// Columns of the blocks of a row.
     pub fn row(&self, i: usize) -> &'a [u32] {
         &self.columns[self.start[i] as usize..self.start[i + 1] as usize]
     }
 }
 
-/// Parts of so many rows, their numbers and their blocks of `size` entries; rows begin where `start` says.
+/// Splits values into parts of `rows` rows: their numbers and their blocks of `size` entries. `start` has the first
+/// block of each row.
 pub(super) fn parted<'v, T>(
     mut values: &'v mut [T],
     start: &[u32],
@@ -84,7 +85,7 @@ impl<T: Real> BlockRowMatrix<T> {
         self.start.len().saturating_sub(1)
     }
 
-    /// Block columns and blocks of a block row.
+    /// Blocks of a block row, with their block columns.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[T])> {
         let (from, to) = (self.start[i] as usize, self.start[i + 1] as usize);
         let size = self.shape[0] * self.shape[1];
@@ -92,7 +93,7 @@ impl<T: Real> BlockRowMatrix<T> {
         columns.zip(self.values[from * size..to * size].chunks_exact(size.max(1)))
     }
 
-    /// Puts rows together that are made one after the other, some at once.
+    /// Assembles a matrix from rows that `make` builds, a chunk of rows at a time.
     pub fn from_rows<F>(rows: usize, width: usize, shape: [usize; 2], make: F) -> BlockRowMatrix<T>
     where
         F: Fn(Range<usize>) -> BlockRowBuilder<T> + Sync,
@@ -147,8 +148,8 @@ impl<T: Real> BlockRowMatrix<T> {
         BlockRowMatrix { shape: [c, r], width: self.len(), start, columns, values }
     }
 
-    /// A matrix of blocks at these places, zero at first. `fill` is given some rows and writes their blocks where they
-    /// stay.
+    /// Creates a matrix with this block pattern, initially zero. `fill` gets some rows and writes their blocks in
+    /// place.
     pub fn filled<F>(
         shape: [usize; 2],
         width: usize,
@@ -166,12 +167,12 @@ impl<T: Real> BlockRowMatrix<T> {
         BlockRowMatrix { shape, width, start, columns, values }
     }
 
-    /// Where the blocks stand.
+    /// Pattern of the blocks.
     pub fn places(&self) -> BlockPattern<'_> {
         BlockPattern { start: &self.start, columns: &self.columns }
     }
 
-    /// Changes the blocks of each row: its number, their columns and the blocks.
+    /// Changes the blocks of each row. `change` gets the number of the row, the columns of its blocks and the blocks.
     pub fn change_rows(&mut self, change: impl Fn(usize, &[u32], &mut [T]) + Sync) {
         let BlockRowMatrix { shape: [r, c], start, columns, values, .. } = self;
         let (start, columns) = (&start[..], &columns[..]);
@@ -185,7 +186,7 @@ impl<T: Real> BlockRowMatrix<T> {
         });
     }
 
-    /// y = A x, or y += A x.
+    /// Computes y = A x, or y += A x if `adds`.
     pub fn apply(&self, x: &[T], y: &mut [T], adds: bool) {
         let [r, c] = self.shape;
         let row = |i: usize| {
@@ -196,8 +197,8 @@ impl<T: Real> BlockRowMatrix<T> {
     }
 }
 
-/// y = A x, or y += A x, of a matrix of blocks of this shape; a row is given by the columns of its blocks and the
-/// blocks one after the other.
+/// Computes y = A x, or y += A x if `adds`, for a matrix of blocks of this shape; a row is given by the columns of its
+/// blocks and the blocks one after the other.
 pub(super) fn multiply<'a, T: Real>(
     shape: [usize; 2],
     row: impl Fn(usize) -> (&'a [u32], &'a [T]) + Sync,
@@ -228,7 +229,7 @@ pub(super) fn multiply<'a, T: Real>(
     }
 }
 
-/// The same where the shape is known beforehand.
+/// Computes y = A x, or y += A x if `adds`, with the block shape known at compile time.
 fn product<'a, T: Real, const R: usize, const C: usize>(
     row: impl Fn(usize) -> (&'a [u32], &'a [T]) + Sync,
     x: &[T],
@@ -241,7 +242,7 @@ fn product<'a, T: Real, const R: usize, const C: usize>(
     });
 }
 
-/// Rows of a product, from the first of them on.
+/// Rows of a product, beginning at row `first`.
 struct SomeRows<'p, T, F, const R: usize, const C: usize> {
     row: &'p F,
     first: usize,
@@ -261,7 +262,7 @@ where
         let SomeRows { row, first, x, y, adds } = self;
         for (k, y) in y.iter_mut().enumerate() {
             let (columns, blocks) = row(first + k);
-            // A sum per entry of the block: they do not wait for each other.
+            // One sum per entry of the block, so that the sums are independent.
             let mut sums = [[T::default(); C]; R];
             for (&j, block) in columns.iter().zip(blocks.chunks_exact(R * C)) {
                 let x = &x[j as usize];
@@ -280,7 +281,7 @@ where
 }
 
 impl BlockRowMatrix<f32> {
-    /// A block for writing to, or `None` if the matrix has none at (i, j).
+    /// Mutable block at (i, j), or `None` if the matrix has none there.
     pub fn block_mut(&mut self, i: usize, j: usize) -> Option<&mut [f32]> {
         let (from, to, size) = (self.start[i] as usize, self.start[i + 1] as usize, self.shape[0] * self.shape[1]);
         let at = self.columns[from..to].iter().position(|&column| column as usize == j)?;
@@ -289,7 +290,7 @@ impl BlockRowMatrix<f32> {
 }
 
 impl BlockRowMatrix<f64> {
-    /// The same in single precision, over a number.
+    /// The matrix divided by `scale`, in single precision.
     pub fn single(&self, scale: f64) -> BlockRowMatrix<f32> {
         BlockRowMatrix {
             shape: self.shape,
@@ -306,10 +307,10 @@ impl BlockRowMatrix<f64> {
     }
 }
 
-/// Rows that are put together.
+/// Builder of some block rows.
 #[derive(Clone, Debug)]
 pub(super) struct BlockRowBuilder<T> {
-    /// Where each row ends among the columns.
+    /// End of each row among the columns.
     pub ends: Vec<u32>,
     pub columns: Vec<u32>,
     pub values: Vec<T>,
@@ -340,8 +341,8 @@ mod tests {
         })
     }
 
-    /// Products of whole numbers are exact: (A B) x = A (B x), and x·(A y) = (Aᵀ x)·y, for every shape of block, with
-    /// few rows and with those of several tasks.
+    /// Products of whole numbers are exact: (A B) x = A (B x), and x·(A y) = (Aᵀ x)·y, for every block shape, with few
+    /// rows and with those of several tasks.
     #[test]
     fn products_and_transposes() {
         let shapes = [[1, 1, 1], [2, 2, 3], [3, 3, 6], [6, 3, 6], [6, 6, 6], [3, 2, 2], [2, 3, 3], [4, 5, 2]];
@@ -368,8 +369,8 @@ mod tests {
         }
     }
 
-    /// Pᵀ A P is that of two products one after the other, to the bit, with few rows and with those of several parts of
-    /// A P; A joins neighbours.
+    /// Pᵀ A P equals two products one after the other, to the bit, with few rows and with those of several parts of A
+    /// P; A couples neighbours.
     #[test]
     fn a_coarse_matrix_is_that_of_two_products() {
         for (rows, [r, m]) in [(9, [3, 6]), (2 * CHUNK + 5, [3, 3]), (2 * FINE + 5, [1, 1]), (FINE + 1, [2, 3])] {

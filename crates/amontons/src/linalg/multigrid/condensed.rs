@@ -1,4 +1,4 @@
-//! The operator S = K of a body that is not eliminated, and systems with it by a Krylov iteration.
+//! The operator S = K, without elimination, and the solution of systems with it by a Krylov iteration.
 
 use std::sync::Arc;
 
@@ -19,37 +19,38 @@ use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 use crate::linalg::vectors::{BLOCK, add_combination, copy, dot, max_abs, zeros};
 
-/// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps two
-/// vectors of each, and makes no more than have [`NUMBERS`] entries, where that is not too few.
+/// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
+/// GMRES stores two vectors per product, so the number of products is [`NUMBERS`] over the number of unknowns, within
+/// these limits.
 const PRODUCTS: [usize; 2] = [60, 400];
 const NUMBERS: usize = 1 << 24;
 const LOOKS: usize = 10;
-/// How much more than what was asked for may be left.
+/// Accepted residual relative to the requested one.
 const NEARLY: f64 = 1.5;
-/// Share of b above which what is left is that of a singular matrix.
+/// Relative residual above which the matrix counts as singular.
 const LEFT: f64 = 1e-2;
-/// Residual at which a matrix has been found positive definite: all of its extreme eigenvalues have been seen.
+/// Relative residual at which a matrix counts as positive definite: all of its extreme eigenvalues have been seen.
 const SEEN: f64 = 1e-10;
 
-/// The operator, with the preconditioner of the last entries.
+/// The operator, with the preconditioner of the last tangent.
 #[derive(Debug)]
 pub(super) struct Iterative {
     matrix: Arc<BlockMatrix>,
     unknowns: Unknowns,
-    /// Whether a degree of freedom is unknown, and which unknown it is.
+    /// Per degree of freedom: true if it is unknown, and the number of the unknown.
     free: Vec<bool>,
     positions: Vec<Option<u32>>,
     scale: Vec<f64>,
-    /// The motions of rigid bodies that have no stiffness, with that of their bodies.
+    /// Motions of rigid bodies without stiffness, with the stiffness of their bodies.
     stiffless: Vec<(u32, f64)>,
-    /// The turns by unknown, and by degree of freedom.
+    /// Turned bases by unknown, and by degree of freedom.
     turns: Vec<Turn>,
     turns_by_degree: Vec<Turn>,
     preconditioner: Option<Preconditioner>,
-    /// What the preconditioner has taken up; none where that is in other bases.
+    /// Tangent in the preconditioner, or `None` if that is in other bases.
     tangent: Option<Tangent>,
     iterations: usize,
-    /// Work so far, and the factor that the iteration is left for; that it could not be made.
+    /// Work so far, the factor that replaces the iteration, and true if it could not be made.
     account: Account,
     relieved: Option<Relieved>,
     has_no_factor: bool,
@@ -98,13 +99,13 @@ impl Iterative {
         }
     }
 
-    /// A vector over all degrees of freedom.
+    /// Extends a vector of unknowns to all degrees of freedom, with zeros.
     fn spread(&self, x: &[f64]) -> Vec<f64> {
         let of_unknown = |position: &Option<u32>| position.map_or(0.0, |at| x[at as usize]);
         self.positions.par_iter().with_min_len(BLOCK).map(of_unknown).collect()
     }
 
-    /// K with what is known of its degrees of freedom.
+    /// K with the data of its degrees of freedom.
     fn body(&self) -> MaskedMatrix<'_> {
         let Unknowns { points, frames, rigid, .. } = &self.unknowns;
         MaskedMatrix {
@@ -132,7 +133,7 @@ impl Iterative {
         y
     }
 
-    /// Makes the preconditioner, or has it take up another tangent.
+    /// Builds the preconditioner, or updates it for another tangent.
     fn prepare(&mut self, tangent: &Tangent) -> Result<(), SolveError> {
         let is_same = self.tangent.as_ref().is_some_and(|taken| taken.is_same(tangent));
         if is_same && self.preconditioner.is_some() {
@@ -161,12 +162,12 @@ impl Iterative {
         }
     }
 
-    /// What contact touches, if it touches something.
+    /// Blocks at the degrees of freedom that contact touches, or `None` if there are none.
     fn touched(&self) -> Option<&ContactBlocks> {
         self.preconditioner.as_ref().and_then(Preconditioner::local)
     }
 
-    /// L r where contact acts, by unknown.
+    /// L r by unknown, on the degrees of freedom where contact acts.
     fn solution(&self, r: &[f64]) -> Vec<(usize, f64)> {
         let position = |dof: u32| self.positions[dof as usize].map(|at| at as usize);
         let Some(local) = self.touched() else { return Vec::new() };
@@ -174,21 +175,21 @@ impl Iterative {
         solution.into_iter().filter_map(|(dof, value)| Some((position(dof)?, value))).collect()
     }
 
-    /// Makes a residual one as it counts: where contact acts, the displacement that it means times the stiffness of K.
+    /// Weighs a residual: where contact acts, by the displacement that it means, times the stiffness of K.
     fn weigh(&self, r: &mut [f64]) {
         for (unknown, x) in self.solution(r) {
             r[unknown] = self.scale[unknown] * x;
         }
     }
 
-    /// The norm of a residual as it counts.
+    /// Norm of the weighed residual.
     fn weight(&self, r: &[f64]) -> f64 {
         let mut weighed = copy(r);
         self.weigh(&mut weighed);
         norm(&weighed)
     }
 
-    /// The residual, over all degrees of freedom, of one that is weighed.
+    /// Inverse of the weighing: the residual over all degrees of freedom.
     fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
         let mut r = self.spread(weighed);
         if let Some(local) = self.touched() {
@@ -200,20 +201,21 @@ impl Iterative {
         r
     }
 
-    /// Solves once more for what is left where contact acts.
+    /// Corrects x once more by the remaining residual where contact acts.
     fn settle(&self, rest: &[f64], x: &mut [f64]) {
         for (unknown, change) in self.solution(rest) {
             x[unknown] += change;
         }
     }
 
-    /// b − (S + J) x.
+    /// Writes the residual b − (S + J) x to `rest`.
     fn leave(&self, tangent: &Tangent, b: &[f64], x: &[f64], rest: &mut [f64]) {
         rest.par_iter_mut().zip(b).zip(&self.sum(tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
     }
 
-    /// GMRES with a preconditioner that is not quite linear, as one in single precision: what it makes of each vector
-    /// is kept (Saad, SIAM J. Sci. Comput. 14 (1993) 461). The approximate solution, and the products made.
+    /// Flexible GMRES, for a preconditioner that is not quite linear, as one in single precision: the preconditioned
+    /// vectors are stored (Saad, SIAM J. Sci. Comput. 14 (1993) 461). Returns the approximate solution and the number
+    /// of products.
     fn flexible(
         &self,
         product: impl Fn(&[f64]) -> Result<Vec<f64>, SolveError>,
@@ -244,8 +246,8 @@ impl Iterative {
         }
     }
 
-    /// Whether a system with this tangent may be left for a factor: one that keeps the unknowns of Γ_C does not know a
-    /// term elsewhere, as that of a proximal step.
+    /// True if a system with this tangent may be solved by a factor instead: the factor keeps the unknowns of Γ_C and
+    /// cannot represent a term elsewhere, as that of a proximal step.
     fn may_be_relieved_of(&self, tangent: &Tangent) -> bool {
         let (components, _) = self.matrix.block_shape();
         let node = |unknown: u32| self.unknowns.dofs.get(unknown as usize).map(|dof| dof / components.max(1) as u32);
@@ -255,12 +257,12 @@ impl Iterative {
         })
     }
 
-    /// Whether it is left.
+    /// True if systems with this tangent are now solved by the factor.
     fn is_relieved_of(&self, tangent: &Tangent) -> bool {
         self.account.is_left && self.may_be_relieved_of(tangent)
     }
 
-    /// Products after which it is.
+    /// Number of products after which the iteration is replaced by the factor.
     fn products_left(&self, tangent: &Tangent) -> usize {
         match &self.unknowns.relief {
             Some(relief) if self.may_be_relieved_of(tangent) => relief.products_left(&self.account),
@@ -268,7 +270,7 @@ impl Iterative {
         }
     }
 
-    /// The factor that the iteration is left for, which is made once; none where it cannot be made.
+    /// The factor that replaces the iteration, made once, or `None` if it cannot be made.
     fn factor(&mut self) -> Result<Option<&mut Relieved>, SolveError> {
         if let (None, Some(relief)) = (&self.relieved, &self.unknowns.relief) {
             self.preconditioner = None;
@@ -281,7 +283,7 @@ impl Iterative {
         Ok(self.relieved.as_mut())
     }
 
-    /// The solution of (S + J) x = b by the factor, if the iteration is left for it.
+    /// Solution of (S + J) x = b by the factor, or `None` if the iteration is not replaced by it.
     fn by_factor(&mut self, tangent: &Tangent, b: &[f64]) -> Result<Option<Vec<f64>>, SolveError> {
         if !self.is_relieved_of(tangent) {
             return Ok(None);
@@ -297,7 +299,7 @@ impl Iterative {
         Ok(Some(self.unknowns.pick(&x)))
     }
 
-    /// Whether S + J is positive definite, by the factor, if the iteration is left for it.
+    /// True if S + J is positive definite, by the factor, or `None` if the iteration is not replaced by it.
     fn definite_by_factor(&mut self, tangent: &Tangent) -> Result<Option<bool>, SolveError> {
         if !self.is_relieved_of(tangent) {
             return Ok(None);
@@ -307,13 +309,14 @@ impl Iterative {
         factor.is_positive_definite(&by_degree, &turns).map(Some)
     }
 
-    /// A tangent by degree of freedom.
+    /// The tangent with its unknowns numbered by degree of freedom.
     fn by_degree(&self, tangent: &Tangent) -> Tangent {
         tangent.renamed(|unknown| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default())
     }
 
-    /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves. By conjugate
-    /// gradients where J is symmetric, as long as they meet no energy that is not positive, else by GMRES.
+    /// Iterates from x = 0 until the residual is `wanted` of b, and returns the solution and its relative residual. It
+    /// uses conjugate gradients if J is symmetric, as long as they meet no energy that is not positive, otherwise
+    /// GMRES.
     fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
         let mut has_energy = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (zeros(b.len()), copy(b), 1.0);
@@ -343,7 +346,7 @@ impl Iterative {
             self.settle(&rest, &mut x);
             self.leave(tangent, b, &x, &mut rest);
             let now = self.weight(&rest) / whole;
-            // Close to the solution an energy that is not positive is round-off.
+            // Close to the solution a nonpositive energy is round-off.
             has_energy &= !(meets_none && now > wanted.sqrt());
             let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
             left = now;
@@ -389,7 +392,7 @@ impl Condensed for Iterative {
             return Ok(());
         }
         b.copy_from_slice(&x);
-        // Half of the digits that were asked for are as good as a stalled iteration has to be.
+        // Half of the requested digits suffice for a stalled iteration.
         if left <= enough.sqrt() {
             Ok(())
         } else if left > LEFT || left.is_nan() {
@@ -406,7 +409,7 @@ impl Condensed for Iterative {
         if let Some(found) = self.definite_by_factor(tangent)? {
             return Ok(found);
         }
-        // A preconditioner that had taken up what makes K + J indefinite would hide it: with it the product is near the
+        // A preconditioner that contains the indefinite part of K + J would hide it: with it the product is near the
         // identity, and no energy that conjugate gradients meet is negative.
         self.prepare(&tangent.resisting())?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.

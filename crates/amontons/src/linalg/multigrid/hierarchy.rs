@@ -1,5 +1,5 @@
-//! The levels of smoothed aggregation and their V-cycle, in single precision: it is a preconditioner, and reads half
-//! the memory.
+//! The levels of smoothed aggregation and their V-cycle, in single precision, which suffices for a preconditioner and
+//! halves the memory traffic.
 
 use faer::{Mat, Side};
 use rayon::prelude::*;
@@ -11,70 +11,69 @@ use crate::linalg::lu::{Lu, Square};
 use crate::linalg::stop::StopFlag;
 use crate::linalg::vectors::{BLOCK, dot, max_abs};
 
-/// Unknowns below which a level is solved with a dense factor, and most levels.
+/// Number of unknowns below which a level is solved with a dense factor, and largest number of levels.
 const COARSEST: usize = 600;
 const LEVELS: usize = 12;
-/// Degree of the smoothing polynomial, and the share of the largest eigenvalue above which it damps.
+/// Degree of the smoothing polynomial, and the fraction of the largest eigenvalue above which it damps.
 const DEGREE: usize = 2;
 const DAMPED: f64 = 0.1;
-/// The largest eigenvalue of D⁻¹A by this many products, and by how much it is taken larger.
+/// Number of products for estimating the largest eigenvalue of D⁻¹A, and the safety factor on the estimate.
 const LANCZOS: usize = 12;
 const SAFETY: f64 = 1.05;
-/// What is added to the diagonal of the coarsest matrix, relative to it: a body that only contact holds has motions
-/// without energy.
+/// Relative shift of the diagonal of the coarsest matrix: a body that only contact holds has motions without energy.
 const SHIFT: f64 = 1e-7;
 
-/// A level: A x = b with its smoother, and the way to the next.
+/// A level: the matrix A with its smoother, and the transfer to the next coarser level.
 #[derive(Debug)]
 struct Level {
-    /// A, with what contact adds.
+    /// A plus the contribution of contact.
     matrix: BlockRowMatrix<f32>,
-    /// What contact adds where A has no blocks: between nodes of different bodies.
+    /// Contribution of contact where A has no blocks: between nodes of different bodies.
     beside: CouplingBlocks,
-    /// The inverse blocks on the diagonal.
+    /// Inverse diagonal blocks.
     diagonal: Vec<f32>,
     /// Largest eigenvalue of D⁻¹A.
     largest: f32,
-    /// P and Pᵀ; none on the coarsest level.
+    /// Prolongation P and restriction Pᵀ, or `None` on the coarsest level.
     transfer: Option<[BlockRowMatrix<f32>; 2]>,
 }
 
-/// Blocks by rows and columns, few of them.
+/// A few blocks, each with its row and column.
 #[derive(Debug, Default)]
 struct CouplingBlocks {
     at: Vec<[u32; 2]>,
     values: Vec<f32>,
 }
 
-/// The levels.
+/// The hierarchy of levels.
 #[derive(Debug)]
 pub(super) struct Hierarchy {
     levels: Vec<Level>,
-    /// The factor of the coarsest matrix, and that matrix without contact over the scale. None where nodes are joined
+    /// Factor of the coarsest matrix, and that matrix without contact divided by the scale. `None` if nodes are coupled
     /// so weakly that there is no coarser level: then the smoother alone solves.
     coarsest: Option<(Lu, Mat<f64>)>,
-    /// What contact has changed: level, place of a block, and the block and inverse block of before.
+    /// Blocks that contact has changed, with their earlier values.
     changed: Vec<Changed>,
-    /// What the matrix is divided by, so that it is in the range of single precision.
+    /// Scale by which the matrix is divided, so that it is in the range of single precision.
     scale: f64,
 }
 
-/// A block on the diagonal or beside it that contact has changed.
+/// A diagonal or off-diagonal block that contact has changed.
 #[derive(Debug)]
 struct Changed {
     level: usize,
     /// Row and column of the block.
     at: [usize; 2],
-    /// The block before, and for one on the diagonal the inverse before.
+    /// The block before the change, and its inverse before if it is on the diagonal.
     block: Vec<f32>,
     inverse: Option<Vec<f32>>,
 }
 
-/// What a hierarchy is made for.
+/// Input of a hierarchy.
 pub(super) struct HierarchyPlan<'a> {
-    /// The matrix, with unit blocks where a degree of freedom is left out.
+    /// Matrix, with unit blocks at degrees of freedom that are left out.
     pub matrix: &'a BlockRowMatrix<f64>,
-    /// Modes without energy at each node: blocks of `size` × m.
+    /// Zero-energy modes: a block of `size` × m per node.
     pub modes: &'a [f64],
     pub count: usize,
     /// Degrees of freedom that take part.
@@ -101,7 +100,7 @@ impl Hierarchy {
             let single = |transfer| Level {
                 matrix: matrix.single(scale),
                 beside: CouplingBlocks::default(),
-                // What has no place in single precision is left to the iteration.
+                // Entries beyond single precision are left to the iteration.
                 diagonal: diagonal
                     .iter()
                     .map(|d| (d * scale) as f32)
@@ -157,8 +156,8 @@ impl Hierarchy {
         }
     }
 
-    /// Adds a matrix to that of a level. Where contact couples nodes, the smoother takes the blocks of a row for one
-    /// on the diagonal that is no less: D⁻¹A then has no larger eigenvalues than without contact, and the polynomial
+    /// Adds a matrix to that of a level. If contact couples nodes, the smoother replaces the blocks of a row by one on
+    /// the diagonal that is no less: D⁻¹A then has no larger eigenvalues than without contact, and the polynomial
     /// damps.
     fn patch(&mut self, l: usize, added: &BlockRowMatrix<f32>, couples: bool) {
         let level = &mut self.levels[l];
@@ -190,7 +189,7 @@ impl Hierarchy {
         }
     }
 
-    /// The factor of the coarsest matrix with what is added.
+    /// Factorizes the coarsest matrix plus the contribution of contact.
     fn solve_with(&mut self, added: &BlockRowMatrix<f32>) {
         let Some((factor, dense)) = &mut self.coarsest else { return };
         let (mut matrix, n) = (Square::of(dense.as_ref()), added.shape[0]);
@@ -206,7 +205,7 @@ impl Hierarchy {
 
     /// One V-cycle for A x = b from x = 0: a symmetric operator.
     pub fn cycle(&self, b: &[f64]) -> Vec<f64> {
-        // In the range of single precision, whatever the units of b.
+        // Scaled into the range of single precision, for any units of b.
         let size = max_abs(b);
         if size == 0.0 || !size.is_finite() {
             return vec![0.0; b.len()];
@@ -231,7 +230,8 @@ impl Hierarchy {
         x
     }
 
-    /// The coarsest level: by its factor, or by the smoother, twice so that the operator is symmetric.
+    /// Solves on the coarsest level by its factor, or else by the smoother, applied twice so that the operator is
+    /// symmetric.
     fn solved(&self, level: &Level, b: &[f32], mut x: Vec<f32>) -> Vec<f32> {
         let Some((factor, _)) = &self.coarsest else {
             let mut work = WorkVectors::new(b.len());
@@ -246,7 +246,7 @@ impl Hierarchy {
 }
 
 impl CouplingBlocks {
-    /// y += A x, the blocks of size n.
+    /// Adds A x to y, with blocks of size n.
     fn add(&self, n: usize, x: &[f32], y: &mut [f32]) {
         for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
             let (x, y) = (&x[j as usize * n..][..n], &mut y[i as usize * n..][..n]);
@@ -255,7 +255,7 @@ impl CouplingBlocks {
     }
 }
 
-/// Vectors that a level works with: A x, or what it leaves, and the last step of the smoother.
+/// Work vectors of a level: A x or the residual, and the last step of the smoother.
 struct WorkVectors {
     product: Vec<f32>,
     step: Vec<f32>,
@@ -267,7 +267,7 @@ impl WorkVectors {
     }
 }
 
-/// Nodes that a thread works on at once.
+/// Nodes per task.
 const NODES: usize = 1024;
 
 impl Level {
@@ -284,9 +284,9 @@ impl Level {
         &work.product
     }
 
-    /// Chebyshev's polynomial in D⁻¹A, which damps errors with eigenvalues between [`DAMPED`] of the largest and the
-    /// largest (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003) 593). `from_zero` says that x is
-    /// zero, and the work new.
+    /// Chebyshev smoother: a polynomial in D⁻¹A that damps errors with eigenvalues between [`DAMPED`] of the largest
+    /// and the largest (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003) 593). `from_zero` is true if x is
+    /// zero and the work vectors are new.
     fn smooth(&self, b: &[f32], x: &mut [f32], work: &mut WorkVectors, from_zero: bool) {
         let (high, low) = (self.largest, DAMPED as f32 * self.largest);
         let (center, radius) = (0.5 * (high + low), 0.5 * (high - low));
@@ -308,8 +308,8 @@ impl Level {
         }
     }
 
-    /// The next step of the smoother, `carried` times the one before and `taken` times D⁻¹(b − A x), and x after it.
-    /// `N` is the number of unknowns of a node, or 0, so that it is not known beforehand.
+    /// Adds the next step of the smoother to x: `carried` times the step before plus `taken` times D⁻¹(b − A x). `N` is
+    /// the number of unknowns per node, or 0 if it is not known at compile time.
     fn advance<const N: usize>(&self, b: &[f32], x: &mut [f32], work: &mut WorkVectors, [carried, taken]: [f32; 2]) {
         let size = self.matrix.shape[0];
         let blocks = self.diagonal.par_chunks(NODES * size * size).zip(b.par_chunks(NODES * size));
@@ -329,7 +329,7 @@ impl Level {
     }
 }
 
-/// A bound on the norm of a block: the mean, √(a b), of its largest sum over a row and over a column.
+/// Bound on the norm of a block: the mean, √(a b), of its largest absolute row sum and column sum.
 fn size(block: &[f32], n: usize) -> f64 {
     let sum = |k: usize, stride: usize, from: usize| {
         (0..n).map(|c| f64::from(block[k * from + c * stride].abs())).sum::<f64>()
@@ -338,7 +338,8 @@ fn size(block: &[f32], n: usize) -> f64 {
     (largest(1, n) * largest(n, 1)).sqrt()
 }
 
-/// P = (I − 4/3λ D⁻¹A) T, λ the largest eigenvalue of D⁻¹A: rows of degrees of freedom that are left out are zero.
+/// Smoothed prolongation P = (I − 4/3λ D⁻¹A) T, with λ the largest eigenvalue of D⁻¹A. Rows of degrees of freedom that
+/// are left out are zero.
 fn smoothed(
     matrix: &BlockRowMatrix<f64>,
     diagonal: &[f64],
@@ -365,7 +366,7 @@ fn smoothed(
     smoothed
 }
 
-/// Modes that an aggregate does not have get a unit on the diagonal.
+/// Gives modes that an aggregate lacks, whose diagonal entries are zero, the mean of the diagonal of the block, or 1.
 fn with_unit_blocks(mut matrix: BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
     let n = matrix.shape[0];
     for i in 0..matrix.len() {
@@ -382,7 +383,7 @@ fn with_unit_blocks(mut matrix: BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
     matrix
 }
 
-/// The inverse blocks on the diagonal.
+/// Inverse diagonal blocks.
 fn inverse_diagonal(matrix: &BlockRowMatrix<f64>) -> Vec<f64> {
     let n = matrix.shape[0];
     let mut inverse = vec![0.0; matrix.len() * n * n];
@@ -394,7 +395,7 @@ fn inverse_diagonal(matrix: &BlockRowMatrix<f64>) -> Vec<f64> {
     inverse
 }
 
-/// The inverse of a symmetric positive definite block by its Cholesky factor; that of the diagonal where it has none.
+/// Inverts a symmetric positive definite block by its Cholesky factor, or the diagonal alone if it has no such factor.
 fn invert(block: &[f64], out: &mut [f64], n: usize) {
     let mut l = block.to_vec();
     for j in 0..n {
@@ -431,7 +432,7 @@ fn invert(block: &[f64], out: &mut [f64], n: usize) {
     }
 }
 
-/// The largest eigenvalue of D⁻¹A as the method of conjugate gradients sees it: that of the tridiagonal matrix of its
+/// Estimates the largest eigenvalue of D⁻¹A by conjugate gradients: that of the tridiagonal matrix of their
 /// coefficients (Lanczos), from a fixed start.
 fn largest_eigenvalue(matrix: &BlockRowMatrix<f64>, diagonal: &[f64]) -> f64 {
     let n = matrix.shape[0];
@@ -467,7 +468,7 @@ fn largest_eigenvalue(matrix: &BlockRowMatrix<f64>, diagonal: &[f64]) -> f64 {
     eigenvalues.ok().and_then(|values| values.last().copied()).filter(|v| *v > 0.0).unwrap_or(1.0)
 }
 
-/// The coarsest matrix, over the scale.
+/// The coarsest matrix divided by the scale, dense, with a shifted diagonal.
 fn dense(matrix: &BlockRowMatrix<f64>, scale: f64) -> Mat<f64> {
     let n = matrix.shape[0];
     let mut dense = Mat::zeros(matrix.len() * n, matrix.len() * n);

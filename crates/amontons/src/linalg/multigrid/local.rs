@@ -1,11 +1,11 @@
-//! K + J on the degrees of freedom that contact touches, solved before and after the cycle over the body.
+//! Local solver for K + J on the degrees of freedom that contact touches, applied before and after the multigrid cycle.
 //!
-//! Where contact holds a point, J is 2²⁷ times as stiff as K, and so large are the residual and the right-hand side
-//! there: beside them nothing else would count. A residual is therefore measured by the displacement that it means,
-//! L r on what contact touches, times the stiffness of K. L is (K + J)⁻¹ there where contact couples nodes, and node
-//! by node otherwise, with the block of K and half of what joins the node to others: K is at most twice these blocks,
-//! so that no solution overshoots so far that the preconditioner would be indefinite. And what an iteration leaves
-//! there is solved once more at its end, so that the forces of contact, which are made of J x, are as accurate as x.
+//! If contact holds a point, J is 2²⁷ times as stiff as K, and the residual and the right-hand side are as large there:
+//! they would hide all others. A residual is therefore measured by the displacement that it means, L r on what contact
+//! touches, times the stiffness of K. L is (K + J)⁻¹ there if contact couples nodes, and otherwise node by node with
+//! the block of K plus half of the norms of its off-diagonal blocks: K is at most twice these blocks, so that no
+//! solution overshoots so far that the preconditioner would be indefinite. The residual that an iteration leaves there
+//! is solved once more at its end, so that the contact forces, which are computed from J x, are as accurate as x.
 
 use std::collections::BTreeMap;
 
@@ -20,13 +20,13 @@ use crate::linalg::turn::Turn;
 use crate::linalg::vectors::add_combination;
 use crate::tensor::Point;
 
-/// What contact touches, with J in the bases of the turns. Vectors over it, the degrees of freedom of its nodes one
-/// after the other, are small beside those of the body, which are read and written at its nodes alone.
+/// The nodes that contact touches, with J in the bases of the turns. Vectors over them, with the degrees of freedom of
+/// the nodes one after the other, are small beside those of the body, which are read and written at these nodes only.
 #[derive(Debug)]
 pub(super) struct ContactBlocks {
     solver: LocalFactor,
-    /// The nodes on which it is solved, and those whose unknowns are turned, with their degrees of freedom; and J and
-    /// the turns by the places of these.
+    /// Nodes on which the local system is solved and nodes with turned unknowns, with their degrees of freedom; and J
+    /// and the turns, both numbered by place among these.
     nodes: Vec<u32>,
     dofs: Vec<u32>,
     tangent: Tangent,
@@ -35,13 +35,13 @@ pub(super) struct ContactBlocks {
 
 #[derive(Debug)]
 enum LocalFactor {
-    /// Node by node.
+    /// One factor per node.
     Nodes(Vec<NodeFactor>),
-    /// All of it, where contact couples nodes.
+    /// One factor for all nodes, if contact couples nodes.
     Surface(Box<ContactFactor>),
 }
 
-/// The block of L⁻¹ of a node over its degrees of freedom that are unknown, and its inverse; and the first of them.
+/// Block of L⁻¹ of a node over its degrees of freedom, and its inverse; `first` is the first degree of freedom.
 #[derive(Debug)]
 struct NodeFactor {
     first: u32,
@@ -50,7 +50,7 @@ struct NodeFactor {
 }
 
 impl ContactBlocks {
-    /// For the tangent of contact, with some entries at least.
+    /// Builds the solver for the tangent of contact, which has at least one entry.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
@@ -74,7 +74,7 @@ impl ContactBlocks {
         let place = |dof: u32| dofs.binary_search(&dof).ok().map(|place| place as u32);
         let place_here = |dof: u32| place(dof).unwrap_or_default();
         solver.rename(place_here);
-        // What contact adds elsewhere couples no nodes, so that it is nothing to these.
+        // Contact elsewhere couples no nodes, so that it does not affect these.
         let tangent = tangent.within(place);
         let turns = turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(place_here), ..*turn }).collect();
         Ok(ContactBlocks { solver, nodes, dofs, tangent, turns })
@@ -94,7 +94,7 @@ impl ContactBlocks {
         })
     }
 
-    /// Values by place as values by degree of freedom.
+    /// Renumbers values from places to degrees of freedom.
     fn by_degree(&self, mut values: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
         for (place, _) in &mut values {
             *place = self.dofs[*place as usize];
@@ -102,8 +102,8 @@ impl ContactBlocks {
         values
     }
 
-    /// An approximate solution of (K + J) x = r by `cycle`, which is in the axes of space, between two solutions on
-    /// what contact touches: a symmetric operator where J is symmetric.
+    /// Approximate solution of (K + J) x = r by `cycle`, which works in the axes of space, between two local solutions
+    /// where contact acts: a symmetric operator if J is symmetric.
     pub fn around(&self, body: &MaskedMatrix, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
         let own = self.taken(&r);
         let before = self.solved(&own);
@@ -120,17 +120,17 @@ impl ContactBlocks {
         x
     }
 
-    /// The entries of a vector of the body.
+    /// Reads the local entries of a vector of the body.
     fn taken(&self, of_body: &[f64]) -> Vec<f64> {
         self.dofs.iter().map(|&dof| of_body[dof as usize]).collect()
     }
 
-    /// Writes the entries of a vector of the body.
+    /// Writes the local entries of a vector of the body.
     fn put(&self, here: &[f64], of_body: &mut [f64]) {
         self.dofs.iter().zip(here).for_each(|(&dof, here)| of_body[dof as usize] = *here);
     }
 
-    /// In the bases of the turns, and in the axes of space.
+    /// Transforms a local vector into the bases of the turns; `straight` transforms it back into the axes of space.
     fn turned(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.turns.iter().for_each(|turn| turn.forward(&mut x));
         x
@@ -141,7 +141,7 @@ impl ContactBlocks {
         x
     }
 
-    /// L r.
+    /// Local solution L r.
     fn solved(&self, r: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; r.len()];
         for (place, value) in self.solver.solution(|place| r[place as usize]) {
@@ -150,14 +150,14 @@ impl ContactBlocks {
         x
     }
 
-    /// r − J x.
+    /// Residual r − J x.
     fn without_forces(&self, r: &[f64], x: &[f64]) -> Vec<f64> {
         let mut rest = r.to_vec();
         self.tangent.add_product(-1.0, x, &mut rest);
         rest
     }
 
-    /// r − K x, x zero but here: K is symmetric, so that its rows here are all that is read.
+    /// Subtracts K x from r, with x zero outside the local nodes: K is symmetric, so that its local rows suffice.
     fn take_off(&self, body: &MaskedMatrix, x: &[f64], r: &mut [f64]) {
         let (n, _) = body.matrix.block_shape();
         for (&node, x) in self.nodes.iter().zip(x.chunks_exact(n)) {
@@ -169,7 +169,7 @@ impl ContactBlocks {
         }
     }
 
-    /// K x here.
+    /// Local entries of K x.
     fn product(&self, body: &MaskedMatrix, x: &[f64]) -> Vec<f64> {
         let (n, _) = body.matrix.block_shape();
         let mut product = vec![0.0; self.dofs.len()];
@@ -185,7 +185,7 @@ impl ContactBlocks {
 }
 
 impl LocalFactor {
-    /// Gives its degrees of freedom other numbers, those of a node one after the other.
+    /// Renumbers the degrees of freedom; those of a node stay consecutive.
     fn rename(&mut self, name: impl Fn(u32) -> u32) {
         match self {
             LocalFactor::Surface(surface) => {
@@ -201,7 +201,7 @@ impl LocalFactor {
         }
     }
 
-    /// L r, by place.
+    /// Local solution L r, by place.
     fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         match self {
             LocalFactor::Surface(surface) => surface.solution(r),
@@ -210,7 +210,7 @@ impl LocalFactor {
     }
 }
 
-/// The nodes that have entries.
+/// Nodes that have entries, ascending.
 fn seen(entries: &[Entry], n: usize) -> Vec<u32> {
     let mut nodes: Vec<u32> = entries.iter().flat_map(|(i, j, _)| [*i / n as u32, *j / n as u32]).collect();
     nodes.sort_unstable();
@@ -218,8 +218,8 @@ fn seen(entries: &[Entry], n: usize) -> Vec<u32> {
     nodes
 }
 
-/// The nodes between which contact has forces, and those on which it acts alone and as stiffly as the body. What it
-/// adds everywhere, as a step of the proximal method does, is left to the cycle.
+/// Nodes coupled by contact, and those on which it acts alone and at least as stiffly as the body. A term on all nodes,
+/// as that of a step of the proximal method, is left to the cycle.
 fn joined(body: &MaskedMatrix, entries: &[Entry]) -> Vec<u32> {
     let n = body.matrix.block_shape().0 as u32;
     let (mut nodes, mut alone) = (Vec::new(), BTreeMap::new());
@@ -241,7 +241,7 @@ fn joined(body: &MaskedMatrix, entries: &[Entry]) -> Vec<u32> {
     nodes
 }
 
-/// Products of a matrix of each node with the node's part of a vector.
+/// Products of one matrix per node with the node's part of a vector.
 fn products(nodes: &[NodeFactor], matrix: impl Fn(&NodeFactor) -> &[f64], x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
     let mut products = Vec::with_capacity(3 * nodes.len());
     for node in nodes {
@@ -253,12 +253,12 @@ fn products(nodes: &[NodeFactor], matrix: impl Fn(&NodeFactor) -> &[f64], x: imp
     products
 }
 
-/// The bases of nodes that are turned.
+/// Bases of the turned nodes.
 pub(super) fn bases(turns: &[Turn], n: usize) -> BTreeMap<usize, [Point; 3]> {
     turns.iter().map(|turn| (turn.unknowns[0] as usize / n, turn.basis)).collect()
 }
 
-/// The block of J of each node.
+/// Block of J per node.
 pub(super) fn blocks(entries: &[Entry], n: usize) -> BTreeMap<usize, Vec<f64>> {
     let mut blocks: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for &(i, j, value) in entries.iter().filter(|(i, j, _)| *i as usize / n == *j as usize / n) {
@@ -268,7 +268,7 @@ pub(super) fn blocks(entries: &[Entry], n: usize) -> BTreeMap<usize, Vec<f64>> {
     blocks
 }
 
-/// A node with its block of J; none where K + J is singular.
+/// Factor of a node with its block of J, or `None` if K + J is singular there.
 fn node_of(body: &MaskedMatrix, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) -> Option<NodeFactor> {
     let (n, _) = body.matrix.block_shape();
     let own = in_basis(&block_of(body.matrix, node, n), [basis.unwrap_or(&AXES); 2], n, true);
@@ -284,7 +284,7 @@ fn node_of(body: &MaskedMatrix, node: usize, basis: Option<&[Point; 3]>, block: 
     let mut sum = sum_with(block);
     let is_symmetric = (0..n * n).all(|k| block[k].to_bits() == block[k % n * n + k / n].to_bits());
     if is_symmetric && Cholesky::new(Square::of(sum.as_ref())).is_none() {
-        // Conjugate gradients are to see what makes K + J indefinite, and the preconditioner not to hide it.
+        // Conjugate gradients must detect an indefinite K + J; the preconditioner must not hide it.
         sum = sum_with(&cut(block, f64::INFINITY, n));
     }
     let factors = Lu::new(Square::of(sum.as_ref()));

@@ -1,7 +1,8 @@
-//! Systems of large bodies by a Krylov iteration with algebraic multigrid: no factor, all unknowns are kept, S is K.
+//! Iterative solver for large systems: Krylov iteration with algebraic multigrid, without a factor. All unknowns are
+//! kept, so that S is K.
 //!
-//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`], [`precondition`]) between two
-//! solutions on what contact touches ([`local`]).
+//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`], [`precondition`]) between two local
+//! solutions where contact acts ([`local`]).
 
 mod aggregate;
 mod blocks;
@@ -26,14 +27,14 @@ use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
 
-/// Conjugate gradients or GMRES with smoothed aggregation.
+/// Backend of conjugate gradients or GMRES with smoothed aggregation.
 #[derive(Debug, Clone, Default)]
 pub struct Multigrid {
     stop: StopFlag,
 }
 
 impl Multigrid {
-    /// One that ends its work when the flag becomes true.
+    /// Backend that ends its work when the flag becomes true.
     pub(super) fn stopped_by(flag: &Arc<AtomicBool>) -> Multigrid {
         Multigrid { stop: StopFlag::when(flag) }
     }
@@ -48,7 +49,7 @@ impl Backend for Multigrid {
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
         let (components, _) = matrix.block_shape();
         let rigid: Vec<usize> = unknowns.rigid_stiffness(matrix).into_iter().map(|(unknown, _)| unknown).collect();
-        // The motions of a rigid body that contact alone holds have the round-off of zero.
+        // Rigid motions that contact alone holds have a stiffness of round-off size.
         let own = unknowns.dofs.iter().enumerate().filter(|(unknown, _)| !rigid.contains(unknown));
         for (pivot, &dof) in own {
             let (node, c) = (dof as usize / components, dof as usize % components);
@@ -83,7 +84,7 @@ impl Backend for Multigrid {
     }
 }
 
-/// A matrix of which nothing is eliminated.
+/// A matrix without eliminated unknowns, in the place of a factor.
 #[derive(Debug)]
 struct WholeMatrix {
     matrix: Arc<BlockMatrix>,

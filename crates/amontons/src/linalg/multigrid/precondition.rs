@@ -1,7 +1,7 @@
-//! The preconditioner of K + J: a V-cycle with K and the forces of contact, cut off where they hold a degree of freedom
-//! firmly, between two solutions on what contact touches.
+//! The preconditioner of K + J: a V-cycle with K and the contact stiffness, capped where it holds a degree of freedom
+//! firmly, between two local solutions where contact acts.
 //!
-//! The cycle is that of the axes of space, so that it need not be made anew when normals turn.
+//! The cycle works in the axes of space, so that its levels need not be rebuilt when normals turn.
 
 use std::collections::BTreeMap;
 
@@ -16,15 +16,16 @@ use crate::linalg::turn::Turn;
 use crate::space::{NodeFrame, RigidNodes};
 use crate::tensor::{Point, Sym};
 
-/// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
+/// Cap on the stiffness of contact in the cycle, relative to that of K at the degree of freedom: anything stiffer holds
+/// it.
 const FIRM: f64 = 100.0;
-/// Share of the stiffness of a rigid body that its motions have in the cycle where they have none: beside contact it is
-/// nothing, and beside numbers of single precision something.
+/// Stiffness in the cycle of rigid motions without stiffness, as a fraction of that of their body: negligible beside
+/// contact, but not beside the round-off of single precision.
 const SOFT: f64 = 1e-6;
-/// The basis of a node that is not turned.
+/// Basis of a node that is not turned.
 pub(super) const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// A matrix on all degrees of freedom, and which of them are unknown.
+/// A matrix on all degrees of freedom, with the flags of the unknown ones.
 pub(super) struct MaskedMatrix<'a> {
     pub matrix: &'a BlockMatrix,
     pub points: &'a [Point],
@@ -33,7 +34,7 @@ pub(super) struct MaskedMatrix<'a> {
     pub frames: &'a [NodeFrame],
     /// Nodes that move as rigid bodies.
     pub rigid: &'a [RigidNodes],
-    /// Degrees of freedom that are motions of these without stiffness, with that of their bodies.
+    /// Rigid motions without stiffness, by degree of freedom, with the stiffness of their bodies.
     pub stiffless: &'a [(u32, f64)],
 }
 
@@ -41,12 +42,12 @@ pub(super) struct MaskedMatrix<'a> {
 #[derive(Debug)]
 pub(super) struct Preconditioner {
     hierarchy: Hierarchy,
-    /// What contact touches, if it touches something.
+    /// Local solver where contact acts, or `None` if it touches nothing.
     local: Option<ContactBlocks>,
 }
 
 impl Preconditioner {
-    /// For K alone.
+    /// Builds the preconditioner for K alone.
     pub fn new(body: &MaskedMatrix, stop: &StopFlag) -> Result<Preconditioner, SolveError> {
         let (components, _) = body.matrix.block_shape();
         let (modes, count) = modes(body, components);
@@ -56,7 +57,7 @@ impl Preconditioner {
         Ok(Preconditioner { hierarchy, local: None })
     }
 
-    /// Takes up the tangent of contact, which is by degree of freedom in the bases of `turns`.
+    /// Adds the tangent of contact, numbered by degree of freedom in the bases of `turns`, in place of the one before.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
@@ -69,12 +70,12 @@ impl Preconditioner {
         Ok(())
     }
 
-    /// What contact touches, if it touches something.
+    /// Local solver where contact acts, or `None` if it touches nothing.
     pub fn local(&self) -> Option<&ContactBlocks> {
         self.local.as_ref()
     }
 
-    /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
+    /// Approximate solution of (K + J) x = r over all degrees of freedom; r is zero at prescribed ones.
     pub fn apply(&self, body: &MaskedMatrix, r: Vec<f64>) -> Vec<f64> {
         let cycle = |r: &[f64]| self.hierarchy.cycle(r);
         match &self.local {
@@ -87,7 +88,7 @@ impl Preconditioner {
 /// A block of J at a node, or between two: row, column, and its entries.
 type Joint = (u32, u32, [f64; 9]);
 
-/// What contact adds to the levels, in the axes of space: J, its forces at a node cut off at [`FIRM`].
+/// Contribution of contact to the levels, in the axes of space: J, with its forces at a node capped at [`FIRM`].
 fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>) -> BlockRowMatrix<f64> {
     let (n, _) = body.matrix.block_shape();
     let mut joints: Vec<Joint> = Vec::new();
@@ -97,7 +98,7 @@ fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Poi
             .iter()
             .all(|(i, j, _)| point.first().is_none_or(|e| [*i, *j].map(|u| u / n as u32) == [e.0 / n as u32; 2]));
         if point.iter().any(|(i, j, _)| [*i, *j].iter().any(|u| moves_rigidly(body, u / n as u32))) {
-            // What resists a motion has nothing beside it that would be too soft.
+            // Forces on a rigid motion are not capped: no neighbouring stiffness would be too soft beside them.
             joints.extend(point.iter().filter_map(|entry| single(body, entry)));
         } else if is_alone {
             alone.extend(point);
@@ -127,12 +128,12 @@ fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Poi
     })
 }
 
-/// Whether motions of a rigid body stand in the place of a node.
+/// True if motions of a rigid body stand in the place of a node.
 fn moves_rigidly(body: &MaskedMatrix, node: u32) -> bool {
     body.rigid.iter().any(|part| part.slots().contains(&node))
 }
 
-/// One entry of J as a block; none where a degree of freedom is prescribed.
+/// One entry of J as a block, or `None` if one of its degrees of freedom is prescribed.
 fn single(body: &MaskedMatrix, &(i, j, value): &Entry) -> Option<Joint> {
     let (n, _) = body.matrix.block_shape();
     let size = n as u32;
@@ -144,8 +145,8 @@ fn single(body: &MaskedMatrix, &(i, j, value): &Entry) -> Option<Joint> {
     Some((i / size, j / size, block))
 }
 
-/// The forces of a point that sees several nodes, in the axes of space. The blocks of J are there multiples of one, so
-/// that they are cut off all alike: a motion of all nodes that it does not resist is one that it does not resist then.
+/// Adds the blocks of a point that sees several nodes, in the axes of space. The blocks of J are multiples of one
+/// block, so that all are capped alike: a motion of all nodes without resistance stays without resistance.
 fn softened_point(body: &MaskedMatrix, point: &[Entry], joints: &mut Vec<Joint>) {
     let (n, _) = body.matrix.block_shape();
     let size = n as u32;
@@ -178,24 +179,24 @@ fn softened_point(body: &MaskedMatrix, point: &[Entry], joints: &mut Vec<Joint>)
     }
 }
 
-/// The stiffness of contact above which it holds a node.
+/// Contact stiffness above which contact holds a node.
 fn firm(body: &MaskedMatrix, node: usize) -> f64 {
     let (n, _) = body.matrix.block_shape();
     let own = block_of(body.matrix, node, n);
     FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max)
 }
 
-/// A block of at most nine entries, with zeros.
+/// Pads a block of at most nine entries with zeros.
 fn padded(block: &[f64]) -> [f64; 9] {
     std::array::from_fn(|k| block.get(k).copied().unwrap_or(0.0))
 }
 
-/// The block of a node on the diagonal.
+/// Diagonal block of a node.
 pub(super) fn block_of(matrix: &BlockMatrix, node: usize, n: usize) -> Vec<f64> {
     matrix.row(node).find(|(j, _)| *j == node).map_or_else(|| vec![0.0; n * n], |(_, block)| block.to_vec())
 }
 
-/// B A Cᵀ, the rows of B and C the vectors of two bases, or Bᵀ A C.
+/// B A Cᵀ if `into`, otherwise Bᵀ A C; the rows of B and C are the vectors of two bases.
 pub(super) fn in_basis(block: &[f64], [left, right]: [&[Point; 3]; 2], n: usize, into: bool) -> Vec<f64> {
     let entry = |basis: &[Point; 3], a: usize, c: usize| if into { basis[a][c] } else { basis[c][a] };
     let mut out = vec![0.0; n * n];
@@ -211,8 +212,8 @@ pub(super) fn in_basis(block: &[f64], [left, right]: [&[Point; 3]; 2], n: usize,
     out
 }
 
-/// The symmetric part of a block of contact with its principal values from zero to `firm`: what is beyond is cut off,
-/// and so is what friction makes indefinite.
+/// Symmetric part of a contact block with its principal values clamped to zero … `firm`: this caps the stiffness and
+/// removes what friction makes indefinite.
 pub(super) fn cut(block: &[f64], firm: f64, n: usize) -> Vec<f64> {
     let entry = |i: usize, j: usize| if i < n && j < n { block[i * n + j] } else { 0.0 };
     let axes = Sym::from_fn(3, |i, j| 0.5 * (entry(i, j) + entry(j, i))).principal_axes();
@@ -220,7 +221,7 @@ pub(super) fn cut(block: &[f64], firm: f64, n: usize) -> Vec<f64> {
     (0..n * n).map(|k| part(k / n, k % n)).collect()
 }
 
-/// The matrix on the unknowns, with the diagonal alone at the other degrees of freedom.
+/// The matrix restricted to the unknowns, with its diagonal alone at the other degrees of freedom.
 fn restricted(body: &MaskedMatrix) -> BlockRowMatrix<f64> {
     let (n, _) = body.matrix.block_shape();
     let nodes = body.free.len() / n;
@@ -249,8 +250,8 @@ fn restricted(body: &MaskedMatrix) -> BlockRowMatrix<f64> {
     })
 }
 
-/// Modes that cost next to no energy, a block of n × m per node, and m: translations and rotations of a body in the
-/// plane or in space; constants otherwise. What prescribed values stop is none there.
+/// Modes of nearly zero energy, a block of n × m per node, and m: translations and rotations of a body in the plane or
+/// in space; constants otherwise. Modes are zero at prescribed degrees of freedom.
 fn modes(body: &MaskedMatrix, n: usize) -> (Vec<f64>, usize) {
     let nodes = body.free.len() / n;
     let m = if body.points.len() == nodes { [1, 1, 3, 6].get(n).copied().unwrap_or(n) } else { n };
@@ -278,7 +279,7 @@ fn modes(body: &MaskedMatrix, n: usize) -> (Vec<f64>, usize) {
             }
         }
     }
-    // What a motion of the whole body is of the motions of a rigid part of it.
+    // The part of a motion of the whole body in the motions of a rigid part of it.
     for part in body.rigid {
         for k in 0..m {
             let mut values: Vec<f64> = modes.iter().skip(k).step_by(m).copied().collect();

@@ -1,6 +1,6 @@
-//! Products of sparse matrices of blocks, as they make the levels.
+//! Products of sparse block matrices, for building the levels.
 //!
-//! Every sum has the order of the columns, whatever the number of threads.
+//! Every sum is taken in the order of the columns, whatever the number of threads.
 
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::blocks::{BlockPattern, BlockRowMatrix, CHUNK, Real, parted};
 use crate::linalg::pages::PagedNumbers;
 
-/// Block rows of A P that are made at once, and block rows of R A P that a thread adds them to.
+/// Block rows of A P that are computed at once, and block rows of R A P per task to which they are added.
 pub(super) const FINE: usize = 8192;
 const COARSE: usize = 64;
 
@@ -27,8 +27,8 @@ impl<T: Real> BlockRowMatrix<T> {
         BlockRowMatrix { shape, width: other.width, start, columns, values }
     }
 
-    /// R A P, R this matrix, whose columns ascend in each row. Some rows of A P are made at a time: the whole of it
-    /// would be the largest matrix of all.
+    /// Coarse matrix R A P, with R this matrix, whose columns ascend in each row. Some rows of A P are computed at a
+    /// time: the whole of it would be the largest matrix of all.
     pub fn around(&self, matrix: &BlockRowMatrix<T>, prolongation: &BlockRowMatrix<T>) -> BlockRowMatrix<T> {
         let width = prolongation.width;
         let (middle, of_middle) = (pattern(matrix.places(), prolongation.places(), width), matrix.shape[0]);
@@ -58,7 +58,7 @@ impl<T: Real> BlockRowMatrix<T> {
         BlockRowMatrix { shape, width, start, columns, values }
     }
 
-    /// Adds some rows of the product with another matrix, whose blocks stand at these places.
+    /// Adds some rows of the product with another matrix to `out`; `places` is the pattern of the product.
     fn rows_of_product(&self, other: &BlockRowMatrix<T>, places: BlockPattern, rows: Range<usize>, out: &mut [T]) {
         let right = RightFactor { places: other.places(), values: &other.values, first: 0, shape: other.shape };
         let parts = parted(out, &places.start[rows.start..=rows.end], self.shape[0] * other.shape[1], CHUNK);
@@ -71,10 +71,10 @@ impl<T: Real> BlockRowMatrix<T> {
     }
 }
 
-/// Where the rows of the product of two matrices begin, and the columns of their blocks.
+/// Pattern of the product of two matrices: the start of each row, and the columns of its blocks.
 fn pattern(left: BlockPattern, right: BlockPattern, width: usize) -> (Vec<u32>, Vec<u32>) {
     let of_chunk = |chunk: usize| {
-        // The last row that a column was seen in, counted from one.
+        // The last row in which each column was seen, counted from one.
         let mut seen = vec![0u32; width];
         let (mut lengths, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
         for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(left.len()) {
@@ -102,7 +102,7 @@ fn pattern(left: BlockPattern, right: BlockPattern, width: usize) -> (Vec<u32>, 
     (start, columns)
 }
 
-/// The second matrix of a product, or rows of it: their values begin with the block `first`.
+/// Second matrix of a product, or some rows of it: their values begin with the block `first`.
 #[derive(Clone, Copy)]
 struct RightFactor<'a, T> {
     places: BlockPattern<'a>,
@@ -111,17 +111,17 @@ struct RightFactor<'a, T> {
     shape: [usize; 2],
 }
 
-/// Rows of a product.
+/// Some rows of a product.
 struct Product<'a, T: Real> {
     left: &'a BlockRowMatrix<T>,
     right: RightFactor<'a, T>,
-    /// Where the blocks of the product stand.
+    /// Pattern of the product.
     places: BlockPattern<'a>,
     rows: Range<usize>,
-    /// The next block of each row of the first matrix; those in columns before `end` are multiplied.
+    /// Next block per row of the first matrix; those in columns before `end` are multiplied.
     next: &'a mut [u32],
     end: u32,
-    /// Of each column its place in a row.
+    /// Place in the current row per column.
     slot_of: &'a mut [u32],
     out: &'a mut [T],
 }
@@ -155,7 +155,8 @@ impl<T: Real> NullaryFnOnce for Product<'_, T> {
     }
 }
 
-/// out += A B of blocks r × m and m × c. Those of bodies in the plane and in space have sizes that the loops know.
+/// Adds A B to `out`, for blocks of r × m and m × c. The block sizes of bodies in the plane and in space are known to
+/// the loops at compile time.
 #[inline(always)]
 pub(super) fn add_product<T: Real>(a: &[T], b: &[T], out: &mut [T], sizes: [usize; 3]) {
     match sizes {

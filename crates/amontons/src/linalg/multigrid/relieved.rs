@@ -1,4 +1,4 @@
-//! The factor that an iteration is left for: it solves the same systems, on all unknowns, and keeps those of Γ_C.
+//! The factor that replaces an iteration: it solves the same systems on all unknowns, and keeps those of Γ_C.
 
 use std::sync::Arc;
 
@@ -13,16 +13,16 @@ use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::{Layout, Unknowns};
 
-/// A system with a factor, by degree of freedom.
+/// A system with a factor, numbered by degree of freedom.
 #[derive(Debug)]
 pub(super) struct Relieved {
     system: System,
-    /// The unknown of each degree of freedom among those that are kept.
+    /// Kept unknown per degree of freedom, or `None` if it is not kept.
     kept: Vec<Option<u32>>,
 }
 
 impl Relieved {
-    /// Factorizes the matrix of an iteration, in the directions of its unknowns.
+    /// Factorizes the matrix of an iteration, along the directions of its unknowns.
     ///
     /// # Errors
     /// When the matrix has no factor, or none that fits into memory.
@@ -43,7 +43,7 @@ impl Relieved {
         Ok(Relieved { system, kept })
     }
 
-    /// Solves (K + J) x = r, J and the bases of its nodes by degree of freedom, r and x in the axes of space.
+    /// Solves (K + J) x = r, with J and the bases of its nodes by degree of freedom, and r and x in the axes of space.
     ///
     /// # Errors
     /// When the system is singular.
@@ -52,16 +52,16 @@ impl Relieved {
         self.system.linearised(&tangent, r)
     }
 
-    /// Whether K + J is positive definite.
+    /// True if K + J is positive definite.
     ///
     /// # Errors
-    /// When that cannot be found out.
+    /// When definiteness cannot be determined.
     pub fn is_positive_definite(&mut self, tangent: &Tangent, turns: &[Turn]) -> Result<bool, SolveError> {
         let tangent = self.turned(tangent, turns);
         self.system.condensed_mut().is_positive_definite(&tangent)
     }
 
-    /// Takes up the bases of nodes, and names the unknowns of J as they are named here.
+    /// Sets the bases of the nodes, and renumbers the unknowns of J from degrees of freedom to kept unknowns.
     fn turned(&mut self, tangent: &Tangent, turns: &[Turn]) -> Tangent {
         let kept = |dof: u32| self.kept.get(dof as usize).copied().flatten().unwrap_or_default();
         let turns: Vec<Turn> = turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(kept), ..*turn }).collect();

@@ -1,8 +1,8 @@
-//! Contact that couples the nodes of a facet, as at Gauss points: K + J on the degrees of freedom that it touches,
-//! solved as a whole.
+//! Solver for contact that couples the nodes of a facet, as at Gauss points: K + J on the degrees of freedom that it
+//! touches, solved as a whole.
 //!
-//! Where fewer points of a facet act than it has nodes, J is stiff at every node and has motions without force: no
-//! solution node by node knows them.
+//! If fewer points of a facet act than it has nodes, J is stiff at every node but has motions without force, which no
+//! solution node by node can represent.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +12,12 @@ use crate::linalg::lu::SparseLu;
 use crate::linalg::tangent::Entry;
 use crate::tensor::Point;
 
-/// Whether entries couple different nodes of `n` degrees of freedom each.
+/// True if entries couple different nodes of `n` degrees of freedom each.
 pub(super) fn couples(entries: &[Entry], n: usize) -> bool {
     entries.iter().any(|&(i, j, _)| i as usize / n != j as usize / n)
 }
 
-/// The degrees of freedom that contact touches, with the factors of K + J on them.
+/// The degrees of freedom that contact touches, with the LU factors of K + J on them.
 #[derive(Debug)]
 pub(super) struct ContactFactor {
     pub dofs: Vec<u32>,
@@ -25,7 +25,7 @@ pub(super) struct ContactFactor {
 }
 
 impl ContactFactor {
-    /// For some nodes, and entries by degree of freedom in the bases of the nodes.
+    /// Factorizes K + J on some nodes, with the entries of J by degree of freedom in the bases of the nodes.
     ///
     /// # Errors
     /// When K + J is singular there.
