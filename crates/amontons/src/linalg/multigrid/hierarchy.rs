@@ -17,7 +17,7 @@ const LEVELS: usize = 12;
 /// Degree of the smoothing polynomial, and the fraction of the largest eigenvalue above which it damps.
 const DEGREE: usize = 2;
 const DAMPED: f64 = 0.1;
-/// Number of products for estimating the largest eigenvalue of D⁻¹A, and the safety factor on the estimate.
+/// Number of products for estimating the largest eigenvalue of D⁻¹A, and the scale by which the estimate is enlarged.
 const LANCZOS: usize = 12;
 const SAFETY: f64 = 1.05;
 /// Relative shift of the diagonal of the coarsest matrix: a body that only contact holds has motions without energy.
