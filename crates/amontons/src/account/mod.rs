@@ -89,8 +89,8 @@ impl Energy {
         let Step { discrete, old, rule: Rule { k, .. }, .. } = *step;
         let rho = discrete.inertia().0;
         let stored = stored(step, m, theta);
-        let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.powers;
-        let contact = contact(step, m, k * work + m.support_work);
+        let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.end.powers;
+        let contact = contact(step, m, k * work + m.end.support_work);
         let compliance =
             contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
                 + contact.stiffening;
@@ -146,18 +146,18 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // Energy of the layer at the start of the step, with the laws at the end of the step.
     let mut start = 0.0;
-    let asked = per_point(&arrays(contacts), boundary.points.len().min(m.states.len()), |i| {
-        let (point, state) = (&boundary.points[i], &m.states[i]);
+    let asked = per_point(&arrays(contacts), boundary.points.len().min(m.end.states.len()), |i| {
+        let (point, state) = (&boundary.points[i], &m.end.states[i]);
         let normal = &contacts[point.contact].normal;
         let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
         // The pressure at t_ϑ < t₁ is a mean over the step and does not belong to a rate.
         let is_function = normal.graph() == GraphKind::Function && step.rule.is_at_end();
         (normal.potential(&point.x, state.penetration), is_function.then(at_rest))
     });
-    let states = m.states.iter().zip(&asked);
+    let states = m.end.states.iter().zip(&asked);
     for ((point, frame), (state, (energy, at_rest))) in boundary.points.iter().zip(&m.given.frames).zip(states) {
         let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
-        let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
+        let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, m.w()), &state.normal);
         if changes {
             let before = state.penetration - k * (w_nu - frame.gap_rate) + state.opened;
             start += point.weight * normal.potential(&point.x, before);
@@ -216,9 +216,9 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
         Stored {
-            elastic: 0.5 * m.powers.elastic,
+            elastic: 0.5 * m.end.powers.elastic,
             relaxed: 0.0,
-            scheme: (step.rule.level - 0.5) * m.powers.strained,
+            scheme: (step.rule.level - 0.5) * m.end.powers.strained,
             modulus: 0.0,
         }
     } else if let Some(sum) = softening(step, m, theta) {
@@ -226,8 +226,8 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     } else {
         // The stress work in excess of the change of the potential is dissipated by the scheme. Without a potential the
         // work is treated as stored.
-        let end = step.end(&old.u, m.u.clone());
-        let work = dot(&difference(&end, &old.u), &m.a_u);
+        let end = step.end(&old.u, m.u().to_vec());
+        let work = dot(&difference(&end, &old.u), &m.end.at.a_u);
         let before = before(step);
         let elastic = discrete.stored_energy(&end, &m.theta).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }
@@ -259,14 +259,14 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
         return None;
     }
     let energy = |u: &[f64], theta: &[f64]| discrete.stored_energy(u, theta);
-    let end = step.end(&old.u, m.u.clone());
+    let end = step.end(&old.u, m.u().to_vec());
     let [to, elastic] = [energy(&end, &m.theta)?, energy(&end, theta)?];
     let from = if m.theta == old.theta { before(step) } else { energy(&old.u, &m.theta)? };
     let change = difference(&end, &old.u);
     let scheme = if discrete.is_linearly_elastic() {
         (step.rule.level - 0.5) * dot(&change, &discrete.apply_a(&change, &m.theta))
     } else {
-        dot(&change, &m.a_u) - (to - from)
+        dot(&change, &m.end.at.a_u) - (to - from)
     };
     Some(Stored { elastic, relaxed: 0.0, scheme, modulus: (from - before(step)) + (elastic - to) })
 }
@@ -295,7 +295,7 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
             .boundary
             .points
             .iter()
-            .zip(&m.states)
+            .zip(&m.end.states)
             .zip(&heat.exchange.flux)
             .filter(|((point, _), _)| point.contact == side);
         let received: f64 = points

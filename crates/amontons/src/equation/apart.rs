@@ -7,6 +7,7 @@
 //! body the rigid part of v is put to W, so that the deformation has all its digits in the next one, whatever the
 //! acceleration.
 
+use super::given::Given;
 use super::system::Step;
 use crate::contact::Status;
 use crate::inclusion::{Frame, PointState};
@@ -103,12 +104,13 @@ impl Bodies {
     }
 }
 
-/// The motion at the end of a step: u and w, and if rigid motions are split off also v = w − W and the parts of u.
+/// The motion of a step that splits off rigid motions: u and w with them, and the parts of u.
 pub(crate) struct Whole {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
-    pub v: Vec<f64>,
     pub carried: Carried,
+    /// The data of the contact points relative to the rigid velocities.
+    pub relative: Given,
 }
 
 /// Bodies and split displacement of a step that splits off rigid motions.
@@ -144,14 +146,11 @@ impl Step<'_> {
     }
 
     /// Displacement and velocity composed of the rigid velocities W, the deformation, which determines the strains, and
-    /// v.
-    pub fn whole(&self, rigid: &[Rigid], deformation: Vec<f64>, v: Vec<f64>) -> Whole {
-        if self.apart.is_none() {
-            return Whole { u: deformation, w: v, v: Vec::new(), carried: Carried::default() };
-        }
+    /// v; `relative` has the data of the contact points that belong to v.
+    pub fn whole(&self, rigid: &[Rigid], deformation: &[f64], v: &[f64], relative: Given) -> Whole {
         let moved = self.carried_on(rigid);
-        let (u, w) = (self.with_rigid(&moved, &deformation), self.with_rigid(rigid, &v));
-        Whole { u, w, v, carried: Carried { rigid: moved, deformation } }
+        let (u, w) = (self.with_rigid(&moved, deformation), self.with_rigid(rigid, v));
+        Whole { u, w, carried: Carried { rigid: moved, deformation: deformation.to_vec() }, relative }
     }
 
     /// The rigid velocities, with translations that balance load, contact forces and inertia of each body. The mass of

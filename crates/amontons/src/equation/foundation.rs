@@ -2,6 +2,7 @@
 
 use super::fluid;
 use super::given::Given;
+use super::mechanics::Mechanics;
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
@@ -35,14 +36,9 @@ impl Accumulated {
         }
     }
 
-    /// The accumulated quantities after a step, with δ at its end and the wet points.
-    pub(crate) fn after(
-        &self,
-        step: &Step,
-        states: &[PointState],
-        exchange: &Exchange,
-        (advance, wet): (Vec<f64>, &[bool]),
-    ) -> Accumulated {
+    /// The accumulated quantities after a step.
+    pub(crate) fn after(&self, step: &Step, mechanics: &Mechanics, exchange: &Exchange) -> Accumulated {
+        let (states, advance) = (&mechanics.end.states, mechanics.given.advance.clone());
         let Step { contacts, discrete, boundary, rule: Rule { k, .. }, .. } = *step;
         let mut wear: Vec<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
         let depths: Vec<f64> = states.iter().map(|state| state.wear).collect();
@@ -55,7 +51,7 @@ impl Accumulated {
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
         let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
-        let wet = fluid::after(step, &self.wet, wet, states);
+        let wet = fluid::after(step, &self.wet, &mechanics.wet, states);
         let rates = advance.iter().zip(&self.advance).map(|(now, before)| (now - before) / k);
         let advance_rate = rates.collect();
         Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, wet }

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::foundation::frames;
 use super::system::{HalfStep, Step};
-use crate::inclusion::{Drive, Frame, MechanicalStep, Multipliers, PointState};
-use crate::linalg::SolveError;
+use crate::inclusion::{Drive, Frame, Mechanical, MechanicalStep, Multipliers, PointState};
+use crate::linalg::{SolveError, System};
 use crate::state::Rigid;
 
 /// Largest prescribed motion, relative to the displacement of its node, that counts as round-off.
@@ -94,8 +94,13 @@ impl Given {
         directed
     }
 
-    /// The problem on Γ_C, or `None` without contact.
-    pub fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
+    /// The term of (4.1) on Γ_C, or `None` without contact.
+    pub fn term<'a>(&'a self, step: &Step<'a>, system: &System, unknown: &'a [Option<u32>]) -> Option<Mechanical<'a>> {
+        Some(Mechanical::new(self.on_boundary(step, unknown)?, Some(system.condensed())))
+    }
+
+    /// The data on Γ_C, or `None` without contact.
+    fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
         if step.problem.contacts.is_empty() {
             return None;
         }
@@ -118,19 +123,8 @@ impl Given {
         })
     }
 
-    /// True if softening laws allow only one solution between w_{n−1} and a velocity.
-    pub fn is_unique(
-        &self,
-        step: &Step,
-        half: &mut HalfStep,
-        w: &[f64],
-        multipliers: &Multipliers,
-    ) -> Result<bool, SolveError> {
-        self.is_unique_between(step, half, [&step.old.w, w], multipliers)
-    }
-
     /// True if softening laws allow only one solution between two velocities.
-    pub fn is_unique_between(
+    pub fn is_unique(
         &self,
         step: &Step,
         half: &mut HalfStep,
@@ -140,14 +134,14 @@ impl Given {
         let [from, to] = ends.map(|w| half.system.kept_of(w));
         let HalfStep { system, on_contact, .. } = half;
         self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
-            on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
+            let term = Mechanical::new(on_boundary, None);
+            term.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
         })
     }
 
     /// The states of the contact points.
     pub fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        self.on_boundary(step, &half.on_contact).map_or_else(Vec::new, |on_boundary| {
-            on_boundary.states(half.system.condensed(), &half.system.kept_of(w), multipliers)
-        })
+        let term = self.term(step, &half.system, &half.on_contact);
+        term.map_or_else(Vec::new, |term| term.point_states(&half.system.kept_of(w), multipliers))
     }
 }

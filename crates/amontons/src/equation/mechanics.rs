@@ -15,54 +15,32 @@ use crate::discretization::Warmed;
 use crate::inclusion::residual::Residual;
 use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Solved, Undetermined};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
-use crate::state::State;
-use crate::state::{Carried, Rigid};
+use crate::state::{Rigid, State};
 use crate::tensor::Point;
 use crate::time::Rule;
 
-/// Result of the mechanical half-step.
+/// A solved mechanical half-step.
 pub(crate) struct Mechanics {
-    pub u: Vec<f64>,
-    pub w: Vec<f64>,
-    /// Parts of the motion if rigid motions are split off: w − W, W, the data of the contact points relative to W, and
-    /// the parts of u.
-    pub v: Vec<f64>,
-    pub rigid: Vec<Rigid>,
-    pub relative: Option<Given>,
-    pub carried: Carried,
-    pub multipliers: Multipliers,
-    /// z_n of the relaxing branches, and the force of their springs; empty without branches.
+    /// The equation at the solution.
+    pub end: Balanced,
+    /// The motion with the rigid motions of the bodies, if these are split off.
+    pub whole: Option<Whole>,
+    /// z_n of the relaxing branches; empty without branches.
     pub branches: Vec<Vec<f64>>,
-    pub relaxing: Vec<f64>,
-    pub states: Vec<PointState>,
     /// True if softening laws allow only one solution between the previous state and this one.
     pub is_unique: bool,
     /// Newton iterations on Γ_C, and sweeps.
     pub iterations: usize,
     pub sweeps: usize,
-    /// Residual relative to `scale`, the largest term of the equation.
+    /// Residual relative to the largest term of the equation, or to the summands of the terms if it is round-off.
     pub residual: f64,
-    pub scale: f64,
     /// The contact points that fluids wet.
     pub wet: Vec<bool>,
     /// The temperature used by the half-step, and its m(θ, ·).
     pub theta: Vec<f64>,
     pub thermal: Vec<f64>,
-    pub mass_w: Vec<f64>,
-    pub a_u: Vec<f64>,
-    pub a_w: Vec<f64>,
-    pub b_w: Vec<f64>,
-    /// Springs that hold undetermined rigid motions.
-    pub hold: Hold,
     /// Data of the contact points.
     pub given: Given,
-    /// Resultant of σν on Γ_C.
-    pub force: Point,
-    /// Reactions of the supports, one number per prescribed degree of freedom, N; their work in the step, J.
-    pub reactions: Vec<f64>,
-    pub support_work: f64,
-    /// The sums that the audit needs.
-    pub powers: Powers,
 }
 
 /// Work done on the other threads while the mechanical half-step is solved.
@@ -104,9 +82,14 @@ impl Mechanics {
         let discrete = step.discrete;
         let is_linear = discrete.is_linear();
         let warmed = discrete.warmed(theta);
-        let Begun { mut now, wet, given } =
-            from.map_or_else(|| Begun::new(step, &warmed), |from| Begun::from(step, from, &warmed));
-        let mut equation = Equation::new(step, wet, given, (theta, warmed))?;
+        let (wet, given, mut now) = match from {
+            None => {
+                let (given, now) = begun(step, &warmed);
+                (&step.old.surface.wet.points, given, now)
+            }
+            Some(from) => (&from.wet, from.given.clone(), from.again(step, &warmed)),
+        };
+        let mut equation = Equation::new(step, wet.clone(), given, (theta, warmed))?;
         let (mut newton, mut passes) = (0, 0);
         let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
         // K_u depends on the temperature only.
@@ -126,8 +109,7 @@ impl Mechanics {
                 continue;
             }
             passes += 1;
-            let Advanced { drives, lengths } = &settled.advanced;
-            equation.given.advance(step, drives, lengths);
+            equation.given.advance(step, &settled.drives, &settled.lengths);
             let next = if is_linear {
                 let states = settled.found.states.clone();
                 rayon::join(|| equation.expand(half, &now, settled), || beside.with_rest(&states)).0?
@@ -144,29 +126,59 @@ impl Mechanics {
             }
             is_stale = if softens { renewal.is_due(ratio) } else { !is_linear && ratio > SLOW };
             previous = residual;
-            now = next.iterate;
+            now = next.at;
         }
+    }
+
+    /// The displacement at the time of the equations.
+    pub fn u(&self) -> &[f64] {
+        self.whole.as_ref().map_or(&self.end.u, |whole| &whole.u)
+    }
+
+    /// The velocity.
+    pub fn w(&self) -> &[f64] {
+        self.whole.as_ref().map_or(&self.end.at.w, |whole| &whole.w)
     }
 
     /// The part of the velocity that determines the strain rates.
     pub fn moving(&self) -> &[f64] {
-        if self.relative.is_some() { &self.v } else { &self.w }
-    }
-
-    /// The data of the contact points that belong to that velocity.
-    fn seen(&self) -> &Given {
-        self.relative.as_ref().unwrap_or(&self.given)
+        &self.end.at.w
     }
 
     /// The displacement that determines the strains.
-    pub fn deformed<'m>(&'m self, step: &Step) -> &'m [f64] {
-        if step.apart.is_some() { &self.carried.deformation } else { &self.u }
+    pub fn deformed(&self) -> &[f64] {
+        &self.end.u
+    }
+
+    /// The data of the contact points that belong to [`Mechanics::moving`].
+    fn seen(&self) -> &Given {
+        self.whole.as_ref().map_or(&self.given, |whole| &whole.relative)
+    }
+
+    /// The iterate from which the half-step is solved again with another temperature.
+    fn again(&self, step: &Step, warmed: &Warmed) -> Iterate<'_> {
+        let at = &self.end.at;
+        if step.discrete.softens() {
+            let products = step.discrete.mechanical_products(self.u(), &at.w, warmed);
+            return Iterate::new(step, at.w.clone(), at.multipliers.clone(), products);
+        }
+        Iterate {
+            w: at.w.clone(),
+            rigid: at.rigid.clone(),
+            multipliers: at.multipliers.clone(),
+            mass_w: Cow::Borrowed(&at.mass_w),
+            a_u: Cow::Borrowed(&at.a_u),
+            a_w: Cow::Borrowed(&at.a_w),
+            b_w: Cow::Borrowed(&at.b_w),
+            relaxing: at.relaxing.clone(),
+            hold: at.hold.clone(),
+        }
     }
 
     /// Factorizes K_u at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
         let warmed = step.discrete.warmed(&self.theta);
-        let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &warmed);
+        let tangent = step.discrete.mechanical_tangent(step.rule, self.u(), self.w(), &warmed);
         half.replace(tangent, &self.theta)
     }
 
@@ -174,18 +186,20 @@ impl Mechanics {
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
         let temperature = step.boundary.scalars_on(step.contacts, &step.old.theta);
         let given = Given::new(step, &end.w).at(temperature);
-        given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
+        given
+            .is_unique(step, half, [&step.old.w, &end.w], &end.multipliers)
+            .map_err(|source| step.unsolved("mechanics", source))
     }
 
     /// Σ ω Nᵀ of the change of the contact forces if their laws use other temperatures of the side `on`.
     pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> Vec<f64> {
         let w = half.system.kept_of(self.moving());
-        let forces = |given: &Given| {
+        let tractions = |given: &Given| {
             given
-                .on_boundary(step, &half.on_contact)
-                .map_or_else(Vec::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
+                .term(step, &half.system, &half.on_contact)
+                .map_or_else(Vec::new, |term| term.tractions(&w, &self.end.at.multipliers))
         };
-        let (now, then) = (forces(self.seen()), forces(&self.seen().clone().at(temperature.to_vec())));
+        let (now, then) = (tractions(self.seen()), tractions(&self.seen().clone().at(temperature.to_vec())));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
         on_degrees(step.boundary, &step.discrete.v, change)
     }
@@ -195,9 +209,10 @@ impl Mechanics {
     pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, Vec<PointDerivative>) {
         let w = half.system.kept_of(self.moving());
         let HalfStep { system, on_contact, .. } = half;
-        self.seen()
-            .on_boundary(step, on_contact)
-            .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
+        let term = self.seen().term(step, system, on_contact);
+        term.map_or_else(Default::default, |mut term| {
+            term.tangent(system.condensed_mut(), &w, &self.end.at.multipliers)
+        })
     }
 }
 
@@ -277,7 +292,7 @@ impl<'a> Equation<'a> {
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
         let given = self.seen(now, &[], &[]);
-        let on_boundary = given.on_boundary(step, on_contact);
+        let mut term = given.term(step, system, on_contact);
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
         let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
@@ -287,12 +302,11 @@ impl<'a> Equation<'a> {
         let (Solved { iterations, loose, held, .. }, lengths) = system
             .settle(&mut x, &now.w, |condensed, r| {
                 let contact = || {
-                    let Some(on_boundary) = &on_boundary else {
+                    let Some(term) = &mut term else {
                         let (x, iterations) = without_contact(condensed, r, &guess)?;
                         return Ok((x, (Solved { iterations, ..Solved::default() }, Vec::new())));
                     };
-                    let (mut solved, lengths) =
-                        on_boundary.solve_driven(condensed, [r, &guess], &mut multipliers, &driven)?;
+                    let (mut solved, lengths) = term.solve_driven(condensed, [r, &guess], &mut multipliers, &driven)?;
                     Ok((std::mem::take(&mut solved.x), (solved, lengths)))
                 };
                 rayon::join(contact, || beside.with_contact()).0
@@ -300,20 +314,18 @@ impl<'a> Equation<'a> {
             .map_err(|why| step.failed("mechanics", why))?;
         let increments = &x[system.unknowns().interior..];
         let kept: Vec<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
-        let given = if drives.is_empty() { given } else { self.seen(now, &drives, &lengths) };
-        let on_boundary = given.on_boundary(step, on_contact);
-        let states = on_boundary.map_or_else(Vec::new, |of| of.states(system.condensed(), &kept, &multipliers));
+        let advanced = (!drives.is_empty()).then(|| self.seen(now, &drives, &lengths));
+        if let Some(given) = &advanced {
+            term = given.term(step, system, on_contact);
+        }
+        let states = term.map_or_else(Vec::new, |term| term.point_states(&kept, &multipliers));
         let forces = if held.is_empty() { held } else { system.unknowns().forces(&held, now.w.len()) };
-        Ok(Settled {
-            x,
-            found: Found { multipliers, states, hold: Hold { loose, forces } },
-            iterations,
-            advanced: Advanced { drives, lengths },
-        })
+        let found = Found { multipliers, states, hold: Hold { loose, forces } };
+        Ok(Settled { x, found, iterations, drives, lengths })
     }
 
     /// Makes the backward sweep and evaluates the residual of (4.1) with the resulting velocity.
-    fn expand(&self, half: &HalfStep, now: &Iterate, settled: Settled) -> Result<Balanced<'a>, StepError> {
+    fn expand(&self, half: &HalfStep, now: &Iterate, settled: Settled) -> Result<Balanced, StepError> {
         let Settled { x, found, .. } = settled;
         let w = half.system.expand(x, &now.w).map_err(|source| self.step.unsolved("mechanics", source))?;
         self.step.finite(&w, "mechanics")?;
@@ -321,7 +333,7 @@ impl<'a> Equation<'a> {
     }
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
-    fn balance(&self, mut v: Vec<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced<'a>, StepError> {
+    fn balance(&self, mut v: Vec<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced, StepError> {
         let Found { multipliers, states, hold } = found;
         let Step { discrete, rule: Rule { k, .. }, .. } = *self.step;
         // The rigid motion added by the iteration moves from v to W.
@@ -355,9 +367,9 @@ impl<'a> Equation<'a> {
         let support_rates = discrete.v.prescribed_of(w);
         let held_work = k * dot(&hold.forces, &w[..hold.forces.len()]);
         rest.iter_mut().zip(&hold.forces).for_each(|(rest, force)| *rest -= force);
-        let iterate = Iterate { rigid, hold, ..Iterate::new(self.step, v, multipliers, products) };
+        let at = Iterate { rigid, hold, ..Iterate::new(self.step, v, multipliers, products) };
         let ([_, load, thermal, mass_w, bar, b_w, a_u], powers) = over_blocks(&blocks);
-        rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
+        rest.iter_mut().zip(&at.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
         let reaction_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w);
@@ -366,10 +378,10 @@ impl<'a> Equation<'a> {
         let known = self.step.drives(&self.given).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
         let acting = (inertia * mass_w.max(bar)).max(thermal).max(known);
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
-        let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(acting.max(contact), f64::max);
+        let scale = [b_w, a_u, max_abs(&at.relaxing)].into_iter().fold(acting.max(contact), f64::max);
         let value = self.step.relative(max_abs(&rest), scale, "mechanics")?;
         Ok(Balanced {
-            iterate,
+            at,
             u,
             states,
             residual: Residual { value, scale, acting, contact },
@@ -386,16 +398,16 @@ impl<'a> Equation<'a> {
         &self,
         half: &HalfStep,
         now: &Iterate,
-        mut next: Balanced<'a>,
+        mut next: Balanced,
         previous: f64,
-    ) -> Result<Balanced<'a>, StepError> {
+    ) -> Result<Balanced, StepError> {
         let mut alpha = 0.5;
         while next.residual.value > previous && alpha >= SHORTEST_STEP {
             let part = |old: f64, new: f64| old + alpha * (new - old);
-            let w: Vec<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
-            let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
+            let w: Vec<f64> = now.w.iter().zip(&next.at.w).map(|(old, new)| part(*old, *new)).collect();
+            let multipliers = now.multipliers.towards(&next.at.multipliers, alpha);
             let states = self.given.states(self.step, half, &w, &multipliers);
-            let hold = now.hold.towards(&next.iterate.hold, alpha);
+            let hold = now.hold.towards(&next.at.hold, alpha);
             let shorter = self.balance(w, &now.rigid, Found { multipliers, states, hold })?;
             if shorter.residual.value < next.residual.value {
                 next = shorter;
@@ -413,14 +425,13 @@ impl<'a> Equation<'a> {
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
         let Equation { step, pools, theta, thermal, given, .. } = self;
-        let Balanced { iterate, u, states, residual, force, reactions, support_work, powers } = end;
-        let scale = residual.scale;
+        let (v, rigid) = (&end.at.w, &end.at.rigid);
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
-        let residual = step.accept(residual, "mechanics", |of| match of {
-            Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
+        let residual = step.accept(end.residual, "mechanics", |of| match of {
+            Rounded::Here => round_off(v, &step.sizes(v)),
             Rounded::Before => round_off(step.bar.w, &step.sizes(step.bar.w)),
             Rounded::Prescribed => {
-                let (mut w, mut sizes) = (iterate.w.clone(), step.sizes(&iterate.w));
+                let (mut w, mut sizes) = (v.clone(), step.sizes(v));
                 step.discrete.v.mask_free(&mut w);
                 step.discrete.v.mask_free(&mut sizes);
                 round_off(&w, &sizes)
@@ -432,62 +443,45 @@ impl<'a> Equation<'a> {
                 round_off(&zeros(sizes.len()), &sizes)
             }
         })?;
-        let Iterate { w: v, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold } = iterate;
-        let relative = step.apart.map(|_| given.relative(step, &rigid, &v));
-        let seen = relative.as_ref().unwrap_or(&given);
-        let from = step.apart.map(|_| step.less_rigid(&rigid, &step.old.w));
-        let ends = [from.as_deref().unwrap_or(&step.old.w), &*v];
+        let whole = step.apart.map(|_| step.whole(rigid, &end.u, v, given.relative(step, rigid, v)));
+        let (seen, from) = match &whole {
+            None => (&given, Cow::Borrowed(&step.old.w)),
+            Some(whole) => (&whole.relative, Cow::Owned(step.less_rigid(rigid, &step.old.w))),
+        };
         let is_unique = seen
-            .is_unique_between(step, half, ends, &multipliers)
+            .is_unique(step, half, [&from, v], &end.at.multipliers)
             .map_err(|source| step.unsolved("mechanics", source))?;
-        let branches = step.branches(&v);
-        let Whole { u, w, v, carried } = step.whole(&rigid, u, v);
         Ok(Mechanics {
-            u,
+            branches: step.branches(v),
+            whole,
             is_unique,
-            branches,
-            w,
-            v,
-            rigid,
-            relative,
-            carried,
-            multipliers,
-            states,
             iterations,
             sweeps,
             residual,
-            scale,
             wet: pools.wet,
             theta: copy(theta),
             thermal,
-            mass_w: mass_w.into_owned(),
-            a_u: a_u.into_owned(),
-            a_w: a_w.into_owned(),
-            b_w: b_w.into_owned(),
-            relaxing,
-            hold,
             given,
-            force,
-            reactions,
-            support_work,
-            powers,
+            end,
         })
     }
 }
 
 /// A velocity with its terms of (4.1), or with those of the previous state. It excludes the rigid motions if they are
 /// split off.
-struct Iterate<'a> {
-    w: Vec<f64>,
-    rigid: Vec<Rigid>,
-    multipliers: Multipliers,
-    mass_w: Cow<'a, [f64]>,
-    a_u: Cow<'a, [f64]>,
-    a_w: Cow<'a, [f64]>,
-    b_w: Cow<'a, [f64]>,
-    /// Σ ∫ 𝓖ε(z):ε(·) of the relaxing branches.
-    relaxing: Vec<f64>,
-    hold: Hold,
+#[derive(Default)]
+pub(crate) struct Iterate<'a> {
+    pub w: Vec<f64>,
+    pub rigid: Vec<Rigid>,
+    pub multipliers: Multipliers,
+    pub mass_w: Cow<'a, [f64]>,
+    pub a_u: Cow<'a, [f64]>,
+    pub a_w: Cow<'a, [f64]>,
+    pub b_w: Cow<'a, [f64]>,
+    /// Σ ∫ 𝓖ε(z):ε(·) of the relaxing branches; empty without branches.
+    pub relaxing: Vec<f64>,
+    /// Springs that hold undetermined rigid motions.
+    pub hold: Hold,
 }
 
 /// Undetermined rigid motions and the springs that hold them.
@@ -512,13 +506,6 @@ fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6
     load + thermal - inertia * (mass_w - bar) - b_w - a_u
 }
 
-/// Growth of δ of the driven contacts.
-struct Advanced {
-    drives: Vec<Drive>,
-    /// Growth of each δ, m.
-    lengths: Vec<f64>,
-}
-
 /// An iteration whose contact is solved: the increments on Γ_C with the reduced values of the body, and the contact
 /// points.
 struct Settled {
@@ -526,8 +513,9 @@ struct Settled {
     found: Found,
     /// Newton iterations on Γ_C.
     iterations: usize,
-    /// Growth of each δ.
-    advanced: Advanced,
+    /// The driven contacts, and by how much their δ has grown, m.
+    drives: Vec<Drive>,
+    lengths: Vec<f64>,
 }
 
 /// Solution on Γ_C.
@@ -537,18 +525,22 @@ struct Found {
     hold: Hold,
 }
 
-/// Residual of (4.1) at an iterate.
-struct Balanced<'a> {
-    iterate: Iterate<'a>,
+/// An iterate with the residual of (4.1).
+#[derive(Default)]
+pub(crate) struct Balanced {
+    pub at: Iterate<'static>,
     /// ū + γ w of the iterate.
-    u: Vec<f64>,
-    states: Vec<PointState>,
+    pub u: Vec<f64>,
+    pub states: Vec<PointState>,
     /// Residual, whose acting terms are loads, forces of driven contacts, heat and inertia.
-    residual: Residual,
-    force: Point,
-    reactions: Vec<f64>,
-    support_work: f64,
-    powers: Powers,
+    pub residual: Residual,
+    /// Resultant of σν on Γ_C.
+    pub force: Point,
+    /// Reactions of the supports, one number per prescribed degree of freedom, N; their work in the step, J.
+    pub reactions: Vec<f64>,
+    pub support_work: f64,
+    /// The sums that the audit needs.
+    pub powers: Powers,
 }
 
 impl Iterate<'_> {
@@ -560,56 +552,33 @@ impl Iterate<'_> {
     }
 }
 
-/// Starting values of a half-step.
-struct Begun<'a> {
-    now: Iterate<'a>,
-    wet: Vec<bool>,
-    given: Given,
-}
-
-impl<'a> Begun<'a> {
-    /// Starts from w_{n−1}, and from (u_D(t_n) − ū)/γ if the displacement is prescribed.
-    fn new(step: &Step<'a>, warmed: &Warmed) -> Begun<'a> {
-        let Step { discrete, old, bar, products, t, rule: Rule { k, gamma, .. }, .. } = *step;
-        let mut w = copy(&old.w);
-        let changes = discrete.v.prescribe_rates(t, k, bar.u, &mut w);
-        let given = Given::new(step, &w);
-        let mut multipliers = old.multipliers.clone();
-        // A point that no longer faces the other body has lost contact.
-        for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
-            (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
-        }
-        let rigid = step.take(&mut w);
-        let now = if step.apart.is_some() {
-            let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
-            Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
-        } else if discrete.is_linear() && !changes {
-            // a(ū + γ w̄, ·) is obtained without another product.
-            let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
-            let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
-            let relaxing = step.relaxing(&w);
-            Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
-        } else {
-            let products = discrete.mechanical_products(&step.deformed(&w), &w, warmed);
-            Iterate::new(step, w, multipliers, products)
-        };
-        Begun { now, wet: old.surface.wet.points.clone(), given }
+/// Data of the contact points and the iterate at the start of a half-step: at w_{n−1}, and at (u_D(t_n) − ū)/γ if the
+/// displacement is prescribed.
+fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
+    let Step { discrete, old, bar, products, t, rule: Rule { k, gamma, .. }, .. } = *step;
+    let mut w = copy(&old.w);
+    let changes = discrete.v.prescribe_rates(t, k, bar.u, &mut w);
+    let given = Given::new(step, &w);
+    let mut multipliers = old.multipliers.clone();
+    // A point that no longer faces the other body has lost contact.
+    for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
+        (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
     }
-
-    /// Starts from a solution of the same step.
-    fn from(step: &Step, m: &'a Mechanics, warmed: &Warmed) -> Begun<'a> {
-        let Mechanics { rigid, multipliers, wet, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
-        let (w, multipliers) = (m.moving().to_vec(), multipliers.clone());
-        let now = if step.discrete.softens() {
-            let products = step.discrete.mechanical_products(&m.u, &w, warmed);
-            Iterate::new(step, w, multipliers, products)
-        } else {
-            let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(|v| Cow::Borrowed(&**v));
-            let (rigid, relaxing, hold) = (rigid.clone(), relaxing.clone(), m.hold.clone());
-            Iterate { w, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold }
-        };
-        Begun { now, wet: wet.clone(), given: given.clone() }
-    }
+    let rigid = step.take(&mut w);
+    let now = if step.apart.is_some() {
+        let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
+        Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
+    } else if discrete.is_linear() && !changes {
+        // a(ū + γ w̄, ·) is obtained without another product.
+        let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
+        let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
+        let relaxing = step.relaxing(&w);
+        Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
+    } else {
+        let products = discrete.mechanical_products(&step.deformed(&w), &w, warmed);
+        Iterate::new(step, w, multipliers, products)
+    };
+    (given, now)
 }
 
 /// M w, a(d, ·), a(v, ·) and b(v, ·) if rigid motions W are split off: w = W + v.

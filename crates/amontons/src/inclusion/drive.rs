@@ -76,14 +76,14 @@ struct Tried {
     multipliers: Multipliers,
 }
 
-impl MechanicalStep<'_> {
-    /// Solves the step as [`MechanicalStep::solve`] does, with contacts that are driven: also by how much each δ grows
+impl Mechanical<'_> {
+    /// Solves the step as [`Mechanical::solve`] does, with contacts that are driven: also by how much each δ grows
     /// beyond what the frames say, m.
     ///
     /// # Errors
     /// As there, and where no length makes a contact bear its force.
     pub fn solve_driven(
-        &self,
+        &mut self,
         condensed: &mut dyn Condensed,
         [r, guess]: [&[f64]; 2],
         multipliers: &mut Multipliers,
@@ -92,8 +92,8 @@ impl MechanicalStep<'_> {
         if drives.all.is_empty() {
             return Ok((self.solve(condensed, r, guess, multipliers)?, Vec::new()));
         }
-        let stiffness = self.stiffness(condensed, drives.all);
-        let mut tries = Tries { step: self, condensed, right: [r, guess], drives, stiffness, iterations: 0 };
+        let stiffness = self.stiffness(drives.all);
+        let mut tries = Tries { step: self.step, condensed, right: [r, guess], drives, stiffness, iterations: 0 };
         let first = tries.at(vec![0.0; drives.all.len()], multipliers)?;
         let last = tries.end(first)?;
         *multipliers = last.multipliers;
@@ -102,12 +102,12 @@ impl MechanicalStep<'_> {
 
     /// The stiffness of the material beside each contact, N/m, and of what it accelerates: not less than T grows with
     /// its length.
-    fn stiffness(&self, condensed: &dyn Condensed, drives: &[Drive]) -> Vec<f64> {
-        let term = Mechanical::new(self, Some(condensed));
+    fn stiffness(&self, drives: &[Drive]) -> Vec<f64> {
+        let MechanicalStep { boundary, rule, .. } = self.step;
         let of = |drive: &Drive| {
-            let points = self.boundary.points.iter().zip(&term.rho);
+            let points = boundary.points.iter().zip(&self.rho);
             let own = points.filter(|(point, _)| point.contact == drive.contact);
-            drive.inertia[1] + own.map(|(point, rho)| point.weight * rho / self.rule.k).sum::<f64>()
+            drive.inertia[1] + own.map(|(point, rho)| point.weight * rho / rule.k).sum::<f64>()
         };
         drives.iter().map(of).collect()
     }
@@ -115,7 +115,7 @@ impl MechanicalStep<'_> {
 
 /// A step that is solved for several lengths.
 struct Tries<'a> {
-    step: &'a MechanicalStep<'a>,
+    step: MechanicalStep<'a>,
     condensed: &'a mut dyn Condensed,
     /// The right-hand side and the guess.
     right: [&'a [f64]; 2],
@@ -129,13 +129,13 @@ impl Tries<'_> {
     /// The step with each δ grown by these lengths.
     fn at(&mut self, lengths: Vec<f64>, from: &Multipliers) -> Result<Tried, Failure> {
         let frames = (self.drives.frames)(&lengths);
-        let step = MechanicalStep { frames: &frames, ..*self.step };
+        let mut term = Mechanical::new(MechanicalStep { frames: &frames, ..self.step }, Some(self.condensed));
         let mut multipliers = from.clone();
         let [r, guess] = self.right;
-        let solved = step.solve(self.condensed, r, guess, &mut multipliers)?;
+        let solved = term.solve(self.condensed, r, guess, &mut multipliers)?;
         self.iterations += solved.iterations;
         let w: Vec<f64> = guess.iter().zip(&solved.x).map(|(value, change)| value + change).collect();
-        let states = step.states(self.condensed, &w, &multipliers);
+        let states = term.point_states(&w, &multipliers);
         let n = lengths.len();
         let mut tried = Tried {
             lengths,
@@ -146,7 +146,7 @@ impl Tries<'_> {
             multipliers,
         };
         for (drive, length) in self.drives.all.iter().zip(&tried.lengths) {
-            let own = step.boundary.points.iter().zip(&states).filter(|(point, _)| point.contact == drive.contact);
+            let own = self.step.boundary.points.iter().zip(&states).filter(|(point, _)| point.contact == drive.contact);
             let [rest, rate] = drive.inertia;
             let (mut borne, mut size, mut gap) =
                 (rest + rate * length, rest.abs() + (rate * length).abs(), f64::INFINITY);

@@ -63,6 +63,7 @@ impl Multipliers {
 }
 
 /// Data of a mechanical step on Γ_C that are known before it is solved.
+#[derive(Clone, Copy)]
 pub struct MechanicalStep<'a> {
     /// The laws of each side.
     pub contacts: &'a [Contact],
@@ -97,14 +98,14 @@ pub struct MechanicalStep<'a> {
 }
 
 /// The mechanical term of a step.
-pub(super) struct Mechanical<'a> {
-    pub step: &'a MechanicalStep<'a>,
-    pub interface: Interface,
+pub struct Mechanical<'a> {
+    pub(super) step: MechanicalStep<'a>,
+    pub(super) interface: Interface,
     /// ρ of each point in Pa s/m, and how its pressure is found.
-    pub rho: Vec<f64>,
-    pub response: Vec<Response>,
+    pub(super) rho: Vec<f64>,
+    pub(super) response: Vec<Response>,
     /// Treatment of friction at all points.
-    pub slip: Slip,
+    pub(super) slip: Slip,
     /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
     stiff: f64,
     /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
@@ -114,12 +115,12 @@ pub(super) struct Mechanical<'a> {
     /// States of the points at the last iterates that were evaluated, the last one last.
     seen: Mutex<[Vec<Status>; SEEN]>,
     /// Supports of rigid motions, or `None` if the parts are supported.
-    pub holds: Option<Holds>,
+    pub(super) holds: Option<Holds>,
 }
 
 impl<'a> Mechanical<'a> {
     /// The term of a step. Without `condensed` multipliers are taken as they are.
-    pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
+    pub fn new(step: MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
         let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
         let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space);
         let rho = condensed.map_or_else(
@@ -152,16 +153,16 @@ impl<'a> Mechanical<'a> {
     }
 
     /// Something of the laws at each point, laws on arrays evaluated for all points at once.
-    pub fn at_points<T: Send + 'static>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
+    pub(super) fn at_points<T: Send + 'static>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
         per_point(&arrays(self.step.contacts), self.interface.len(), of)
     }
 
     /// ū_ν − g at a point, m.
-    pub fn opening(&self, i: usize) -> f64 {
+    pub(super) fn opening(&self, i: usize) -> f64 {
         self.opening.get(i).map_or(0.0, |[opening, _]| *opening)
     }
 
-    pub fn contact(&self, i: usize) -> &Contact {
+    pub(super) fn contact(&self, i: usize) -> &Contact {
         &self.step.contacts[self.interface.rows[i].contact]
     }
 
@@ -179,12 +180,12 @@ impl<'a> Mechanical<'a> {
         Kinematics { penetration, rate, slip, temperature: self.step.temperature[i] }
     }
 
-    pub fn laws_at(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
+    pub(super) fn laws_at(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
         self.laws_with(i, w, multiplier, self.response[i])
     }
 
     /// The laws at a point, its pressure found in a way of its own.
-    pub fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
+    pub(super) fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
         let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
         let start = self.opening(i) + rule.k * frame.gap_rate;
         let mean = MeanPressure::new(contact.normal.as_ref(), start, rule.level);
@@ -209,7 +210,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// This term with another treatment of friction.
-    pub fn with(&self, slip: Slip) -> Mechanical<'a> {
+    pub(super) fn with(&self, slip: Slip) -> Mechanical<'a> {
         Mechanical {
             step: self.step,
             interface: self.interface.clone(),
@@ -225,7 +226,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// ‖w_τ − v_F‖ at a point, m/s.
-    pub fn slip_speed(&self, i: usize, w: &[f64]) -> f64 {
+    pub(super) fn slip_speed(&self, i: usize, w: &[f64]) -> f64 {
         let [s1, s2] = self.kinematics(i, w).slip;
         s1.hypot(s2)
     }
@@ -247,7 +248,7 @@ impl<'a> Mechanical<'a> {
 
     /// The multipliers by their components at each point. Out of the plane there is friction only while the foundation
     /// slides there.
-    pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
+    pub(super) fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
         let of = |(i, row): (usize, &Row)| {
             let mut q = tail(row.local(&multipliers.q[i]));
             if !self.slides_out(i) {
@@ -261,7 +262,7 @@ impl<'a> Mechanical<'a> {
 
     /// Along which tangents there is no friction, since both sides are held alike there. A tie in space holds them all
     /// the same; in the plane there is nothing to tie.
-    pub fn held(&self, i: usize) -> [bool; 2] {
+    pub(super) fn held(&self, i: usize) -> [bool; 2] {
         let in_space = self.step.dim == 3;
         match given(&self.step.boundary.points[i].held).count() {
             0 => [false; 2],
@@ -278,7 +279,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// The multipliers as vectors.
-    pub fn global(&self, multipliers: &[Multiplier]) -> Multipliers {
+    pub(super) fn global(&self, multipliers: &[Multiplier]) -> Multipliers {
         Multipliers {
             p: multipliers
                 .iter()
@@ -292,7 +293,7 @@ impl<'a> Mechanical<'a> {
 
     /// True if the bound of a point drops when slip starts. The iteration then stays on the branch on which it starts,
     /// because overshooting iterates would release a point that can stick.
-    pub fn drops(&self, i: usize) -> bool {
+    pub(super) fn drops(&self, i: usize) -> bool {
         self.contact(i).friction.drops_from_rest()
     }
 }
@@ -318,16 +319,15 @@ impl MechanicalStep<'_> {
         }
         [sum - frame.gap, size]
     }
+}
 
+impl Mechanical<'_> {
     /// The states of the contact points at velocities on Γ_C, the multipliers as they are.
-    #[must_use]
-    pub fn states(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        let term = Mechanical::new(self, Some(condensed));
-        let w = term.interface.turned(w);
-        let local = term.local(multipliers);
+    pub fn point_states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        let (w, local) = (self.interface.turned(w), self.local(multipliers));
         let of = |i: usize| {
-            let laws = term.laws_found(i, &w, &local[i]);
-            let mut state = laws.state(&term.interface.rows[i]);
+            let laws = self.laws_found(i, &w, &local[i]);
+            let mut state = laws.state(&self.interface.rows[i]);
             if state.bound > 0.0 {
                 // At the bound to round-off, and moving: slip.
                 let at_bound = laws.friction.size() >= state.bound * (1.0 - 1e-9);
@@ -335,49 +335,46 @@ impl MechanicalStep<'_> {
             }
             state
         };
-        term.at_points(of)
+        self.at_points(of)
     }
 
     /// The derivatives at a solution: that of the contact forces in the velocity, in the basis that `condensed` has,
     /// and all of them at each point.
     pub fn tangent(
-        &self,
+        &mut self,
         condensed: &mut dyn Condensed,
         w: &[f64],
         multipliers: &Multipliers,
     ) -> (Tangent, Vec<PointDerivative>) {
-        let mut term = Mechanical::new(self, Some(condensed));
-        condensed.turn(&term.interface.turns);
-        term.find_motions(condensed);
-        let (w, local) = (term.interface.turned(w), term.local(multipliers));
-        let mut tangent = term.interface.empty_tangent();
-        let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
+        condensed.turn(&self.interface.turns);
+        self.find_motions(condensed);
+        let (w, local, dim) = (self.interface.turned(w), self.local(multipliers), self.step.dim);
+        let mut tangent = self.interface.empty_tangent();
+        let laws = self.at_points(|i| self.laws_at(i, &w, &local[i]));
         let points = laws.iter().enumerate().map(|(i, laws)| {
-            term.interface.add_tangent(i, &laws.linear(self.dim).1, &mut tangent);
-            laws.derivative(&term.interface.rows[i], self.dim)
+            self.interface.add_tangent(i, &laws.linear(dim).1, &mut tangent);
+            laws.derivative(&self.interface.rows[i], dim)
         });
         let points = points.collect();
-        term.hold(&mut tangent, |i| resisting(&laws[i], self.dim));
+        self.hold(&mut tangent, |i| resisting(&laws[i], dim));
         (tangent, points)
     }
 
-    /// Contact forces by the laws at each point: the pressure on the graph along ν, and q + ρ w_τ projected onto the
-    /// cone, in Pa. At a solution this is the force p ν + q.
-    #[must_use]
-    pub fn forces(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
-        let term = Mechanical::new(self, Some(condensed));
-        let (w, local) = (term.interface.turned(w), term.local(multipliers));
+    /// Contact tractions by the laws at each point: the pressure on the graph along ν, and q + ρ w_τ projected onto the
+    /// cone, in Pa. At a solution this is p ν + q.
+    pub fn tractions(&self, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
+        let (w, local) = (self.interface.turned(w), self.local(multipliers));
         let of = |i: usize| {
-            let [_, q1, q2] = term.laws_at(i, &w, &local[i]).projected();
-            term.interface.rows[i].global(&[term.laws_found(i, &w, &local[i]).normal.pressed, q1, q2])
+            let [_, q1, q2] = self.laws_at(i, &w, &local[i]).projected();
+            self.interface.rows[i].global(&[self.laws_found(i, &w, &local[i]).normal.pressed, q1, q2])
         };
-        term.at_points(of)
+        self.at_points(of)
     }
 
     /// True if the step with its friction bounds frozen has no other solution between two velocities: S with the least
     /// slopes of the laws between them, friction at the larger of the pressures of both ends, is positive definite. Of
     /// friction, velocity weakening counts, but not the drop from rest, after which a sticking point continues to stick
-    /// as long as it can. Proof: `book/src/theory.md`, section 3.5.
+    /// as long as it can. The term is one without `condensed`. Proof: `book/src/theory.md`, section 3.5.
     ///
     /// # Errors
     /// If definiteness cannot be determined.
@@ -387,26 +384,25 @@ impl MechanicalStep<'_> {
         [from, to]: [&[f64]; 2],
         multipliers: [&Multipliers; 2],
     ) -> Result<bool, SolveError> {
-        let term = Mechanical::new(self, None);
-        let [from, to] = [from, to].map(|w| term.interface.turned(w));
-        let local = term.local(multipliers[1]);
+        let [from, to] = [from, to].map(|w| self.interface.turned(w));
+        let local = self.local(multipliers[1]);
         let slopes =
-            term.at_points(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i])));
+            self.at_points(|i| self.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i])));
         if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
             return Ok(true);
         }
         if slopes.iter().flatten().any(|slope| !slope.is_finite()) {
             return Ok(false);
         }
-        condensed.turn(&term.interface.turns);
-        let mut sum = term.interface.empty_tangent();
+        condensed.turn(&self.interface.turns);
+        let mut sum = self.interface.empty_tangent();
         for (i, [normal, tangential]) in slopes.into_iter().enumerate() {
             let mut tangent: LocalTangent = [[0.0; 3]; 3];
             tangent[0][0] = normal;
-            for a in 1..self.dim {
+            for a in 1..self.step.dim {
                 tangent[a][a] = tangential;
             }
-            term.interface.add_tangent(i, &tangent, &mut sum);
+            self.interface.add_tangent(i, &tangent, &mut sum);
         }
         match condensed.is_positive_definite(&sum) {
             // If the iterative solver does not converge, uniqueness is not known and is denied.
@@ -414,9 +410,7 @@ impl MechanicalStep<'_> {
             found => found,
         }
     }
-}
 
-impl Mechanical<'_> {
     /// The least slopes of pressure and friction bound of a point between two velocities.
     fn least_slopes(&self, i: usize, [from, to]: [&[f64]; 2], multiplier: &Multiplier, sticks: [bool; 2]) -> [f64; 2] {
         let (point, frame, contact) = (&self.step.boundary.points[i], &self.step.frames[i], self.contact(i));

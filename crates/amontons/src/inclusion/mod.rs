@@ -46,7 +46,7 @@ pub use frame::{Frame, PointDerivative, PointState, PointTangent};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use loose::{Loose, Undetermined};
-pub use mechanical::{MechanicalStep, Multipliers};
+pub use mechanical::{Mechanical, MechanicalStep, Multipliers};
 pub use passed::Passed;
 
 use crate::contact::Status;

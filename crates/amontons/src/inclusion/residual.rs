@@ -1,7 +1,7 @@
 //! Residual of an equation, and the rule by which it may be the round-off of its terms.
 
 /// Residual of an equation, with its reference sizes. All are the largest entries of vectors, in N or W.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Residual {
     /// The residual, relative to `scale`.
     pub value: f64,

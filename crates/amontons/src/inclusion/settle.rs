@@ -78,12 +78,12 @@ pub(super) fn resisting(laws: &Laws, dim: usize) -> Resists {
 impl Mechanical<'_> {
     /// Finds the rigid motions of the step, and holds those that no point of contact could determine if all were closed
     /// and stuck.
-    pub fn find_motions(&mut self, condensed: &dyn Condensed) {
+    pub(super) fn find_motions(&mut self, condensed: &dyn Condensed) {
         if self.step.loose.is_empty() {
             return;
         }
         let size = condensed.len();
-        let jumps = Arc::new(Jumps::new(self.step, &self.interface, size));
+        let jumps = Arc::new(Jumps::new(&self.step, &self.interface, size));
         let may = |i: usize| -> Resists {
             let rubs = !self.contact(i).friction.is_frictionless();
             let [first, second] = self.held(i).map(|held| f64::from(u8::from(rubs && !held)));
@@ -96,7 +96,7 @@ impl Mechanical<'_> {
     }
 
     /// Adds the springs of the motions that are held, and of those that the points leave free.
-    pub fn hold(&self, tangent: &mut Tangent, resists: impl Fn(usize) -> Resists) {
+    pub(super) fn hold(&self, tangent: &mut Tangent, resists: impl Fn(usize) -> Resists) {
         let Some(holds) = &self.holds else { return };
         holds.held.iter().for_each(|(_, spring)| tangent.hold(spring.clone()));
         let free = holds.jumps.free(&self.interface, resists, &holds.frees(), (false, holds.scale.len()));
@@ -105,8 +105,8 @@ impl Mechanical<'_> {
         }
     }
 
-    /// Solves the step: see [`super::MechanicalStep::solve`].
-    pub fn solve_held(
+    /// Solves the step: see [`Mechanical::solve`].
+    pub(super) fn solve_held(
         &mut self,
         condensed: &mut dyn Condensed,
         [r, guess]: [&[f64]; 2],
@@ -116,7 +116,7 @@ impl Mechanical<'_> {
         let Some(holds) = &self.holds else {
             let is_repeated = self.step.is_repeated;
             let right = Right { r, guess, proximal: None, is_repeated, springs: &[], rigid: None, pulse };
-            let (end, iterations) = self.solve(condensed, &right, start)?;
+            let (end, iterations) = self.solve_branches(condensed, &right, start)?;
             return Ok(Settled { end, iterations, loose: Vec::new(), held: Vec::new() });
         };
         let driven: Vec<Undetermined> = holds.held.iter().filter_map(|(free, _)| self.driven(free)).collect();
@@ -134,7 +134,7 @@ impl Mechanical<'_> {
         }
         let is_repeated = self.step.is_repeated;
         let right = Right { r: &r, guess, proximal: None, is_repeated, springs: &springs, rigid, pulse };
-        let (end, iterations) = self.solve(condensed, &right, start)?;
+        let (end, iterations) = self.solve_branches(condensed, &right, start)?;
         let excess = self.excess(&end);
         if !excess.is_empty() {
             return Err(Failure::Driven(excess));
@@ -162,7 +162,7 @@ impl Mechanical<'_> {
                 holds.add(&moving);
             }
             let springs = self.holds.as_ref().map(Holds::springs).unwrap_or_default();
-            match self.solve(condensed, &Right { springs: &springs, ..right.clone() }, end.clone()) {
+            match self.solve_branches(condensed, &Right { springs: &springs, ..right.clone() }, end.clone()) {
                 Ok((least, more)) if self.excess(&least).is_empty() => {
                     (end, iterations) = (least, iterations + more);
                 }
@@ -220,7 +220,7 @@ impl Mechanical<'_> {
     }
 
     /// Beyond which distance a part of the body meets nothing, as a velocity in m/s; infinite where no part is loose.
-    pub fn far(&self) -> f64 {
+    pub(super) fn far(&self) -> f64 {
         let Some(holds) = &self.holds else { return f64::INFINITY };
         let gap = (0..self.interface.len()).map(|i| self.opening(i).abs()).fold(0.0, f64::max);
         FAR * (holds.jumps.extent() + gap) / self.step.rule.k
@@ -228,7 +228,7 @@ impl Mechanical<'_> {
 
     /// The rigid motion that drives the parts of the body apart without end: that of the loads, if it closes no point,
     /// else that which a direction is made of.
-    pub fn moved(&self, direction: &[f64]) -> Vec<Undetermined> {
+    pub(super) fn moved(&self, direction: &[f64]) -> Vec<Undetermined> {
         let Some(holds) = &self.holds else { return Vec::new() };
         let loads: Vec<f64> = self.step.loads.iter().map(|[load, _]| *load).collect();
         let sum =
@@ -237,7 +237,7 @@ impl Mechanical<'_> {
     }
 
     /// The motions that the points resist by no more than slip at an iterate, and that are not in balance.
-    pub fn slipping(
+    pub(super) fn slipping(
         &self,
         condensed: &dyn Condensed,
         right: &Right,

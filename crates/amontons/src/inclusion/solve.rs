@@ -30,30 +30,31 @@ const FEW: usize = ITERATIONS;
 /// An iterate of the mechanical step.
 pub(super) type Mechanics = Iterate<Vec<Multiplier>>;
 
-impl MechanicalStep<'_> {
+impl Mechanical<'_> {
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for
     /// the increment of the velocity over the guess.
     ///
     /// # Errors
     /// If the iteration does not converge, or a linear system is not solved. The multipliers are then unchanged.
     pub fn solve(
-        &self,
+        &mut self,
         condensed: &mut dyn Condensed,
         r: &[f64],
         guess: &[f64],
         multipliers: &mut Multipliers,
     ) -> Result<Solved, Failure> {
-        let mut term = Mechanical::new(self, Some(condensed));
-        condensed.turn(&term.interface.turns);
-        let [r, guess] = [r, guess].map(|v| term.interface.turned(v));
-        term.find_motions(condensed);
-        let start = Iterate { x: guess.clone(), multipliers: term.predicted(&guess, term.local(multipliers)) };
-        let Settled { end, iterations, loose, held } = term.solve_held(condensed, [&r, &guess], start)?;
-        *multipliers = term.global(&end.multipliers);
-        self.share(multipliers);
-        Ok(Solved { x: term.interface.back(&end.x), iterations, loose, held })
+        condensed.turn(&self.interface.turns);
+        let [r, guess] = [r, guess].map(|v| self.interface.turned(v));
+        self.find_motions(condensed);
+        let start = Iterate { x: guess.clone(), multipliers: self.predicted(&guess, self.local(multipliers)) };
+        let Settled { end, iterations, loose, held } = self.solve_held(condensed, [&r, &guess], start)?;
+        *multipliers = self.global(&end.multipliers);
+        self.step.share(multipliers);
+        Ok(Solved { x: self.interface.back(&end.x), iterations, loose, held })
     }
+}
 
+impl MechanicalStep<'_> {
     /// Gives the points at a node and at one that follows it the same tractions, turned: they have the same unknowns,
     /// and only the sum of their forces is determined where the foundation is rigid or they stick.
     fn share(&self, multipliers: &mut Multipliers) {
@@ -105,7 +106,7 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step, with bounds that drop when slip starts on the right branches.
-    pub(super) fn solve(
+    pub(super) fn solve_branches(
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,

@@ -7,8 +7,7 @@ use crate::equation::StepError;
 use crate::equation::foundation::frames;
 use crate::equation::given::Given;
 use crate::equation::heat::{Amounts, Begun, Heat};
-use crate::equation::mechanics::{Hold, Mechanics};
-use crate::equation::power::Powers;
+use crate::equation::mechanics::{Balanced, Iterate, Mechanics};
 use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::{Exchange, Frame, PointState};
 use crate::problem::Physics;
@@ -27,7 +26,7 @@ pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepEr
 pub(crate) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let states = across_gaps(step);
     let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &states)?;
-    Ok(made(Mechanics { states, ..no_mechanics(step) }, heat))
+    Ok(made(no_mechanics(step, states), heat))
 }
 
 /// The contact points of bodies at rest: r = −g, and no traction.
@@ -81,38 +80,24 @@ fn no_heat(step: &Step, theta: Vec<f64>) -> Heat {
 }
 
 /// A mechanical half-step with u = w = 0 and no forces.
-fn no_mechanics(step: &Step) -> Mechanics {
+fn no_mechanics(step: &Step, states: Vec<PointState>) -> Mechanics {
     let zero = || vec![0.0; step.old.u.len()];
+    let [mass_w, a_u, a_w, b_w] = std::array::from_fn(|_| zero().into());
+    let multipliers = step.old.multipliers.clone();
     let mut given = Given::default();
     given.advance.clone_from(&step.old.surface.advance);
+    let at = Iterate { w: zero(), multipliers, mass_w, a_u, a_w, b_w, ..Iterate::default() };
     Mechanics {
-        u: zero(),
-        w: zero(),
-        v: Vec::new(),
-        rigid: Vec::new(),
-        relative: None,
-        carried: step.old.carried.clone(),
-        wet: Vec::new(),
-        multipliers: step.old.multipliers.clone(),
+        end: Balanced { at, u: zero(), states, ..Balanced::default() },
+        whole: None,
         branches: step.old.branches.clone(),
-        relaxing: Vec::new(),
-        states: Vec::new(),
         is_unique: true,
         iterations: 0,
         sweeps: 0,
         residual: 0.0,
-        scale: 0.0,
+        wet: Vec::new(),
         theta: step.old.theta.clone(),
         thermal: zero(),
-        mass_w: zero(),
-        a_u: zero(),
-        a_w: zero(),
-        b_w: zero(),
-        hold: Hold::default(),
         given,
-        force: [0.0; 3],
-        reactions: Vec::new(),
-        support_work: 0.0,
-        powers: Powers::default(),
     }
 }

@@ -99,16 +99,15 @@ impl<'a> Coupled<'a> {
         let half = &mut *self.heat;
         let mut beside = HeatBeside { step, half, u, from: from.map(|from| &from.heat), begun: None, made: None };
         let mechanics = Mechanics::solve(step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut beside)?;
-        let heat = beside.end(&mechanics.states)?;
+        let heat = beside.end(&mechanics.end.states)?;
         Ok(self.count(Pass { mechanics, heat }))
     }
 
     /// Maps θ to the temperature of (4.2) at the displacement that solves (4.1) with θ.
     fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut ())?;
-        let begun =
-            heat::Begun::new(&self.step, self.heat, mechanics.deformed(&self.step), from.map(|from| &from.heat))?;
-        let heat = begun.solve(&self.step, self.heat, &mechanics.states)?;
+        let begun = heat::Begun::new(&self.step, self.heat, mechanics.deformed(), from.map(|from| &from.heat))?;
+        let heat = begun.solve(&self.step, self.heat, &mechanics.end.states)?;
         Ok(self.count(Pass { mechanics, heat }))
     }
 
@@ -127,16 +126,16 @@ impl<'a> Coupled<'a> {
         let contact = mechanics.contact_change(&self.step, self.mechanics, &on_contact);
         let mut force = difference(&discrete.thermal_force(&heat.theta), &contact);
         if discrete.softens() {
-            let a_u = discrete.apply_a(&mechanics.u, &heat.theta);
-            let b_w = discrete.apply_b(&mechanics.w, &heat.theta);
-            let terms = [(a_u, &mechanics.a_u), (b_w, &mechanics.b_w)];
+            let a_u = discrete.apply_a(mechanics.u(), &heat.theta);
+            let b_w = discrete.apply_b(mechanics.w(), &heat.theta);
+            let terms = [(a_u, &mechanics.end.at.a_u), (b_w, &mechanics.end.at.b_w)];
             for (then, now) in terms {
                 force.iter_mut().zip(difference(&then, now)).for_each(|(force, change)| *force -= change);
             }
         }
         let force = change(force, &pass.mechanics.thermal, &discrete.v);
-        let supply = change(discrete.e.apply(pass.mechanics.deformed(&self.step)), &pass.heat.coupling, &discrete.q);
-        let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
+        let supply = change(discrete.e.apply(pass.mechanics.deformed()), &pass.heat.coupling, &discrete.q);
+        let force = self.step.relative(force, pass.mechanics.end.residual.scale, "mechanics")?;
         Ok(force.max(self.step.relative(supply, pass.heat.scale, "heat")?))
     }
 
@@ -162,7 +161,7 @@ impl<'a> Coupled<'a> {
                 Verdict::Failed => return Err(self.failed(defect, progress.contraction())),
                 Verdict::GoOn => {}
             }
-            pass = self.pass(&pass.heat.theta, pass.mechanics.deformed(&self.step), Some(&pass))?;
+            pass = self.pass(&pass.heat.theta, pass.mechanics.deformed(), Some(&pass))?;
         }
     }
 
@@ -355,7 +354,7 @@ impl Linearised {
             pass.heat.renew(&coupled.step, coupled.heat)?;
         }
         let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
-        let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
+        let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.end.states);
         let fluxes = pass
             .heat
             .exchange
@@ -363,10 +362,10 @@ impl Linearised {
             .iter()
             .map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power])
             .collect();
-        let friction = pass.mechanics.states.iter().map(|state| [state.q, state.slip]).collect();
-        let normals = pass.mechanics.states.iter().map(|state| state.normal).collect();
-        let Mechanics { u, w, theta, .. } = &pass.mechanics;
-        let force_slope = discrete.mechanical_slope(u, w, theta);
+        let friction = pass.mechanics.end.states.iter().map(|state| [state.q, state.slip]).collect();
+        let normals = pass.mechanics.end.states.iter().map(|state| state.normal).collect();
+        let Mechanics { theta, .. } = &pass.mechanics;
+        let force_slope = discrete.mechanical_slope(pass.mechanics.u(), pass.mechanics.w(), theta);
         let heat_slope = discrete.thermal_slope(&pass.heat.theta);
         let contacts = coupled.step.contacts;
         let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();

@@ -8,9 +8,9 @@ use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::discretization::Discretization;
-use crate::equation::apart::{Apart, Bodies};
+use crate::equation::apart::{Apart, Bodies, Whole};
 use crate::equation::foundation::{at_rest, frames};
-use crate::equation::mechanics::Mechanics;
+use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{HalfStep, Products, Step};
 use crate::equation::systems::Systems;
 use crate::equation::{SetupError, StepError, tried};
@@ -332,21 +332,23 @@ impl Made {
             Physics::Warmed => step.problem.given_temperature(step.t),
             _ => step.end(&old.theta, heat.theta),
         };
+        let surface = old.surface.after(step, &mechanics, &heat.exchange);
+        let Mechanics { end: Balanced { at, u, states, force, reactions, .. }, whole, branches, is_unique, .. } =
+            mechanics;
+        let (u, w, carried) = match whole {
+            None => (u, at.w, Carried::default()),
+            Some(Whole { u, w, carried, .. }) => (u, w, carried),
+        };
         let state = State {
             step: step.n,
             t: step.t,
-            u: step.end(&old.u, mechanics.u),
-            w: step.end(&old.w, mechanics.w),
+            u: step.end(&old.u, u),
+            w: step.end(&old.w, w),
             theta,
-            multipliers: mechanics.multipliers,
-            branches: mechanics.branches,
-            carried: mechanics.carried,
-            surface: old.surface.after(
-                step,
-                &mechanics.states,
-                &heat.exchange,
-                (mechanics.given.advance, &mechanics.wet),
-            ),
+            multipliers: at.multipliers,
+            branches,
+            carried,
+            surface,
             ledger,
             counts,
             temperatures: old.temperatures,
@@ -355,30 +357,30 @@ impl Made {
             newton_mechanics: iterations[0],
             newton_heat: iterations[1],
             parts: 1,
-            is_ambiguous: !mechanics.is_unique,
+            is_ambiguous: !is_unique,
             residual,
             coupling,
-            loose: step.motions(&mechanics.hold.loose),
-            reactions: Reactions { force: mechanics.reactions, heat: heat.reactions },
+            loose: step.motions(&at.hold.loose),
+            reactions: Reactions { force: reactions, heat: heat.reactions },
             contact: ContactReport {
-                moments: step.moments(&mechanics.states),
+                moments: step.moments(&states),
                 boundary: None,
                 weights: step.boundary.points.iter().map(|point| point.weight).collect(),
-                states: mechanics.states,
+                states,
                 temperature: heat.exchange.temperature,
                 opposite: heat.exchange.opposite,
                 flux: heat.exchange.flux,
                 rubbed: heat.exchange.rubbed,
-                force: mechanics.force,
+                force,
                 heat_flow: heat.through_contact,
             },
         };
         let products = Products {
             t: step.t,
-            mass_w: mechanics.mass_w,
-            a_u: mechanics.a_u,
-            a_w: mechanics.a_w,
-            b_w: mechanics.b_w,
+            mass_w: at.mass_w.into_owned(),
+            a_u: at.a_u.into_owned(),
+            a_w: at.a_w.into_owned(),
+            b_w: at.b_w.into_owned(),
             mass_theta: heat.mass_theta,
             d_theta: heat.d_theta,
         };
