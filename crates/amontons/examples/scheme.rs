@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::contact::{Compliance, Contact};
 use amontons::discretization::Discretization;
-use amontons::equation::{SetupError, StepError};
+use amontons::equation::{SetupError, Solvers, StepError};
 use amontons::linalg::Backend;
 use amontons::material::{Isotropic, Material, StressState::PlaneStress};
 use amontons::mesh::{Elements, Mesh};
@@ -58,19 +58,8 @@ impl Scheme for Substeps {
         Ok((now, report))
     }
 
-    fn factorizations(&self) -> (usize, usize) {
-        self.0.factorizations()
-    }
-
-    fn unknowns(&self) -> [usize; 3] {
-        self.0.unknowns()
-    }
-
-    fn backend(&self) -> &'static str {
-        self.0.backend()
-    }
-    fn backend_reason(&self) -> String {
-        self.0.backend_reason()
+    fn solvers(&self) -> Solvers {
+        self.0.solvers()
     }
 }
 

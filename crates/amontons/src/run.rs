@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::ThreadPool;
 
 use crate::discretization::Discretization;
-use crate::equation::{SetupError, StepError};
+use crate::equation::{SetupError, Solvers, StepError};
 use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
 use crate::machine::Instant;
@@ -228,7 +228,7 @@ fn drive(
     let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
     // Factorizations repeated by a resumed run have been counted already.
     unless_interrupted(settings, resumed, within(pool.as_ref(), || scheme.recall(&kept)))?;
-    let again = if resumed { scheme.factorizations() } else { (0, 0) };
+    let again = if resumed { scheme.solvers().factorizations } else { [0; 2] };
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
     let factor = backend.seconds();
     clock.seconds.factor += factor;
@@ -293,7 +293,7 @@ fn seen<'a>(
 }
 
 fn counted(scheme: &dyn Scheme) -> UnknownCounts {
-    let [displacement, temperature, contact] = scheme.unknowns();
+    let [displacement, temperature, contact] = scheme.solvers().unknowns;
     UnknownCounts { displacement, temperature, contact }
 }
 
@@ -334,8 +334,9 @@ fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
 
 /// Marks the summary of a run as unsound if its figures cannot be trusted.
 fn sound(mut summary: Summary, scheme: &dyn Scheme) -> Summary {
-    scheme.backend().clone_into(&mut summary.solver.backend);
-    summary.solver.backend_reason = scheme.backend_reason();
+    let Solvers { backend, backend_reason, .. } = scheme.solvers();
+    backend.clone_into(&mut summary.solver.backend);
+    summary.solver.backend_reason = backend_reason;
     if summary.outcome == Outcome::Done
         && let Some(why) = summary.unsound()
     {
@@ -428,16 +429,16 @@ struct Clock {
     /// Total of the earlier sessions.
     before: f64,
     /// Factorizations of this session that an earlier one also made.
-    again: (usize, usize),
+    again: [usize; 2],
 }
 
 impl Clock {
     /// Work so far.
     fn work(&self, before: Work, scheme: &dyn Scheme) -> Work {
-        let (factorizations, contact_factorizations) = scheme.factorizations();
+        let [factorizations, contact_factorizations] = scheme.solvers().factorizations;
         Work {
-            factorizations: before.factorizations + factorizations - self.again.0,
-            contact_factorizations: before.contact_factorizations + contact_factorizations - self.again.1,
+            factorizations: before.factorizations + factorizations - self.again[0],
+            contact_factorizations: before.contact_factorizations + contact_factorizations - self.again[1],
             seconds: Seconds { total: self.before + self.begin.elapsed().as_secs_f64(), ..self.seconds },
         }
     }

@@ -15,3 +15,4 @@ pub(crate) mod systems;
 pub(crate) use error::tried;
 pub use error::{SetupError, StepError};
 pub use system::{ACCEPTED, REFINE};
+pub use systems::Solvers;

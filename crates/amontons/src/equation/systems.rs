@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::system::HalfStep;
 use crate::discretization::Discretization;
-use crate::linalg::{Backend, SolveError, System};
+use crate::linalg::{Backend, Choice, SolveError, System};
 use crate::problem::Problem;
 use crate::time::Rule;
 
@@ -84,10 +84,43 @@ impl Systems {
         Ok(())
     }
 
-    pub(crate) fn factorizations(&self) -> (usize, usize) {
-        self.all().fold((0, 0), |(matrices, contacts), system| {
+    /// Factorizations of the matrices so far, and of contact systems.
+    pub(crate) fn factorizations(&self) -> [usize; 2] {
+        self.all().fold([0; 2], |[matrices, contacts], system| {
             let (matrix, contact) = system.factorizations();
-            (matrices + matrix, contacts + contact)
+            [matrices + matrix, contacts + contact]
         })
     }
+
+    /// What the systems say of themselves.
+    pub(crate) fn solvers(&self) -> Solvers {
+        let [mechanics, heat] =
+            [&self.mechanics, &self.heat].map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
+        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
+        let is_iterative = self.all().any(|system| system.name() == "iterative");
+        let choice = self.all().find_map(System::choice);
+        let mut backend_reason = choice.map_or_else(|| Choice::ASKED.to_owned(), |choice| choice.why.clone());
+        if self.all().any(|system| system.condensed().account().is_left) {
+            backend_reason += "; the iteration took more work than predicted and was left for a factor";
+        }
+        Solvers {
+            factorizations: self.factorizations(),
+            unknowns: [mechanics, heat, self.mechanics.as_ref().map_or(0, on_contact)],
+            backend: if is_iterative { "iterative" } else { "direct" },
+            backend_reason,
+        }
+    }
+}
+
+/// The systems of a scheme, and the work done with them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solvers {
+    /// Factorizations of the matrices so far, and of contact systems.
+    pub factorizations: [usize; 2],
+    /// Unknowns of displacement, temperature and on Γ_C.
+    pub unknowns: [usize; 3],
+    /// `iterative` if one of the systems is solved so, else `direct`.
+    pub backend: &'static str,
+    /// Reason for the choice: predicted effort of both solvers, for the mechanical half-step if there is one.
+    pub backend_reason: String,
 }

@@ -13,7 +13,7 @@ use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{HalfStep, Products, Step};
 use crate::equation::systems::Systems;
-use crate::equation::{SetupError, StepError, tried};
+use crate::equation::{SetupError, Solvers, StepError, tried};
 use crate::inclusion::{Loose, Multipliers, PointState};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::{Physics, Problem, with_supports};
@@ -45,7 +45,7 @@ pub struct March {
     /// Systems of halved steps: k/2, k/4 and so on, kept while steps are halved.
     halved: Vec<Systems>,
     /// Factorizations of discarded systems: of the matrices and of contact systems.
-    given_up: (usize, usize),
+    given_up: [usize; 2],
     /// Products that one step computes and the next one needs, with the state they belong to.
     products: Option<Products>,
     /// Bodies whose rigid motions are split off, made at first use, or `None` if they cannot be.
@@ -101,7 +101,7 @@ impl March {
             ),
             systems,
             halved: Vec::new(),
-            given_up: (0, 0),
+            given_up: [0; 2],
             products: None,
             bodies: OnceLock::new(),
             pulse: Pulse::default(),
@@ -497,8 +497,8 @@ impl Scheme for March {
             state.counts.halved_steps += 1;
         } else {
             for systems in self.halved.drain(..) {
-                let (matrices, contacts) = systems.factorizations();
-                self.given_up = (self.given_up.0 + matrices, self.given_up.1 + contacts);
+                let [matrices, contacts] = systems.factorizations();
+                self.given_up = [self.given_up[0] + matrices, self.given_up[1] + contacts];
             }
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
@@ -507,9 +507,12 @@ impl Scheme for March {
         Ok((state, report))
     }
 
-    fn factorizations(&self) -> (usize, usize) {
-        let all = std::iter::once(&self.systems).chain(&self.halved).map(Systems::factorizations);
-        all.fold(self.given_up, |sum, (matrices, contacts)| (sum.0 + matrices, sum.1 + contacts))
+    fn solvers(&self) -> Solvers {
+        let halved = self.halved.iter().map(Systems::factorizations);
+        let factorizations = halved
+            .fold(self.given_up, |[matrices, contacts], [matrix, contact]| [matrices + matrix, contacts + contact]);
+        let own = self.systems.solvers();
+        Solvers { factorizations: std::array::from_fn(|i| own.factorizations[i] + factorizations[i]), ..own }
     }
 
     fn kept(&self) -> Kept {
@@ -550,27 +553,5 @@ impl Scheme for March {
 
     fn watched_by(&mut self, pulse: &Pulse) {
         self.pulse = pulse.clone();
-    }
-
-    fn unknowns(&self) -> [usize; 3] {
-        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
-            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
-        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
-        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
-    }
-
-    fn backend(&self) -> &'static str {
-        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
-        if is_iterative { "iterative" } else { "direct" }
-    }
-
-    fn backend_reason(&self) -> String {
-        let choice = self.systems.all().find_map(System::choice);
-        let why = choice.map_or_else(|| Choice::ASKED.to_owned(), |choice| choice.why.clone());
-        if self.systems.all().any(|system| system.condensed().account().is_left) {
-            format!("{why}; the iteration took more work than predicted and was left for a factor")
-        } else {
-            why
-        }
     }
 }

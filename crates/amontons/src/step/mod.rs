@@ -11,7 +11,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::discretization::Discretization;
-use crate::equation::{SetupError, StepError};
+use crate::equation::{SetupError, Solvers, StepError};
 use crate::linalg::{Account, Backend, Decided, TangentKey};
 use crate::problem::Problem;
 use crate::pulse::Pulse;
@@ -53,8 +53,8 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     /// # Errors
     /// If the step does not converge or is not finite. There is then no new state.
     fn step(&mut self, state: &State) -> Result<(State, StepReport), StepError>;
-    /// Factorizations of the matrices so far, and of contact systems.
-    fn factorizations(&self) -> (usize, usize);
+    /// The systems of the scheme and the work done with them so far.
+    fn solvers(&self) -> Solvers;
     /// Factorizations that a resumed run has to repeat.
     fn kept(&self) -> Kept {
         Kept::default()
@@ -69,10 +69,4 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     }
     /// Reports the progress of each step to `pulse` from now on.
     fn watched_by(&mut self, _pulse: &Pulse) {}
-    /// Unknowns of displacement, temperature and on Γ_C.
-    fn unknowns(&self) -> [usize; 3];
-    /// Solver of the systems: `iterative` if one of them is solved so, else `direct`.
-    fn backend(&self) -> &'static str;
-    /// Reason for the choice: predicted effort of both solvers, for the mechanical half-step if there is one.
-    fn backend_reason(&self) -> String;
 }

@@ -64,14 +64,14 @@ fn kept(problem: &Problem) -> Vec<i64> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut state = Some(scheme.initial().expect("finite initial data"));
     let step = |_| {
-        let before = scheme.factorizations().1;
+        let before = scheme.solvers().factorizations[1];
         let advance = || {
             let old = state.take().expect("a state");
             state = Some(scheme.step(&old).expect("a step").0);
         };
         let measured = pool.install(|| allocation_counter::measure(advance));
         assert!(measured.count_total > 0, "nothing is counted");
-        if scheme.factorizations().1 == before { measured.bytes_current } else { 0 }
+        if scheme.solvers().factorizations[1] == before { measured.bytes_current } else { 0 }
     };
     (0..problem.timeline.steps()).map(step).collect()
 }

@@ -598,7 +598,8 @@ fn an_iteration_that_lags_is_left_for_a_factor() {
         states.push(next);
         kept.push(scheme.kept());
     }
-    assert!(scheme.backend_reason().ends_with("was left for a factor"), "{}", scheme.backend_reason());
+    let why = scheme.solvers().backend_reason;
+    assert!(why.ends_with("was left for a factor"), "{why}");
     assert!(kept.last().is_some_and(|kept| kept.accounts.iter().any(|account| account.is_left)));
     let last = states.last().expect("a state");
     let (direct, iterative) = (state(&problem, Arc::new(Supernodal)), state(&staying, staying.backend.clone()));

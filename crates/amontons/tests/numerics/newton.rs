@@ -199,14 +199,14 @@ fn counted_work() {
             assert_eq!(report.newton_heat, 1, "without truncation the heat step is linear");
             state = next;
         }
-        assert_eq!(scheme.factorizations().0, 2);
+        assert_eq!(scheme.solvers().factorizations[0], 2);
         assert_eq!(state.counts.sweeps, 4 * problem.timeline.steps());
         assert!(
             state.counts.newton_mechanics_total <= newton,
             "n = {n}, θ_F = {foundation}: {} iterations",
             state.counts.newton_mechanics_total
         );
-        assert!(scheme.factorizations().1 <= state.counts.newton_mechanics_total + problem.timeline.steps());
+        assert!(scheme.solvers().factorizations[1] <= state.counts.newton_mechanics_total + problem.timeline.steps());
     }
 }
 

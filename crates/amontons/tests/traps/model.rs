@@ -82,7 +82,7 @@ fn the_cost_is_that_of_the_factors() {
         let triangle = |n: usize| n * (n + 1) / 2;
         let condensed = triangle(cost.unknowns[2]) + triangle(cost.unknowns[2].div_ceil(2));
         let (counted, stored) = (cost.factors.iter().sum::<usize>() as f64, (scheme.stored() + condensed) as f64);
-        assert_eq!(cost.unknowns, scheme.unknowns());
+        assert_eq!(cost.unknowns, scheme.solvers().unknowns);
         assert!((1.0..1.6).contains(&(stored / counted)), "{stored} stored, {counted} counted");
     }
     let mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2).expect("a mesh");
