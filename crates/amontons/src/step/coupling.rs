@@ -6,17 +6,16 @@
 //! with the mechanical half-step eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with
 //! θ_n in m and u_n in e.
 
+use super::linearised::Linearised;
 use crate::equation::heat::{self, Heat};
 use crate::equation::mechanics::{Beside, Mechanics};
-use crate::equation::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
+use crate::equation::system::{ACCEPTED, HalfStep, Step, difference};
 use crate::equation::{StepError, tried};
-use crate::inclusion::{PointDerivative, PointState};
-use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
+use crate::inclusion::PointState;
+use crate::linalg::{dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::state::{Contraction, CouplingReport};
-use crate::tensor::{self, Point, length};
-use crate::time::Rule;
 
 /// Defect of the coupling, relative to the largest term of the equations, at which the coupling iteration ends.
 const COUPLED: f64 = 1e-12;
@@ -214,9 +213,16 @@ impl<'a> Coupled<'a> {
     /// The Newton step of the temperature, or `None` if its systems cannot be solved.
     fn direction(&mut self, now: &Iterate) -> Result<Option<Vec<f64>>, StepError> {
         let most = now.residual.len().min(PRODUCTS);
-        let found = Linearised::new(self, &now.pass).and_then(|tangent| {
-            let right = tangent.right(self, &now.residual)?;
-            gmres(|change| tangent.apply(self, change), &right, LINEAR, most)
+        let Pass { mechanics, heat } = &now.pass;
+        let tangent = Linearised::new(&self.step, [self.mechanics, self.heat], mechanics, heat);
+        let found = tangent.and_then(|tangent| {
+            let right = tangent.right(self.heat, &now.residual)?;
+            let product = |change: &[f64]| {
+                let product = tangent.apply(&self.step, [self.mechanics, self.heat], change)?;
+                self.sweeps += 4;
+                Ok(product)
+            };
+            gmres(product, &right, LINEAR, most)
         });
         let (step, t) = (self.step.n, self.step.t);
         tried(found.map(|found| found.x).map_err(|source| StepError::Linear { step, t, part: "the coupling", source }))
@@ -323,108 +329,5 @@ impl Progress {
             (telling.first()?, telling.last()?, telling.len().checked_sub(1).filter(|&n| n > 0)?);
         let largest = telling.windows(2).map(|pair| pair[1] / pair[0]).fold(0.0, f64::max);
         Some(Contraction { mean: (last / first).powf(1.0 / ratios as f64), largest })
-    }
-}
-
-/// The derivative of both half-steps at a solution.
-struct Linearised {
-    mechanics: Tangent,
-    points: Vec<PointDerivative>,
-    heat: Tangent,
-    /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q, the slip and ν at each contact point.
-    fluxes: Vec<[f64; 4]>,
-    friction: Vec<[Point; 2]>,
-    normals: Vec<Point>,
-    /// Derivative of the forces of the body with respect to the temperature, if it differs from m, and the nonsymmetric
-    /// part of the derivative of conduction.
-    force_slope: Option<BlockMatrix>,
-    heat_slope: Option<BlockMatrix>,
-    /// True if the whole power of friction enters the bodies, as at a pair.
-    rubs: Vec<bool>,
-}
-
-impl Linearised {
-    /// Linearises both half-steps. Matrices that depend on the temperature are factorized at the solution.
-    fn new(coupled: &mut Coupled, pass: &Pass) -> Result<Linearised, SolveError> {
-        let Step { discrete, .. } = coupled.step;
-        if discrete.softens() {
-            pass.mechanics.renew(&coupled.step, coupled.mechanics)?;
-        }
-        if !discrete.conducts_linearly() {
-            pass.heat.renew(&coupled.step, coupled.heat)?;
-        }
-        let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
-        let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.end.states);
-        let fluxes = pass
-            .heat
-            .exchange
-            .flux
-            .iter()
-            .map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power])
-            .collect();
-        let friction = pass.mechanics.end.states.iter().map(|state| [state.q, state.slip]).collect();
-        let normals = pass.mechanics.end.states.iter().map(|state| state.normal).collect();
-        let Mechanics { theta, .. } = &pass.mechanics;
-        let force_slope = discrete.mechanical_slope(pass.mechanics.u(), pass.mechanics.w(), theta);
-        let heat_slope = discrete.thermal_slope(&pass.heat.theta);
-        let contacts = coupled.step.contacts;
-        let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
-        Ok(Linearised { mechanics, points, heat, fluxes, friction, normals, force_slope, heat_slope, rubs })
-    }
-
-    /// The right-hand side for a residual: P⁻¹J times the residual, with P the symmetric part of the derivative J of
-    /// (4.2). Both sides of the equation are multiplied by P⁻¹J, so that J is not inverted.
-    fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let Some(slope) = &self.heat_slope else { return Ok(residual.to_vec()) };
-        let more = coupled.heat.system.linearised(&self.heat, &slope.apply(residual))?;
-        Ok(residual.iter().zip(&more).map(|(residual, more)| residual + more).collect())
-    }
-
-    /// δθ − Φ′ δθ, multiplied by P⁻¹J.
-    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let Step { discrete, boundary, rule: Rule { gamma, level, .. }, .. } = coupled.step;
-        let warmer = boundary.scalars_on(coupled.step.contacts, change);
-        let contact = on_degrees(
-            boundary,
-            &discrete.v,
-            self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
-        );
-        let slope = self.force_slope.as_ref().unwrap_or(&discrete.m);
-        let right: Vec<f64> =
-            slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
-        let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
-        let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
-        let points = boundary.points.iter().enumerate();
-        let chi: Vec<[f64; 2]> = points
-            .map(|(i, point)| {
-                let v = boundary.vector_at(point, discrete.mesh.dim, &w);
-                let derivative = &self.points[i];
-                let force: [f64; 3] = std::array::from_fn(|c| {
-                    tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]
-                });
-                let wear = tensor::dot(&derivative.wear, &v) + derivative.wear_by_temperature * warmer[i];
-                let [by_penetration, by_pressure, by_slip_speed, by_friction_power] = self.fluxes[i];
-                let ([q, slip], nu) = (&self.friction[i], &self.normals[i]);
-                let (w_nu, pressure, speed) = (tensor::dot(&v, nu), tensor::dot(&force, nu), length(slip));
-                let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
-                // q and the slip are tangential.
-                let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                let out = by_penetration * (gamma * w_nu - level * wear)
-                    + by_pressure * pressure
-                    + by_slip_speed * in_speed
-                    + by_friction_power * power;
-                [out, out + if self.rubs[i] { power } else { 0.0 }]
-            })
-            .collect();
-        let mut sum = vec![0.0; discrete.q.free.len()];
-        boundary.scatter_heat(chi.into_iter(), &mut sum);
-        let chi = sum;
-        let mut right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
-        if let Some(slope) = &self.heat_slope {
-            right.iter_mut().zip(slope.apply(change)).for_each(|(right, slope)| *right -= slope);
-        }
-        let theta = coupled.heat.system.linearised(&self.heat, &right)?;
-        coupled.sweeps += 4;
-        Ok(change.iter().zip(&theta).map(|(change, theta)| change - theta).collect())
     }
 }

@@ -3,6 +3,7 @@
 mod alone;
 mod coupling;
 mod datum;
+mod linearised;
 mod march;
 
 pub use march::March;
