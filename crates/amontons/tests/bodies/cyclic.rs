@@ -116,6 +116,10 @@ fn a_quarter_of_a_ring_does_what_the_ring_does() {
             assert_same(&part, &whole, [0.0; 3], 1e-10);
         }
     }
+    let theta =
+        |is_whole| ring("Q1", COMPLIANCE, is_whole, "").replace("steps = 4\n", "steps = 4\nscheme = \"theta\"\n");
+    let [part, whole] = [false, true].map(|is_whole| parse(&theta(is_whole)).problem);
+    assert_same(&part, &whole, [0.0; 3], 1e-10);
     let iterative = "[solver]\nsolver = \"iterative\"\n";
     let part = parse(&ring("Q1", RIGID, false, iterative)).problem;
     assert_same(&part, &parse(&ring("Q1", RIGID, true, "")).problem, [0.0; 3], 1e-9);

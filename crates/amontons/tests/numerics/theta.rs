@@ -143,6 +143,84 @@ fn a_rod_bounces_without_loss_and_to_second_order() {
     assert!(above > 1e-3 && euler > 2.0 * above, "{above} and {euler} of the energy");
 }
 
+/// Two equal bars that meet halfway do what one does that meets a wall: each takes half of the penetration.
+#[test]
+fn two_bars_that_collide_do_what_a_bar_and_a_wall_do() {
+    const PAIR: &str = r#"
+name = "pair"
+units = "dimensionless"
+[mesh]
+kind = "blocks"
+[[mesh.blocks]]
+name = "first"
+size = [2.0]
+n = [8]
+origin = [-2.0131]
+[[mesh.blocks]]
+name = "second"
+size = [2.0]
+n = [8]
+origin = [0.0131]
+[time]
+end = 0.6
+steps = 60
+scheme = "theta"
+[material]
+density = 1.5
+elasticity = { law = "isotropic", young = 300.0, poisson = 0.0 }
+viscosity = { law = "lame", first = 0.0, second = 0.0 }
+[initial]
+velocity = ["if(x < 0, 1, -1)"]
+[contact]
+on = "second_left"
+with = "first_right"
+normal = { law = "compliance", stiffness = 250.0 }
+"#;
+    for theta in [0.5, 0.7, 1.0] {
+        let overrides = [format!("time.theta={theta}")];
+        let pair = case::parse(&Source::new("pair.toml", PAIR), &overrides).unwrap_or_else(|faults| panic!("{faults}"));
+        let (pair, alone) = (states(&pair.problem), states(&rod(&overrides)));
+        assert!(alone.reports.iter().any(|report| report.contact.states[0].pressure > 1.0), "nothing touches");
+        let size = |values: &[f64]| values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let fastest = alone.states.iter().map(|state| size(&state.w)).fold(0.0, f64::max);
+        for (pair, alone) in pair.states.iter().zip(&alone.states) {
+            let n = alone.u.len();
+            let [first, second] = [&pair.w[..n], &pair.w[n..]];
+            for i in 0..n {
+                let (own, mirrored) = (second[i] - alone.w[i], first[n - 1 - i] + alone.w[i]);
+                assert!(own.abs().max(mirrored.abs()) <= 1e-11 * fastest, "ϑ = {theta}, t = {}, node {i}", alone.t);
+            }
+            let (energy, of_one) = (&pair.ledger, &alone.ledger);
+            assert!((energy.kinetic - 2.0 * of_one.kinetic).abs() <= 1e-11 * energy.turned_over, "t = {}", alone.t);
+            assert!(energy.closing_error.abs() <= 1e-12 * energy.turned_over, "t = {}", alone.t);
+        }
+        let lost = |memory: &Memory| memory.states.last().expect("a state").ledger.scheme_dissipation;
+        assert!((lost(&pair) - 2.0 * lost(&alone)).abs() <= 1e-11 * pair.states[0].ledger.kinetic, "ϑ = {theta}");
+    }
+}
+
+/// A rod that wears on a belt and is pressed on by δ = a t: h = a (t − τ (1 − exp(−t/τ))) with τ of its benchmark. The
+/// depth is of order 2 at ϑ = ½ and of order 1 with backward Euler, and the energy lost with wear closes the identity.
+#[test]
+fn wear_is_of_second_order() {
+    let file = common::file("crates/amontons/benchmarks/wear-relaxation-compliance.toml");
+    let (a, t, tau) = (0.02, 5.0, 50.0 / 9.0);
+    let exact = a * (t - tau * (1.0 - f64::exp(-t / tau)));
+    let error = |steps: usize, scheme: &str| {
+        let gap = format!("contact.gap=\"-{a}*t\"");
+        let overrides = [format!("time.steps={steps}"), format!("time.scheme={scheme}"), gap];
+        let problem = case::read(&file, &overrides).unwrap_or_else(|error| panic!("{error}")).problem;
+        let state = states(&problem).states.pop().expect("a state");
+        let ledger = &state.ledger;
+        assert!(ledger.wear_dissipation > 0.0 && ledger.closing_error.abs() <= 1e-12 * ledger.turned_over, "{scheme}");
+        state.surface.wear.iter().fold(0.0f64, |most, depth| most.max((depth - exact).abs()))
+    };
+    for (scheme, order) in [("theta", 2.0), ("euler", 1.0)] {
+        let found = (error(20, scheme) / error(80, scheme)).log2() / 2.0;
+        assert!((found - order).abs() < 0.05, "{scheme}: order {found}");
+    }
+}
+
 /// ϑ = 1 is backward Euler to the bit.
 #[test]
 fn at_one_it_is_backward_euler() {
