@@ -135,6 +135,8 @@ findings! {
     Leak = "leak", Warning, Mechanics;
     /// Energy of motion that the scheme takes.
     SchemeShare = "scheme-share", Warning, Mechanics;
+    /// Velocities that change sign from step to step.
+    Alternation = "alternation", Warning, Mechanics;
     /// A stiffness and a density that no material has together.
     Magnitude = "magnitude", Warning, Mechanics;
     /// Data that results do not depend on.

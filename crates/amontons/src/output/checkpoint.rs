@@ -36,7 +36,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Path at which a checkpoint is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 17;
+const VERSION: u32 = 18;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 

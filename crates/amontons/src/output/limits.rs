@@ -32,6 +32,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         loose: report.map(|report| report.loose.clone()).unwrap_or_default(),
         steps: state.step,
         contact_steps: state.counts.contact_steps,
+        reversed_steps: state.counts.reversed_steps,
         few: few(last),
         leak: leak(last),
         scheme: [state.ledger.scheme_dissipation, state.ledger.kinetic, state.ledger.turned_over],

@@ -418,6 +418,9 @@ pub struct SolverCounts {
     /// Steps with a contact point that bears a traction at the end.
     #[serde(default)]
     pub contact_steps: usize,
+    /// Steps at whose end the velocity is nearly that of their start with the other sign.
+    #[serde(default)]
+    pub reversed_steps: usize,
 }
 
 /// Wall-clock times in s over all sessions of a run.
@@ -527,6 +530,7 @@ impl Summary {
                 halved_steps: counts.halved_steps,
                 ambiguous_steps: counts.ambiguous_steps,
                 contact_steps: counts.contact_steps,
+                reversed_steps: counts.reversed_steps,
             },
             energy,
             warnings: findings.iter().filter(|finding| finding.warns()).cloned().collect(),

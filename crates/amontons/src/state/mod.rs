@@ -67,4 +67,6 @@ pub struct Counts {
     pub ambiguous_steps: usize,
     /// Steps at whose end a contact point bears a traction.
     pub contact_steps: usize,
+    /// Steps that reverse the velocity: at their end it is nearly that of their start with the other sign.
+    pub reversed_steps: usize,
 }

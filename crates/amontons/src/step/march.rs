@@ -388,6 +388,13 @@ impl Made {
     }
 }
 
+/// True if the second velocity is nearly the first with the other sign: less than half of the larger is left of their
+/// sum.
+fn is_reversed([before, after]: [&[f64]; 2]) -> bool {
+    let [of_before, of_after, product] = [[before, before], [after, after], [before, after]].map(|[a, b]| dot(a, b));
+    product < 0.0 && of_before + 2.0 * product + of_after < 0.25 * of_before.max(of_after)
+}
+
 /// θ₀ at the nodes: the initial data, or the prescribed temperature.
 fn first_temperature(problem: &Problem, discrete: &Discretization) -> Vec<f64> {
     match problem.physics {
@@ -503,6 +510,7 @@ impl Scheme for March {
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
+        state.counts.reversed_steps += usize::from(is_reversed([&old.w, &state.w]));
         state.temperatures = extremes(old.temperatures, &state.theta);
         Ok((state, report))
     }

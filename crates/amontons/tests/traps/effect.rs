@@ -117,6 +117,7 @@ fn steps_that_take_many_systems() {
             loose: Vec::new(),
             steps,
             contact_steps: steps,
+            reversed_steps: 0,
             leak: None,
             few: None,
             scheme: [0.0; 3],

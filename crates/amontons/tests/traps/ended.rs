@@ -77,6 +77,18 @@ fn energy_that_the_scheme_takes() {
     }
 }
 
+/// A rod without inertia and viscosity that starts inside its foundation: at ϑ = ½ it alternates about its motion in
+/// all steps, and its wear has a limit that is wrong. With backward Euler, or pressed on from nothing, it does not.
+#[test]
+fn motions_that_alternate_from_step_to_step() {
+    let text = include_str!("../../benchmarks/wear-relaxation-compliance.toml");
+    let run = |more: &[&str]| of(&solved(text, &[&["time.steps=40"], more].concat()), "alternation");
+    let [share, limit] = warns(run(&["time.scheme=theta"]), "time");
+    assert!(share > 0.9 && limit == 0.25, "{share}");
+    no_word(run(&[]));
+    no_word(run(&["time.scheme=theta", "contact.gap=\"-0.02*t\""]));
+}
+
 /// Of all materials of the library none is told; each with its modulus in MPa is, and so is each with its density in
 /// t/mm³. Rubber and gel are soft and light.
 #[test]

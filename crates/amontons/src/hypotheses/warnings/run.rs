@@ -20,6 +20,9 @@ const PENETRATION: f64 = 0.1;
 const POINTS: usize = 4;
 /// Fraction of the energy that the scheme may dissipate in a motion.
 const SCHEME: f64 = 0.05;
+/// Fraction of all steps that reverse the velocity, and their least number, above which the velocity alternates.
+const ALTERNATES: f64 = 0.25;
+const REVERSALS: usize = 4;
 /// Fraction of the energy turned over above which kinetic energy counts.
 const MOVES: f64 = 0.01;
 /// Ratio of the largest nodal von Mises stress to that in a cell above which neither is resolved.
@@ -50,6 +53,8 @@ pub struct Figures {
     pub steps: usize,
     /// Number of steps at whose end a contact point bore a traction.
     pub contact_steps: usize,
+    /// Number of steps that reversed the velocity.
+    pub reversed_steps: usize,
     /// The partly open contact with the fewest points under traction at the last step, and their number.
     pub few: Option<(usize, usize)>,
     /// The contact with the first leak, and the position of the narrowest place on its path.
@@ -90,6 +95,7 @@ pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
         few_points(problem, figures),
         leak(problem, figures),
         scheme_share(problem, figures),
+        alternation(figures),
         nodal_stress(problem, figures),
         many_systems(figures),
     ];
@@ -268,6 +274,22 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
     );
     let repair = "set time.scheme = \"theta\", which keeps the energy with laws of compliance, or use more steps (time.steps): the share falls with the step, across an impact with its square root";
     Some(warning(FindingId::SchemeShare, "time.steps", [share, SCHEME], message, repair))
+}
+
+/// `alternation`: a motion of the period 2k, which no step resolves. At ϑ = ½ it is not damped: a body without inertia
+/// and viscosity whose initial state is not in equilibrium alternates about its motion in all steps, and a law of
+/// contact that is not linear takes a wrong mean of it.
+fn alternation(figures: &Figures) -> Option<Finding> {
+    let share = figures.reversed_steps as f64 / figures.steps.max(1) as f64;
+    if share <= ALTERNATES || figures.reversed_steps < REVERSALS {
+        return None;
+    }
+    let message = format!(
+        "in {} of {} steps the velocity changed its sign: the results alternate from step to step, and may do so about a wrong mean",
+        figures.reversed_steps, figures.steps
+    );
+    let repair = "start in equilibrium (initial.displacement, loads and gaps that grow from nothing), use more steps, or set time.scheme = \"euler\", which damps what a step does not resolve";
+    Some(warning(FindingId::Alternation, "time", [share, ALTERNATES], message, repair))
 }
 
 /// `nodal-stress`: both stresses are right up to the size of a cell, so they differ where stresses vary from cell to
