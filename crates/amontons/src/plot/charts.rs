@@ -1,8 +1,8 @@
 //! Small multiples: columns of charts that share the axis below them.
 
-use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
+use super::axes::{self, LEGEND, Scale, Sign};
 use super::color::{Color, GREY, INK};
-use super::font;
+use super::font::{self, HEADING, LABEL, TITLE};
 use super::picture::{Anchor, Picture, Rect, Stroke};
 use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};

@@ -1,11 +1,11 @@
 //! Names and colours of fields, and their colour bar.
 
-use super::axes::{self, LABEL, NUMBER, Scale};
+use super::PictureKind;
+use super::axes::{self, Scale};
 use super::color::{Color, ColorMap, INK};
+use super::font::{self, HALF, LABEL, NUMBER, typeset};
 use super::picture::{Anchor, Image, OutlinePiece, Picture, Rect, Stroke};
-use super::plane::typeset;
 use super::ticks::{self, Ticks};
-use super::{PictureKind, font};
 use crate::output::Lives;
 use crate::units::{Measure, Units};
 
@@ -176,13 +176,7 @@ impl ColorBar {
                 .collect();
             picture.lines(&marks, Stroke::new(INK, 0.8));
             for (v, text) in &self.ticks.marks {
-                picture.text(
-                    [place.right() + 7.0, scale.at(*v) + axes::HALF * NUMBER],
-                    NUMBER,
-                    Anchor::Start,
-                    INK,
-                    text,
-                );
+                picture.text([place.right() + 7.0, scale.at(*v) + HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
             }
             picture.text([place.x, rect.y - 8.0], LABEL, Anchor::Start, INK, &self.label);
         }

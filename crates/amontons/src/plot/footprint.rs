@@ -7,8 +7,8 @@ use super::axes::{self, Sign};
 use super::body::{PlaneMesh, window};
 use super::color::{Color, ColorMap, GREY, INK};
 use super::field::{self, ColorBar, DrawnQuantity};
+use super::font::typeset;
 use super::picture::{OutlinePiece, Picture, Rect, Stroke};
-use super::plane::typeset;
 use super::profiles::{STATUSES, color};
 use super::run::{DrawnRun, SolidContact, SpaceSnapshot, at_corners};
 use super::sheet::{self, Margins, PanelPlan, SheetPanel};
@@ -406,8 +406,9 @@ pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) ->
         rows.push(row);
     }
     let sheet = Picture::stacked(heading.clone(), rows, Some("sides").filter(|_| panels.len() == 1));
-    Ok(sheet.headed(&heading, if has_states { &legend } else { &[] }))
+    Ok(axes::headed(sheet, &heading, if has_states { &legend } else { &[] }))
 }
+
 /// Note on a maximum: `up to 3 MPa at a contact point`.
 fn up_to_at_point(most: f64, units: Units, measure: Measure) -> String {
     Lives::Point.after(&format!("up to {}", typeset(&units.write(most, measure))))

@@ -1,17 +1,18 @@
 //! The surface of a body in space, deformed, coloured by a field, with a colour bar.
 
-use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, Sign, TITLE};
+use super::axes::{self, LEGEND, Sign};
 use super::color::{Color, ColorMap, INK, SOFT, VERMILION};
 use super::field::{self, ColorBar, DrawnQuantity};
+use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE, typeset};
 use super::ground::{self, GroundPatch};
 use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::plane::{factor, times, typeset};
+use super::plane::{factor, times};
 use super::render::{self, ShadedTriangle, View};
 use super::run::{DrawnRun, SpaceSnapshot, at_corners};
 use super::surface::{dot, norm};
 use super::views::{self, Look};
 use super::zoom::{self, Zone, clipped};
-use super::{Options, PictureKind, RunPanel, body, font, title};
+use super::{Options, PictureKind, RunPanel, body, title};
 use crate::units::{Measure, Units};
 
 /// Pixels of an image per unit of the picture.
@@ -270,7 +271,7 @@ fn length_bar(picture: &mut Picture, [x, y]: [f64; 2], scale: f64, units: Units)
         Stroke::new(INK, 1.4),
     );
     picture.text(
-        [end + 7.0, y + axes::HALF * NUMBER],
+        [end + 7.0, y + HALF * NUMBER],
         NUMBER,
         Anchor::Start,
         INK,
@@ -393,7 +394,7 @@ impl BodyView<'_> {
             let along = |length: f64| [origin[0] + length * self.view.right[d], origin[1] - length * self.view.up[d]];
             picture.line(&[origin, along(LENGTH)], Stroke::new(SOFT, 1.2));
             let [x, y] = along(LENGTH + 7.0);
-            picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, SOFT, name);
+            picture.text([x, y + HALF * NUMBER], NUMBER, Anchor::Middle, SOFT, name);
         }
     }
 }

@@ -1,9 +1,10 @@
 //! A plane body coloured by a field, with its foundation and its undeformed outline.
 
-use super::axes::{self, LEGEND, NUMBER, Sign};
+use super::axes::{self, LEGEND, Sign};
 use super::body::{PlaneMesh, window};
 use super::color::{Color, INK, VERMILION, WHITE};
 use super::field::{self, ColorBar, DrawnQuantity};
+use super::font::{self, HALF, NUMBER, TITLE, typeset};
 use super::ground::{self, Ground};
 use super::names;
 use super::picture::{Anchor, OutlinePiece, Picture, Rect, Stroke};
@@ -172,7 +173,7 @@ pub(super) fn frames(kind: PictureKind, panels: &[RunPanel], options: &Options) 
     stage.in_cells.fill(in_cells);
     let titles: Vec<String> =
         panels.iter().map(|panel| title(std::slice::from_ref(panel), stage.quantity.name, options)).collect();
-    let widest = titles.iter().map(|title| super::font::width(title, axes::TITLE)).fold(0.0, f64::max) + 32.0;
+    let widest = titles.iter().map(|title| font::width(title, TITLE)).fold(0.0, f64::max) + 32.0;
     let numbered = titles.iter().enumerate();
     let whole = |i: usize| BodyPanel { body: i, window: stage.windows[i], times: None, title: String::new() };
     numbered.map(|(i, title)| stage.picture(&[whole(i)], title, units, widest)).collect()
@@ -290,7 +291,7 @@ impl<'a> PlaneScene<'a> {
         };
         let (mut picture, frames) = sheet::lay_out(title, &plans, room, units);
         let left = 0.5 * (picture.width - legend_width);
-        axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
+        axes::legend(&mut picture, [left, 16.0 + TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
         for (k, ((part, bar), frame)) in which.iter().zip(&bars).zip(&frames).enumerate() {
             let style = (self.kind, quantity.map, bar);
             if part.times.is_some() {
@@ -493,10 +494,8 @@ fn velocity(picture: &mut Picture, frame: &SheetPanel, ground: &Ground, (at, v):
     let end = |s: f64| [0, 1].map(|d| at[d] + s * direction[d]);
     picture.arrow(end(-20.0), end(20.0), VERMILION, 2.4);
     // A horizontal arrow has its number on the outer side, others next to them, towards the middle of the frame.
-    let (width, middle) = (
-        super::font::width(&text, NUMBER),
-        [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height],
-    );
+    let (width, middle) =
+        (font::width(&text, NUMBER), [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height]);
     let is_level = direction[0].abs() > 0.7;
     let x = match inwards {
         _ if !is_level => at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
@@ -511,7 +510,7 @@ fn velocity(picture: &mut Picture, frame: &SheetPanel, ground: &Ground, (at, v):
     };
     let place = Rect { x: x - 0.5 * width - 3.0, y: y - 0.5 * NUMBER - 3.0, width: width + 6.0, height: NUMBER + 6.0 };
     picture.polygon(place.corners(), WHITE.with_opacity(0.85));
-    picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
+    picture.text([x, y + HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
 }
 
 /// The unit normal of the surface nearest to a point of the picture, pointing into the foundation.
@@ -523,21 +522,6 @@ fn inwards(frame: &SheetPanel, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64
     // Right of the line; downwards is positive in the picture.
     let size = dx.hypot(dy);
     (size > 0.0).then(|| [-dy / size, dx / size])
-}
-
-/// A number with typographic signs and powers of ten.
-pub(super) fn typeset(text: &str) -> String {
-    let text = match text.split_once('e') {
-        Some((mantissa, rest))
-            if mantissa.chars().last().is_some_and(|c| c.is_ascii_digit())
-                && rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()) =>
-        {
-            let (power, unit) = rest.split_once(' ').unwrap_or((rest, ""));
-            format!("{mantissa}·10^{{{power}}} {unit}").trim_end().to_owned()
-        }
-        _ => text.to_owned(),
-    };
-    text.replace('-', "−")
 }
 
 /// Closed lines of nodes along boundary edges.
@@ -601,12 +585,5 @@ mod tests {
             factors.len() == expected.len() && factors.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9),
             "{factors:?}"
         );
-    }
-
-    #[test]
-    fn numbers_are_set_with_the_signs_of_a_page() {
-        assert_eq!(typeset("-2.13 µm"), "−2.13 µm");
-        assert_eq!(typeset("2.13e-6"), "2.13·10^{−6}");
-        assert_eq!(typeset("1e-8 pm"), "1·10^{−8} pm");
     }
 }

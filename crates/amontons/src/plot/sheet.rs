@@ -1,8 +1,8 @@
 //! Panels with equal scales in x and y, side by side or, if they are wide, above each other.
 
-use super::axes::{self, HEADING, LABEL, NUMBER, Scale, TITLE};
+use super::axes::{self, Scale};
 use super::color::{INK, SOFT};
-use super::font;
+use super::font::{self, HEADING, LABEL, NUMBER, TITLE};
 use super::picture::{Anchor, Picture, Rect};
 use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};

@@ -2,14 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, TITLE};
+use super::PlotError;
+use super::axes::LEGEND;
 use super::body::{self, PlaneMesh};
 use super::color::{Color, GRID, INK, LINES, SOFT};
+use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE};
 use super::picture::{Anchor, Picture, Rect, Stroke};
 use super::render::{self, ShadedTriangle, View};
 use super::sheet::{self, Margins, PanelPlan};
 use super::surface::Skin;
-use super::{PlotError, font};
 use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
 use crate::units::{Measure, Units};
 
@@ -80,7 +81,7 @@ fn with_names(mut picture: Picture, names: &[(Color, String)]) -> Picture {
         let y = picture.height + LEGEND * (i % rows.max(1)) as f64;
         let corner = |dx: f64, dy: f64| [x + dx, y + dy];
         picture.polygon(vec![corner(0.0, 0.0), corner(12.0, 0.0), corner(12.0, 12.0), corner(0.0, 12.0)], *color);
-        picture.text([x + 18.0, y + 6.0 + axes::HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
+        picture.text([x + 18.0, y + 6.0 + HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
     }
     picture.height += LEGEND * rows as f64 + MARGIN;
     if names.len() > LISTED {
