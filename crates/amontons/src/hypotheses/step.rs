@@ -23,8 +23,9 @@
 use std::sync::Arc;
 
 use super::domain::TraceQuotient;
-use super::laws::{largest_norm, tests};
+use super::laws::tested;
 use super::softening::falls;
+use super::tensors::largest_norm;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::{Discretization, is_fixed};
@@ -308,11 +309,11 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
         ))
     } else if problem.contacts.iter().any(|contact| contact.wear.is_some()) {
         Some(("wear within a step lowers the pressure with the slip speed, which is not checked", "contact.wear"))
-    } else if with_friction() && tests(problem).any(|test| test.rate_matters()) {
+    } else if with_friction() && tested(problem).any(|test| test.rate_matters()) {
         Some(("friction that depends on a rate-dependent pressure is not checked", "contact.normal"))
     } else if problem.coupling != Coupling::Staggered
         && with_friction()
-        && tests(problem).any(|test| test.friction_sees_heat())
+        && tested(problem).any(|test| test.friction_sees_heat())
     {
         Some((
             "u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ",
