@@ -5,7 +5,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::local::ContactBlocks;
-use super::precondition::{MaskedMatrix, Preconditioner};
+use super::masked::MaskedMatrix;
+use super::precondition::Preconditioner;
 use super::relieved::Relieved;
 use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
