@@ -1,7 +1,6 @@
 //! The foundation in a step: its position, its motion, and the quantities that Γ_C keeps from step to step.
 
 use super::fluid;
-use super::given::Given;
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
@@ -137,9 +136,9 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
 }
 
 impl Step<'_> {
-    /// The contacts driven by a force in the step, with the growth of δ so far: tightened sections and obstacles under
-    /// a load.
-    pub(crate) fn drives(&self, given: &Given) -> Vec<Drive> {
+    /// The contacts driven by a force in the step, with δ of each contact so far: tightened sections and obstacles
+    /// under a load.
+    pub(crate) fn drives(&self, advance: &[f64]) -> Vec<Drive> {
         let k = self.rule.k;
         let of = |(contact, of): (usize, &Contact)| {
             if let Some(force) = of.preload.as_ref().and_then(|preload| preload.force_in([self.old.t, self.t])) {
@@ -148,7 +147,7 @@ impl Step<'_> {
             let ObstacleLoad { force, direction, mass, .. } = of.obstacle.as_ref()?.load.as_ref()?;
             let at = |all: &[f64]| all.get(contact).copied().unwrap_or(0.0);
             let surface = &self.old.surface;
-            let rate = (at(&given.advance) - at(&surface.advance)) / k - at(&surface.advance_rate);
+            let rate = (at(advance) - at(&surface.advance)) / k - at(&surface.advance_rate);
             let inertia = [mass * rate / k, mass / (k * k)];
             Some(Drive { contact, direction: Some(*direction), force: force.value(&[0.0; 3], self.t), inertia })
         };

@@ -1,6 +1,7 @@
 //! The equations of a step, (4.1) and (4.2): their data, systems and residuals, and the powers of their terms.
 
-pub(crate) mod apart;
+mod apart;
+pub(crate) mod bodies;
 mod error;
 mod fluid;
 pub(crate) mod foundation;

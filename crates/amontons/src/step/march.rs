@@ -8,7 +8,7 @@ use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::discretization::Discretization;
-use crate::equation::apart::{Apart, Bodies};
+use crate::equation::bodies::{Apart, Bodies};
 use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::Mechanics;
 use crate::equation::system::{HalfStep, Products, Step};
