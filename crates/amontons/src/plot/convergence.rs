@@ -5,7 +5,7 @@ use std::path::Path;
 use super::axes::{self, LEGEND, MARKERS, Scale, Sign};
 use super::color::{INK, LINES, SOFT};
 use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE};
-use super::picture::{Anchor, Picture, Rect, Stroke};
+use super::picture::{Anchor, MARGIN, Picture, Rect, Stroke};
 use super::table::CsvTable;
 use super::ticks::{self, Ticks};
 use super::{Options, PlotError};
@@ -92,7 +92,6 @@ pub fn convergence(plot: &ConvergencePlot) -> Result<Picture, PlotError> {
 
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 340.0;
-const MARGIN: f64 = 16.0;
 
 /// Draws convergence studies side by side under a title, all with the same scales.
 ///

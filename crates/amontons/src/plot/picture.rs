@@ -6,6 +6,8 @@ use super::font::NUMBER;
 /// Longest side of a picture, in pixels of a PNG and in units: a unit has at least one pixel, so that texts are
 /// legible.
 const LONGEST: f64 = 4000.0;
+/// Pixels of an image per unit of the picture.
+pub(super) const DENSITY: f64 = 2.0;
 /// Height of a note below a picture.
 const NOTE: f64 = 20.0;
 pub(super) const MARGIN: f64 = 16.0;
@@ -25,6 +27,10 @@ impl Rect {
     }
     pub(super) fn bottom(&self) -> f64 {
         self.y + self.height
+    }
+    /// Numbers of pixels of an image in it.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        [self.width, self.height].map(|length| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32)
     }
     pub(super) fn corners(&self) -> Vec<[f64; 2]> {
         vec![[self.x, self.y], [self.right(), self.y], [self.right(), self.bottom()], [self.x, self.bottom()]]

@@ -3,7 +3,7 @@
 use super::axes::{self, Scale};
 use super::color::{INK, SOFT};
 use super::font::{self, HEADING, LABEL, NUMBER, TITLE};
-use super::picture::{Anchor, Picture, Rect};
+use super::picture::{Anchor, MARGIN, Picture, Rect};
 use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};
 
@@ -50,8 +50,6 @@ impl SheetPanel {
         points.into_iter().map(|p| self.at(p)).collect()
     }
 }
-
-const MARGIN: f64 = 16.0;
 
 /// A range widened by a fraction of the larger range.
 pub(super) fn widened([x, y]: [[f64; 2]; 2], share: f64) -> [[f64; 2]; 2] {

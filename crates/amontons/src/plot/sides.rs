@@ -7,18 +7,15 @@ use super::axes::LEGEND;
 use super::body::{self, PlaneMesh};
 use super::color::{Color, GRID, INK, LINES, SOFT};
 use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE};
-use super::picture::{Anchor, Picture, Rect, Stroke};
+use super::picture::{Anchor, DENSITY, MARGIN, Picture, Rect, Stroke};
 use super::render::{self, ShadedTriangle, View};
 use super::sheet::{self, Margins, PanelPlan};
 use super::surface::Skin;
 use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
 use crate::units::{Measure, Units};
 
-const MARGIN: f64 = 16.0;
 /// Largest width and height of one view.
 const LONGEST: f64 = 380.0;
-/// Pixels of an image per unit of the picture.
-const DENSITY: f64 = 2.0;
 /// Largest number of facets for which all edges are drawn.
 const FEW: usize = 4000;
 /// Largest number of listed names.
