@@ -141,17 +141,19 @@ impl Test<'_> {
     /// A sample that contradicts f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s| or f ≤ `bound`.
     fn refute(
         &self,
-        [name, lipschitz]: [&str; 2],
+        name: &str,
+        lipschitz: &str,
         l: f64,
         bound: f64,
         f: impl Fn(&ContactPoint) -> f64,
     ) -> Option<String> {
-        self.sampled(|| self.refutation([name, lipschitz], l, bound, &f))
+        self.sampled(|| self.refutation(name, lipschitz, l, bound, &f))
     }
 
     fn refutation(
         &self,
-        [name, lipschitz]: [&str; 2],
+        name: &str,
+        lipschitz: &str,
         l: f64,
         bound: f64,
         f: &dyn Fn(&ContactPoint) -> f64,
@@ -231,7 +233,7 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
                 .repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
         }
     };
-    match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
+    match test.refute("k_c", "L_kc", lipschitz, bound, k_c) {
         Some(contradiction) => {
             finding(FindingStatus::Fails, format!("k_c violates the constants that it declares: {contradiction}"))
                 .repair("correct the constants of the law")
@@ -275,7 +277,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
             .repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";
-    if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
+    if let Some(contradiction) = test.refute("p_ν", "L_ν", nu, f64::INFINITY, |at| at.pressure) {
         return finding(
             FindingStatus::Fails,
             format!("p_ν violates the constants that it declares: {contradiction}"),
@@ -283,8 +285,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         )
         .repair(wrong);
     }
-    if let Some(contradiction) =
-        test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value)
+    if let Some(contradiction) = test.refute("p_τ", "L_τ", tau, f64::INFINITY, |at| contact.friction.bound(at).value)
     {
         return finding(
             FindingStatus::Fails,

@@ -14,6 +14,20 @@ use crate::tensor::{Point, Sym, mandel_len};
 /// Fraction of the largest eigenvalue that counts as zero.
 const ROUND_OFF: f64 = 1e-14;
 
+/// The letters of an operator and of its constants, and the place of its key.
+#[derive(Clone, Copy)]
+struct OperatorNames {
+    name: &'static str,
+    monotonicity: &'static str,
+    lipschitz: &'static str,
+    place: &'static str,
+}
+
+const VISCOSITY: OperatorNames =
+    OperatorNames { name: "𝓥", monotonicity: "m_b", lipschitz: "M_b", place: "material.viscosity" };
+const ELASTICITY: OperatorNames =
+    OperatorNames { name: "𝓔", monotonicity: "m_a", lipschitz: "M_a", place: "material.elasticity" };
+
 /// (H1)–(H5).
 pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     let names = &problem.mesh.regions;
@@ -50,15 +64,15 @@ fn of_material(problem: &Problem, region: usize, constants: &Constants) -> Vec<F
     let (m, e) = (constants.bound_m, constants.bound_e);
     let expansion = problem.values_in(region, |m| &m.expansion);
     let coupling = problem.values_in(region, |m| &m.coupling);
-    let of_law = |law: &dyn TensorLaw, id: FindingId, names: [&str; 4]| {
+    let of_law = |law: &dyn TensorLaw, id: FindingId, names: OperatorNames| {
         let temperatures = law.graded().map_or(&[][..], |law| law.temperatures());
         warm(operator(problem, law, id, names), temperatures)
     };
     let conductivity = conductivity(problem, &problem.values_in(region, |m| &m.conductivity));
     let expansion = bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]);
     vec![
-        of_law(material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
-        of_law(material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
+        of_law(material.viscosity.as_ref(), FindingId::H1, VISCOSITY),
+        of_law(material.elasticity.as_ref(), FindingId::H2, ELASTICITY),
         warm(conductivity, material.conductivity.temperatures()),
         warm(expansion, material.expansion.temperatures()),
         bounded(problem, &coupling, e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
@@ -89,7 +103,8 @@ fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
 }
 
 /// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
-fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
+fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, names: OperatorNames) -> Finding {
+    let OperatorNames { name, monotonicity: m, lipschitz: upper, place } = names;
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
     let [at_least, at_most] = law
@@ -112,7 +127,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
             FindingStatus::Fails,
             format!("{name} is not strongly monotone: {m} = {least:.6e}{at_least}, expected a positive number"),
         )
-    } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
+    } else if let Some(contradiction) = refuted(problem, law, c, m, upper) {
         (FindingStatus::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
     } else {
         let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
@@ -139,7 +154,7 @@ pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str)
         return Some(format!("{upper} = {lipschitz:.6e}"));
     }
     // −M is a lower bound of monotonicity that every law with the Lipschitz constant M satisfies.
-    refuted(problem, law, OperatorConstants { monotonicity: -lipschitz, lipschitz }, ["m", upper])
+    refuted(problem, law, OperatorConstants { monotonicity: -lipschitz, lipschitz }, "m", upper)
 }
 
 /// Two arguments that contradict the constants of a law, or a nonzero value at zero.
@@ -147,7 +162,8 @@ fn refuted(
     problem: &Problem,
     law: &dyn TensorLaw,
     constants: OperatorConstants,
-    [m, upper]: [&str; 2],
+    m: &str,
+    upper: &str,
 ) -> Option<String> {
     let dim = problem.mesh.tensor_dim();
     let mut random = Samples::default();

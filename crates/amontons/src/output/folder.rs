@@ -173,7 +173,7 @@ impl Folder {
             owned::remove(&path, &run, true)?;
         }
         let manifest = Manifest::new(&options.fingerprint(), options.settings());
-        let folder = Folder::new(path, options, (earlier, manifest), lock);
+        let folder = Folder::new(path, options, manifest, earlier, lock);
         create_folder(&folder.root())?;
         Ok(folder)
     }
@@ -188,7 +188,7 @@ impl Folder {
         let lock = FolderLock::take(&path)?;
         owned::settle(&path)?;
         let manifest = Manifest::read(&path)?;
-        Ok(Folder::new(path, options, (None, manifest), lock))
+        Ok(Folder::new(path, options, manifest, None, lock))
     }
 
     /// The folder of a run that continues in a new place: the results of `from` are copied and stay. Take the
@@ -221,7 +221,8 @@ impl Folder {
     fn new(
         path: PathBuf,
         options: FolderOptions,
-        (replaces, manifest): (Option<Manifest>, Manifest),
+        manifest: Manifest,
+        replaces: Option<Manifest>,
         lock: FolderLock,
     ) -> Folder {
         Folder {
@@ -336,12 +337,8 @@ impl Folder {
         let due = (first..problem.timeline.steps()).filter(|&n| self.is_due(n)).count() + 1;
         let is_packed = start.resumed && self.path.join(PACKED).exists();
         let unpacked = if is_packed { (0..first).filter(|&n| self.is_due(n)).count() } else { 0 };
-        let needed = demand(
-            &start.from,
-            (&self.options.fields, self.options.format),
-            [due, unpacked],
-            problem.timeline.steps() - first.min(problem.timeline.steps()),
-        );
+        let left = problem.timeline.steps() - first.min(problem.timeline.steps());
+        let needed = demand(&start.from, &self.options.fields, self.options.format, due + unpacked, left);
         match machine::disk_free(&self.path) {
             Some(free) if needed > free as f64 => {
                 Err(OutputError::NoRoom { path: self.path.clone(), needed, free: free as f64 })

@@ -244,7 +244,7 @@ impl<'a> SeenSide<'a> {
     fn field(&self, picture: &mut Picture, frame: &SheetPanel, field: &FootprintField, bar: &ColorBar) {
         if let Some(plane) = &self.plane {
             let nodal = plane.values(|row| self.rows.get(row).map(|row| (field.of)(row)));
-            let values = at_corners(&plane.body.triangles, &plane.body.owners, &nodal, (&[], &[]));
+            let values = at_corners(&plane.body.triangles, &plane.body.owners, &nodal, &[], &[]);
             shade::draw(picture, frame, &plane.body, &values, bar, plane.body.window());
         } else {
             for row in &self.rows {

@@ -14,7 +14,7 @@ const MARGIN: f64 = 3.0;
 
 /// Writes the name of each region of an assembly into the region at its deformed position, if there is room. `regions`
 /// holds the number of the region of each cell. Without pairs there is one body, which needs no name.
-pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, (moved, regions): (&PlaneMesh, &[f64])) {
+pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, moved: &PlaneMesh, regions: &[f64]) {
     let Some(problem) = &run.problem else { return };
     if !problem.contacts.iter().any(|contact| contact.pair.is_some()) || problem.mesh.regions.len() < 2 {
         return;

@@ -8,7 +8,7 @@ use super::ground::{self, GroundPatch};
 use super::picture::{Anchor, MARGIN, Picture, Rect, Stroke};
 use super::plane::{factor, times};
 use super::render::{self, ShadedTriangle, View};
-use super::run::{DrawnRun, SpaceSnapshot, at_corners};
+use super::run::{DrawnRun, SpaceSnapshot};
 use super::surface::{dot, norm};
 use super::views::{self, Look};
 use super::zoom::{self, Zone, clipped};
@@ -45,19 +45,6 @@ struct BodyView<'a> {
     window: [[f64; 2]; 2],
 }
 
-/// The field of a picture at the corners of the surface triangles.
-fn values(kind: PictureKind, solid: &SpaceSnapshot) -> Vec<[f64; 3]> {
-    let surface = &solid.surface;
-    let corners = |nodal: &[f64], cells| at_corners(&surface.triangles, &surface.owners, nodal, cells);
-    match kind {
-        PictureKind::VonMises => corners(&solid.nodal_von_mises, (&solid.von_mises, &solid.regions)),
-        PictureKind::Deformed => {
-            corners(&solid.displacement.iter().map(|u| norm(*u)).collect::<Vec<f64>>(), (&[], &[]))
-        }
-        _ => corners(&solid.temperature, (&[], &[])),
-    }
-}
-
 /// Bodies in space as drawn, with the data common to all of them.
 struct SpaceScene<'a> {
     solids: Vec<(&'a RunPanel<'a>, &'a SpaceSnapshot)>,
@@ -78,7 +65,7 @@ impl<'a> SpaceScene<'a> {
             (s.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max), size.into_iter().fold(0.0, f64::max))
         });
         let factor = factor(enlarged, &runs, sizes, options);
-        let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| values(kind, s)).collect();
+        let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| s.corners(kind)).collect();
         let drawn = fields.iter().zip(&solids).map(|(values, (_, s))| DrawnField {
             values,
             areas: s.surface.areas(),

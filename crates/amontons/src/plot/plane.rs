@@ -8,7 +8,7 @@ use super::font::{self, HALF, NUMBER, TITLE, typeset};
 use super::ground::{self, Ground};
 use super::names;
 use super::picture::{Anchor, OutlinePiece, Picture, Rect, Stroke};
-use super::run::{DrawnRun, PlaneSnapshot, at_corners};
+use super::run::{DrawnRun, PlaneSnapshot};
 use super::shade;
 use super::sheet::{self, Margins, PanelPlan, SheetPanel};
 use super::zoom::{self, Zone, clipped};
@@ -111,16 +111,7 @@ impl DrawnBody<'_> {
         let points =
             body.points.iter().zip(&snapshot.displacement).map(|(p, u)| [p[0] + factor * u[0], p[1] + factor * u[1]]);
         let moved = body.moved(points.collect());
-        let nodal: Vec<f64>;
-        let (nodal, cells) = match kind {
-            PictureKind::VonMises => (&snapshot.nodal_von_mises, (&snapshot.von_mises[..], &snapshot.regions[..])),
-            PictureKind::Deformed => {
-                nodal = snapshot.displacement.iter().map(|u| u[0].hypot(u[1])).collect();
-                (&nodal, (&[][..], &[][..]))
-            }
-            _ => (&snapshot.temperature, (&[][..], &[][..])),
-        };
-        let values = at_corners(&body.triangles, &body.owners, nodal, cells);
+        let values = snapshot.corners(kind);
         DrawnBody { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
@@ -317,7 +308,7 @@ impl<'a> PlaneScene<'a> {
         for ground in &shape.grounds {
             foundation(picture, frame, ground, units);
         }
-        names::draw(picture, frame, shape.run, (&shape.moved, &shape.snapshot.regions));
+        names::draw(picture, frame, shape.run, &shape.moved, &shape.snapshot.regions);
     }
 }
 
