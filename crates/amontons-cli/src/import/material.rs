@@ -5,6 +5,17 @@ use super::notes::{Matter, Notes};
 use super::time::DeckPhysics;
 use super::units::{UnitFactors, number, numbers};
 
+/// The material of a set of elements.
+#[derive(Clone, Debug)]
+pub struct DeckSection {
+    pub place: DeckPlace,
+    /// The regions, one per instance.
+    pub regions: Vec<String>,
+    pub material: String,
+    pub orientation: Option<String>,
+    pub thickness: f64,
+}
+
 /// Temperature interval in K by which tables of the case extend those of the deck, with constant values.
 const BEYOND: f64 = 1e4;
 /// Number of parts of an interval when a table of expansion is converted to another reference temperature.

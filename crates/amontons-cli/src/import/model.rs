@@ -6,7 +6,7 @@ use super::conditions::{ConditionContext, Conditions};
 use super::contact::Contacts;
 use super::deck::{Card, DeckFault, DeckPlace};
 use super::forces::{Force, grouped};
-use super::material::DeckMaterial;
+use super::material::{DeckMaterial, DeckSection};
 use super::mesh::DeckMesh;
 use super::notes::{Matter, Notes, REFUSED};
 use super::orientation::Orientation;
@@ -41,17 +41,6 @@ pub fn mesh_of(cards: &[Card]) -> String {
         name == "SOLID SECTION" || OF_MESH.contains(&name) && !others.contains(&name)
     };
     cards.iter().filter(is_mesh).map(Card::to_string).collect()
-}
-
-/// The material of a set of elements.
-#[derive(Clone, Debug)]
-pub struct DeckSection {
-    pub place: DeckPlace,
-    /// The regions, one per instance.
-    pub regions: Vec<String>,
-    pub material: String,
-    pub orientation: Option<String>,
-    pub thickness: f64,
 }
 
 /// The content of a deck.

@@ -102,12 +102,7 @@ impl RigidWriter<'_> {
 
     /// Notes supports of a part that exist in some steps only.
     fn late(&mut self, part: &DeckRigid, track: &Track) {
-        super::write::note_late(
-            &self.model.time,
-            track,
-            &format!("condition on {}", part.on.escape_debug()),
-            self.notes,
-        );
+        self.model.time.note_late(track, &format!("condition on {}", part.on.escape_debug()), self.notes);
     }
 
     fn history(&self, track: &Track, factor: f64) -> String {

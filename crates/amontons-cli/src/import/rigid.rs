@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::deck::{Card, DataLine, DeckFault, DeckPlace};
+use super::material::DeckSection;
 use super::mesh::{DeckMesh, DeckNodeId, DeckSetKind, integer};
-use super::model::DeckSection;
 use super::notes::{Matter, Notes};
 use super::sides::DeckSides;
 use super::time::{Event, Track};

@@ -303,6 +303,19 @@ impl TimeLine {
         }
         DeckAmplitude(simple(points))
     }
+
+    /// Notes a condition that begins or ends with a step: in a case it holds in all steps.
+    pub fn note_late(&self, track: &Track, what: &str, notes: &mut Notes) {
+        let place = |step: usize| self.steps.get(step).map_or_else(DeckPlace::start, |step| step.place.clone());
+        if let Some(first) = track.0.first().filter(|first| first.step > 0) {
+            let why = "the case has it from the start, the deck from this step on";
+            notes.add(&place(first.step), what, why, Matter::Answer);
+        }
+        if let Some(gone) = track.0.iter().find(|event| event.value.is_none()) {
+            let why = "the case has it to the end with the value 0, the deck removes it in this step";
+            notes.add(&place(gone.step), what, why, Matter::Answer);
+        }
+    }
 }
 
 /// The points without those that repeat a time or lie on the line of their neighbours.

@@ -9,11 +9,11 @@ use super::body;
 use super::conditions::{DeckPrescription, PrescribedQuantity};
 use super::contact;
 use super::deck::{DeckFault, DeckPlace};
-use super::material::Context;
-use super::model::{DeckModel, DeckSection};
+use super::material::{Context, DeckSection};
+use super::model::DeckModel;
 use super::notes::{Matter, Notes};
 use super::parts;
-use super::time::{TimeLine, Track};
+use super::time::Track;
 use super::units::{number, quoted};
 
 /// Largest number of reaction probes.
@@ -319,7 +319,7 @@ impl<'a> CaseWriter<'a> {
             quantity,
             PrescribedQuantity::Displacement(_) | PrescribedQuantity::Normal | PrescribedQuantity::Temperature
         ) {
-            note_late(&self.model.time, track, &what, notes);
+            self.model.time.note_late(track, &what, notes);
         }
         if *quantity == PrescribedQuantity::Ambient && track.0.iter().any(|event| event.value.is_none()) {
             let first = self.model.time.steps.first().map_or_else(DeckPlace::start, |step| step.place.clone());
@@ -349,19 +349,6 @@ impl<'a> CaseWriter<'a> {
             known.push(name);
         }
         text
-    }
-}
-
-/// Notes a condition that begins or ends with a step: in a case it holds in all steps.
-pub fn note_late(time: &TimeLine, track: &Track, what: &str, notes: &mut Notes) {
-    let place = |step: usize| time.steps.get(step).map_or_else(DeckPlace::start, |step| step.place.clone());
-    if let Some(first) = track.0.first().filter(|first| first.step > 0) {
-        let why = "the case has it from the start, the deck from this step on";
-        notes.add(&place(first.step), what, why, Matter::Answer);
-    }
-    if let Some(gone) = track.0.iter().find(|event| event.value.is_none()) {
-        let why = "the case has it to the end with the value 0, the deck removes it in this step";
-        notes.add(&place(gone.step), what, why, Matter::Answer);
     }
 }
 

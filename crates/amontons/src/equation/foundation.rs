@@ -1,62 +1,13 @@
-//! The foundation in a step: its position, its motion, and the quantities that Γ_C keeps from step to step.
+//! The foundation in a step: its position and its motion.
 
-use super::fluid;
-use super::given::Given;
-use super::mechanics::Mechanics;
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
-use crate::discretization::Discretization;
-use crate::inclusion::{Drive, Exchange, Frame, Passed, PointState};
+use crate::inclusion::{Drive, Frame, PointState};
 use crate::problem::Problem;
 use crate::state::Accumulated;
 use crate::tensor::{self, Point, dot};
-use crate::time::{Interval, Rule};
-
-impl Accumulated {
-    /// The accumulated quantities at t = 0.
-    pub(crate) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
-        let boundary = &discrete.boundary;
-        let n = boundary.points.len();
-        let first =
-            |side: usize| boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x);
-        let start = |(side, contact): (usize, &Contact)| {
-            let foundation = contact.foundation_heat.as_ref()?;
-            Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
-        };
-        Accumulated {
-            wear: vec![0.0; n],
-            worn: discrete.worn.fresh(),
-            friction_work: vec![0.0; n],
-            foundation: problem.contacts.iter().enumerate().map(start).collect(),
-            passed: vec![Passed::default(); problem.contacts.len()],
-            advance: vec![0.0; problem.contacts.len()],
-            advance_rate: vec![0.0; problem.contacts.len()],
-            wet: fluid::dry(problem, discrete),
-        }
-    }
-
-    /// The accumulated quantities after a step.
-    pub(crate) fn after(&self, step: &Step, mechanics: &Mechanics, exchange: &Exchange) -> Accumulated {
-        let (states, advance) = (&mechanics.end.states, mechanics.given.advance.clone());
-        let Step { contacts, discrete, boundary, rule: Rule { k, .. }, .. } = *step;
-        let mut wear: Vec<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
-        let depths: Vec<f64> = states.iter().map(|state| state.wear).collect();
-        let worn = discrete.worn.after(contacts, boundary, &self.worn, &depths);
-        let at_points = discrete.worn.at_points(contacts, boundary, &wear, &worn.depths);
-        wear.iter_mut().zip(&at_points).for_each(|(wear, [depth, _])| *wear = *depth);
-        let friction_work =
-            self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
-        let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
-        let passed = self.passed.iter().zip(powers);
-        let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
-        let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
-        let wet = fluid::after(step, &self.wet, &mechanics.wet, states);
-        let rates = advance.iter().zip(&self.advance).map(|(now, before)| (now - before) / k);
-        let advance_rate = rates.collect();
-        Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, wet }
-    }
-}
+use crate::time::Interval;
 
 /// The foundation at the contact points in the step from t_{n−1} to t_n of a body at `u`.
 ///
@@ -133,9 +84,9 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
 }
 
 impl Step<'_> {
-    /// The contacts driven by a force in the step, with the growth of δ so far: tightened sections and obstacles under
-    /// a load.
-    pub(crate) fn drives(&self, given: &Given) -> Vec<Drive> {
+    /// The contacts driven by a force in the step, with δ of each contact so far: tightened sections and obstacles
+    /// under a load.
+    pub(crate) fn drives(&self, advance: &[f64]) -> Vec<Drive> {
         let k = self.rule.k;
         let of = |(contact, of): (usize, &Contact)| {
             if let Some(force) = of.preload.as_ref().and_then(|preload| preload.force_in([self.old.t, self.t])) {
@@ -144,7 +95,7 @@ impl Step<'_> {
             let ObstacleLoad { force, direction, mass, .. } = of.obstacle.as_ref()?.load.as_ref()?;
             let at = |all: &[f64]| all.get(contact).copied().unwrap_or(0.0);
             let surface = &self.old.surface;
-            let rate = (at(&given.advance) - at(&surface.advance)) / k - at(&surface.advance_rate);
+            let rate = (at(advance) - at(&surface.advance)) / k - at(&surface.advance_rate);
             let inertia = [mass * rate / k, mass / (k * k)];
             Some(Drive { contact, direction: Some(*direction), force: force.value(&[0.0; 3], self.t), inertia })
         };

@@ -296,7 +296,7 @@ impl<'a> Equation<'a> {
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
         let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-        let drives = step.drives(&self.given);
+        let drives = step.drives(&self.given.advance);
         let frames = |lengths: &[f64]| self.seen(now, &drives, lengths).into_owned().frames;
         let driven = Drives { all: &drives, frames: &frames };
         let (Solved { iterations, loose, held, .. }, lengths) = system
@@ -375,7 +375,8 @@ impl<'a> Equation<'a> {
         let reaction_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w);
         let support_work = reaction_work.sum::<f64>() + held_work;
         discrete.v.mask(&mut rest);
-        let known = self.step.drives(&self.given).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
+        let known =
+            self.step.drives(&self.given.advance).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
         let acting = (inertia * mass_w.max(bar)).max(thermal).max(known);
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
         let scale = [b_w, a_u, max_abs(&at.relaxing)].into_iter().fold(acting.max(contact), f64::max);

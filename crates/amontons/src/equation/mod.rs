@@ -1,12 +1,14 @@
 //! The equations of a step, (4.1) and (4.2): their data, systems and residuals, and the powers of their terms.
 
 pub(crate) mod apart;
+pub(crate) mod bodies;
 mod error;
 mod fluid;
 pub(crate) mod foundation;
 pub(crate) mod given;
 pub(crate) mod heat;
 pub(crate) mod mechanics;
+mod memory;
 mod mixing;
 pub(crate) mod power;
 pub(crate) mod system;

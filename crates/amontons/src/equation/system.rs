@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::StepError;
-use super::apart::Apart;
+use super::bodies::Apart;
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::discretization::Discretization;
 use crate::inclusion::residual::{Residual, grown, is_small};

@@ -1,7 +1,6 @@
 //! (H6): loads, gap, initial and prescribed data.
 
-use super::laws::at;
-use super::sample::times;
+use super::sample::{at, times};
 use super::{Finding, FindingId, FindingStatus};
 use crate::field::Field;
 use crate::problem::Problem;

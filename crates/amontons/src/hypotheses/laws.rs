@@ -1,220 +1,14 @@
-//! (H1), (H2), (H7), (H8): the operators of the material and the contact laws.
+//! (H7), (H8): the contact laws.
 //!
-//! Constants of linear operators are eigenvalues. The declared constants of a nonlinear law cannot be proved by samples
-//! but can be refuted: two arguments that contradict a declared constant make the hypothesis fail.
+//! Declared constants of a law cannot be proved by samples but can be refuted: two arguments that contradict a declared
+//! constant make the hypothesis fail.
 
-use super::sample::{Samples, diameter, some};
-use super::tensors::{bounded, conductivity};
+use super::sample::{PAIRS, PLACES, SLACK, Samples, at, attained, diameter, some};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::arrays::all_at_once;
 use crate::contact::{Contact, ContactPoint, GraphKind, arrays};
-use crate::field::Coefficient;
-use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
-use crate::tensor::{Point, Sym, mandel_len};
-
-/// Pairs of arguments per point on which declared constants are tested.
-const PAIRS: usize = 128;
-
-/// Points of the body or of Γ_C at which they are tested.
-const PLACES: usize = 8;
-
-/// Fraction of the largest eigenvalue that counts as zero.
-pub(super) const ROUND_OFF: f64 = 1e-14;
-
-/// Fraction by which a sample may exceed a declared constant: round-off of a difference quotient.
-const SLACK: f64 = 1e-9;
-
-/// (H1)–(H5).
-pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding> {
-    let names = &problem.mesh.regions;
-    let each = (0..problem.materials.len()).map(|region| {
-        let mut findings = of_material(problem, region, constants);
-        if problem.materials.len() > 1 {
-            for finding in &mut findings {
-                finding.place = format!("{} of region {}", finding.place, names.get(region).map_or("", String::as_str));
-            }
-        }
-        findings
-    });
-    let worst = |worst: Vec<Finding>, found: Vec<Finding>| {
-        worst
-            .into_iter()
-            .zip(found)
-            .map(|(worst, found)| if is_worse(&found, &worst) { found } else { worst })
-            .collect()
-    };
-    each.reduce(worst).unwrap_or_default()
-}
-
-/// True if a finding on a material represents the body instead of another finding: it has the worse status or, if
-/// equal, the worse constant, which is a lower bound in (H1)–(H3) and an upper one in (H4), (H5).
-fn is_worse(found: &Finding, other: &Finding) -> bool {
-    let upper = matches!(found.id, FindingId::H4 | FindingId::H5);
-    let by_value = if upper { found.value > other.value } else { found.value < other.value };
-    found.status > other.status || (found.status == other.status && by_value)
-}
-
-/// (H1)–(H5) of the material of a region.
-fn of_material(problem: &Problem, region: usize, constants: &Constants) -> Vec<Finding> {
-    let Some(material) = problem.materials.get(region) else { return Vec::new() };
-    let (m, e) = (constants.bound_m, constants.bound_e);
-    let expansion = problem.values_in(region, |m| &m.expansion);
-    let coupling = problem.values_in(region, |m| &m.coupling);
-    let of_law = |law: &dyn TensorLaw, id: FindingId, names: [&str; 4]| {
-        let temperatures = law.graded().map_or(&[][..], |law| law.temperatures());
-        warm(operator(problem, law, id, names), temperatures)
-    };
-    let conductivity = conductivity(problem, &problem.values_in(region, |m| &m.conductivity));
-    let expansion = bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]);
-    vec![
-        of_law(material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
-        of_law(material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
-        warm(conductivity, material.conductivity.temperatures()),
-        warm(expansion, material.expansion.temperatures()),
-        bounded(problem, &coupling, e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
-    ]
-}
-
-/// The norm of the part of a tensor that acts on strains of 𝕊^d.
-pub(super) fn norm(tensor: &Sym, dim: usize) -> f64 {
-    tensor.0[..mandel_len(dim)].iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-/// The largest norm of a tensor of the materials.
-pub(super) fn largest_norm(problem: &Problem, of: fn(&Material) -> &Coefficient<Sym>) -> f64 {
-    let dim = problem.mesh.tensor_dim();
-    problem.values_of(of).iter().map(|sample| norm(&sample.value, dim)).fold(0.0, f64::max)
-}
-
-/// The text that follows a number attained at a place and a temperature, ` at (0.0, 1.0, 0.0), θ = 20.0`; empty without
-/// these.
-pub(super) fn attained(x: Option<Point>, theta: Option<f64>) -> String {
-    let place = x.map(|x| format!(" at {}", at(&x))).unwrap_or_default();
-    place + &theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default()
-}
-
-/// The finding on a datum tabulated over the temperature: the hypotheses do not admit such data, and its constants are
-/// bounds over the range of the table.
-fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
-    let (Some(first), Some(last)) = (temperatures.first(), temperatures.last()) else { return finding };
-    let status = finding.status.max(FindingStatus::NotCovered);
-    let message = format!(
-        "{}; it depends on the temperature, which ({}) does not admit: these are bounds for θ from {first:?} to {last:?}",
-        finding.message, finding.id
-    );
-    Finding { status, message, ..finding }
-}
-
-/// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
-fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
-    let c = law.constants();
-    let (least, lipschitz) = (c.monotonicity, c.lipschitz);
-    let [at_least, at_most] = law
-        .graded()
-        .map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x), i.theta)));
-    // Round-off of an eigenvalue is relative to the largest one.
-    let positive = least > ROUND_OFF * lipschitz;
-    let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {
-        (
-            FindingStatus::NotCovered,
-            format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"),
-        )
-    } else if !lipschitz.is_finite() {
-        (
-            FindingStatus::Fails,
-            format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}{at_most}, expected a finite number"),
-        )
-    } else if !positive {
-        (
-            FindingStatus::Fails,
-            format!("{name} is not strongly monotone: {m} = {least:.6e}{at_least}, expected a positive number"),
-        )
-    } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
-        (FindingStatus::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
-    } else {
-        let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
-        (
-            FindingStatus::Holds,
-            format!(
-                "{name} is strongly monotone with {m} = {least:.6e}{at_least} and Lipschitz with {upper} = {lipschitz:.6e}{at_most} ({how}); it vanishes at zero"
-            ),
-        )
-    };
-    let repair = if id == FindingId::H1 {
-        "give the material some viscosity, with both eigenvalues positive"
-    } else {
-        "give the law a positive stiffness in every direction"
-    };
-    let value = if positive { least } else { least.min(0.0) };
-    Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
-}
-
-/// Reason why a law has no Lipschitz constant, as far as samples show; Theorem 1 requires no other property of 𝓔.
-pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
-    let lipschitz = law.constants().lipschitz;
-    if !lipschitz.is_finite() {
-        return Some(format!("{upper} = {lipschitz:.6e}"));
-    }
-    // −M is a lower bound of monotonicity that every law with the Lipschitz constant M satisfies.
-    refuted(problem, law, crate::material::OperatorConstants { monotonicity: -lipschitz, lipschitz }, ["m", upper])
-}
-
-/// Two arguments that contradict the constants of a law, or a nonzero value at zero.
-fn refuted(
-    problem: &Problem,
-    law: &dyn TensorLaw,
-    constants: crate::material::OperatorConstants,
-    [m, upper]: [&str; 2],
-) -> Option<String> {
-    let dim = problem.mesh.tensor_dim();
-    let mut random = Samples::default();
-    // Only the d-dimensional part does work, and the constants refer to it.
-    let value = |x: &Point, xi: &Sym| {
-        let mut value = law.value(x, xi);
-        value.0[mandel_len(dim)..].fill(0.0);
-        value
-    };
-    let mut arguments = Vec::new();
-    for x in some(&problem.mesh.points, PLACES) {
-        for _ in 0..if law.is_linear() { 4 } else { PAIRS } {
-            let (a, size) = (random.spread(1.0, 8.0).abs(), random.spread(1.0, 8.0).abs());
-            let a = random.sym(dim, a);
-            arguments.push((x, a, a + random.sym(dim, size)));
-        }
-    }
-    let values: Vec<[Sym; 3]> = all_at_once(&law.arrays(), || {
-        arguments.iter().map(|(x, a, b)| [value(x, &Sym::ZERO), value(x, a), value(x, b)]).collect()
-    });
-    for ((x, a, b), [zero, at_a, at_b]) in arguments.into_iter().zip(values) {
-        let zero = zero.norm();
-        if zero != 0.0 {
-            return Some(format!("its value at zero has the norm {zero:.3e}, expected zero, at {}", at(x)));
-        }
-        let difference = a - b;
-        let (squared, change) = (difference.dot(&difference), at_a - at_b);
-        // Round-off of the two values is independent of their difference.
-        let noise = 8.0 * f64::EPSILON * constants.lipschitz * (a.norm() + b.norm());
-        let (work, length) = (change.dot(&difference), change.norm());
-        if work < constants.monotonicity * squared * (1.0 - SLACK) - noise * difference.norm() {
-            return Some(format!(
-                "{m} = {:.6e}, but two arguments give {:.6e} at {}",
-                constants.monotonicity,
-                work / squared,
-                at(x)
-            ));
-        }
-        if length > constants.lipschitz * difference.norm() * (1.0 + SLACK) + noise || length.is_nan() {
-            return Some(format!(
-                "{upper} = {:.6e}, but two arguments give {:.6e} at {}",
-                constants.lipschitz,
-                length / difference.norm(),
-                at(x)
-            ));
-        }
-    }
-    None
-}
+use crate::tensor::Point;
 
 /// True if pressure or friction changes with time.
 fn in_time(contact: &Contact) -> bool {
@@ -244,7 +38,7 @@ pub(super) fn friction_lipschitz(contact: &Contact, points: &[Point]) -> (Option
 
 /// (H7), (H8) and the cut-off of φ_L.
 pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> {
-    let each = tests(problem).enumerate().map(|(side, test)| {
+    let each = tested(problem).enumerate().map(|(side, test)| {
         let mut findings = vec![exchange(&test, constants), pressure(&test, constants), cut_off(&test)];
         for finding in &mut findings {
             finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
@@ -271,7 +65,7 @@ pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> 
 }
 
 /// The laws of every contact with some of its points, at which they are tested.
-pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
+pub(super) fn tested(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     let (boundary, length) = (problem.contact_boundary(), diameter(problem));
     problem.contacts.iter().enumerate().map(move |(side, contact)| {
         let places: Vec<Point> = boundary.points.iter().filter(|p| p.contact == side).map(|p| p.x).collect();
@@ -347,17 +141,19 @@ impl Test<'_> {
     /// A sample that contradicts f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s| or f ≤ `bound`.
     fn refute(
         &self,
-        [name, lipschitz]: [&str; 2],
+        name: &str,
+        lipschitz: &str,
         l: f64,
         bound: f64,
         f: impl Fn(&ContactPoint) -> f64,
     ) -> Option<String> {
-        self.sampled(|| self.refutation([name, lipschitz], l, bound, &f))
+        self.sampled(|| self.refutation(name, lipschitz, l, bound, &f))
     }
 
     fn refutation(
         &self,
-        [name, lipschitz]: [&str; 2],
+        name: &str,
+        lipschitz: &str,
         l: f64,
         bound: f64,
         f: &dyn Fn(&ContactPoint) -> f64,
@@ -437,7 +233,7 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
                 .repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
         }
     };
-    match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
+    match test.refute("k_c", "L_kc", lipschitz, bound, k_c) {
         Some(contradiction) => {
             finding(FindingStatus::Fails, format!("k_c violates the constants that it declares: {contradiction}"))
                 .repair("correct the constants of the law")
@@ -481,7 +277,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
             .repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";
-    if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
+    if let Some(contradiction) = test.refute("p_ν", "L_ν", nu, f64::INFINITY, |at| at.pressure) {
         return finding(
             FindingStatus::Fails,
             format!("p_ν violates the constants that it declares: {contradiction}"),
@@ -489,8 +285,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         )
         .repair(wrong);
     }
-    if let Some(contradiction) =
-        test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value)
+    if let Some(contradiction) = test.refute("p_τ", "L_τ", tau, f64::INFINITY, |at| contact.friction.bound(at).value)
     {
         return finding(
             FindingStatus::Fails,
@@ -539,7 +334,7 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
 /// `contact-heat`: warns if the conductance depends on the penetration although the foundation is rigid, where it is
 /// zero or round-off; `None` otherwise.
 pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
-    let side = tests(problem).position(|test| {
+    let side = tested(problem).position(|test| {
         let heat = test.contact.heat.as_ref();
         // Conductance of a closed contact without penetration at rest, at any pressure.
         let closed = |x: &Point| {
@@ -591,10 +386,4 @@ fn cut_off(test: &Test) -> Finding {
         )
         .repair("contact.heat.truncation = L, larger than any temperature difference that occurs: results are then the same"),
     }
-}
-
-/// The coordinates of a point as readable text.
-pub(super) fn at(x: &Point) -> String {
-    let short = |v: f64| format!("{v:.5e}").parse::<f64>().map_or_else(|_| v.to_string(), |v| format!("{v:?}"));
-    format!("({}, {}, {})", short(x[0]), short(x[1]), short(x[2]))
 }

@@ -133,7 +133,7 @@ impl Constants {
             let of_contacts: Vec<Option<f64>> = problem.contacts.iter().map(constant).collect();
             largest_of_sides(problem, &of_contacts)
         };
-        let tau: Vec<Option<f64>> = laws::tests(problem).map(|test| test.tau.0).collect();
+        let tau: Vec<Option<f64>> = laws::tested(problem).map(|test| test.tau.0).collect();
         Constants {
             m_a: a.0,
             lipschitz_a: a.1,
@@ -156,8 +156,8 @@ impl Constants {
         // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
         let poincare = value(domain.c_f).map(|c| (1.0 - c * c).max(0.0).sqrt() / c);
         Constants {
-            bound_m: poincare.map(|p| p * laws::largest_norm(problem, |m| &m.expansion)),
-            bound_e: poincare.map(|p| p * laws::largest_norm(problem, |m| &m.coupling)),
+            bound_m: poincare.map(|p| p * tensors::largest_norm(problem, |m| &m.expansion)),
+            bound_e: poincare.map(|p| p * tensors::largest_norm(problem, |m| &m.coupling)),
             c_k: value(domain.c_k),
             c_f: value(domain.c_f),
             s1: value(domain.s1),
@@ -218,7 +218,7 @@ pub fn findings(problem: &Problem) -> Vec<Finding> {
 }
 
 fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
-    let mut findings = laws::material(problem, constants);
+    let mut findings = tensors::material(problem, constants);
     findings.push(data::h6(problem));
     findings.extend(laws::contact(problem, constants));
     findings.retain(|finding| finding.id.concerns(problem.physics));

@@ -1,6 +1,6 @@
 //! `mesh-quality`: the shape of the cells.
 
-use super::laws::at;
+use super::sample::at;
 use super::{Finding, FindingId, FindingStatus};
 use crate::mesh::Mesh;
 

@@ -16,8 +16,10 @@
 
 use std::sync::Arc;
 
-use super::laws::{Test, at, largest_norm, tests};
+use super::laws::{Test, tested};
+use super::sample::at;
 use super::step::{heat_acts_at_once, holds_the_body};
+use super::tensors::largest_norm;
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactBoundary};
 use crate::discretization::Discretization;
@@ -50,7 +52,7 @@ pub(super) fn loads_vary(problem: &Problem) -> bool {
 /// `contact-possible`: fails if contact is proved impossible.
 pub(super) fn possible(problem: &Problem, discrete: &Discretization, constants: &Constants) -> Finding {
     // One contact that can occur represents several.
-    let each = tests(problem).enumerate().map(|(side, test)| {
+    let each = tested(problem).enumerate().map(|(side, test)| {
         let mut finding = judge(problem, discrete, constants, &test);
         finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
         finding

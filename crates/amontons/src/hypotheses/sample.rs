@@ -1,7 +1,16 @@
-//! Arguments at which declared constants are tested; they are the same in every run.
+//! Arguments at which declared constants are tested, and how their places are written; they are the same in every run.
 
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
+
+/// Pairs of arguments per point on which declared constants are tested.
+pub(super) const PAIRS: usize = 128;
+
+/// Points of the body or of Γ_C at which they are tested.
+pub(super) const PLACES: usize = 8;
+
+/// Fraction by which a sample may exceed a declared constant: round-off of a difference quotient.
+pub(super) const SLACK: f64 = 1e-9;
 
 /// Numbers in [−1, 1) by xorshift (Marsaglia, 2003).
 pub(crate) struct Samples(u64);
@@ -56,4 +65,17 @@ pub(super) fn some(points: &[Point], count: usize) -> impl Iterator<Item = &Poin
 /// The times t_n, at most about `count` of them, the first and the last among them.
 pub(super) fn times(problem: &Problem, count: usize) -> Vec<f64> {
     problem.timeline.spread(count)
+}
+
+/// The text that follows a number attained at a place and a temperature, ` at (0.0, 1.0, 0.0), θ = 20.0`; empty without
+/// these.
+pub(super) fn attained(x: Option<Point>, theta: Option<f64>) -> String {
+    let place = x.map(|x| format!(" at {}", at(&x))).unwrap_or_default();
+    place + &theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default()
+}
+
+/// The coordinates of a point as readable text.
+pub(super) fn at(x: &Point) -> String {
+    let short = |v: f64| format!("{v:.5e}").parse::<f64>().map_or_else(|_| v.to_string(), |v| format!("{v:?}"));
+    format!("({}, {}, {})", short(x[0]), short(x[1]), short(x[2]))
 }

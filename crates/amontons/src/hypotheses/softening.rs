@@ -1,6 +1,6 @@
 //! Softening contact laws, with which a step may have several solutions (`book/src/theory.md`).
 
-use super::laws::tests;
+use super::laws::tested;
 use super::sample::Samples;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactPoint};
@@ -56,7 +56,7 @@ pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
         problem.materials.iter().flat_map(|m| [m.elasticity.constants().lipschitz, m.viscosity.constants().lipschitz]);
     let stress = stiffness.filter(|s| s.is_finite()).fold(0.0, f64::max);
     let stress = if stress > 0.0 { stress } else { 1.0 };
-    tests(problem).map(|test| test.sampled(|| Falls::of(test.contact, &test.places, stress))).collect()
+    tested(problem).map(|test| test.sampled(|| Falls::of(test.contact, &test.places, stress))).collect()
 }
 
 /// `softening`: reports softening laws, their slopes, and how a run treats them; `None` if no law softens.

@@ -23,8 +23,9 @@
 use std::sync::Arc;
 
 use super::domain::TraceQuotient;
-use super::laws::{largest_norm, tests};
+use super::laws::tested;
 use super::softening::falls;
+use super::tensors::largest_norm;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::{Discretization, is_fixed};
@@ -308,11 +309,11 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
         ))
     } else if problem.contacts.iter().any(|contact| contact.wear.is_some()) {
         Some(("wear within a step lowers the pressure with the slip speed, which is not checked", "contact.wear"))
-    } else if with_friction() && tests(problem).any(|test| test.rate_matters()) {
+    } else if with_friction() && tested(problem).any(|test| test.rate_matters()) {
         Some(("friction that depends on a rate-dependent pressure is not checked", "contact.normal"))
     } else if problem.coupling != Coupling::Staggered
         && with_friction()
-        && tests(problem).any(|test| test.friction_sees_heat())
+        && tested(problem).any(|test| test.friction_sees_heat())
     {
         Some((
             "u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ",
@@ -386,7 +387,7 @@ fn suffix(units: Units, measure: Measure) -> String {
 
 /// The verdict if friction decreases with the slip speed by f p and the condition holds without that: a step has one
 /// solution as long as f p < λ_min − c* k. No bound of the pressure is known before the run.
-fn up_to_a_pressure(id: FindingId, [found, needed]: [f64; 2], with_speed: f64, steps: f64, units: Units) -> Finding {
+fn up_to_a_pressure(id: FindingId, found: f64, needed: f64, with_speed: f64, steps: f64, units: Units) -> Finding {
     let (most, unit) = ((found - needed) / with_speed, suffix(units, Measure::Stress));
     let message = format!(
         "with {steps} steps each step has one solution as long as the pressure is below {most:.6e}{unit}, because friction that decreases with the slip speed uses up the rest of λ_min(S, W) = {found:.4}: no bound of the pressure is known beforehand. For the pressure alone the condition holds, since {found:.4} exceeds {needed:.4}. A run halves the steps that may leave the branch of the previous step, and counts those that halving does not resolve in solver.ambiguous_steps"
@@ -433,7 +434,8 @@ fn judge(step: &StepOperator, id: FindingId) -> Result<Finding, SolveError> {
     if holds && step.with_speed > 0.0 {
         return Ok(numbers(up_to_a_pressure(
             id,
-            [below, needed],
+            below,
+            needed,
             step.with_speed,
             step.problem.timeline.steps() as f64,
             step.problem.units(),
@@ -522,7 +524,6 @@ fn search(step: &StepOperator) -> Result<Finding, SolveError> {
     if step.with_speed == 0.0 {
         return Ok(enough(problem, steps));
     }
-    let numbers = [at.least()?.below, step.loss * k];
-    Ok(up_to_a_pressure(id, numbers, step.with_speed, steps, problem.units())
+    Ok(up_to_a_pressure(id, at.least()?.below, step.loss * k, step.with_speed, steps, problem.units())
         .numbers(Some(problem.timeline.steps() as f64), Some(steps)))
 }

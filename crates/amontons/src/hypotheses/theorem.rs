@@ -1,7 +1,8 @@
 //! (2.23) as printed, and the condition that replaces it in the proof of Theorem 3.1 (`book/src/theory.md`).
 
 use super::data::not_in_v;
-use super::laws::{Test, beyond, not_lipschitz, tests};
+use super::laws::{Test, beyond, tested};
+use super::tensors::not_lipschitz;
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::GraphKind;
 use crate::field::Coefficient;
@@ -121,7 +122,7 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
         let what = "contact of two deformable bodies, while Problem 2.2 has one body on a foundation";
         return Some((what, format!("{}.with", problem.contact_path(side))));
     }
-    for (side, test) in tests(problem).enumerate() {
+    for (side, test) in tested(problem).enumerate() {
         if let Some((what, place)) = outside_of_contact(&test) {
             return Some((what, place.replacen("contact", &problem.contact_path(side), 1)));
         }

@@ -3,13 +3,15 @@
 //! The flux Q = q·ν of a point is a multiplier as the pressure is: Q = H(θ + λ (Q − H)), H the law, so that a perfect
 //! conductance is no harder than a small one, and its round-off is that of S θ and not that of h (θ − θ_F).
 
+use std::borrow::Cow;
+
 use super::frame::PointState;
 use super::interface::Interface;
 use super::newton::{Effort, Iterate, Right, Term, iterate};
 use super::passed::Passed;
 use super::{Failure, ITERATIONS, STIFF, Solved};
 use crate::arrays::per_point;
-use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, Status, arrays};
+use crate::contact::{Contact, ContactBoundary, ContactPoint, FRICTION, Flux, HeatLaw, Status, arrays};
 use crate::linalg::{Condensed, Tangent};
 use crate::tensor::{dot, length};
 
@@ -229,6 +231,69 @@ impl HeatStep<'_> {
             sum.add_product_of(slope.recip(), &by_foundation, &by_body);
         }
         sum
+    }
+
+    /// The heat that passes each contact at the fluxes Q out of the sides that bear the points, with the temperatures
+    /// of these sides and of what they face.
+    fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> Vec<Passed> {
+        let none = |contact: &Contact| Passed {
+            by: Vec::with_capacity(contact.heat.parts().len().max(1)),
+            ..Passed::default()
+        };
+        let mut all: Vec<Passed> = self.contacts.iter().map(none).collect();
+        for (i, (flux, at)) in flux.iter().zip(temperatures).enumerate() {
+            let point = &self.boundary.points[i];
+            let (Some(contact), Some(passed)) = (self.contacts.get(point.contact), all.get_mut(point.contact)) else {
+                continue;
+            };
+            let (rubbed, [own, other]) = (self.rubbed(i), *at);
+            passed.rubbed += point.weight * rubbed;
+            let (flux, at) = if contact.sign() > 0.0 {
+                (*flux, [own, other])
+            } else {
+                (Flux { value: *flux, ..Flux::default() }.across(rubbed).value, [other, own])
+            };
+            self.split(i, &*contact.heat, flux, at, |mechanism, value| {
+                passed.add(Cow::Borrowed(mechanism), point.weight * value);
+            });
+        }
+        all
+    }
+
+    /// Splits the flux out of the side `on` at a point. Friction heat does not depend on the temperatures. The rest is
+    /// divided in the ratio of the laws, which stays exact where a conductance is so large that θ − θ_F is round-off;
+    /// where the difference vanishes, in that of their slopes.
+    fn split(
+        &self,
+        i: usize,
+        law: &dyn HeatLaw,
+        flux: f64,
+        [temperature, foundation]: [f64; 2],
+        mut add: impl FnMut(&'static str, f64),
+    ) {
+        if law.parts().is_empty() {
+            law.mechanism().into_iter().for_each(|mechanism| add(mechanism, flux));
+            return;
+        }
+        let at = self.at(i, temperature, foundation);
+        let of_parts = || law.parts().iter().filter_map(|part| Some((part.mechanism()?, part.flux(&at))));
+        let exchanging = || of_parts().filter(|(mechanism, _)| *mechanism != FRICTION);
+        let rest = of_parts()
+            .filter(|(mechanism, _)| *mechanism == FRICTION)
+            .inspect(|(mechanism, friction)| add(mechanism, friction.value))
+            .fold(flux, |rest, (_, friction)| rest - friction.value);
+        let [value, slope] =
+            exchanging().fold([0.0; 2], |[value, slope], (_, part)| [value + part.value, slope + part.by_temperature]);
+        for (mechanism, part) in exchanging() {
+            let share = if value != 0.0 {
+                part.value / value
+            } else if slope > 0.0 {
+                part.by_temperature / slope
+            } else {
+                0.0
+            };
+            add(mechanism, rest * share);
+        }
     }
 }
 

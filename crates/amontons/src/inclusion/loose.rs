@@ -21,7 +21,7 @@ use std::sync::Arc;
 use faer::{Mat, Side};
 
 use super::interface::{Interface, Local};
-use super::mechanical::MechanicalStep;
+use super::point::Laws;
 use crate::contact::{Contact, ContactBoundary, Pair, PointOnBoundary};
 use crate::linalg::Spring;
 use crate::mesh::Mesh;
@@ -35,6 +35,8 @@ const CANDIDATE: f64 = 1e-10;
 const STILL: f64 = 1e-6;
 /// Largest resisted part of a motion that counts as free, in multiples of the uncertainty due to the mesh.
 pub(super) const DOUBTFUL: f64 = 2.0;
+/// Stiffness of a point, relative to the largest of its tangent, below which it resists nothing.
+const RESISTS: f64 = 1e-9;
 
 /// The rigid motions of the parts that nothing but contact holds, on the unknowns that are kept.
 #[derive(Clone, Debug, Default)]
@@ -149,6 +151,39 @@ impl Loose {
         self.motions.is_empty()
     }
 
+    /// What the mesh does not know of the jump of each contact point, with ū at the contact nodes.
+    pub(super) fn doubts(
+        &self,
+        boundary: &ContactBoundary,
+        contacts: &[Contact],
+        dim: usize,
+        u_bar: &[f64],
+    ) -> Vec<Doubt> {
+        let of = |point: &PointOnBoundary| {
+            let is_updated = contacts.get(point.contact).and_then(|c| c.pair.as_ref()).is_some_and(Pair::is_updated);
+            let nodes = || point.nodes.iter().filter_map(|&(i, value)| Some((i, self.nodes.get(i)?, value)));
+            let mut gap = [0.0; 3];
+            for (i, node, value) in nodes() {
+                let moved = u_bar.get(i * dim..).map_or(&[][..], |u| u.get(..dim).unwrap_or_default());
+                for c in 0..dim {
+                    gap[c] += value * (node.x[c] + if is_updated { moved.get(c).copied().unwrap_or(0.0) } else { 0.0 });
+                }
+            }
+            // Only motions that both sides can have in common are known no better.
+            let is_common = point.own < point.nodes.len() && nodes().all(|(_, node, _)| node.count > 0);
+            let own = nodes().next();
+            Doubt {
+                angle: nodes()
+                    .filter(|(.., value)| *value != 0.0)
+                    .fold(0.0, |most: f64, (_, node, _)| most.max(node.doubt)),
+                distance: if is_common { length(&gap) } else { 0.0 },
+                first: own.map_or(0, |(_, node, _)| node.first),
+                count: own.map_or(0, |(_, node, _)| node.count),
+            }
+        };
+        boundary.points.iter().map(of).collect()
+    }
+
     /// A sum of motions over the unknowns that are kept, `size` of them.
     fn vector(&self, a: &[f64], size: usize) -> Vec<f64> {
         let mut vector = vec![0.0; size];
@@ -233,7 +268,7 @@ pub(super) struct Jumps {
 
 /// Uncertainty of the jump of a point: an angle, and along a rotation common to both sides a distance.
 #[derive(Clone, Copy, Debug)]
-struct Doubt {
+pub(super) struct Doubt {
     angle: f64,
     distance: f64,
     first: usize,
@@ -252,9 +287,9 @@ pub(super) struct Free {
 }
 
 impl Jumps {
-    /// Jumps of the motions of a step at the points of its interface; `size` is the number of unknowns.
-    pub fn new(step: &MechanicalStep, interface: &Interface, size: usize) -> Jumps {
-        let MechanicalStep { loose, boundary, contacts, u_bar, dim, .. } = *step;
+    /// Jumps of the motions at the points of an interface, with what the mesh does not know of them; `size` is the
+    /// number of unknowns.
+    pub fn new(loose: &Arc<Loose>, interface: &Interface, doubts: Vec<Doubt>, size: usize) -> Jumps {
         let count = loose.motions.len();
         let mut points = vec![Vec::new(); interface.len()];
         let unit = |k: usize| -> Vec<f64> { (0..count).map(|j| f64::from(u8::from(j == k))).collect() };
@@ -263,36 +298,13 @@ impl Jumps {
             let column = interface.turned(&loose.vector(&unit(k), size));
             most = column.iter().fold(most, |most: f64, value| most.max(value.abs()));
             columns.push((0u32..).zip(column.iter().copied()).filter(|(_, value)| *value != 0.0).collect());
-            for (i, point) in points.iter_mut().enumerate().filter(|(i, _)| boundary.points[*i].weight > 0.0) {
+            for (i, point) in points.iter_mut().enumerate().filter(|(i, _)| interface.rows[*i].weight > 0.0) {
                 let jump = interface.change(i, &column);
                 if jump.iter().any(|c| *c != 0.0) {
                     point.push((k as u32, jump));
                 }
             }
         }
-        let doubts_of = |point: &PointOnBoundary| {
-            let is_updated = contacts.get(point.contact).and_then(|c| c.pair.as_ref()).is_some_and(Pair::is_updated);
-            let nodes = || point.nodes.iter().filter_map(|&(i, value)| Some((i, loose.nodes.get(i)?, value)));
-            let mut gap = [0.0; 3];
-            for (i, node, value) in nodes() {
-                let moved = u_bar.get(i * dim..).map_or(&[][..], |u| u.get(..dim).unwrap_or_default());
-                for c in 0..dim {
-                    gap[c] += value * (node.x[c] + if is_updated { moved.get(c).copied().unwrap_or(0.0) } else { 0.0 });
-                }
-            }
-            // Only motions that both sides can have in common are known no better.
-            let is_common = point.own < point.nodes.len() && nodes().all(|(_, node, _)| node.count > 0);
-            let own = nodes().next();
-            Doubt {
-                angle: nodes()
-                    .filter(|(.., value)| *value != 0.0)
-                    .fold(0.0, |most: f64, (_, node, _)| most.max(node.doubt)),
-                distance: if is_common { length(&gap) } else { 0.0 },
-                first: own.map_or(0, |(_, node, _)| node.first),
-                count: own.map_or(0, |(_, node, _)| node.count),
-            }
-        };
-        let doubts = boundary.points.iter().map(doubts_of).collect();
         Jumps { loose: Arc::clone(loose), points, doubts, columns, size: most, covers: loose.unknowns }
     }
 
@@ -472,6 +484,47 @@ impl Jumps {
         }
         Spring { stiffness, vector }
     }
+}
+
+/// Supports of the rigid motions of a step.
+#[derive(Clone, Debug)]
+pub(super) struct Holds {
+    pub jumps: Arc<Jumps>,
+    /// The stiffness of S at each unknown.
+    pub scale: Arc<[f64]>,
+    /// The motions that are held at rest, with their springs.
+    pub held: Vec<(Free, Spring)>,
+}
+
+impl Holds {
+    pub fn frees(&self) -> Vec<Free> {
+        self.held.iter().map(|(free, _)| free.clone()).collect()
+    }
+
+    pub fn springs(&self) -> Vec<Spring> {
+        self.held.iter().map(|(_, spring)| spring.clone()).collect()
+    }
+
+    pub fn add(&mut self, free: &[Free]) {
+        let with_spring = |free: &Free| (free.clone(), Jumps::spring(free, &self.scale));
+        let more: Vec<_> = free.iter().map(with_spring).collect();
+        self.held.extend(more);
+    }
+}
+
+/// The directions in which a point resists a motion at an iterate.
+pub(super) fn resisting(laws: &Laws, dim: usize) -> Resists {
+    let (_, t) = laws.linear(dim);
+    let normal = if t[0][0] > 0.0 { [1.0, 0.0, 0.0] } else { [0.0; 3] };
+    // The principal directions of the symmetric part along the tangents.
+    let (mean, half, mixed) = (0.5 * (t[1][1] + t[2][2]), 0.5 * (t[1][1] - t[2][2]), 0.5 * (t[1][2] + t[2][1]));
+    let radius = half.hypot(mixed);
+    let along = |value: f64, angle: f64| {
+        let resists = value > RESISTS * (mean.abs() + radius);
+        if resists { [0.0, angle.cos(), angle.sin()] } else { [0.0; 3] }
+    };
+    let angle = 0.5 * mixed.atan2(half);
+    [normal, along(mean + radius, angle), along(mean - radius, angle + std::f64::consts::FRAC_PI_2)]
 }
 
 /// A rigid motion that nothing determines in a step.

@@ -4,11 +4,10 @@
 use std::sync::Arc;
 
 use super::Failure;
-use super::loose::{DOUBTFUL, Free, Jumps, Resists, Undetermined};
-use super::mechanical::Mechanical;
-use super::newton::{Right, Term};
-use super::point::Laws;
-use super::solve::Mechanics;
+use super::loose::{DOUBTFUL, Free, Holds, Jumps, Resists, Undetermined, resisting};
+use super::mechanical::{Mechanical, MechanicalStep};
+use super::newton::{Iterate, Right, Term};
+use super::point::{Laws, Multiplier};
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Spring, Tangent, dot, max_abs};
 
@@ -22,34 +21,8 @@ const LARGE: f64 = 0.1;
 const FAR: f64 = 1e3;
 /// Share of the forces along a motion that is out of balance where a body slides.
 const SLIPS: f64 = 1e-3;
-/// Stiffness of a point, relative to the largest of its tangent, below which it resists nothing.
-const RESISTS: f64 = 1e-9;
-
-/// Supports of the rigid motions of a step.
-#[derive(Clone, Debug)]
-pub(super) struct Holds {
-    jumps: Arc<Jumps>,
-    /// The stiffness of S at each unknown.
-    scale: Arc<[f64]>,
-    /// The motions that are held at rest, with their springs.
-    held: Vec<(Free, Spring)>,
-}
-
-impl Holds {
-    fn frees(&self) -> Vec<Free> {
-        self.held.iter().map(|(free, _)| free.clone()).collect()
-    }
-
-    fn springs(&self) -> Vec<Spring> {
-        self.held.iter().map(|(_, spring)| spring.clone()).collect()
-    }
-
-    fn add(&mut self, free: &[Free]) {
-        let with_spring = |free: &Free| (free.clone(), Jumps::spring(free, &self.scale));
-        let more: Vec<_> = free.iter().map(with_spring).collect();
-        self.held.extend(more);
-    }
-}
+/// An iterate of the mechanical step.
+pub(super) type Mechanics = Iterate<Vec<Multiplier>>;
 
 /// The solution of a step with its rigid motions.
 pub(super) struct Settled {
@@ -60,21 +33,6 @@ pub(super) struct Settled {
     pub held: Vec<f64>,
 }
 
-/// The directions in which a point resists a motion at an iterate.
-pub(super) fn resisting(laws: &Laws, dim: usize) -> Resists {
-    let (_, t) = laws.linear(dim);
-    let normal = if t[0][0] > 0.0 { [1.0, 0.0, 0.0] } else { [0.0; 3] };
-    // The principal directions of the symmetric part along the tangents.
-    let (mean, half, mixed) = (0.5 * (t[1][1] + t[2][2]), 0.5 * (t[1][1] - t[2][2]), 0.5 * (t[1][2] + t[2][1]));
-    let radius = half.hypot(mixed);
-    let along = |value: f64, angle: f64| {
-        let resists = value > RESISTS * (mean.abs() + radius);
-        if resists { [0.0, angle.cos(), angle.sin()] } else { [0.0; 3] }
-    };
-    let angle = 0.5 * mixed.atan2(half);
-    [normal, along(mean + radius, angle), along(mean - radius, angle + std::f64::consts::FRAC_PI_2)]
-}
-
 impl Mechanical<'_> {
     /// Finds the rigid motions of the step, and holds those that no point of contact could determine if all were closed
     /// and stuck.
@@ -83,7 +41,9 @@ impl Mechanical<'_> {
             return;
         }
         let size = condensed.len();
-        let jumps = Arc::new(Jumps::new(&self.step, &self.interface, size));
+        let MechanicalStep { loose, boundary, contacts, dim, u_bar, .. } = self.step;
+        let doubts = loose.doubts(boundary, contacts, dim, u_bar);
+        let jumps = Arc::new(Jumps::new(loose, &self.interface, doubts, size));
         let may = |i: usize| -> Resists {
             let rubs = !self.contact(i).friction.is_frictionless();
             let [first, second] = self.held(i).map(|held| f64::from(u8::from(rubs && !held)));

@@ -5,7 +5,7 @@ use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
-use super::settle::Settled;
+use super::settle::{Mechanics, Settled};
 use super::{Failure, ITERATIONS, NotConverged, Solved};
 use crate::contact::{Contact, PointOnBoundary};
 use crate::linalg::{Condensed, max_abs};
@@ -26,9 +26,6 @@ const SHARPEST: f64 = 0.1;
 const APPROACH: usize = 20 * ITERATIONS;
 /// Further iterations allowed if a body slides under a load that friction does not bear and the step is then halved.
 const FEW: usize = ITERATIONS;
-
-/// An iterate of the mechanical step.
-pub(super) type Mechanics = Iterate<Vec<Multiplier>>;
 
 impl Mechanical<'_> {
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for

@@ -111,7 +111,8 @@ pub fn conjugate_gradients<E>(
     mut precondition: impl FnMut(&[f64]) -> Vec<f64>,
     b: &[f64],
     norm: impl Fn(&[f64]) -> f64,
-    (tolerance, limit): (f64, usize),
+    tolerance: f64,
+    limit: usize,
 ) -> Result<Gradients, E> {
     let whole = norm(b);
     let mut made = Gradients { x: zeros(b.len()), iterations: 0, residual: 1.0, definite: Definite::Seen };

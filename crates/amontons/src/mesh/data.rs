@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::locator::{CellBoxes, CellPlace, Locator};
-use super::read::MeshFileError;
+use super::read::{MeshFileError, Values};
 use super::surface::SurfaceLocator;
 use super::{Block, Mesh, gmsh, vtu};
 use crate::field::Field;
@@ -17,13 +17,6 @@ pub struct MeshData {
     /// Locator of the cells as a surface, if the mesh is one.
     surface: Option<SurfaceLocator>,
     values: Values,
-}
-
-/// Values by block and cell, or by node.
-#[derive(Debug)]
-pub(in crate::mesh) enum Values {
-    Cells(Vec<Vec<f64>>),
-    Nodes(Vec<f64>),
 }
 
 impl MeshData {

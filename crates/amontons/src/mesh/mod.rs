@@ -7,6 +7,7 @@ mod data;
 pub mod defects;
 pub mod exodus;
 mod facets;
+mod formats;
 mod generate;
 mod geometry;
 pub mod gmsh;
@@ -31,16 +32,14 @@ pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
 pub(crate) use facets::{FacetKey, facet_key};
+pub use formats::{EXTENSIONS, parse, parse_file, read, read_all, read_confined};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
 pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{CellPlace, OUTSIDE, reference_point};
 pub use locus::Locus;
-pub use read::{
-    EXTENSIONS, FilePosition, Include, MeshFile, MeshFileError, PlaneState, Skipped, parse, parse_file, read, read_all,
-    read_confined,
-};
+pub use read::{FilePosition, Include, MeshFile, MeshFileError, PlaneState, Skipped};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};

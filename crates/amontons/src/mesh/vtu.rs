@@ -6,8 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::data::Values;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, complete_data, of_vtk};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, Values, complete_data, of_vtk};
 use super::{Block, Mesh};
 use crate::element;
 use crate::tensor::Point;

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::files::{LONGEST, WrittenFile, move_file, sync_folder, write_atomically};
+use super::names::{CHECKPOINT, HISTORY, NEWER_CHECKPOINT, PREVIOUS_CHECKPOINT};
 use super::{Identity, OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::discretization::Discretization;
@@ -30,11 +31,6 @@ use crate::state::{Accumulated, Carried, ContactReport, Counts, CouplingReport, 
 use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 
-/// Paths of the newest checkpoint in a results folder, and of the one before.
-pub(super) const FILE: &str = "checkpoint/state.bin";
-pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
-/// Path at which a checkpoint is written before it becomes the newest.
-pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
 const VERSION: u32 = 18;
 const HASH: usize = 32;
@@ -336,16 +332,16 @@ impl Checkpoint {
                 .and_then(|bytes| of_case(&path, &bytes, case))
         };
         let is_absent = |error: &CheckpointError| matches!(error, CheckpointError::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound);
-        let newest = match one(FILE) {
+        let newest = match one(CHECKPOINT) {
             Ok(checkpoint) => return Ok(Some(checkpoint)),
             Err(error @ (CheckpointError::Damaged { .. } | CheckpointError::Read { .. })) => error,
             Err(error) => return Err(error),
         };
-        match one(PREVIOUS) {
+        match one(PREVIOUS_CHECKPOINT) {
             Ok(checkpoint) => Ok(Some(Checkpoint { fallback: Some(newest.to_string()), ..checkpoint })),
             Err(error @ CheckpointError::OtherCase { .. }) => Err(error),
             Err(error) if is_absent(&error) && is_absent(&newest) => {
-                let rows = machine::read_text(&folder.join(super::folder::HISTORY), LONGEST).unwrap_or_default();
+                let rows = machine::read_text(&folder.join(HISTORY), LONGEST).unwrap_or_default();
                 if rows.lines().count() > 1 {
                     return Err(CheckpointError::Missing { path: folder.to_owned() });
                 }
@@ -411,15 +407,15 @@ impl Checkpoint {
 
 /// Writes a checkpoint into a results folder. If `keeps` is true, the newest one there becomes the previous one.
 pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
-    let path = folder.join(FILE);
+    let path = folder.join(CHECKPOINT);
     let body = postcard::to_stdvec(&CheckpointBody::new(case, now))
         .map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
     let bytes = seal(&case.hash(), &body);
-    let newer = folder.join(NEWER);
+    let newer = folder.join(NEWER_CHECKPOINT);
     write_atomically(&newer, |out| out.write_all(&bytes))?;
     // A crash between the two moves leaves the previous checkpoint, which is then read.
     if keeps {
-        move_file(&path, &folder.join(PREVIOUS))?;
+        move_file(&path, &folder.join(PREVIOUS_CHECKPOINT))?;
     }
     move_file(&newer, &path)?;
     sync_folder(path.parent()).map_err(OutputError::io("write", &path))
@@ -428,12 +424,12 @@ pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool)
 /// The files of the checkpoints as they are on the disk.
 pub(super) fn written(folder: &Path) -> Vec<(&'static str, WrittenFile)> {
     let of = |name: &'static str| Some((name, WrittenFile::read(&folder.join(name)).ok()?));
-    [FILE, PREVIOUS].into_iter().filter_map(of).collect()
+    [CHECKPOINT, PREVIOUS_CHECKPOINT].into_iter().filter_map(of).collect()
 }
 
 /// True if the newest checkpoint of a folder is undamaged.
 pub(super) fn is_whole(folder: &Path) -> bool {
-    let path = folder.join(FILE);
+    let path = folder.join(CHECKPOINT);
     machine::read(&path, LONGEST).is_ok_and(|bytes| unseal(&path, &bytes).is_ok())
 }
 

@@ -1,16 +1,14 @@
-//! `history.csv` and `probes.csv`, one row per step, and `contact.csv`, one row per contact point.
+//! Tables with one row per step: `history.csv` and `probes.csv`.
 
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::columns::{contact_measures, contact_rows};
 use sha2::{Digest, Sha256};
 
-use super::files::{LONGEST, WrittenFile, write_atomically};
-use super::manifest::hexadecimal;
-use super::{OutputError, Snapshot};
+use super::OutputError;
+use super::files::{LONGEST, WrittenFile, hexadecimal, write_atomically};
 use crate::machine;
 
 /// Numbers in the shortest form that reads back to the same bits; counts without a decimal point.
@@ -96,13 +94,4 @@ impl StepTable {
     pub fn moved(&mut self, path: PathBuf) {
         self.path = path;
     }
-}
-
-/// Writes the contact points, one row per point.
-pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<WrittenFile, OutputError> {
-    let names: Vec<String> = contact_measures(now.problem).into_iter().map(|(name, _)| name).collect();
-    write_atomically(path, |out| {
-        writeln!(out, "{}", names.join(","))?;
-        contact_rows(now).iter().try_for_each(|row| writeln!(out, "{row}"))
-    })
 }

@@ -4,15 +4,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::files::{LONGEST, WrittenFile, write_json};
-use super::manifest::{Manifest, hexadecimal};
+use super::files::{LONGEST, WrittenFile, sha256, write_json};
+use super::manifest::Manifest;
+use super::names::{CERTIFICATE, SUMMARY};
 use super::{Outcome, OutputError, Summary};
 use crate::hypotheses::Finding;
 use crate::machine;
-use sha2::{Digest, Sha256};
-
-/// Name of the file of the certificate in a results folder.
-pub(super) const CERTIFICATE: &str = "certificate.json";
 
 /// `certificate.json`: the findings on the data, with version and inputs they depend on.
 #[derive(Debug, Serialize, Deserialize)]
@@ -29,7 +26,7 @@ pub(super) fn write_certificate(
     fingerprint: &str,
     findings: &[Finding],
 ) -> Result<WrittenFile, OutputError> {
-    let (version, input_sha256) = (env!("CARGO_PKG_VERSION").to_owned(), hash(fingerprint));
+    let (version, input_sha256) = (env!("CARGO_PKG_VERSION").to_owned(), sha256(fingerprint));
     write_json(&folder.join(CERTIFICATE), &StoredCertificate { version, input_sha256, findings: findings.to_vec() })
 }
 
@@ -40,7 +37,7 @@ pub(super) fn write_certificate(
 pub fn known_certificate(folder: &Path, fingerprint: &str) -> Option<Vec<Finding>> {
     let text = machine::read_text(&folder.join(CERTIFICATE), LONGEST).ok()?;
     let kept: StoredCertificate = serde_json::from_str(&text).ok()?;
-    (kept.version == env!("CARGO_PKG_VERSION") && kept.input_sha256 == hash(fingerprint)).then_some(kept.findings)
+    (kept.version == env!("CARGO_PKG_VERSION") && kept.input_sha256 == sha256(fingerprint)).then_some(kept.findings)
 }
 
 /// True if the run in a results folder evaluates all hypotheses, or `None` if there is no run.
@@ -53,12 +50,6 @@ pub fn has_certificate(folder: &Path) -> Option<bool> {
 #[must_use]
 pub fn finished_run(folder: &Path, fingerprint: &str) -> Option<Summary> {
     let manifest = Manifest::read(folder).ok()?;
-    let summary: Summary =
-        serde_json::from_str(&machine::read_text(&folder.join("summary.json"), LONGEST).ok()?).ok()?;
+    let summary: Summary = serde_json::from_str(&machine::read_text(&folder.join(SUMMARY), LONGEST).ok()?).ok()?;
     (manifest.is_of(fingerprint) && summary.outcome == Outcome::Done).then_some(summary)
-}
-
-/// SHA-256, hexadecimal.
-pub(crate) fn hash(fingerprint: &str) -> String {
-    hexadecimal(&Sha256::digest(fingerprint))
 }

@@ -10,11 +10,20 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::OutputError;
-use super::manifest::hexadecimal;
 use crate::machine;
 
 /// Longest file of a results folder that is read into memory.
 pub(crate) const LONGEST: u64 = 1 << 36;
+
+/// Two hexadecimal digits per byte.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+}
+
+/// SHA-256, hexadecimal.
+pub(crate) fn sha256(bytes: impl AsRef<[u8]>) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
 
 /// A file as it was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +37,7 @@ pub(crate) struct WrittenFile {
 impl WrittenFile {
     /// The record of a file with these bytes.
     pub fn of(bytes: &[u8]) -> WrittenFile {
-        WrittenFile { bytes: bytes.len() as u64, sha256: hexadecimal(&Sha256::digest(bytes)) }
+        WrittenFile { bytes: bytes.len() as u64, sha256: sha256(bytes) }
     }
 
     /// The record of a file on the disk.

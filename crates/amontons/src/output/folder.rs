@@ -7,30 +7,26 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::columns::{contact_measures, history_columns, history_measures, history_values};
-use super::csv::{StepTable, write_contact};
-use super::earlier::{CERTIFICATE, write_certificate};
+use super::csv::StepTable;
+use super::earlier::write_certificate;
 use super::files::{LONGEST, WrittenFile, create_folder, remove_file, remove_folder, write_atomically, write_json};
 use super::inputs::{Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, ManifestSettings};
+use super::names::{
+    CASE, CERTIFICATE, CHECKPOINT_FOLDER, CONTACT, FIELDS, FIELDS_FOLDER, FILES, HISTORY, INPUTS, MANIFEST, PACKED,
+    PROBES, SIDES, SUMMARY,
+};
 use super::owned::{self, STAGING};
 use super::room::demand;
 use super::{
     FieldsFormat, FolderLock, Identity, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot,
-    StressRecovery, Summary, checkpoint, manifest, packed, surface, vtu,
+    StressRecovery, Summary, checkpoint, surface, vtu,
 };
 use crate::machine::{self, Instant};
 use crate::problem::Problem;
 use crate::units::Measure;
-#[cfg(feature = "case")]
-pub(crate) use snapshots::contact_file;
-pub(crate) use snapshots::fields_file;
-use snapshots::is_due;
+use snapshots::{is_due, write_contact};
 
-pub(super) const HISTORY: &str = "history.csv";
-pub(super) const PROBES: &str = "probes.csv";
-/// Folder of the field snapshots, and of the contact points at their times.
-pub(super) const FIELDS: &str = "fields";
-pub(super) const CONTACT: &str = "contact";
 /// Largest number of nodes for which the fields of a step are written within a second. An interrupted run of a larger
 /// body leaves a checkpoint without them.
 const SOON: usize = 100_000;
@@ -177,7 +173,7 @@ impl Folder {
             owned::remove(&path, &run, true)?;
         }
         let manifest = Manifest::new(&options.fingerprint(), options.settings());
-        let folder = Folder::new(path, options, (earlier, manifest), lock);
+        let folder = Folder::new(path, options, manifest, earlier, lock);
         create_folder(&folder.root())?;
         Ok(folder)
     }
@@ -192,7 +188,7 @@ impl Folder {
         let lock = FolderLock::take(&path)?;
         owned::settle(&path)?;
         let manifest = Manifest::read(&path)?;
-        Ok(Folder::new(path, options, (None, manifest), lock))
+        Ok(Folder::new(path, options, manifest, None, lock))
     }
 
     /// The folder of a run that continues in a new place: the results of `from` are copied and stay. Take the
@@ -225,7 +221,8 @@ impl Folder {
     fn new(
         path: PathBuf,
         options: FolderOptions,
-        (replaces, manifest): (Option<Manifest>, Manifest),
+        manifest: Manifest,
+        replaces: Option<Manifest>,
         lock: FolderLock,
     ) -> Folder {
         Folder {
@@ -254,15 +251,15 @@ impl Folder {
         let (root, mut manifest) = (self.root(), self.manifest.clone());
         self.list_names(&mut manifest);
         manifest.write(&root)?;
-        write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
+        write_atomically(&root.join(CASE), |out| out.write_all(self.options.text.as_bytes()))?;
         write_inputs(&root, &self.options.inputs)
     }
 
     /// Lists the files that the run may write.
     fn list_names(&self, manifest: &mut Manifest) {
-        owned::NAMES.into_iter().filter(|name| *name != manifest::FILE).for_each(|name| manifest.name(name));
+        FILES.into_iter().filter(|name| *name != MANIFEST).for_each(|name| manifest.name(name));
         self.options.inputs.iter().for_each(|input| manifest.list(&input.path, Some(WrittenFile::of(&input.bytes))));
-        manifest.list("case.toml", Some(WrittenFile::of(self.options.text.as_bytes())));
+        manifest.list(CASE, Some(WrittenFile::of(self.options.text.as_bytes())));
     }
 
     /// Replaces the results of the earlier run by those of this one.
@@ -296,8 +293,8 @@ impl Folder {
 
     /// Writes the contact points and the checkpoint of the last step.
     fn write_end(&mut self, last: &Snapshot) -> Result<(), OutputError> {
-        let written = write_contact(&self.path.join("contact.csv"), last)?;
-        self.manifest.list("contact.csv", Some(written));
+        let written = write_contact(&self.path.join(CONTACT), last)?;
+        self.manifest.list(CONTACT, Some(written));
         if self.last_checkpoint.step == Some(last.state.step) { Ok(()) } else { self.write_checkpoint(last, true) }
     }
 
@@ -338,14 +335,10 @@ impl Folder {
     fn check_room(&self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, first) = (start.from.problem, start.from.state.step);
         let due = (first..problem.timeline.steps()).filter(|&n| self.is_due(n)).count() + 1;
-        let is_packed = start.resumed && self.path.join(packed::FILE).exists();
+        let is_packed = start.resumed && self.path.join(PACKED).exists();
         let unpacked = if is_packed { (0..first).filter(|&n| self.is_due(n)).count() } else { 0 };
-        let needed = demand(
-            &start.from,
-            (&self.options.fields, self.options.format),
-            [due, unpacked],
-            problem.timeline.steps() - first.min(problem.timeline.steps()),
-        );
+        let left = problem.timeline.steps() - first.min(problem.timeline.steps());
+        let needed = demand(&start.from, &self.options.fields, self.options.format, due + unpacked, left);
         match machine::disk_free(&self.path) {
             Some(free) if needed > free as f64 => {
                 Err(OutputError::NoRoom { path: self.path.clone(), needed, free: free as f64 })
@@ -356,7 +349,7 @@ impl Folder {
 
     fn start_anew(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (root, problem) = (self.root(), start.from.problem);
-        for folder in [FIELDS, "checkpoint"] {
+        for folder in [FIELDS_FOLDER, CHECKPOINT_FOLDER] {
             create_folder(&root.join(folder))?;
         }
         self.manifest = Manifest::new(&self.options.fingerprint(), self.options.settings());
@@ -386,13 +379,13 @@ impl Folder {
         let of_probes = std::iter::once(("t".to_owned(), Measure::Time)).chain(probes.flat_map(columns)).collect();
         let mut tables = vec![
             (HISTORY, history_measures(problem)),
-            ("contact.csv", of_points),
+            (CONTACT, of_points),
             (PROBES, of_probes),
-            ("fields.pvd", vtu::measures()),
-            ("contact.pvd", surface::measures()),
+            (FIELDS, vtu::measures()),
+            (SIDES, surface::measures()),
         ];
         if self.options.format != FieldsFormat::Vtu {
-            tables.push((packed::FILE, vtu::measures()));
+            tables.push((PACKED, vtu::measures()));
         }
         tables
     }
@@ -436,7 +429,7 @@ impl Folder {
         self.keep_snapshots(problem, step)?;
         let mut manifest = self.manifest.clone();
         manifest.change(&self.options.fingerprint(), self.options.settings());
-        let copies = |name: &str| !name.starts_with("inputs/");
+        let copies = |name: &str| !Path::new(name).starts_with(INPUTS);
         manifest.retain(copies);
         self.list_names(&mut manifest);
         self.manifest = manifest;
@@ -449,7 +442,7 @@ impl Folder {
 
     /// Writes the case and its files again if they differ from those of the continued run.
     fn write_inputs_again(&self) -> Result<(), OutputError> {
-        let path = self.path.join("case.toml");
+        let path = self.path.join(CASE);
         if WrittenFile::read(&path).ok() != Some(WrittenFile::of(self.options.text.as_bytes())) {
             write_atomically(&path, |out| out.write_all(self.options.text.as_bytes()))?;
         }
@@ -479,7 +472,7 @@ impl Sink for Folder {
         self.manifest.write(&root)?;
         if start.resumed {
             // The snapshots are now listed as separate files.
-            remove_file(&root.join(packed::FILE))?;
+            remove_file(&root.join(PACKED))?;
         } else {
             self.write_checkpoint(&start.from, false)?;
         }
@@ -532,8 +525,8 @@ impl Sink for Folder {
             // The run has not made a step: the earlier results stay.
             return remove_folder(&self.root());
         }
-        let written = write_json(&self.path.join("summary.json"), summary)?;
-        self.manifest.list("summary.json", Some(written));
+        let written = write_json(&self.path.join(SUMMARY), summary)?;
+        self.manifest.list(SUMMARY, Some(written));
         for (name, written) in checkpoint::written(&self.path) {
             self.manifest.list(name, Some(written));
         }
@@ -541,7 +534,7 @@ impl Sink for Folder {
         for (name, rows) in rows.chain(self.probes.iter().map(|(_, rows)| (PROBES, rows))) {
             self.manifest.list(name, Some(rows.written()));
         }
-        self.manifest.forget_unwritten(&owned::NAMES);
+        self.manifest.forget_unwritten(&FILES);
         self.manifest.end(summary.steps, !self.is_due(summary.steps));
         self.manifest.write(&self.path)
     }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::files::sha256;
 use super::inputs::Input;
-use super::manifest::hexadecimal;
 
 /// Longest value that is stored as it is; a longer one is stored as length and hash.
 const LONGEST: usize = 120;
@@ -25,10 +25,10 @@ impl Identity {
             if value.len() <= LONGEST {
                 value
             } else {
-                format!("{} bytes with SHA-256 {}", value.len(), hexadecimal(&Sha256::digest(&value)))
+                format!("{} bytes with SHA-256 {}", value.len(), sha256(&value))
             }
         };
-        let files = inputs.iter().map(|input| (input.path.clone(), hexadecimal(&Sha256::digest(&*input.bytes))));
+        let files = inputs.iter().map(|input| (input.path.clone(), sha256(&input.bytes)));
         Identity(values.into_iter().map(|(key, value)| (key, short(value))).chain(files).collect())
     }
 

@@ -4,13 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use sha2::{Digest, Sha256};
-
 use super::OutputError;
-use super::files::{create_folder, write_atomically};
-
-/// Folder of the copies in a results folder.
-pub const INPUTS: &str = "inputs";
+use super::files::{create_folder, sha256, write_atomically};
+use super::names::INPUTS;
 
 /// A file that a case refers to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,10 +24,7 @@ pub struct Input {
 pub fn fingerprint(text: &str, inputs: &[Input]) -> String {
     let mut all = text.to_owned();
     for input in inputs {
-        let _ = write!(all, "\n# {} sha256 ", input.path);
-        for byte in Sha256::digest(&*input.bytes) {
-            let _ = write!(all, "{byte:02x}");
-        }
+        let _ = write!(all, "\n# {} sha256 {}", input.path, sha256(&input.bytes));
     }
     all
 }

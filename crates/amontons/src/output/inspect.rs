@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::files::WrittenFile;
-use super::folder::FIELDS;
 use super::manifest::Manifest;
-use super::packed::{self, StoredFields};
-use super::{OutputError, manifest, owned};
+use super::names::{FIELDS_FOLDER, MANIFEST, PACKED};
+use super::packed::StoredFields;
+use super::{OutputError, owned};
 
 /// The files of a results folder compared with its manifest.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +42,7 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
         ..Inspection::default()
     };
     if !run.is_intact(folder) {
-        found.faults.push(format!("{} is not as it was written", manifest::FILE));
+        found.faults.push(format!("{} is not as it was written", MANIFEST));
     }
     for (name, written) in &listed {
         let path = folder.join(name);
@@ -60,16 +60,16 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
         }
     }
     for (step, name) in owned::snapshots(folder) {
-        if name.starts_with(FIELDS) {
+        if name.starts_with(FIELDS_FOLDER) {
             found.snapshots.push(step);
         }
         if found.ended.is_some() && !listed.iter().any(|(other, _)| *other == name) {
-            found.faults.push(format!("{name} is not listed in {}", manifest::FILE));
+            found.faults.push(format!("{name} is not listed in {}", MANIFEST));
         }
     }
     match StoredFields::of(folder).packed() {
         Ok(packed) => found.snapshots.extend(packed.iter().map(|(step, _)| *step)),
-        Err(what) => found.faults.push(format!("{}: {what}", packed::FILE)),
+        Err(what) => found.faults.push(format!("{}: {what}", PACKED)),
     }
     found.snapshots.sort_unstable();
     found.snapshots.dedup();

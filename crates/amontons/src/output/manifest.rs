@@ -6,17 +6,15 @@ use std::path::{Component, Path};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::OutputError;
-use super::files::{LONGEST, WrittenFile, write_atomically};
+use super::files::{LONGEST, WrittenFile, sha256, write_atomically};
+use super::names::{FILES, MANIFEST, PACKED};
 use crate::equation::{ACCEPTED, REFINE};
 use crate::inclusion::TOLERANCE;
 use crate::machine;
 use crate::units::{Measure, Units};
 
-/// Name of the file in a results folder.
-pub(super) const FILE: &str = "manifest.json";
 const PROGRAM: &str = "amontons";
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -113,7 +111,7 @@ impl Manifest {
             program: PROGRAM.to_owned(),
             version: version(),
             case: String::new(),
-            input_sha256: hexadecimal(&Sha256::digest(fingerprint)),
+            input_sha256: sha256(fingerprint),
             settings,
             tolerances: Tolerances { newton: TOLERANCE, refined_above: REFINE, accepted_below: ACCEPTED },
             platform: Platform {
@@ -139,7 +137,7 @@ impl Manifest {
     pub fn change(&mut self, fingerprint: &str, settings: ManifestSettings) {
         let before = std::mem::replace(&mut self.settings, settings).overrides;
         self.settings.overrides.splice(0..0, before);
-        self.input_sha256 = hexadecimal(&Sha256::digest(fingerprint));
+        self.input_sha256 = sha256(fingerprint);
     }
 
     /// SHA-256 of the inputs, hexadecimal.
@@ -179,8 +177,7 @@ impl Manifest {
             return inside.map(|(name, written)| (name.as_str(), written.as_ref())).collect();
         }
         // Older versions did not list these files, but wrote them.
-        let names = super::owned::NAMES.iter().filter(|name| **name != super::packed::FILE);
-        names.map(|name| (*name, None)).collect()
+        FILES.iter().filter(|name| **name != PACKED).map(|name| (*name, None)).collect()
     }
 
     /// Notes a file that the run writes, with its length and hash once they are known.
@@ -211,20 +208,18 @@ impl Manifest {
 
     /// True if it belongs to a run with these inputs, made and finished by this version of the program.
     pub fn is_of(&self, fingerprint: &str) -> bool {
-        self.version == version()
-            && self.input_sha256 == hexadecimal(&Sha256::digest(fingerprint))
-            && self.end.is_some()
+        self.version == version() && self.input_sha256 == sha256(fingerprint) && self.end.is_some()
     }
 
     /// Reads the manifest of a results folder.
     pub fn read(folder: &Path) -> Result<Manifest, OutputError> {
-        let path = folder.join(FILE);
+        let path = folder.join(MANIFEST);
         Manifest::find(folder)?.ok_or_else(|| OutputError::io("read", &path)(io::Error::from(io::ErrorKind::NotFound)))
     }
 
     /// Reads the manifest of a results folder, or `None` if there is no such file.
     pub fn find(folder: &Path) -> Result<Option<Manifest>, OutputError> {
-        let path = folder.join(FILE);
+        let path = folder.join(MANIFEST);
         let text = match machine::read_text(&path, LONGEST) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             text => text.map_err(OutputError::io("read", &path))?,
@@ -240,14 +235,14 @@ impl Manifest {
 
     /// True if the file in a results folder has exactly the text of this manifest.
     pub fn is_intact(&self, folder: &Path) -> bool {
-        let text = machine::read_text(&folder.join(FILE), LONGEST).unwrap_or_default();
+        let text = machine::read_text(&folder.join(MANIFEST), LONGEST).unwrap_or_default();
         self.text().is_ok_and(|own| own == text)
     }
 
     /// The text of the file.
     fn text(&self) -> serde_json::Result<String> {
         let empty = Manifest { sha256: String::new(), ..self.clone() };
-        let sha256 = hexadecimal(&Sha256::digest(serde_json::to_string_pretty(&empty)?));
+        let sha256 = sha256(serde_json::to_string_pretty(&empty)?);
         Ok(serde_json::to_string_pretty(&Manifest { sha256, ..empty })? + "\n")
     }
 
@@ -288,16 +283,11 @@ impl Manifest {
 
     /// Writes the manifest into a results folder.
     pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
-        let path = folder.join(FILE);
+        let path = folder.join(MANIFEST);
         let text =
             self.text().map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
         write_atomically(&path, |out| io::Write::write_all(out, text.as_bytes())).map(|_| ())
     }
-}
-
-/// Two hexadecimal digits per byte.
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 
 fn version() -> String {

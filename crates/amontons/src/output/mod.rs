@@ -24,6 +24,7 @@ mod limits;
 mod lock;
 mod manifest;
 mod memory;
+pub(crate) mod names;
 mod owned;
 mod packed;
 mod probe;
@@ -52,25 +53,18 @@ pub(crate) use columns::contact_rows;
 pub use columns::{
     ContactValues, contact_columns, contact_measures, history_columns, history_measures, history_values,
 };
-#[cfg(feature = "case")]
-pub(crate) use earlier::hash as input_hash;
 pub use earlier::{finished_run, has_certificate, known_certificate};
-#[cfg(feature = "case")]
-pub(crate) use files::LONGEST;
 #[cfg(feature = "plot")]
 pub(crate) use files::write_file;
 #[cfg(feature = "case")]
-pub(crate) use folder::contact_file;
-#[cfg(feature = "plot")]
-pub(crate) use folder::fields_file;
+pub(crate) use files::{LONGEST, sha256};
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
 pub use identity::Identity;
-pub use inputs::{INPUTS, Input, fingerprint};
+pub use inputs::{Input, fingerprint};
 pub use inspect::{Inspection, inspect};
 pub use lock::FolderLock;
 pub use memory::Memory;
-#[cfg(feature = "plot")]
-pub(crate) use packed::FILE as PACKED;
+pub use names::INPUTS;
 pub use packed::FieldsFormat;
 #[cfg(feature = "case")]
 pub(crate) use packed::StoredFields;
@@ -78,7 +72,7 @@ pub use probe::ProbeSet;
 pub use probe_place::{Probe, ProbeError, ProbePlace, Take};
 pub use quantity::{Base, Quantity, Selection, quantities};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
-pub use shown::{Lives, ResultTable, Shown, shown};
+pub use shown::{Lives, ResultTable, Shown};
 pub use study::StudyFolder;
 #[cfg(feature = "case")]
 pub(crate) use summary::of_last;
@@ -94,6 +88,13 @@ use crate::hypotheses::Finding;
 use crate::problem::Problem;
 use crate::state::{State, StepReport};
 use crate::step::Scheme;
+
+/// Every value that a run can show, for a body in space, without the names of sides.
+#[must_use]
+pub fn shown() -> Vec<Shown> {
+    let of_tables = columns::history_shown().chain(columns::contact_shown());
+    shown::summary_shown().chain(of_tables).chain(vtu::shown()).chain(surface::shown()).collect()
+}
 
 /// A receiver of the results of a run. A run calls `start` once, `step` after every step, and at its end, for whatever
 /// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed.

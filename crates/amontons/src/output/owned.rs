@@ -6,42 +6,17 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::earlier::CERTIFICATE;
-use super::files::{LONGEST, create_folder, move_file, of_temporary, remove_empty_folder, remove_file, remove_folder};
-use super::folder::{CONTACT, FIELDS, HISTORY, PROBES};
-use super::inputs::{INPUTS, Input};
+use super::files::{
+    LONGEST, copy_file, create_folder, move_file, of_temporary, remove_empty_folder, remove_file, remove_folder,
+};
+use super::inputs::Input;
 use super::manifest::Manifest;
-use super::{Outcome, OutputError, Summary, checkpoint, manifest, packed};
+use super::names::{FILES, FOLDERS, HISTORY, MANIFEST, SNAPSHOTS, SUMMARY, step_of};
+use super::{Outcome, OutputError, Summary};
 use crate::machine;
 
-/// The files that a run may write, except copies of inputs and snapshots.
-pub(super) const NAMES: [&str; 13] = [
-    "case.toml",
-    CERTIFICATE,
-    HISTORY,
-    PROBES,
-    "contact.csv",
-    "contact.pvd",
-    "fields.pvd",
-    packed::FILE,
-    "summary.json",
-    checkpoint::FILE,
-    checkpoint::PREVIOUS,
-    checkpoint::NEWER,
-    manifest::FILE,
-];
-/// The folders of the snapshots, and the endings of the files in each.
-const SNAPSHOTS: [(&str, &str); 3] = [(FIELDS, "vtu"), (CONTACT, "csv"), (CONTACT, "vtu")];
-/// The folders that a run may make.
-const FOLDERS: [&str; 4] = [FIELDS, CONTACT, "checkpoint", INPUTS];
 /// Folder in which a run that replaces another keeps its results until its first step is made.
 pub(super) const STAGING: &str = ".amontons-starting";
-
-/// The step of a snapshot by its name: 3 of `step_0000003.vtu`.
-fn step_of(name: &str, ending: &str) -> Option<usize> {
-    let digits = name.strip_prefix("step_")?.strip_suffix(ending)?.strip_suffix('.')?;
-    (digits.len() >= 7 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok()).flatten()
-}
 
 /// The names in a folder; empty if it does not exist.
 fn names_in(path: &Path) -> Vec<String> {
@@ -64,13 +39,13 @@ pub(super) fn snapshots(root: &Path) -> Vec<(usize, String)> {
 /// Refuses a folder in which files of others have names that the run may use.
 pub(super) fn refuse_strangers(root: &Path, earlier: Option<&Manifest>, inputs: &[Input]) -> Result<(), OutputError> {
     let listed: Vec<&str> = earlier.map_or_else(Vec::new, |m| m.outputs().into_iter().map(|(name, _)| name).collect());
-    let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
+    let mut names: Vec<String> = FILES.iter().map(|name| (*name).to_owned()).collect();
     names.extend(inputs.iter().map(|input| input.path.clone()));
     if earlier.is_none() {
         names.extend(snapshots(root).into_iter().map(|(_, name)| name));
     }
     let is_strange = |name: &&String| {
-        *name != manifest::FILE && !listed.contains(&name.as_str()) && root.join(name).symlink_metadata().is_ok()
+        *name != MANIFEST && !listed.contains(&name.as_str()) && root.join(name).symlink_metadata().is_ok()
     };
     match names.iter().find(is_strange) {
         Some(name) => Err(OutputError::Stranger { path: root.join(name) }),
@@ -80,7 +55,7 @@ pub(super) fn refuse_strangers(root: &Path, earlier: Option<&Manifest>, inputs: 
 
 /// The refusal of a folder that holds a run: `an interrupted run of "paper": 941 of its steps are made`, with advice.
 pub(super) fn told(root: &Path, manifest: &Manifest) -> OutputError {
-    let summary = machine::read_text(&root.join("summary.json"), LONGEST).ok();
+    let summary = machine::read_text(&root.join(SUMMARY), LONGEST).ok();
     let summary: Option<Summary> = summary.and_then(|text| serde_json::from_str(&text).ok());
     let rows = || {
         let rows = machine::read_text(&root.join(HISTORY), LONGEST).unwrap_or_default();
@@ -105,18 +80,18 @@ pub(super) fn told(root: &Path, manifest: &Manifest) -> OutputError {
 pub(super) fn remove(root: &Path, run: &Manifest, with_manifest: bool) -> Result<(), OutputError> {
     let listed = run.outputs().into_iter().map(|(name, _)| name.to_owned());
     let all = listed.chain(snapshots(root).into_iter().map(|(_, name)| name));
-    for name in all.filter(|name| name != manifest::FILE) {
+    for name in all.filter(|name| name != MANIFEST) {
         remove_file(&root.join(name))?;
     }
     for folder in FOLDERS {
         remove_empty_folder(&root.join(folder));
     }
-    if with_manifest { remove_file(&root.join(manifest::FILE)) } else { Ok(()) }
+    if with_manifest { remove_file(&root.join(MANIFEST)) } else { Ok(()) }
 }
 
 /// Removes temporary files left by killed writers.
 fn remove_temporary(root: &Path) -> Result<(), OutputError> {
-    for name in names_in(root).iter().filter(|name| of_temporary(name).is_some_and(|file| NAMES.contains(&file))) {
+    for name in names_in(root).iter().filter(|name| of_temporary(name).is_some_and(|file| FILES.contains(&file))) {
         remove_file(&root.join(name))?;
     }
     for folder in FOLDERS.iter().map(|folder| root.join(folder)) {
@@ -136,7 +111,7 @@ pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError
     // The new run still writes into its folders, including empty ones.
     let folders: Vec<&str> = FOLDERS.into_iter().filter(|folder| staging.join(folder).is_dir()).collect();
     remove(root, earlier, false)?;
-    move_file(&staging.join(manifest::FILE), &root.join(manifest::FILE))?;
+    move_file(&staging.join(MANIFEST), &root.join(MANIFEST))?;
     settle(root)?;
     folders.into_iter().try_for_each(|folder| create_folder(&root.join(folder)))
 }
@@ -144,7 +119,7 @@ pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError
 /// Repairs a folder in which a run was killed while writing a file or replacing another run.
 pub(super) fn settle(root: &Path) -> Result<(), OutputError> {
     let staging = root.join(STAGING);
-    let is_moving = staging.is_dir() && staging.join(manifest::FILE).symlink_metadata().is_err();
+    let is_moving = staging.is_dir() && staging.join(MANIFEST).symlink_metadata().is_err();
     if is_moving {
         let run = Manifest::find(root)?;
         let listed = run.iter().flat_map(|run| run.outputs().into_iter().map(|(name, _)| name.to_owned()));
@@ -167,21 +142,7 @@ pub(super) fn copy(from: &Path, run: &Manifest, to: &Path) -> Result<(), OutputE
     for name in all.iter().filter(|name| from.join(name).symlink_metadata().is_ok()) {
         let target: PathBuf = to.join(name);
         create_folder(target.parent().unwrap_or(to))?;
-        super::files::copy_file(&from.join(name), &target)?;
+        copy_file(&from.join(name), &target)?;
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn snapshots_are_told_by_their_names() {
-        assert_eq!(step_of("step_0000003.vtu", "vtu"), Some(3));
-        assert_eq!(step_of("step_12345678.csv", "csv"), Some(12_345_678));
-        for other in ["step_3.vtu", "step_0000003.csv", "step_000000a.vtu", "my_step_0000003.vtu", "step_0000003vtu"] {
-            assert_eq!(step_of(other, "vtu"), None, "{other}");
-        }
-    }
 }

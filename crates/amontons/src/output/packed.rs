@@ -9,14 +9,11 @@ use std::path::{Path, PathBuf};
 
 use super::OutputError;
 use super::files::{LONGEST, WrittenFile, make_atomically};
-use super::folder::fields_file;
+use super::names::{PACKED, fields_file};
 use super::vtu::write_grid;
 use crate::machine;
 use crate::vtkhdf::{self, GridSeries, Reader, WriteError};
 use crate::vtu::{self, Grid};
-
-/// Name of the file in a results folder.
-pub(crate) const FILE: &str = "fields.vtkhdf";
 
 /// Format of the fields of a finished run. During a run, and after an interruption, they are in `fields/*.vtu`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,7 +37,7 @@ pub(super) enum Packed {
 
 /// Packs the snapshots of some steps and times; `units` has the units of arrays.
 pub(super) fn pack(root: &Path, at: &[(usize, f64)], units: &BTreeMap<String, String>) -> Result<Packed, OutputError> {
-    let path = root.join(FILE);
+    let path = root.join(PACKED);
     let source = |index: usize, wanted: &dyn Fn(&str) -> bool| read(&root.join(fields_file(at[index].0)), wanted);
     let unit = |name: &str| units.get(name).cloned();
     let series = GridSeries { at, source: &source, unit: &unit, room: GridSeries::room() };
@@ -54,7 +51,7 @@ pub(super) fn pack(root: &Path, at: &[(usize, f64)], units: &BTreeMap<String, St
 
 /// Writes the wanted snapshots that are missing as separate files. Returns the steps of all wanted ones.
 pub(super) fn unpack(root: &Path, wanted: impl Fn(usize) -> bool) -> Result<Vec<usize>, OutputError> {
-    let path = root.join(FILE);
+    let path = root.join(PACKED);
     if path.symlink_metadata().is_err() {
         return Ok(Vec::new());
     }
@@ -91,7 +88,7 @@ pub(crate) struct StoredFields {
 impl StoredFields {
     /// Opens the fields of a folder.
     pub fn of(root: &Path) -> StoredFields {
-        let path = root.join(FILE);
+        let path = root.join(PACKED);
         let packed = path.symlink_metadata().is_ok().then(|| Reader::open(&path));
         StoredFields { root: root.to_owned(), packed }
     }
@@ -115,7 +112,7 @@ impl StoredFields {
     /// Name of the file of the fields at a step.
     pub fn name(&self, step: usize) -> String {
         let own = fields_file(step);
-        if self.packed.is_some() && !self.root.join(&own).exists() { format!("{FILE}, step {step}") } else { own }
+        if self.packed.is_some() && !self.root.join(&own).exists() { format!("{PACKED}, step {step}") } else { own }
     }
 
     /// The grid with all fields at a step.

@@ -10,12 +10,13 @@ const OF_SURFACE: f64 = 2.0 * 32.0 * 8.0 * 4.0 / 3.0;
 ///
 /// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one being written. Three
 /// checkpoints hold the state, velocities, displacements, temperatures and branches. If the snapshots are packed at the
-/// end, the packed file exists in addition to them. `snapshots` holds the number due, and the number of packed ones
-/// that become separate files before the run continues.
+/// end, the packed file exists in addition to them. `snapshots` is the number due, with the packed ones that become
+/// separate files before the run continues.
 pub(super) fn demand(
     from: &Snapshot,
-    (fields, format): (&[OutputField], FieldsFormat),
-    snapshots: [usize; 2],
+    fields: &[OutputField],
+    format: FieldsFormat,
+    snapshots: usize,
     steps: usize,
 ) -> f64 {
     let problem = from.problem;
@@ -40,7 +41,7 @@ pub(super) fn demand(
     let state = from.state;
     let kept = state.u.len() + state.w.len() + state.theta.len() + state.branches.iter().map(Vec::len).sum::<usize>();
     let checkpoint = 8.0 * kept as f64 + points * 300.0;
-    let snapshots: f64 = snapshots.iter().map(|&n| n as f64).sum();
+    let snapshots = snapshots as f64;
     let packed = if format == FieldsFormat::Vtu { 0.0 } else { snapshots * grid };
     packed + (snapshots + 1.0) * per_snapshot + 3.0 * checkpoint + steps as f64 * 700.0
 }

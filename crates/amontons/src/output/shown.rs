@@ -4,8 +4,8 @@
 //! name and one unit everywhere, and a maximum says over which locations it is taken: contact points, centres of cells,
 //! nodes, and means about nodes have maxima of their own.
 
-use super::columns::{contact_shown, history_shown};
-use super::{ContactSummary, Final, surface, vtu};
+use super::names::{CONTACT, FIELDS, HISTORY, SIDES, SUMMARY};
+use super::{ContactSummary, Final};
 use crate::units::Measure;
 
 /// The location of a value.
@@ -70,11 +70,11 @@ impl ResultTable {
     #[must_use]
     pub fn file(self) -> &'static str {
         match self {
-            ResultTable::Summary => "summary.json",
-            ResultTable::History => "history.csv",
-            ResultTable::Contact => "contact.csv",
-            ResultTable::Fields => "fields.pvd",
-            ResultTable::Surface => "contact.pvd",
+            ResultTable::Summary => SUMMARY,
+            ResultTable::History => HISTORY,
+            ResultTable::Contact => CONTACT,
+            ResultTable::Fields => FIELDS,
+            ResultTable::Surface => SIDES,
         }
     }
 }
@@ -104,14 +104,6 @@ impl Shown {
     }
 }
 
-/// Every value that a run can show, for a body in space, without the names of sides.
-#[must_use]
-pub fn shown() -> Vec<Shown> {
-    let figures =
-        FIGURES.iter().map(|figure| Shown::new(ResultTable::Summary, figure.key, figure.measure, figure.lives));
-    figures.chain(history_shown()).chain(contact_shown()).chain(vtu::shown()).chain(surface::shown()).collect()
-}
-
 /// A figure of `summary.json`.
 pub(super) struct Figure {
     /// Its key, such as `final.von_mises_max`.
@@ -130,6 +122,11 @@ enum FigureValue {
 }
 
 use FigureValue::{Number, OfContact, Vector, VectorOfContact};
+
+/// The figures of `summary.json`.
+pub(super) fn summary_shown() -> impl Iterator<Item = Shown> {
+    FIGURES.iter().map(|figure| Shown::new(ResultTable::Summary, figure.key, figure.measure, figure.lives))
+}
 
 impl Figure {
     /// Its numbers with their keys; for vectors the keys end with the component: `final.displacement_max[0]`.

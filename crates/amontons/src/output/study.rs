@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::checkpoint::{read_states, write_states};
-use super::earlier::hash;
-use super::files::{LONGEST, create_folder, remove_folder, write_atomically, write_json};
+use super::files::{LONGEST, create_folder, remove_folder, sha256, write_atomically, write_json};
 use super::inputs::{Input, write_inputs};
-use super::{FolderLock, OutputError, StudyTable, manifest};
+use super::names::{CASE, MANIFEST};
+use super::{FolderLock, OutputError, StudyTable};
 use crate::convergence::{Reference, ReferenceProgress, Study, StudyLevel};
 use crate::machine;
 use crate::state::State;
@@ -32,7 +32,7 @@ impl StudyFolder {
             Err(OutputError::HoldsResults { path: path.clone(), found: found.to_owned(), advice: advice.to_owned() })
         };
         let is_there = |name: &str| path.join(name).symlink_metadata().is_ok();
-        if is_there(manifest::FILE) {
+        if is_there(MANIFEST) {
             return holds("a run", "give another folder with --out");
         }
         if is_there("convergence.csv") && !force {
@@ -122,7 +122,7 @@ impl StudyFolder {
     /// # Errors
     /// A file cannot be written.
     pub fn finish(&self, table: &StudyTable, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
-        write_atomically(&self.path.join("case.toml"), |out| out.write_all(case.as_bytes()))?;
+        write_atomically(&self.path.join(CASE), |out| out.write_all(case.as_bytes()))?;
         write_inputs(&self.path, inputs)?;
         write_json(&self.path.join("convergence.json"), table)?;
         write_atomically(&self.path.join("convergence.csv"), |out| out.write_all(table.csv().as_bytes())).map(|_| ())
@@ -141,7 +141,7 @@ fn study_hash(study: &Study) -> String {
         // The closed form is part of the case.
         Reference::Exact(_) => "exact".to_owned(),
     };
-    hash(&study.levels.iter().map(key).chain([reference]).map(|text| hash(&text)).collect::<String>())
+    sha256(&study.levels.iter().map(key).chain([reference]).map(|text| sha256(&text)).collect::<String>())
 }
 
 /// The data that the states of a level depend on.

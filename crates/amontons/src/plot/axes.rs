@@ -1,19 +1,13 @@
 //! Frames with marks, labels and legends.
 
 use super::color::{Color, GRID, INK, SOFT};
-use super::font;
-use super::picture::{Anchor, OutlinePiece, Picture, Rect, Stroke};
+use super::font::{self, HALF, LABEL, NUMBER, TITLE};
+use super::picture::{Anchor, MARGIN, OutlinePiece, Picture, Rect, Stroke, beside};
 use super::ticks::Ticks;
 use crate::units::{Measure, Units};
 
-pub(super) const TITLE: f64 = 16.0;
-pub(super) const HEADING: f64 = 13.0;
-pub(super) const LABEL: f64 = 12.0;
-pub(super) const NUMBER: f64 = 11.0;
 /// Length of marks outside a frame.
 const MARK: f64 = 4.0;
-/// Distance from the middle of a text down to its baseline, in units of its size.
-pub(super) const HALF: f64 = 0.36;
 
 /// A map from values to positions in a picture.
 #[derive(Clone, Copy, Debug)]
@@ -206,6 +200,18 @@ pub(super) fn legend(picture: &mut Picture, at: [f64; 2], width: f64, entries: &
         }
         picture.text([x + sign.width(), y], LABEL, Anchor::Start, INK, text);
     }
+}
+
+/// A picture below its title and a legend.
+pub(super) fn headed(picture: Picture, title: &str, entries: &[(Sign, String)]) -> Picture {
+    let width = line_width(entries);
+    let needed = font::width(title, TITLE).max(width) + 2.0 * MARGIN;
+    let height = MARGIN + if entries.is_empty() { 0.0 } else { LEGEND };
+    let mut head = Picture::new(needed.max(picture.width), height, title);
+    let middle = 0.5 * head.width;
+    head.text([middle, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
+    legend(&mut head, [middle - 0.5 * width, MARGIN + TITLE + LEGEND], f64::INFINITY, entries);
+    beside(title, vec![head, picture], 1)
 }
 
 /// A sign at the points of a line.

@@ -1,9 +1,9 @@
 //! Small multiples: columns of charts that share the axis below them.
 
-use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
+use super::axes::{self, LEGEND, Scale, Sign};
 use super::color::{Color, GREY, INK};
-use super::font;
-use super::picture::{Anchor, Picture, Rect, Stroke};
+use super::font::{self, HEADING, LABEL, TITLE};
+use super::picture::{Anchor, MARGIN, Picture, Rect, Stroke};
 use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};
 
@@ -77,7 +77,6 @@ pub(super) struct ChartColumn {
 }
 
 const HEIGHT: f64 = 112.0;
-const MARGIN: f64 = 16.0;
 const STRIP: f64 = 12.0;
 const MOST_MARKS: usize = 5;
 /// Margin above and below the values of a chart, as a fraction of their range.

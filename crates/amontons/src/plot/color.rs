@@ -75,6 +75,11 @@ impl ColorMap {
         let mix = |a: u8, b: u8| (f64::from(a) + s * (f64::from(b) - f64::from(a))).round() as u8;
         [mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)]
     }
+
+    /// Red, green and blue of a value in a range; those of the middle if the range is one value.
+    pub(super) fn of(self, [lo, hi]: [f64; 2], value: f64) -> [u8; 3] {
+        self.at(if hi > lo { (value - lo) / (hi - lo) } else { 0.5 })
+    }
 }
 
 #[rustfmt::skip]

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use super::axes::{self, HEADING, LABEL, LEGEND, MARKERS, NUMBER, Scale, Sign, TITLE};
+use super::axes::{self, LEGEND, MARKERS, Scale, Sign};
 use super::color::{INK, LINES, SOFT};
-use super::picture::{Anchor, Picture, Rect, Stroke};
+use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE};
+use super::picture::{Anchor, MARGIN, Picture, Rect, Stroke};
 use super::table::CsvTable;
 use super::ticks::{self, Ticks};
-use super::{Options, PlotError, font};
+use super::{Options, PlotError};
 use crate::units::{Measure, Units};
 
 /// The data of Figure 5 of the paper: errors of a sequence of discretizations.
@@ -91,7 +92,6 @@ pub fn convergence(plot: &ConvergencePlot) -> Result<Picture, PlotError> {
 
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 340.0;
-const MARGIN: f64 = 16.0;
 
 /// Draws convergence studies side by side under a title, all with the same scales.
 ///
@@ -146,7 +146,7 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
         let [a, b, c] = triangle.map(|[h, e]| [scale_x.at(h), scale_y.at(e)]);
         picture.line(&[a, b, c, a], Stroke::new(SOFT, 1.0));
         picture.text([0.5 * (a[0] + b[0]), a[1] + 5.0 + 0.75 * NUMBER], NUMBER, Anchor::Middle, SOFT, "1");
-        picture.text([b[0] + 6.0, 0.5 * (b[1] + c[1]) + axes::HALF * NUMBER], NUMBER, Anchor::Start, SOFT, "1");
+        picture.text([b[0] + 6.0, 0.5 * (b[1] + c[1]) + HALF * NUMBER], NUMBER, Anchor::Start, SOFT, "1");
         picture.text([x + 0.5 * WIDTH, frame.bottom() + 26.0 + LABEL], LABEL, Anchor::Middle, INK, &plot.x_label);
         picture.text_upwards([x - left + 0.8 * LABEL, frame.y + 0.5 * HEIGHT], LABEL, INK, &plot.y_label);
     }

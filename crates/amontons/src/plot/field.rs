@@ -1,11 +1,11 @@
 //! Names and colours of fields, and their colour bar.
 
-use super::axes::{self, LABEL, NUMBER, Scale};
+use super::PictureKind;
+use super::axes::{self, Scale};
 use super::color::{Color, ColorMap, INK};
+use super::font::{self, HALF, LABEL, NUMBER, typeset};
 use super::picture::{Anchor, Image, OutlinePiece, Picture, Rect, Stroke};
-use super::plane::typeset;
 use super::ticks::{self, Ticks};
-use super::{PictureKind, font};
 use crate::output::Lives;
 use crate::units::{Measure, Units};
 
@@ -50,26 +50,6 @@ pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure, lives: 
     lives.after(format!("min {}, max {} {unit}", typeset(&low), typeset(&high)).trim_end())
 }
 
-/// The extremes of a field of a body. Stresses are drawn as recovered at the nodes; the largest value at the centre of
-/// a cell, which the summary reports, is added.
-pub(super) fn extremes_of_body(kind: PictureKind, units: Units, extent: [f64; 2], cells: Option<f64>) -> String {
-    let measure = DrawnQuantity::of(kind).measure;
-    let of_nodes = |cells: f64| {
-        let most = typeset(&units.write(cells, measure));
-        let of_nodes = extremes(units, extent, measure, Lives::Recovered);
-        format!("{of_nodes}; {}", Lives::Cell.after(&format!("up to {most}")))
-    };
-    match kind {
-        PictureKind::VonMises => cells.map_or_else(|| extremes(units, extent, measure, Lives::Cell), of_nodes),
-        _ => extremes(units, extent, measure, Lives::Node),
-    }
-}
-
-/// The largest stress at the centre of a cell, or `None` if cell values are drawn.
-pub(super) fn largest_in_cells(cells: &[f64], nodal: &[f64]) -> Option<f64> {
-    (!nodal.is_empty()).then(|| cells.iter().copied().fold(0.0, f64::max))
-}
-
 /// The range of the colours: all values, except a few that are far above the rest.
 ///
 /// Stresses are singular in corners and where conditions change; the triangles there would take most of the colours. At
@@ -91,10 +71,80 @@ pub(super) fn shown(values: &[[f64; 3]], areas: &[f64], [lo, hi]: [f64; 2]) -> [
     }
 }
 
+/// A field on the bodies of a picture: per body its extremes, its colours, and the largest value in the cells.
+pub(super) struct FieldScales {
+    kind: PictureKind,
+    extents: Vec<[f64; 2]>,
+    ranges: Vec<[f64; 2]>,
+    /// The largest stress at the centre of a cell, or `None` if cell values are drawn.
+    in_cells: Vec<Option<f64>>,
+}
+
+/// A field on a body, as a picture shows it.
+pub(super) struct DrawnField<'a> {
+    /// Its values at the corners of the triangles, and the areas of these.
+    pub values: &'a [[f64; 3]],
+    pub areas: Vec<f64>,
+    /// The von Mises stresses of the cells, and those recovered at the nodes.
+    pub cells: &'a [f64],
+    pub nodal: &'a [f64],
+}
+
+impl FieldScales {
+    /// The scales of fields of one kind; with `shared` all have the same colours.
+    pub(super) fn new(kind: PictureKind, fields: &[DrawnField], shared: bool) -> FieldScales {
+        let extents: Vec<[f64; 2]> = fields.iter().map(|field| common(field.values)).collect();
+        let own = |(field, extent): (&DrawnField, &[f64; 2])| {
+            if kind == PictureKind::VonMises { shown(field.values, &field.areas, *extent) } else { *extent }
+        };
+        let mut ranges: Vec<[f64; 2]> = fields.iter().zip(&extents).map(own).collect();
+        if shared {
+            let common = common(&ranges);
+            ranges.fill(common);
+        }
+        let largest = |cells: &[f64]| cells.iter().copied().fold(0.0, f64::max);
+        let in_cells = fields.iter().map(|field| (!field.nodal.is_empty()).then(|| largest(field.cells))).collect();
+        FieldScales { kind, extents, ranges, in_cells }
+    }
+
+    /// Gives all bodies the extremes over all of them.
+    pub(super) fn share_extremes(&mut self) {
+        let extent = common(&self.extents);
+        self.extents.fill(extent);
+        let most = axes::range(self.in_cells.iter().flatten().copied()).map(|[_, most]| most);
+        self.in_cells.fill(most);
+    }
+
+    /// The colour bar of a body, below its frame or on the right.
+    pub(super) fn bar(&self, body: usize, units: Units, below: bool) -> ColorBar {
+        ColorBar::new(&DrawnQuantity::of(self.kind), self.ranges[body], self.extents[body], units, below)
+    }
+
+    /// The extremes on a body. Stresses are drawn as recovered at the nodes; the largest value at the centre of a cell,
+    /// which the summary reports, is added.
+    pub(super) fn extremes(&self, body: usize, units: Units) -> String {
+        let measure = DrawnQuantity::of(self.kind).measure;
+        let with = |lives: Lives| extremes(units, self.extents[body], measure, lives);
+        match (self.kind, self.in_cells[body]) {
+            (PictureKind::VonMises, Some(cells)) => {
+                let most = typeset(&units.write(cells, measure));
+                format!("{}; {}", with(Lives::Recovered), Lives::Cell.after(&format!("up to {most}")))
+            }
+            (PictureKind::VonMises, None) => with(Lives::Cell),
+            _ => with(Lives::Node),
+        }
+    }
+}
+
+/// The range of all values in some lists.
+fn common<const N: usize>(lists: &[[f64; N]]) -> [f64; 2] {
+    axes::range(lists.iter().flatten().copied()).unwrap_or([0.0, 1.0])
+}
+
 /// A colour bar, on the right of a frame or below it.
 pub(super) struct ColorBar {
     map: ColorMap,
-    pub range: [f64; 2],
+    range: [f64; 2],
     /// True if there are values above the range: the bar then ends in a point.
     pointed: bool,
     ticks: Ticks,
@@ -117,6 +167,11 @@ impl ColorBar {
         let ticks = ticks::in_units(shown, 7, units, quantity.measure);
         let label = axes::labelled(quantity.symbol, ticks.exponent, units, quantity.measure);
         ColorBar { map: quantity.map, range: shown, pointed: extent[1] > shown[1], ticks, label, below }
+    }
+
+    /// Red, green and blue of a value.
+    pub(super) fn color(&self, value: f64) -> [u8; 3] {
+        self.map.of(self.range, value)
     }
 
     /// The values with a mark.
@@ -176,13 +231,7 @@ impl ColorBar {
                 .collect();
             picture.lines(&marks, Stroke::new(INK, 0.8));
             for (v, text) in &self.ticks.marks {
-                picture.text(
-                    [place.right() + 7.0, scale.at(*v) + axes::HALF * NUMBER],
-                    NUMBER,
-                    Anchor::Start,
-                    INK,
-                    text,
-                );
+                picture.text([place.right() + 7.0, scale.at(*v) + HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
             }
             picture.text([place.x, rect.y - 8.0], LABEL, Anchor::Start, INK, &self.label);
         }

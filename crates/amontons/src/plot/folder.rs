@@ -12,7 +12,7 @@ use super::{PlotError, contact, frames, ground, vtu};
 use crate::case::{self, CaseError};
 use crate::contact::names_of_points;
 use crate::output::columns;
-use crate::output::{PACKED, fields_file};
+use crate::output::names::{CASE, CONTACT, FIELDS, HISTORY, PACKED, fields_file};
 use crate::problem::Problem;
 use crate::vtkhdf::Reader;
 
@@ -62,12 +62,12 @@ pub(super) struct Results<'f> {
 
 /// True if a results folder has the fields of a run.
 pub(super) fn has_fields(folder: &Path) -> bool {
-    ["fields.pvd", PACKED].iter().any(|name| folder.join(name).exists())
+    [FIELDS, PACKED].iter().any(|name| folder.join(name).exists())
 }
 
 /// The problem of the case in a results folder.
 pub(super) fn problem(folder: &Path) -> Result<Problem, PlotError> {
-    let path = folder.join("case.toml");
+    let path = folder.join(CASE);
     let case = case::read(&path, &[]).map_err(|error| match error {
         CaseError::Read { path, source } => PlotError::Read { path, source },
         faults @ CaseError::Faults { .. } => PlotError::Format { path, what: faults.to_string() },
@@ -78,7 +78,7 @@ pub(super) fn problem(folder: &Path) -> Result<Problem, PlotError> {
 impl Results<'_> {
     pub(super) fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
         let problem = Arc::new(problem(folder)?);
-        let (list, path) = (folder.join("fields.pvd"), folder.join(PACKED));
+        let (list, path) = (folder.join(FIELDS), folder.join(PACKED));
         let (snapshots, packed) = if list.exists() || !path.exists() {
             (vtu::snapshots(&list)?, None)
         } else {
@@ -86,7 +86,7 @@ impl Results<'_> {
             // Names that separate files would have: those of the contact points correspond to them.
             (reader.at().iter().map(|&(step, t)| (t, fields_file(step))).collect(), Some(reader))
         };
-        let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
+        let history = history(&CsvTable::read(&folder.join(HISTORY))?)?;
         let problem = ground::found(&problem, &history);
         Ok(Results { folder, problem, history, snapshots, packed })
     }
@@ -144,7 +144,7 @@ impl Results<'_> {
             return Ok(None);
         }
         if snapshot + 1 == self.snapshots.len() {
-            return CsvTable::read(&self.folder.join("contact.csv")).map(Some);
+            return CsvTable::read(&self.folder.join(CONTACT)).map(Some);
         }
         let stem = Path::new(&self.snapshots[snapshot].1).file_stem().unwrap_or_default();
         let path = self.folder.join("contact").join(stem).with_extension("csv");

@@ -9,6 +9,13 @@ use ttf_parser::{Face, GlyphId};
 
 static FONT: &[u8] = include_bytes!("font/DejaVuSans.ttf");
 
+/// Sizes of texts.
+pub(super) const TITLE: f64 = 16.0;
+pub(super) const HEADING: f64 = 13.0;
+pub(super) const LABEL: f64 = 12.0;
+pub(super) const NUMBER: f64 = 11.0;
+/// Distance from the middle of a text down to its baseline, in units of its size.
+pub(super) const HALF: f64 = 0.36;
 /// Size of a subscript or superscript relative to the text.
 const SCRIPT: f64 = 0.72;
 /// Offsets of a subscript downwards and of a superscript upwards, in units of the text size.
@@ -66,6 +73,21 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
 /// A text without its markup.
 pub(super) fn plain(text: &str) -> String {
     parts(text).into_iter().map(|(part, _)| part).collect()
+}
+
+/// A number with typographic signs and powers of ten.
+pub(super) fn typeset(text: &str) -> String {
+    let text = match text.split_once('e') {
+        Some((mantissa, rest))
+            if mantissa.chars().last().is_some_and(|c| c.is_ascii_digit())
+                && rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()) =>
+        {
+            let (power, unit) = rest.split_once(' ').unwrap_or((rest, ""));
+            format!("{mantissa}·10^{{{power}}} {unit}").trim_end().to_owned()
+        }
+        _ => text.to_owned(),
+    };
+    text.replace('-', "−")
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,5 +207,12 @@ mod tests {
     #[test]
     fn widths_add_up() {
         assert!((width("ab", 10.0) - width("a", 10.0) - width("b", 10.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn numbers_are_set_with_the_signs_of_a_page() {
+        assert_eq!(typeset("-2.13 µm"), "−2.13 µm");
+        assert_eq!(typeset("2.13e-6"), "2.13·10^{−6}");
+        assert_eq!(typeset("1e-8 pm"), "1·10^{−8} pm");
     }
 }

@@ -7,8 +7,8 @@ use super::axes::{self, Sign};
 use super::body::{PlaneMesh, window};
 use super::color::{Color, ColorMap, GREY, INK};
 use super::field::{self, ColorBar, DrawnQuantity};
+use super::font::typeset;
 use super::picture::{OutlinePiece, Picture, Rect, Stroke};
-use super::plane::typeset;
 use super::profiles::{STATUSES, color};
 use super::run::{DrawnRun, SolidContact, SpaceSnapshot, at_corners};
 use super::sheet::{self, Margins, PanelPlan, SheetPanel};
@@ -18,8 +18,6 @@ use crate::contact::Status;
 use crate::output::Lives;
 use crate::units::{Measure, Units};
 
-/// Pixels of an image per unit of the picture.
-const DENSITY: f64 = 2.0;
 /// Largest number of arrows along the longer side of a panel.
 const ARROWS: f64 = 16.0;
 
@@ -243,31 +241,14 @@ impl<'a> SeenSide<'a> {
         (0.33 * (width * height / self.rows.len().max(1) as f64).sqrt()).clamp(0.8, 5.0)
     }
 
-    fn field(&self, picture: &mut Picture, frame: &SheetPanel, field: &FootprintField, range: [f64; 2]) {
-        let map = field.quantity.map;
+    fn field(&self, picture: &mut Picture, frame: &SheetPanel, field: &FootprintField, bar: &ColorBar) {
         if let Some(plane) = &self.plane {
             let nodal = plane.values(|row| self.rows.get(row).map(|row| (field.of)(row)));
-            let values = at_corners(&plane.body.triangles, &plane.body.owners, &nodal, (&[], &[]));
-            let [x, y] = plane.body.window();
-            let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
-            let place = Rect { x: a[0].min(b[0]), y: a[1], width: (b[0] - a[0]).abs(), height: b[1] - a[1] };
-            let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-            let mut image = shade::image(
-                &plane.body,
-                &values,
-                map,
-                range,
-                (plane.body.window(), [pixels(place.width), pixels(place.height)]),
-            );
-            if self.view.mirrored {
-                image.mirror();
-            }
-            picture.image(place, image);
+            let values = at_corners(&plane.body.triangles, &plane.body.owners, &nodal, &[], &[]);
+            shade::draw(picture, frame, &plane.body, &values, bar, plane.body.window());
         } else {
             for row in &self.rows {
-                let value = (field.of)(row);
-                let [red, green, blue] =
-                    map.at(if range[1] > range[0] { (value - range[0]) / (range[1] - range[0]) } else { 0.5 });
+                let [red, green, blue] = bar.color((field.of)(row));
                 let fill = Color { red, green, blue, opacity: 1.0 };
                 picture.polygon(dot_at(frame.at(&self.at(row)), self.radius(frame)), fill);
             }
@@ -398,7 +379,7 @@ pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) ->
         let (mut row, frames) = sheet::lay_out("", &plans, room, units);
         for ((field, bar), frame) in fields.iter().zip(&bars).zip(&frames) {
             bar.draw(&mut row, frame.rect);
-            side.field(&mut row, frame, field, bar.range);
+            side.field(&mut row, frame, field, bar);
         }
         if let Some(frame) = frames.get(fields.len()) {
             side.states(&mut row, frame);
@@ -406,8 +387,9 @@ pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) ->
         rows.push(row);
     }
     let sheet = Picture::stacked(heading.clone(), rows, Some("sides").filter(|_| panels.len() == 1));
-    Ok(sheet.headed(&heading, if has_states { &legend } else { &[] }))
+    Ok(axes::headed(sheet, &heading, if has_states { &legend } else { &[] }))
 }
+
 /// Note on a maximum: `up to 3 MPa at a contact point`.
 fn up_to_at_point(most: f64, units: Units, measure: Measure) -> String {
     Lives::Point.after(&format!("up to {}", typeset(&units.write(most, measure))))

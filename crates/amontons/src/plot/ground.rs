@@ -65,7 +65,7 @@ pub(super) fn grounds(problem: &Problem, body: &PlaneMesh, t: f64, factor: f64, 
         let set = problem.mesh.facets.get(&contact.on)?;
         let ground = match &contact.obstacle {
             Some(obstacle) => around(problem, contact, obstacle, t, window),
-            None => offset(problem, contact, &chains(body, set), body, (t, factor)),
+            None => offset(problem, contact, &chains(body, set), body, t, factor),
         };
         (!ground.lines.is_empty()).then_some(ground)
     };
@@ -93,7 +93,7 @@ pub(super) fn feet(problem: &Problem, body: &PlaneMesh, moved: &[[f64; 2]], t: f
     for contact in foundations(problem) {
         let Some(set) = problem.mesh.facets.get(&contact.on) else { continue };
         let Some(obstacle) = &contact.obstacle else {
-            all.extend(offset(problem, contact, &chains(body, set), body, (t, factor)).lines.into_iter().flatten());
+            all.extend(offset(problem, contact, &chains(body, set), body, t, factor).lines.into_iter().flatten());
             continue;
         };
         let nodes = set.node_list().into_iter().filter_map(|n| moved.get(n as usize));
@@ -182,13 +182,7 @@ fn chained(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
 }
 
 /// The foundation at the gap g from a side: the points x + factor·g ν, and a little beyond the ends of a flat side.
-fn offset(
-    problem: &Problem,
-    contact: &Contact,
-    chains: &[Vec<u32>],
-    body: &PlaneMesh,
-    (t, factor): (f64, f64),
-) -> Ground {
+fn offset(problem: &Problem, contact: &Contact, chains: &[Vec<u32>], body: &PlaneMesh, t: f64, factor: f64) -> Ground {
     let mut ground = Ground { lines: Vec::new(), moves: None };
     for chain in chains {
         let p = |i: usize| body.points[chain[i] as usize];

@@ -54,6 +54,7 @@ mod zoom;
 
 use std::path::{Path, PathBuf};
 
+use crate::output::names::CASE;
 use crate::units::{Measure, UnitSystem, Units};
 
 pub use animation::animation;
@@ -334,7 +335,7 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     let study = dir.join("convergence.csv");
     let is_study = study.exists();
     if is_study {
-        let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == UnitSystem::Dimensionless;
+        let has_none = dir.join(CASE).exists() && folder::problem(dir)?.system == UnitSystem::Dimensionless;
         let plot = ConvergencePlot::read(
             &study,
             &Options { dimensionless: options.dimensionless || has_none, ..options.clone() },

@@ -1,8 +1,9 @@
 //! The names of the bodies of an assembly.
 
-use super::axes::{HALF, NUMBER};
+use super::axes;
 use super::body::PlaneMesh;
 use super::color::{INK, WHITE};
+use super::font::{self, HALF, NUMBER};
 use super::picture::{Anchor, Picture, Rect};
 use super::run::DrawnRun;
 use super::sheet::SheetPanel;
@@ -13,7 +14,7 @@ const MARGIN: f64 = 3.0;
 
 /// Writes the name of each region of an assembly into the region at its deformed position, if there is room. `regions`
 /// holds the number of the region of each cell. Without pairs there is one body, which needs no name.
-pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, (moved, regions): (&PlaneMesh, &[f64])) {
+pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, moved: &PlaneMesh, regions: &[f64]) {
     let Some(problem) = &run.problem else { return };
     if !problem.contacts.iter().any(|contact| contact.pair.is_some()) || problem.mesh.regions.len() < 2 {
         return;
@@ -23,7 +24,7 @@ pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, (m
         let of_region = moved.triangles.iter().zip(&moved.owners).filter(|(_, cell)| is_of(cell));
         let triangles: Vec<[[f64; 2]; 3]> =
             of_region.map(|(nodes, _)| nodes.map(|node| frame.at(&moved.points[node as usize]))).collect();
-        let width = super::font::width(name, NUMBER);
+        let width = font::width(name, NUMBER);
         let Some([x, y]) = place(&triangles, [width + 2.0 * MARGIN, NUMBER + 2.0 * MARGIN]) else { continue };
         let [w, h] = [width + 2.0 * MARGIN, NUMBER + 2.0 * MARGIN];
         let behind = Rect { x: x - 0.5 * w, y: y - 0.5 * h, width: w, height: h };
@@ -37,7 +38,7 @@ pub(super) fn draw(picture: &mut Picture, frame: &SheetPanel, run: &DrawnRun, (m
 fn place(triangles: &[[[f64; 2]; 3]], room: [f64; 2]) -> Option<[f64; 2]> {
     let corners = || triangles.iter().flatten();
     for d in 0..2 {
-        let [low, high] = super::axes::range(corners().map(|p| p[d]))?;
+        let [low, high] = axes::range(corners().map(|p| p[d]))?;
         if high - low < room[d] {
             return None;
         }

@@ -1,22 +1,20 @@
 //! The surface of a body in space, deformed, coloured by a field, with a colour bar.
 
-use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, Sign, TITLE};
-use super::color::{Color, ColorMap, INK, SOFT, VERMILION};
-use super::field::{self, ColorBar, DrawnQuantity};
+use super::axes::{self, LEGEND, Sign};
+use super::color::{Color, INK, SOFT, VERMILION};
+use super::field::{ColorBar, DrawnField, DrawnQuantity, FieldScales};
+use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE, typeset};
 use super::ground::{self, GroundPatch};
-use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::plane::{factor, times, typeset};
+use super::picture::{Anchor, MARGIN, Picture, Rect, Stroke};
+use super::plane::{factor, times};
 use super::render::{self, ShadedTriangle, View};
-use super::run::{DrawnRun, SpaceSnapshot, at_corners};
+use super::run::{DrawnRun, SpaceSnapshot};
 use super::surface::{dot, norm};
 use super::views::{self, Look};
 use super::zoom::{self, Zone, clipped};
-use super::{Options, PictureKind, RunPanel, body, font, title};
+use super::{Options, PictureKind, RunPanel, body, title};
 use crate::units::{Measure, Units};
 
-/// Pixels of an image per unit of the picture.
-const DENSITY: f64 = 2.0;
-const MARGIN: f64 = 16.0;
 const LONGEST: f64 = 400.0;
 /// Colour of the foundation behind a body.
 const GROUND: [u8; 3] = [0xDD, 0xD6, 0xCE];
@@ -47,27 +45,11 @@ struct BodyView<'a> {
     window: [[f64; 2]; 2],
 }
 
-/// The field of a picture at the corners of the surface triangles.
-fn values(kind: PictureKind, solid: &SpaceSnapshot) -> Vec<[f64; 3]> {
-    let surface = &solid.surface;
-    let corners = |nodal: &[f64], cells| at_corners(&surface.triangles, &surface.owners, nodal, cells);
-    match kind {
-        PictureKind::VonMises => corners(&solid.nodal_von_mises, (&solid.von_mises, &solid.regions)),
-        PictureKind::Deformed => {
-            corners(&solid.displacement.iter().map(|u| norm(*u)).collect::<Vec<f64>>(), (&[], &[]))
-        }
-        _ => corners(&solid.temperature, (&[], &[])),
-    }
-}
-
 /// Bodies in space as drawn, with the data common to all of them.
 struct SpaceScene<'a> {
     solids: Vec<(&'a RunPanel<'a>, &'a SpaceSnapshot)>,
     fields: Vec<Vec<[f64; 3]>>,
-    extents: Vec<[f64; 2]>,
-    /// The largest stress at the centre of a cell, if recovered stresses are drawn.
-    in_cells: Vec<Option<f64>>,
-    ranges: Vec<[f64; 2]>,
+    scales: FieldScales,
     factor: f64,
 }
 
@@ -83,19 +65,15 @@ impl<'a> SpaceScene<'a> {
             (s.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max), size.into_iter().fold(0.0, f64::max))
         });
         let factor = factor(enlarged, &runs, sizes, options);
-        let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| values(kind, s)).collect();
-        let extents: Vec<[f64; 2]> =
-            fields.iter().map(|v| axes::range(v.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
-        let stress = |((v, (_, s)), extent): ((&Vec<[f64; 3]>, &(&RunPanel, &SpaceSnapshot)), &[f64; 2])| {
-            if kind == PictureKind::VonMises { field::shown(v, &s.surface.areas(), *extent) } else { *extent }
-        };
-        let mut ranges: Vec<[f64; 2]> = fields.iter().zip(&solids).zip(&extents).map(stress).collect();
-        if options.shared_scale {
-            let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-            ranges.fill(common);
-        }
-        let in_cells = solids.iter().map(|(_, s)| field::largest_in_cells(&s.von_mises, &s.nodal_von_mises)).collect();
-        SpaceScene { solids, fields, extents, in_cells, ranges, factor }
+        let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| s.corners(kind)).collect();
+        let drawn = fields.iter().zip(&solids).map(|(values, (_, s))| DrawnField {
+            values,
+            areas: s.surface.areas(),
+            cells: &s.von_mises,
+            nodal: &s.nodal_von_mises,
+        });
+        let scales = FieldScales::new(kind, &drawn.collect::<Vec<_>>(), options.shared_scale);
+        SpaceScene { solids, fields, scales, factor }
     }
 
     /// The contact that is enlarged.
@@ -124,24 +102,75 @@ impl<'a> SpaceScene<'a> {
         sights.extend(enlarged);
         sights
     }
+
+    /// Places views of the bodies in rows, each with a bar of colours on its right.
+    fn lay_out(&self, kind: PictureKind, sights: &[(usize, BodyView)], title: &str, units: Units) -> Picture {
+        // One scale for all bodies.
+        let length = |s: &BodyView, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
+        let span = |d: usize| sights.iter().map(|(_, s)| length(s, d)).fold(f64::MIN_POSITIVE, f64::max);
+        let scale = LONGEST / span(0).max(span(1));
+        let [each_width, each_height] = [(span(0) * scale).ceil().max(80.0), (span(1) * scale).ceil()];
+        let bars: Vec<ColorBar> = (0..self.solids.len()).map(|i| self.scales.bar(i, units, false)).collect();
+        let note = |i: usize| {
+            let text = format!("{}; {}", self.scales.extremes(i, units), times(self.factor));
+            let (first, second) = text.split_once("; ").unwrap_or((&text, ""));
+            [first.to_owned(), second.to_owned()]
+        };
+        let notes: Vec<[String; 2]> = (0..self.solids.len()).map(note).collect();
+        let is_last = |k: usize| sights.get(k + 1).is_none_or(|next| next.0 != sights[k].0);
+        let beside = bars.iter().map(ColorBar::room).fold(0.0, f64::max) + MARGIN;
+        let texts_width = notes.iter().flatten().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
+        let column = each_width.max(texts_width - beside) + beside;
+        let columns = columns(sights.len());
+        let rows = sights.len().div_ceil(columns.max(1));
+        let width =
+            (2.0 * MARGIN + columns as f64 * column).max(font::width(title, TITLE).max(texts_width) + 2.0 * MARGIN);
+        let legend = legend(sights);
+        let top = (MARGIN + TITLE + 8.0 + if legend.is_empty() { 0.0 } else { LEGEND }).ceil();
+        // The heading above a body; axes, a note and a length bar below it.
+        let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 88.0);
+        let mut picture = Picture::new(width, top + rows as f64 * (above + each_height + below) + MARGIN, title);
+        picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
+        let left = 0.5 * (picture.width - axes::line_width(&legend));
+        axes::legend(&mut picture, [left, MARGIN + TITLE + LEGEND], f64::INFINITY, &legend);
+        for (k, (i, sight)) in sights.iter().enumerate() {
+            let x = MARGIN + (k % columns) as f64 * column;
+            let y = top + (k / columns) as f64 * (above + each_height + below) + above;
+            let rect = Rect { x, y, width: each_width, height: each_height };
+            picture.text([x + 0.5 * rect.width, y - LABEL - 8.0], HEADING, Anchor::Middle, INK, &sight.heading);
+            let scale = scale * sight.times;
+            sight.draw(&mut picture, (rect, scale), kind == PictureKind::Deformed, &self.fields[*i], &bars[*i]);
+            let is_first = k == 0 || sights[k - 1].0 != *i;
+            if is_first {
+                for (line, text) in notes[*i].iter().enumerate() {
+                    let y = rect.bottom() + 36.0 + 15.0 * line as f64;
+                    picture.text([x + 70.0, y], NUMBER, Anchor::Start, SOFT, text);
+                }
+            }
+            if is_first || sight.times > 1.0 {
+                length_bar(&mut picture, [x + 70.0, rect.bottom() + 68.0], scale, units);
+            }
+            if is_last(k) {
+                bars[*i].draw(&mut picture, rect);
+            }
+        }
+        picture
+    }
 }
 
 pub(super) fn draw(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Picture {
-    let (units, quantity) = (super::units(panels, options), DrawnQuantity::of(kind));
     let stage = SpaceScene::new(kind, panels, options, kind);
     let zone = stage.zone();
     let sights: Vec<(usize, BodyView)> = (0..stage.solids.len())
         .flat_map(|i| stage.sights(i, zone.as_ref()).into_iter().map(move |sight| (i, sight)))
         .collect();
-    let title = title(panels, quantity.name, options);
-    let texts = Texts { title, quantity, units, factor: stage.factor };
-    lay_out(kind, &sights, &stage.fields, (&stage.ranges, &stage.extents, &stage.in_cells), &texts)
+    stage.lay_out(kind, &sights, &title(panels, DrawnQuantity::of(kind).name, options), super::units(panels, options))
 }
 
 /// One picture per run, all from the same direction, with the same scales of colours, displacements and lengths.
 pub(super) fn frames(kind: PictureKind, panels: &[RunPanel], options: &Options) -> Vec<Picture> {
     let units = super::units(panels, options);
-    let stage =
+    let mut stage =
         SpaceScene::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, PictureKind::Deformed);
     // A pair is shown as a whole.
     let look = |run: &DrawnRun| {
@@ -155,23 +184,12 @@ pub(super) fn frames(kind: PictureKind, panels: &[RunPanel], options: &Options) 
     for sight in &mut sights {
         sight.window = window;
     }
-    let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-    let in_cells = axes::range(stage.in_cells.iter().flatten().copied()).map(|[_, most]| most);
+    stage.scales.share_extremes();
     let frame = |(i, sight): (usize, BodyView)| {
-        let quantity = DrawnQuantity::of(kind);
-        let title = title(&panels[i..=i], quantity.name, options);
-        let texts = Texts { title, quantity, units, factor: stage.factor };
-        lay_out(kind, &[(0, sight)], &stage.fields[i..=i], (&stage.ranges[i..=i], &[extent], &[in_cells]), &texts)
+        let title = title(&panels[i..=i], DrawnQuantity::of(kind).name, options);
+        stage.lay_out(kind, &[(i, sight)], &title, units)
     };
     sights.into_iter().enumerate().map(frame).collect()
-}
-
-/// Texts and scales of a picture.
-struct Texts {
-    title: String,
-    quantity: DrawnQuantity,
-    units: Units,
-    factor: f64,
 }
 
 /// Number of columns for a number of views: one row of up to three, else rows of a roughly square sheet.
@@ -181,73 +199,6 @@ fn columns(count: usize) -> usize {
         4..=9 => COLUMNS.max(count.div_ceil(3)),
         _ => (count as f64).sqrt().ceil() as usize,
     }
-}
-
-/// Per body: colour ranges, extremes of the field, and largest stresses in cells.
-type Ranges<'r> = (&'r [[f64; 2]], &'r [[f64; 2]], &'r [Option<f64>]);
-
-/// Places the bodies in rows, each with a bar of colours on its right.
-fn lay_out(
-    kind: PictureKind,
-    sights: &[(usize, BodyView)],
-    fields: &[Vec<[f64; 3]>],
-    (ranges, extents, in_cells): Ranges,
-    texts: &Texts,
-) -> Picture {
-    let Texts { title, quantity, units, factor } = texts;
-    // One scale for all bodies.
-    let length = |s: &BodyView, d: usize| s.times * (s.window[d][1] - s.window[d][0]);
-    let span = |d: usize| sights.iter().map(|(_, s)| length(s, d)).fold(f64::MIN_POSITIVE, f64::max);
-    let scale = LONGEST / span(0).max(span(1));
-    let [each_width, each_height] = [(span(0) * scale).ceil().max(80.0), (span(1) * scale).ceil()];
-    let bars: Vec<ColorBar> = ranges
-        .iter()
-        .zip(extents)
-        .map(|(range, extent)| ColorBar::new(quantity, *range, *extent, *units, false))
-        .collect();
-    let note = |(extent, in_cells): (&[f64; 2], &Option<f64>)| {
-        let text = format!("{}; {}", field::extremes_of_body(kind, *units, *extent, *in_cells), times(*factor));
-        let (first, second) = text.split_once("; ").unwrap_or((&text, ""));
-        [first.to_owned(), second.to_owned()]
-    };
-    let notes: Vec<[String; 2]> = extents.iter().zip(in_cells).map(note).collect();
-    let is_last = |k: usize| sights.get(k + 1).is_none_or(|next| next.0 != sights[k].0);
-    let beside = bars.iter().map(ColorBar::room).fold(0.0, f64::max) + MARGIN;
-    let texts_width = notes.iter().flatten().map(|n| font::width(n, NUMBER) + 70.0).fold(0.0, f64::max);
-    let column = each_width.max(texts_width - beside) + beside;
-    let columns = columns(sights.len());
-    let rows = sights.len().div_ceil(columns.max(1));
-    let width = (2.0 * MARGIN + columns as f64 * column).max(font::width(title, TITLE).max(texts_width) + 2.0 * MARGIN);
-    let legend = legend(sights);
-    let top = (MARGIN + TITLE + 8.0 + if legend.is_empty() { 0.0 } else { LEGEND }).ceil();
-    // The heading above a body; axes, a note and a length bar below it.
-    let (above, below) = ((6.0 + HEADING + 10.0 + LABEL).ceil(), 88.0);
-    let mut picture = Picture::new(width, top + rows as f64 * (above + each_height + below) + MARGIN, title);
-    picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
-    let left = 0.5 * (picture.width - axes::line_width(&legend));
-    axes::legend(&mut picture, [left, MARGIN + TITLE + LEGEND], f64::INFINITY, &legend);
-    for (k, (i, sight)) in sights.iter().enumerate() {
-        let x = MARGIN + (k % columns) as f64 * column;
-        let y = top + (k / columns) as f64 * (above + each_height + below) + above;
-        let rect = Rect { x, y, width: each_width, height: each_height };
-        picture.text([x + 0.5 * rect.width, y - LABEL - 8.0], HEADING, Anchor::Middle, INK, &sight.heading);
-        let scale = scale * sight.times;
-        sight.draw(&mut picture, (rect, scale), kind == PictureKind::Deformed, &fields[*i], (&bars[*i], quantity.map));
-        let is_first = k == 0 || sights[k - 1].0 != *i;
-        if is_first {
-            for (line, text) in notes[*i].iter().enumerate() {
-                let y = rect.bottom() + 36.0 + 15.0 * line as f64;
-                picture.text([x + 70.0, y], NUMBER, Anchor::Start, SOFT, text);
-            }
-        }
-        if is_first || sight.times > 1.0 {
-            length_bar(&mut picture, [x + 70.0, rect.bottom() + 68.0], scale, *units);
-        }
-        if is_last(k) {
-            bars[*i].draw(&mut picture, rect);
-        }
-    }
-    picture
 }
 
 fn legend(sights: &[(usize, BodyView)]) -> Vec<(Sign, String)> {
@@ -270,7 +221,7 @@ fn length_bar(picture: &mut Picture, [x, y]: [f64; 2], scale: f64, units: Units)
         Stroke::new(INK, 1.4),
     );
     picture.text(
-        [end + 7.0, y + axes::HALF * NUMBER],
+        [end + 7.0, y + HALF * NUMBER],
         NUMBER,
         Anchor::Start,
         INK,
@@ -345,18 +296,10 @@ impl BodyView<'_> {
     }
 
     /// Draws a field, with the mesh if requested, in a rectangle.
-    fn draw(
-        &self,
-        picture: &mut Picture,
-        (rect, scale): (Rect, f64),
-        mesh: bool,
-        field: &[[f64; 3]],
-        (bar, map): (&ColorBar, ColorMap),
-    ) {
+    fn draw(&self, picture: &mut Picture, (rect, scale): (Rect, f64), mesh: bool, field: &[[f64; 3]], bar: &ColorBar) {
         const MESH: Color = Color::new(0x1B_3A_5C);
         let surface = &self.solid.surface;
-        let [lo, hi] = bar.range;
-        let color = |v: f64| if v.is_nan() { GROUND } else { map.at(if hi > lo { (v - lo) / (hi - lo) } else { 0.5 }) };
+        let color = |v: f64| if v.is_nan() { GROUND } else { bar.color(v) };
         let values = |t: usize| self.which.get(t).and_then(|&t| field.get(t)).copied().unwrap_or([f64::NAN; 3]);
         let mut lines: Vec<[u32; 2]> =
             if mesh { surface.edges.iter().map(|e| e.nodes).collect() } else { surface.outline(&self.solid.regions) };
@@ -372,14 +315,14 @@ impl BodyView<'_> {
         };
         let [[left, right], [bottom, top]] = self.window;
         let size = [(right - left) * scale, (top - bottom) * scale];
-        let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
         let place = Rect {
             x: rect.x + 0.5 * (rect.width - size[0]),
             y: rect.y + 0.5 * (rect.height - size[1]),
             width: size[0],
             height: size[1],
         };
-        picture.image(place, render::image(&scene, self.window, pixels(size[0]), pixels(size[1])));
+        let [width, height] = place.pixels();
+        picture.image(place, render::image(&scene, self.window, width, height));
         let at = |p: [f64; 2]| [place.x + (p[0] - left) * scale, place.y + (top - p[1]) * scale];
         let outline: Vec<_> = self.in_front.iter().flat_map(|edge| clipped(&edge.map(at), place)).collect();
         picture.lines(&outline, Stroke::new(VERMILION, 1.2));
@@ -393,7 +336,7 @@ impl BodyView<'_> {
             let along = |length: f64| [origin[0] + length * self.view.right[d], origin[1] - length * self.view.up[d]];
             picture.line(&[origin, along(LENGTH)], Stroke::new(SOFT, 1.2));
             let [x, y] = along(LENGTH + 7.0);
-            picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, SOFT, name);
+            picture.text([x, y + HALF * NUMBER], NUMBER, Anchor::Middle, SOFT, name);
         }
     }
 }

@@ -1,18 +1,16 @@
 //! A picture as a list of shapes, texts and images, from which SVG and PNG are written.
 
-use std::path::{Path, PathBuf};
-
-use super::PlotError;
-use super::axes::{self, LEGEND, NUMBER, Sign, TITLE};
-use super::color::{Color, INK, SOFT};
-use super::font;
+use super::color::{Color, SOFT};
+use super::font::NUMBER;
 
 /// Longest side of a picture, in pixels of a PNG and in units: a unit has at least one pixel, so that texts are
 /// legible.
 const LONGEST: f64 = 4000.0;
+/// Pixels of an image per unit of the picture.
+pub(super) const DENSITY: f64 = 2.0;
 /// Height of a note below a picture.
 const NOTE: f64 = 20.0;
-const MARGIN: f64 = 16.0;
+pub(super) const MARGIN: f64 = 16.0;
 
 /// A rectangle; y grows downwards, as in all coordinates of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +27,10 @@ impl Rect {
     }
     pub(super) fn bottom(&self) -> f64 {
         self.y + self.height
+    }
+    /// Numbers of pixels of an image in it.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        [self.width, self.height].map(|length| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32)
     }
     pub(super) fn corners(&self) -> Vec<[f64; 2]> {
         vec![[self.x, self.y], [self.right(), self.y], [self.right(), self.bottom()], [self.x, self.bottom()]]
@@ -126,7 +128,7 @@ fn extents(pictures: &[Picture], columns: usize) -> [Vec<f64>; 2] {
 }
 
 /// Pictures in rows of this many columns, aligned at the lower ends of a row.
-fn beside(title: impl Into<String>, pictures: Vec<Picture>, columns: usize) -> Picture {
+pub(super) fn beside(title: impl Into<String>, pictures: Vec<Picture>, columns: usize) -> Picture {
     let [widths, heights] = extents(&pictures, columns);
     let mut all = Picture::new(widths.iter().sum(), heights.iter().sum(), title);
     for (k, picture) in pictures.into_iter().enumerate() {
@@ -181,18 +183,6 @@ impl Picture {
         }
     }
 
-    /// The picture below its title and a legend.
-    pub(super) fn headed(self, title: &str, legend: &[(Sign, String)]) -> Picture {
-        let width = axes::line_width(legend);
-        let needed = font::width(title, TITLE).max(width) + 2.0 * MARGIN;
-        let height = MARGIN + if legend.is_empty() { 0.0 } else { LEGEND };
-        let mut head = Picture::new(needed.max(self.width), height, title);
-        let middle = 0.5 * head.width;
-        head.text([middle, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
-        axes::legend(&mut head, [middle - 0.5 * width, MARGIN + TITLE + LEGEND], f64::INFINITY, legend);
-        beside(title, vec![head, self], 1)
-    }
-
     /// The picture above a line of text.
     pub(super) fn noted(mut self, text: &str) -> Picture {
         self.text([0.5 * self.width, self.height + 0.4 * NOTE], NUMBER, Anchor::Middle, SOFT, text);
@@ -227,38 +217,6 @@ impl Picture {
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
         (self.width, self.height)
-    }
-
-    /// The picture as an SVG document, with all text as outlines.
-    #[must_use]
-    pub fn svg(&self) -> String {
-        super::svg::write(self)
-    }
-
-    /// The picture as a PNG file with this number of pixels per unit.
-    ///
-    /// # Errors
-    /// [`PlotError::Size`] if there would be no pixels or more than fit an image.
-    pub fn png(&self, pixels: f64) -> Result<Vec<u8>, PlotError> {
-        super::raster::write(self, pixels)
-    }
-
-    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels per unit, or with fewer if a side would
-    /// have more than 4000 pixels. Returns their paths.
-    ///
-    /// # Errors
-    /// A file cannot be written, or the picture cannot be drawn in this size.
-    pub fn save(&self, stem: &Path, pixels: f64) -> Result<[PathBuf; 2], PlotError> {
-        let with = |extension: &str| {
-            let mut name = stem.as_os_str().to_owned();
-            name.push(extension);
-            PathBuf::from(name)
-        };
-        let write = |path: PathBuf, bytes: &[u8]| match std::fs::write(&path, bytes) {
-            Ok(()) => Ok(path),
-            Err(source) => Err(PlotError::Write { path, source }),
-        };
-        Ok([write(with(".svg"), self.svg().as_bytes())?, write(with(".png"), &self.png(self.density(pixels))?)?])
     }
 
     /// Adds a line through points.

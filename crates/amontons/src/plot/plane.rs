@@ -1,13 +1,14 @@
 //! A plane body coloured by a field, with its foundation and its undeformed outline.
 
-use super::axes::{self, LEGEND, NUMBER, Sign};
+use super::axes::{self, LEGEND, Sign};
 use super::body::{PlaneMesh, window};
 use super::color::{Color, INK, VERMILION, WHITE};
-use super::field::{self, ColorBar, DrawnQuantity};
+use super::field::{ColorBar, DrawnField, DrawnQuantity, FieldScales};
+use super::font::{self, HALF, NUMBER, TITLE, typeset};
 use super::ground::{self, Ground};
 use super::names;
 use super::picture::{Anchor, OutlinePiece, Picture, Rect, Stroke};
-use super::run::{DrawnRun, PlaneSnapshot, at_corners};
+use super::run::{DrawnRun, PlaneSnapshot};
 use super::shade;
 use super::sheet::{self, Margins, PanelPlan, SheetPanel};
 use super::zoom::{self, Zone, clipped};
@@ -15,8 +16,6 @@ use super::{Options, PictureKind, RunPanel, title};
 use crate::mesh::Mesh;
 use crate::units::{Extent, Measure, Units};
 
-/// Pixels of an image per unit of the picture.
-const DENSITY: f64 = 2.0;
 const REFERENCE: Color = Color::new(0x9A_9A_9A);
 const MESH: Color = Color::new(0x22_22_22);
 
@@ -112,16 +111,7 @@ impl DrawnBody<'_> {
         let points =
             body.points.iter().zip(&snapshot.displacement).map(|(p, u)| [p[0] + factor * u[0], p[1] + factor * u[1]]);
         let moved = body.moved(points.collect());
-        let nodal: Vec<f64>;
-        let (nodal, cells) = match kind {
-            PictureKind::VonMises => (&snapshot.nodal_von_mises, (&snapshot.von_mises[..], &snapshot.regions[..])),
-            PictureKind::Deformed => {
-                nodal = snapshot.displacement.iter().map(|u| u[0].hypot(u[1])).collect();
-                (&nodal, (&[][..], &[][..]))
-            }
-            _ => (&snapshot.temperature, (&[][..], &[][..])),
-        };
-        let values = at_corners(&body.triangles, &body.owners, nodal, cells);
+        let values = snapshot.corners(kind);
         DrawnBody { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
@@ -166,13 +156,10 @@ pub(super) fn frames(kind: PictureKind, panels: &[RunPanel], options: &Options) 
     let mut stage =
         PlaneScene::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, PictureKind::Deformed);
     // Only the title differs between frames, so that nothing else moves.
-    let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-    stage.extents.fill(extent);
-    let in_cells = axes::range(stage.in_cells.iter().flatten().copied()).map(|[_, most]| most);
-    stage.in_cells.fill(in_cells);
+    stage.scales.share_extremes();
     let titles: Vec<String> =
         panels.iter().map(|panel| title(std::slice::from_ref(panel), stage.quantity.name, options)).collect();
-    let widest = titles.iter().map(|title| super::font::width(title, axes::TITLE)).fold(0.0, f64::max) + 32.0;
+    let widest = titles.iter().map(|title| font::width(title, TITLE)).fold(0.0, f64::max) + 32.0;
     let numbered = titles.iter().enumerate();
     let whole = |i: usize| BodyPanel { body: i, window: stage.windows[i], times: None, title: String::new() };
     numbered.map(|(i, title)| stage.picture(&[whole(i)], title, units, widest)).collect()
@@ -194,10 +181,7 @@ struct PlaneScene<'a> {
     quantity: DrawnQuantity,
     bodies: Vec<&'a RunPanel<'a>>,
     shapes: Vec<DrawnBody<'a>>,
-    extents: Vec<[f64; 2]>,
-    /// The largest stress at the centre of a cell, if recovered stresses are drawn.
-    in_cells: Vec<Option<f64>>,
-    ranges: Vec<[f64; 2]>,
+    scales: FieldScales,
     windows: Vec<[[f64; 2]; 2]>,
     factor: f64,
 }
@@ -215,9 +199,13 @@ impl<'a> PlaneScene<'a> {
         let factor = factor(enlarged, &runs, sizes, options);
         let mut shapes: Vec<DrawnBody> =
             with.iter().map(|(panel, s)| DrawnBody::of(kind, panel.run, s, factor)).collect();
-        let extents: Vec<[f64; 2]> =
-            shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
-        let ranges = ranges(kind, &shapes, &extents, options);
+        let fields = shapes.iter().map(|s| DrawnField {
+            values: &s.values,
+            areas: s.moved.areas(),
+            cells: &s.snapshot.von_mises,
+            nodal: &s.snapshot.nodal_von_mises,
+        });
+        let scales = FieldScales::new(kind, &fields.collect::<Vec<_>>(), options.shared_scale);
         let windows = windows(&shapes, factor);
         for (shape, window) in shapes.iter_mut().zip(&windows) {
             if let Some(problem) = &shape.run.problem {
@@ -225,18 +213,7 @@ impl<'a> PlaneScene<'a> {
             }
         }
         let bodies = with.iter().map(|(panel, _)| *panel).collect();
-        let in_cells = with.iter().map(|(_, s)| field::largest_in_cells(&s.von_mises, &s.nodal_von_mises)).collect();
-        PlaneScene {
-            kind,
-            quantity: DrawnQuantity::of(kind),
-            bodies,
-            shapes,
-            extents,
-            in_cells,
-            ranges,
-            windows,
-            factor,
-        }
+        PlaneScene { kind, quantity: DrawnQuantity::of(kind), bodies, shapes, scales, windows, factor }
     }
 
     /// The contact that is enlarged.
@@ -260,11 +237,10 @@ impl<'a> PlaneScene<'a> {
 
     /// A picture with some of the bodies and their parts, at least `least` wide.
     fn picture(&self, which: &[BodyPanel], title: &str, units: Units, least: f64) -> Picture {
-        let quantity = &self.quantity;
         let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
         let plan = |part: &BodyPanel| {
             let i = part.body;
-            let whole = || field::extremes_of_body(self.kind, units, self.extents[i], self.in_cells[i]);
+            let whole = || self.scales.extremes(i, units);
             PanelPlan {
                 title: if part.times.is_some() { part.title.clone() } else { self.bodies[i].title.to_owned() },
                 note: if part.times.is_some() { "enlargement of the framed part".to_owned() } else { whole() },
@@ -275,9 +251,7 @@ impl<'a> PlaneScene<'a> {
         };
         let plans: Vec<PanelPlan> = which.iter().map(plan).collect();
         let wide = sheet::is_wide(&plans);
-        let bar =
-            |part: &BodyPanel| ColorBar::new(quantity, self.ranges[part.body], self.extents[part.body], units, wide);
-        let bars: Vec<ColorBar> = which.iter().map(bar).collect();
+        let bars: Vec<ColorBar> = which.iter().map(|part| self.scales.bar(part.body, units, wide)).collect();
         let entries = legend(&self.shapes, self.factor, self.kind);
         let legend_width = axes::line_width(&entries);
         let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
@@ -290,14 +264,13 @@ impl<'a> PlaneScene<'a> {
         };
         let (mut picture, frames) = sheet::lay_out(title, &plans, room, units);
         let left = 0.5 * (picture.width - legend_width);
-        axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
+        axes::legend(&mut picture, [left, 16.0 + TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
         for (k, ((part, bar), frame)) in which.iter().zip(&bars).zip(&frames).enumerate() {
-            let style = (self.kind, quantity.map, bar);
             if part.times.is_some() {
-                self.enlargement(&mut picture, frame, part, style, units);
+                self.enlargement(&mut picture, frame, part, bar, units);
                 continue;
             }
-            body(&mut picture, frame, &self.shapes[part.body], style, units);
+            self.body(&mut picture, frame, part.body, bar, units);
             if let Some(next) = which.get(k + 1).filter(|next| next.times.is_some()) {
                 let [x, y] = next.window;
                 let line = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]], [x[0], y[0]]];
@@ -308,18 +281,11 @@ impl<'a> PlaneScene<'a> {
     }
 
     /// Draws a part of a body with everything within its frame.
-    fn enlargement(
-        &self,
-        picture: &mut Picture,
-        frame: &SheetPanel,
-        part: &BodyPanel,
-        (kind, map, bar): (PictureKind, super::ColorMap, &ColorBar),
-        units: Units,
-    ) {
+    fn enlargement(&self, picture: &mut Picture, frame: &SheetPanel, part: &BodyPanel, bar: &ColorBar, units: Units) {
         let shape = &self.shapes[part.body];
         bar.draw(picture, frame.rect);
-        shaded(picture, frame, shape, (map, bar.range), part.window);
-        lines(picture, frame, shape, kind, bar);
+        shade::draw(picture, frame, &shape.moved, &shape.values, bar, part.window);
+        lines(picture, frame, shape, self.kind, bar);
         let Some(problem) = &shape.run.problem else { return };
         let grounds = ground::grounds(problem, &shape.snapshot.body, shape.run.t, self.factor, part.window);
         for ground in grounds {
@@ -327,41 +293,23 @@ impl<'a> PlaneScene<'a> {
             foundation(picture, frame, &Ground { moves: None, ..ground }, units);
         }
     }
-}
 
-/// A body in its frame, with its colour bar, the axis of revolution and the foundation.
-fn body(
-    picture: &mut Picture,
-    frame: &SheetPanel,
-    shape: &DrawnBody,
-    (kind, map, bar): (PictureKind, super::ColorMap, &ColorBar),
-    units: Units,
-) {
-    bar.draw(picture, frame.rect);
-    shaded(picture, frame, shape, (map, bar.range), shape.moved.window());
-    lines(picture, frame, shape, kind, bar);
-    if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
-        let at = frame.x.at(0.0);
-        let ends = [[at, frame.rect.y], [at, frame.rect.bottom()]];
-        picture.line(&ends, Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]));
+    /// Draws a body in its frame, with its colour bar, the axis of revolution and the foundation.
+    fn body(&self, picture: &mut Picture, frame: &SheetPanel, body: usize, bar: &ColorBar, units: Units) {
+        let shape = &self.shapes[body];
+        bar.draw(picture, frame.rect);
+        shade::draw(picture, frame, &shape.moved, &shape.values, bar, shape.moved.window());
+        lines(picture, frame, shape, self.kind, bar);
+        if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
+            let at = frame.x.at(0.0);
+            let ends = [[at, frame.rect.y], [at, frame.rect.bottom()]];
+            picture.line(&ends, Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]));
+        }
+        for ground in &shape.grounds {
+            foundation(picture, frame, ground, units);
+        }
+        names::draw(picture, frame, shape.run, &shape.moved, &shape.snapshot.regions);
     }
-    for ground in &shape.grounds {
-        foundation(picture, frame, ground, units);
-    }
-    names::draw(picture, frame, shape.run, (&shape.moved, &shape.snapshot.regions));
-}
-
-/// The colour ranges, one for all panels if they share it.
-fn ranges(kind: PictureKind, shapes: &[DrawnBody], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
-    let own = |(s, extent): (&DrawnBody, &[f64; 2])| {
-        if kind == PictureKind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent }
-    };
-    let mut ranges: Vec<[f64; 2]> = shapes.iter().zip(extents).map(own).collect();
-    if options.shared_scale {
-        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-        ranges.fill(common);
-    }
-    ranges
 }
 
 /// The windows of the panels; the same for all if their bodies have the same extents.
@@ -384,24 +332,6 @@ fn legend(shapes: &[DrawnBody], factor: f64, kind: PictureKind) -> Vec<(Sign, St
         entries.push((Sign::Line(Stroke::new(VERMILION, 2.0), None), "foundation".to_owned()));
     }
     entries
-}
-
-/// Draws the field within a window.
-fn shaded(
-    picture: &mut Picture,
-    frame: &SheetPanel,
-    shape: &DrawnBody,
-    (map, range): (super::ColorMap, [f64; 2]),
-    window: [[f64; 2]; 2],
-) {
-    let [x, y] = window;
-    let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
-    let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
-    let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-    picture.image(
-        place,
-        shade::image(&shape.moved, &shape.values, map, range, (window, [pixels(place.width), pixels(place.height)])),
-    );
 }
 
 /// Draws the mesh or level lines, the outline, and the undeformed outline.
@@ -493,10 +423,8 @@ fn velocity(picture: &mut Picture, frame: &SheetPanel, ground: &Ground, (at, v):
     let end = |s: f64| [0, 1].map(|d| at[d] + s * direction[d]);
     picture.arrow(end(-20.0), end(20.0), VERMILION, 2.4);
     // A horizontal arrow has its number on the outer side, others next to them, towards the middle of the frame.
-    let (width, middle) = (
-        super::font::width(&text, NUMBER),
-        [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height],
-    );
+    let (width, middle) =
+        (font::width(&text, NUMBER), [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height]);
     let is_level = direction[0].abs() > 0.7;
     let x = match inwards {
         _ if !is_level => at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
@@ -511,7 +439,7 @@ fn velocity(picture: &mut Picture, frame: &SheetPanel, ground: &Ground, (at, v):
     };
     let place = Rect { x: x - 0.5 * width - 3.0, y: y - 0.5 * NUMBER - 3.0, width: width + 6.0, height: NUMBER + 6.0 };
     picture.polygon(place.corners(), WHITE.with_opacity(0.85));
-    picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
+    picture.text([x, y + HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
 }
 
 /// The unit normal of the surface nearest to a point of the picture, pointing into the foundation.
@@ -523,21 +451,6 @@ fn inwards(frame: &SheetPanel, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64
     // Right of the line; downwards is positive in the picture.
     let size = dx.hypot(dy);
     (size > 0.0).then(|| [-dy / size, dx / size])
-}
-
-/// A number with typographic signs and powers of ten.
-pub(super) fn typeset(text: &str) -> String {
-    let text = match text.split_once('e') {
-        Some((mantissa, rest))
-            if mantissa.chars().last().is_some_and(|c| c.is_ascii_digit())
-                && rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()) =>
-        {
-            let (power, unit) = rest.split_once(' ').unwrap_or((rest, ""));
-            format!("{mantissa}·10^{{{power}}} {unit}").trim_end().to_owned()
-        }
-        _ => text.to_owned(),
-    };
-    text.replace('-', "−")
 }
 
 /// Closed lines of nodes along boundary edges.
@@ -601,12 +514,5 @@ mod tests {
             factors.len() == expected.len() && factors.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9),
             "{factors:?}"
         );
-    }
-
-    #[test]
-    fn numbers_are_set_with_the_signs_of_a_page() {
-        assert_eq!(typeset("-2.13 µm"), "−2.13 µm");
-        assert_eq!(typeset("2.13e-6"), "2.13·10^{−6}");
-        assert_eq!(typeset("1e-8 pm"), "1·10^{−8} pm");
     }
 }

@@ -3,8 +3,8 @@
 use super::axes::Sign;
 use super::charts::{self, Area, Chart, ChartColumn, Series};
 use super::color::{BLUE, Color, GREEN, INK, LINES, ORANGE, PURPLE, VERMILION};
+use super::font::typeset;
 use super::picture::{Picture, Stroke};
-use super::plane::typeset;
 use super::run::{self, ContactPart, ContactRow, PathPoint};
 use super::{Options, PictureKind, PlotError, RunPanel, title};
 use crate::contact::Status;

@@ -13,9 +13,15 @@ use super::picture::{Image, Item, OutlinePiece, Picture, Stroke};
 /// Largest number of pixels of a picture: 400 MB of memory.
 const MOST: f64 = 1e8;
 
-pub(super) fn write(picture: &Picture, pixels: f64) -> Result<Vec<u8>, PlotError> {
-    let canvas = draw(picture, pixels)?;
-    canvas.encode_png().map_err(|_| PlotError::Size { width: picture.width, height: picture.height })
+impl Picture {
+    /// The picture as a PNG file with this number of pixels per unit.
+    ///
+    /// # Errors
+    /// [`PlotError::Size`] if there would be no pixels or more than fit an image.
+    pub fn png(&self, pixels: f64) -> Result<Vec<u8>, PlotError> {
+        let canvas = draw(self, pixels)?;
+        canvas.encode_png().map_err(|_| PlotError::Size { width: self.width, height: self.height })
+    }
 }
 
 /// Red, green and blue of each pixel, row by row.

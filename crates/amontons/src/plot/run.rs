@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::PlotError;
 use super::body::PlaneMesh;
-use super::surface::Skin;
+use super::surface::{Skin, norm};
+use super::{PictureKind, PlotError};
 use crate::contact::Status;
 use crate::output::columns;
 use crate::problem::Problem;
@@ -144,7 +144,8 @@ pub(super) fn at_corners(
     triangles: &[[u32; 3]],
     owners: &[u32],
     nodal: &[f64],
-    (cells, regions): (&[f64], &[f64]),
+    cells: &[f64],
+    regions: &[f64],
 ) -> Vec<[f64; 3]> {
     let cell = |t: usize| owners.get(t).and_then(|&c| cells.get(c as usize)).copied().unwrap_or(f64::NAN);
     if nodal.is_empty() {
@@ -170,33 +171,31 @@ pub(super) fn at_corners(
 }
 
 impl PlaneSnapshot {
+    /// The field of a picture at the corners of the triangles.
+    pub(super) fn corners(&self, kind: PictureKind) -> Vec<[f64; 3]> {
+        let at = |nodal: &[f64], cells: &[f64], regions: &[f64]| {
+            at_corners(&self.body.triangles, &self.body.owners, nodal, cells, regions)
+        };
+        match kind {
+            PictureKind::VonMises => at(&self.nodal_von_mises, &self.von_mises, &self.regions),
+            PictureKind::Deformed => {
+                at(&self.displacement.iter().map(|u| u[0].hypot(u[1])).collect::<Vec<_>>(), &[], &[])
+            }
+            _ => at(&self.temperature, &[], &[]),
+        }
+    }
+
     /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
     /// [`PlotError::Data`] names the field with the fault.
     pub fn check(&self) -> Result<(), PlotError> {
-        let (nodes, cells) = (self.body.nodes(), self.body.cells());
-        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
-        let fields = [
-            ("displacement", self.displacement.len(), nodes, self.displacement.iter().all(|u| finite(u))),
-            ("temperature", self.temperature.len(), nodes, finite(&self.temperature)),
-            ("von Mises stress", self.von_mises.len(), cells, finite(&self.von_mises)),
-            (
-                "von Mises stress at the nodes",
-                self.nodal_von_mises.len(),
-                if self.nodal_von_mises.is_empty() { 0 } else { nodes },
-                finite(&self.nodal_von_mises),
-            ),
-        ];
-        for (name, found, expected, is_finite) in fields {
-            if found != expected && !(found == 0 && name != "displacement") {
-                return Err(PlotError::Data(format!("the {name} has {found} values, expected {expected}")));
-            }
-            if !is_finite {
-                return Err(PlotError::Data(format!("the {name} has values that are not finite")));
-            }
-        }
-        Ok(())
+        let nodes = self.body.nodes();
+        counted("displacement", self.displacement.len(), nodes)?;
+        finite("displacement", self.displacement.as_flattened())?;
+        fits_if_any("temperature", &self.temperature, nodes)?;
+        fits_if_any("von Mises stress", &self.von_mises, self.body.cells())?;
+        fits_if_any("von Mises stress at the nodes", &self.nodal_von_mises, nodes)
     }
 }
 
@@ -241,20 +240,28 @@ pub struct SolidContact {
 }
 
 impl SpaceSnapshot {
+    /// The field of a picture at the corners of the surface triangles.
+    pub(super) fn corners(&self, kind: PictureKind) -> Vec<[f64; 3]> {
+        let at = |nodal: &[f64], cells: &[f64], regions: &[f64]| {
+            at_corners(&self.surface.triangles, &self.surface.owners, nodal, cells, regions)
+        };
+        match kind {
+            PictureKind::VonMises => at(&self.nodal_von_mises, &self.von_mises, &self.regions),
+            PictureKind::Deformed => at(&self.displacement.iter().map(|u| norm(*u)).collect::<Vec<_>>(), &[], &[]),
+            _ => at(&self.temperature, &[], &[]),
+        }
+    }
+
     /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
     /// [`PlotError::Data`] names the field with the fault.
     pub fn check(&self) -> Result<(), PlotError> {
-        let (nodes, cells) = (self.surface.nodes(), self.surface.cells());
+        let nodes = self.surface.nodes();
         fits("displacement", self.displacement.as_flattened(), 3 * nodes)?;
-        fits("temperature", &self.temperature, if self.temperature.is_empty() { 0 } else { nodes })?;
-        fits("von Mises stress", &self.von_mises, if self.von_mises.is_empty() { 0 } else { cells })?;
-        fits(
-            "von Mises stress at the nodes",
-            &self.nodal_von_mises,
-            if self.nodal_von_mises.is_empty() { 0 } else { nodes },
-        )?;
+        fits_if_any("temperature", &self.temperature, nodes)?;
+        fits_if_any("von Mises stress", &self.von_mises, self.surface.cells())?;
+        fits_if_any("von Mises stress at the nodes", &self.nodal_von_mises, nodes)?;
         let of = |value: fn(&SolidContact) -> f64| self.contact.iter().map(value).collect::<Vec<f64>>();
         let places: Vec<f64> = self.contact.iter().flat_map(|row| row.x).collect();
         fits("place of the contact points", &places, 3 * self.contact.len())?;
@@ -265,15 +272,27 @@ impl SpaceSnapshot {
     }
 }
 
+/// Checks that there are `expected` values.
+fn counted(name: &str, found: usize, expected: usize) -> Result<(), PlotError> {
+    let message = || format!("the {name} has {found} values, expected {expected}");
+    if found == expected { Ok(()) } else { Err(PlotError::Data(message())) }
+}
+
+/// Checks that values are finite.
+fn finite(name: &str, values: &[f64]) -> Result<(), PlotError> {
+    let message = || format!("the {name} has values that are not finite");
+    if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(PlotError::Data(message())) }
+}
+
 /// Checks that there are `expected` finite values.
 fn fits(name: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
-    if values.len() != expected {
-        return Err(PlotError::Data(format!("the {name} has {} values, expected {expected}", values.len())));
-    }
-    if values.iter().any(|v| !v.is_finite()) {
-        return Err(PlotError::Data(format!("the {name} has values that are not finite")));
-    }
-    Ok(())
+    counted(name, values.len(), expected)?;
+    finite(name, values)
+}
+
+/// Checks that there are `expected` finite values, or none.
+fn fits_if_any(name: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
+    if values.is_empty() { Ok(()) } else { fits(name, values, expected) }
 }
 
 /// A point of Γ_C at a time: a row of `contact.csv`.

@@ -1,19 +1,39 @@
 //! Fields on a body as pixels and level lines.
 
 use super::body::PlaneMesh;
-use super::color::ColorMap;
-use super::picture::Image;
+use super::field::ColorBar;
+use super::picture::{Image, Picture, Rect};
+use super::sheet::SheetPanel;
+
+/// Draws a field on a body within a window of a panel, with the colours of a bar.
+pub(super) fn draw(
+    picture: &mut Picture,
+    frame: &SheetPanel,
+    body: &PlaneMesh,
+    values: &[[f64; 3]],
+    bar: &ColorBar,
+    window: [[f64; 2]; 2],
+) {
+    let [x, y] = window;
+    let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
+    let place = Rect { x: a[0].min(b[0]), y: a[1], width: (b[0] - a[0]).abs(), height: b[1] - a[1] };
+    let mut image = image(body, values, |value| bar.color(value), window, place.pixels());
+    if b[0] < a[0] {
+        image.mirror();
+    }
+    picture.image(place, image);
+}
 
 /// Colours the triangles of a body by linear interpolation of the values at their corners. The image covers a window
 /// and is transparent outside the body.
 ///
 /// A pixel takes the colour of the value at its centre.
-pub(super) fn image(
+fn image(
     body: &PlaneMesh,
     values: &[[f64; 3]],
-    map: ColorMap,
-    range: [f64; 2],
-    ([wx, wy], [width, height]): ([[f64; 2]; 2], [u32; 2]),
+    color: impl Fn(f64) -> [u8; 3],
+    [wx, wy]: [[f64; 2]; 2],
+    [width, height]: [u32; 2],
 ) -> Image {
     let mut rgba = vec![0; 4 * width as usize * height as usize];
     let scale = [f64::from(width) / (wx[1] - wx[0]), f64::from(height) / (wy[1] - wy[0])];
@@ -22,8 +42,6 @@ pub(super) fn image(
         let p = body.points[n as usize];
         [(p[0] - wx[0]) * scale[0] - 0.5, (wy[1] - p[1]) * scale[1] - 0.5]
     };
-    let span = range[1] - range[0];
-    let color = |v: f64| map.at(if span > 0.0 { (v - range[0]) / span } else { 0.5 });
     for (nodes, &[va, vb, vc]) in body.triangles.iter().zip(values) {
         let [a, b, c] = nodes.map(place);
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -93,7 +111,7 @@ mod tests {
             .iter()
             .map(|t| t.map(|n| f(body.points[n as usize][0], body.points[n as usize][1])))
             .collect();
-        let image = image(&body, &values, ColorMap::Viridis, [-1.0, 6.0], (body.window(), [80, 40]));
+        let image = image(&body, &values, |v| ColorMap::Viridis.of([-1.0, 6.0], v), body.window(), [80, 40]);
         for i in 0..80 {
             for j in 0..40 {
                 let value = f((f64::from(i) + 0.5) / 40.0, 1.0 - (f64::from(j) + 0.5) / 40.0);
@@ -113,7 +131,7 @@ mod tests {
     fn a_field_of_one_value_is_flat_and_outside_is_transparent() -> Outcome {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let body = PlaneMesh::new(points, [[0u32, 1, 2].as_slice()])?;
-        let image = image(&body, &[[5.0; 3]], ColorMap::Inferno, [0.0, 10.0], (body.window(), [20, 20]));
+        let image = image(&body, &[[5.0; 3]], |v| ColorMap::Inferno.of([0.0, 10.0], v), body.window(), [20, 20]);
         let [r, g, b] = ColorMap::Inferno.at(0.5);
         assert_eq!(image.pixel(3, 15), [r, g, b, 255]);
         assert_eq!(image.pixel(15, 3), [0, 0, 0, 0]);

@@ -1,9 +1,9 @@
 //! Panels with equal scales in x and y, side by side or, if they are wide, above each other.
 
-use super::axes::{self, HEADING, LABEL, NUMBER, Scale, TITLE};
+use super::axes::{self, Scale};
 use super::color::{INK, SOFT};
-use super::font;
-use super::picture::{Anchor, Picture, Rect};
+use super::font::{self, HEADING, LABEL, NUMBER, TITLE};
+use super::picture::{Anchor, MARGIN, Picture, Rect};
 use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};
 
@@ -51,8 +51,6 @@ impl SheetPanel {
     }
 }
 
-const MARGIN: f64 = 16.0;
-
 /// A range widened by a fraction of the larger range.
 pub(super) fn widened([x, y]: [[f64; 2]; 2], share: f64) -> [[f64; 2]; 2] {
     let size = (x[1] - x[0]).max(y[1] - y[0]);
@@ -90,7 +88,7 @@ fn plan_ticks(plan: &PanelPlan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
 
 /// Draws the heading of a panel above its frame, lifted if it is wide, and its axes with names, the vertical one `left`
 /// of the frame.
-fn label(picture: &mut Picture, plan: &PanelPlan, frame: &SheetPanel, (left, lift): (f64, f64), units: Units) {
+fn label(picture: &mut Picture, plan: &PanelPlan, frame: &SheetPanel, left: f64, lift: f64, units: Units) {
     let rect = frame.rect;
     let middle = rect.x + 0.5 * rect.width;
     let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
@@ -178,7 +176,7 @@ pub(super) fn lay_out(title: &str, plans: &[PanelPlan], room: Margins, units: Un
             x: Scale::new(plan.window[0], [left_end, right_end]),
             y: Scale::new(plan.window[1], [rect.bottom(), rect.y]),
         };
-        label(&mut picture, plan, &frame, (left, lift), units);
+        label(&mut picture, plan, &frame, left, lift, units);
         frames.push(frame);
     }
     (picture, frames)

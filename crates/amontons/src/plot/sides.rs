@@ -2,22 +2,20 @@
 
 use std::collections::HashMap;
 
-use super::axes::{self, HEADING, LABEL, LEGEND, NUMBER, TITLE};
+use super::PlotError;
+use super::axes::LEGEND;
 use super::body::{self, PlaneMesh};
 use super::color::{Color, GRID, INK, LINES, SOFT};
-use super::picture::{Anchor, Picture, Rect, Stroke};
+use super::font::{self, HALF, HEADING, LABEL, NUMBER, TITLE};
+use super::picture::{Anchor, DENSITY, MARGIN, Picture, Rect, Stroke};
 use super::render::{self, ShadedTriangle, View};
 use super::sheet::{self, Margins, PanelPlan};
 use super::surface::Skin;
-use super::{PlotError, font};
 use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
 use crate::units::{Measure, Units};
 
-const MARGIN: f64 = 16.0;
 /// Largest width and height of one view.
 const LONGEST: f64 = 380.0;
-/// Pixels of an image per unit of the picture.
-const DENSITY: f64 = 2.0;
 /// Largest number of facets for which all edges are drawn.
 const FEW: usize = 4000;
 /// Largest number of listed names.
@@ -80,7 +78,7 @@ fn with_names(mut picture: Picture, names: &[(Color, String)]) -> Picture {
         let y = picture.height + LEGEND * (i % rows.max(1)) as f64;
         let corner = |dx: f64, dy: f64| [x + dx, y + dy];
         picture.polygon(vec![corner(0.0, 0.0), corner(12.0, 0.0), corner(12.0, 12.0), corner(0.0, 12.0)], *color);
-        picture.text([x + 18.0, y + 6.0 + axes::HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
+        picture.text([x + 18.0, y + 6.0 + HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
     }
     picture.height += LEGEND * rows as f64 + MARGIN;
     if names.len() > LISTED {

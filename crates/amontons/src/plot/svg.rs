@@ -1,17 +1,45 @@
-//! A picture as an SVG document.
+//! A picture as an SVG document, and the files of a picture.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use super::PlotError;
 use super::color::Color;
 use super::font::{self, Pen};
 use super::picture::{Item, OutlinePiece, Picture, Stroke};
 use super::raster;
 
-pub(super) fn write(picture: &Picture) -> String {
+impl Picture {
+    /// The picture as an SVG document, with all text as outlines.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        write(self)
+    }
+
+    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels per unit, or with fewer if a side would
+    /// have more than 4000 pixels. Returns their paths.
+    ///
+    /// # Errors
+    /// A file cannot be written, or the picture cannot be drawn in this size.
+    pub fn save(&self, stem: &Path, pixels: f64) -> Result<[PathBuf; 2], PlotError> {
+        let with = |extension: &str| {
+            let mut name = stem.as_os_str().to_owned();
+            name.push(extension);
+            PathBuf::from(name)
+        };
+        let write = |path: PathBuf, bytes: &[u8]| match std::fs::write(&path, bytes) {
+            Ok(()) => Ok(path),
+            Err(source) => Err(PlotError::Write { path, source }),
+        };
+        Ok([write(with(".svg"), self.svg().as_bytes())?, write(with(".png"), &self.png(self.density(pixels))?)?])
+    }
+}
+
+fn write(picture: &Picture) -> String {
     let mut glyphs = BTreeSet::new();
     let mut body = String::new();
     for item in &picture.items {

@@ -16,6 +16,7 @@
 mod fields;
 mod tables;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
@@ -24,6 +25,7 @@ use super::{Verdict, VerifyError, interpolate, verdict};
 use crate::case::{self, Case, Check, ColumnTake, Comparison};
 use crate::discretization::Discretization;
 use crate::machine;
+use crate::output::names::{CASE, CONTACT, HISTORY, SUMMARY, contact_file};
 use crate::output::{
     self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, StoredFields, Work, history_columns, history_values,
 };
@@ -32,6 +34,24 @@ use tables::{Audit, NumberTable};
 
 /// Relative difference allowed for a recomputed number: a few last bits.
 const ROUND_OFF: f64 = 1e-12;
+
+/// Largest differences per compared quantity, each with the largest number involved.
+#[derive(Debug, Default)]
+struct Differences {
+    all: BTreeMap<String, (f64, f64)>,
+}
+
+impl Differences {
+    /// Records a difference with the size of its numbers.
+    fn note(&mut self, what: String, difference: f64, size: f64) {
+        let (worst, scale) = self.all.entry(what).or_insert((0.0, 0.0));
+        // A NaN is kept.
+        if difference.abs() > *worst || difference.is_nan() {
+            *worst = difference.abs();
+        }
+        *scale = scale.max(size.abs());
+    }
+}
 
 /// Result of the check of a folder.
 #[derive(Clone, Debug, Default)]
@@ -52,7 +72,7 @@ pub struct Recomputed {
 pub fn recompute(folder: &Path) -> Result<Recomputed, VerifyError> {
     let inspection = output::inspect(folder)?;
     let mut found = Recomputed { faults: inspection.faults.clone(), ..Recomputed::default() };
-    let case = case::read(&folder.join("case.toml"), &[]);
+    let case = case::read(&folder.join(CASE), &[]);
     let name = case.as_ref().map_or_else(|_| "run".to_owned(), |case| case.problem.name.clone());
     found.compare(&name, "files as they were written", inspection.intact as f64, inspection.listed as f64);
     match case {
@@ -83,7 +103,7 @@ impl Recomputed {
 
     fn of_case(&mut self, folder: &Path, case: &Case, inspection: &Inspection) {
         let problem = &case.problem;
-        if output::input_hash(&case.fingerprint()) != inspection.input_sha256 {
+        if output::sha256(case.fingerprint()) != inspection.input_sha256 {
             self.faults.push("case.toml or a file in inputs is not what the run was made with".to_owned());
         }
         let summary = self.summary(folder, problem.timeline.steps(), inspection);
@@ -117,7 +137,7 @@ impl Recomputed {
             self.faults.push(format!("the run has not ended; go on with: amontons resume {}", folder.display()));
             return None;
         };
-        let text = machine::read_text(&folder.join("summary.json"), LONGEST);
+        let text = machine::read_text(&folder.join(SUMMARY), LONGEST);
         let summary: Value = match text.map(|text| serde_json::from_str(&text)) {
             Ok(Ok(summary)) => summary,
             Ok(Err(error)) => {
@@ -155,7 +175,7 @@ impl ResultFiles<'_> {
 
     /// Reads `history.csv` and checks its rows.
     fn history(&self, found: &mut Recomputed) -> Option<NumberTable> {
-        let table = match NumberTable::read(&self.folder.join("history.csv")) {
+        let table = match NumberTable::read(&self.folder.join(HISTORY)) {
             Ok(table) if table.names == history_columns(&self.case.problem) => table,
             Ok(_) => {
                 found.faults.push("history.csv has other columns than the case".to_owned());
@@ -182,7 +202,7 @@ impl ResultFiles<'_> {
 
     /// Checks each snapshot for consistency, and against the row of its step.
     fn snapshots(&self, history: Option<&NumberTable>, found: &mut Recomputed) {
-        let (mut differences, stored) = (fields::Differences::default(), StoredFields::of(self.folder));
+        let (mut differences, stored) = (Differences::default(), StoredFields::of(self.folder));
         for &step in &self.inspection.snapshots {
             let file = stored.name(step);
             match Fields::read(&stored, step, &self.case.problem) {
@@ -194,11 +214,11 @@ impl ResultFiles<'_> {
             }
             let Some(row) = step.checked_sub(1).filter(|_| history.is_some()) else { continue };
             let Some(history) = history else { continue };
-            let contact = self.folder.join(output::contact_file(step));
+            let contact = self.folder.join(contact_file(step));
             if !self.case.problem.contacts.is_empty() {
                 match NumberTable::read(&contact) {
                     Ok(points) => tables::contact(&points, &self.case.problem, (history, row), &mut differences),
-                    Err(what) => found.faults.push(format!("{}: {what}", output::contact_file(step))),
+                    Err(what) => found.faults.push(format!("{}: {what}", contact_file(step))),
                 }
             }
             if let Ok(fields) = Fields::read(&stored, step, &self.case.problem) {
@@ -262,7 +282,7 @@ impl ResultFiles<'_> {
             let same = pairs.filter(|(a, b)| (*a - *b).abs() <= ROUND_OFF * a.abs()).count();
             found.compare(name, "last row of history.csv against the checkpoint", same as f64, values.len() as f64);
         }
-        let text = machine::read_text(&self.folder.join("contact.csv"), LONGEST).unwrap_or_default();
+        let text = machine::read_text(&self.folder.join(CONTACT), LONGEST).unwrap_or_default();
         let rows = output::contact_rows(&Snapshot { state: &checkpoint.state, ..now });
         let same = text.lines().skip(1).zip(&rows).filter(|(there, row)| there == row).count();
         let all = rows.len().max(text.lines().count().saturating_sub(1));

@@ -15,6 +15,7 @@ mod features;
 mod fluid;
 mod foundations;
 mod gap_pressure;
+mod halved_steps;
 mod hot_friction;
 mod impact;
 mod laws;

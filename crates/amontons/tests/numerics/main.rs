@@ -12,6 +12,7 @@ mod convergence;
 mod coupling;
 mod elements;
 mod forms;
+mod iterations;
 mod manufactured;
 mod newton;
 mod pyramids;

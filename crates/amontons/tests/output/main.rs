@@ -12,6 +12,7 @@ mod common;
 mod contact_probes;
 mod fields;
 mod plot;
+mod plot_damage;
 mod plot_space;
 mod plot_truth;
 mod probes;

@@ -1,6 +1,6 @@
 //! `coefficient-jump`: a coefficient of the material that jumps within a cell.
 
-use super::super::laws::at;
+use super::super::sample::at;
 use super::super::{Finding, FindingId};
 use super::{material_key, warning};
 use crate::material::TensorLaw;

@@ -43,7 +43,8 @@ mod thermal;
 
 pub use run::{Figures, Penetration, of_run};
 
-use super::laws::{at, norm};
+use super::sample::at;
+use super::tensors::norm;
 use super::{Finding, FindingId, FindingStatus};
 use crate::material::{Dilatation, OperatorConstants};
 use crate::mesh::FacetSet;

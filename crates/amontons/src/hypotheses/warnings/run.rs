@@ -1,6 +1,6 @@
 //! Warnings at the end of a run.
 
-use super::super::laws::at;
+use super::super::sample::at;
 use super::super::{Finding, FindingId};
 use super::warning;
 use crate::contact::Leak;

@@ -1,7 +1,6 @@
 //! Supports of the body, and supports that prevent contact from acting.
 
-use super::super::laws::at;
-use super::super::sample::times;
+use super::super::sample::{at, times};
 use super::super::{Finding, FindingId};
 use super::warning;
 use crate::contact::Contact;

@@ -1,6 +1,6 @@
 //! `thermal-layer`: compares the penetration depth of heat from Γ_C with the size of a cell.
 
-use super::super::laws::at;
+use super::super::sample::at;
 use super::super::{Finding, FindingId};
 use super::warning;
 use crate::model::thermal_layers;

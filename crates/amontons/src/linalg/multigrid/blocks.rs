@@ -7,7 +7,6 @@ use std::ops::Range;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::product::add_product;
 use crate::linalg::pages::PagedNumbers;
 
 /// Block rows per task: large enough to pay for a task, the same for any number of threads.
@@ -303,6 +302,44 @@ impl BlockRowMatrix<f64> {
                     .zip(&self.values[..])
                     .for_each(|(single, value)| *single = (value / scale) as f32);
             }),
+        }
+    }
+}
+
+/// Adds A B to `out`, for blocks of r × m and m × c. The block sizes of bodies in the plane and in space are known to
+/// the loops at compile time.
+#[inline(always)]
+pub(super) fn add_product<T: Real>(a: &[T], b: &[T], out: &mut [T], sizes: [usize; 3]) {
+    match sizes {
+        [_, 2, 3] => add_sized::<T, 2, 3>(a, b, out),
+        [_, 3, 3] => add_sized::<T, 3, 3>(a, b, out),
+        [_, 3, 6] => add_sized::<T, 3, 6>(a, b, out),
+        [_, 6, 6] => add_sized::<T, 6, 6>(a, b, out),
+        [r, m, c] => add_loops(a, b, out, [r, m, c]),
+    }
+}
+
+#[inline(always)]
+fn add_sized<T: Real, const M: usize, const C: usize>(a: &[T], b: &[T], out: &mut [T]) {
+    let ((a, _), (b, _), (out, _)) = (a.as_chunks::<M>(), b.as_chunks::<C>(), out.as_chunks_mut::<C>());
+    let b: &[[T; C]] = &b[..M];
+    for (a, out) in a.iter().zip(out) {
+        for k in 0..M {
+            for j in 0..C {
+                out[j] += a[k] * b[k][j];
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_loops<T: Real>(a: &[T], b: &[T], out: &mut [T], [r, m, c]: [usize; 3]) {
+    for i in 0..r {
+        for k in 0..m {
+            let factor = a[i * m + k];
+            for j in 0..c {
+                out[i * c + j] += factor * b[k * c + j];
+            }
         }
     }
 }

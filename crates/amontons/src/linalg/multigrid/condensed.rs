@@ -5,7 +5,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::local::ContactBlocks;
-use super::precondition::{MaskedMatrix, Preconditioner};
+use super::masked::MaskedMatrix;
+use super::precondition::Preconditioner;
 use super::relieved::Relieved;
 use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
@@ -220,7 +221,8 @@ impl Iterative {
         &self,
         product: impl Fn(&[f64]) -> Result<Vec<f64>, SolveError>,
         rest: &[f64],
-        (goal, limit): (f64, usize),
+        goal: f64,
+        limit: usize,
     ) -> Result<(Vec<f64>, usize), SolveError> {
         let mut kept: Vec<Vec<f64>> = Vec::new();
         let apply = |v: &[f64]| -> Result<Vec<f64>, SolveError> {
@@ -333,12 +335,13 @@ impl Iterative {
                     |r| self.precondition(self.spread(r)),
                     &rest,
                     |r| self.weight(r),
-                    (goal, products),
+                    goal,
+                    products,
                 )?;
                 meets_none = solved.definite == Definite::No;
                 (solved.x, solved.iterations)
             } else {
-                self.flexible(product, &rest, (goal, products))?
+                self.flexible(product, &rest, goal, products)?
             };
             self.count(made);
             add_combination(&mut x, &[1.0], &[change]);
@@ -416,7 +419,7 @@ impl Condensed for Iterative {
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
         let precondition = |r: &[f64]| self.precondition(self.spread(r));
-        let solved = conjugate_gradients(product, precondition, &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
+        let solved = conjugate_gradients(product, precondition, &b, norm, SEEN, PRODUCTS[0] * LOOKS)?;
         self.count(solved.iterations);
         match solved.definite {
             Definite::No => Ok(false),

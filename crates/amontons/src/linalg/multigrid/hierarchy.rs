@@ -5,7 +5,7 @@ use faer::{Mat, Side};
 use rayon::prelude::*;
 
 use super::aggregate::{aggregates, strong, tentative};
-use super::blocks::BlockRowMatrix;
+use super::blocks::{BlockRowMatrix, add_product};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Lu, Square};
 use crate::linalg::stop::StopFlag;
@@ -250,7 +250,7 @@ impl CouplingBlocks {
     fn add(&self, n: usize, x: &[f32], y: &mut [f32]) {
         for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
             let (x, y) = (&x[j as usize * n..][..n], &mut y[i as usize * n..][..n]);
-            super::product::add_product(block, x, y, [n, n, 1]);
+            add_product(block, x, y, [n, n, 1]);
         }
     }
 }
@@ -355,7 +355,7 @@ fn smoothed(
         let mut product = vec![0.0; n * m];
         for (&j, block) in columns.iter().zip(values.chunks_exact_mut(n * m)) {
             product.fill(0.0);
-            super::product::add_product(inverse, block, &mut product, [n, n, m]);
+            add_product(inverse, block, &mut product, [n, n, m]);
             let tentative = own.filter(|(a, _)| *a == j as usize).map(|(_, t)| t);
             for (k, value) in block.iter_mut().enumerate() {
                 let is_left_out = takes_part.is_some_and(|takes_part| !takes_part[i * n + k / m]);

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use faer::Mat;
 
-use super::precondition::{AXES, MaskedMatrix, block_of, cut, in_basis};
+use super::masked::{AXES, MaskedMatrix, bases, block_of, blocks, cut, in_basis};
 use super::surface::{ContactFactor, couples};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Cholesky, Lu, Square};
@@ -251,21 +251,6 @@ fn products(nodes: &[NodeFactor], matrix: impl Fn(&NodeFactor) -> &[f64], x: imp
         }
     }
     products
-}
-
-/// Bases of the turned nodes.
-pub(super) fn bases(turns: &[Turn], n: usize) -> BTreeMap<usize, [Point; 3]> {
-    turns.iter().map(|turn| (turn.unknowns[0] as usize / n, turn.basis)).collect()
-}
-
-/// Block of J per node.
-pub(super) fn blocks(entries: &[Entry], n: usize) -> BTreeMap<usize, Vec<f64>> {
-    let mut blocks: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for &(i, j, value) in entries.iter().filter(|(i, j, _)| *i as usize / n == *j as usize / n) {
-        let block = blocks.entry(i as usize / n).or_insert_with(|| vec![0.0; n * n]);
-        block[i as usize % n * n + j as usize % n] += value;
-    }
-    blocks
 }
 
 /// Factor of a node with its block of J, or `None` if K + J is singular there.

@@ -9,6 +9,7 @@ mod blocks;
 mod condensed;
 mod hierarchy;
 mod local;
+mod masked;
 mod precondition;
 mod product;
 mod relieved;

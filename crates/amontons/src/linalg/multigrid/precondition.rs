@@ -7,14 +7,13 @@ use std::collections::BTreeMap;
 
 use super::blocks::{BlockRowBuilder, BlockRowMatrix};
 use super::hierarchy::{Hierarchy, HierarchyPlan};
-use super::local::{ContactBlocks, bases, blocks};
+use super::local::ContactBlocks;
+use super::masked::{AXES, MaskedMatrix, bases, block_of, blocks, cut, in_basis};
 use crate::linalg::error::SolveError;
-use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::StopFlag;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
-use crate::space::{NodeFrame, RigidNodes};
-use crate::tensor::{Point, Sym};
+use crate::tensor::Point;
 
 /// Cap on the stiffness of contact in the cycle, relative to that of K at the degree of freedom: anything stiffer holds
 /// it.
@@ -22,22 +21,6 @@ const FIRM: f64 = 100.0;
 /// Stiffness in the cycle of rigid motions without stiffness, as a fraction of that of their body: negligible beside
 /// contact, but not beside the round-off of single precision.
 const SOFT: f64 = 1e-6;
-/// Basis of a node that is not turned.
-pub(super) const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// A matrix on all degrees of freedom, with the flags of the unknown ones.
-pub(super) struct MaskedMatrix<'a> {
-    pub matrix: &'a BlockMatrix,
-    pub points: &'a [Point],
-    pub free: &'a [bool],
-    /// Directions of the unknowns of nodes where they are not the axes.
-    pub frames: &'a [NodeFrame],
-    /// Nodes that move as rigid bodies.
-    pub rigid: &'a [RigidNodes],
-    /// Rigid motions without stiffness, by degree of freedom, with the stiffness of their bodies.
-    pub stiffless: &'a [(u32, f64)],
-}
-
 /// The preconditioner.
 #[derive(Debug)]
 pub(super) struct Preconditioner {
@@ -189,36 +172,6 @@ fn firm(body: &MaskedMatrix, node: usize) -> f64 {
 /// Pads a block of at most nine entries with zeros.
 fn padded(block: &[f64]) -> [f64; 9] {
     std::array::from_fn(|k| block.get(k).copied().unwrap_or(0.0))
-}
-
-/// Diagonal block of a node.
-pub(super) fn block_of(matrix: &BlockMatrix, node: usize, n: usize) -> Vec<f64> {
-    matrix.row(node).find(|(j, _)| *j == node).map_or_else(|| vec![0.0; n * n], |(_, block)| block.to_vec())
-}
-
-/// B A Cᵀ if `into`, otherwise Bᵀ A C; the rows of B and C are the vectors of two bases.
-pub(super) fn in_basis(block: &[f64], [left, right]: [&[Point; 3]; 2], n: usize, into: bool) -> Vec<f64> {
-    let entry = |basis: &[Point; 3], a: usize, c: usize| if into { basis[a][c] } else { basis[c][a] };
-    let mut out = vec![0.0; n * n];
-    for a in 0..n {
-        for b in 0..n {
-            for c in 0..n {
-                for d in 0..n {
-                    out[a * n + b] += entry(left, a, c) * block[c * n + d] * entry(right, b, d);
-                }
-            }
-        }
-    }
-    out
-}
-
-/// Symmetric part of a contact block with its principal values clamped to zero … `firm`: this caps the stiffness and
-/// removes what friction makes indefinite.
-pub(super) fn cut(block: &[f64], firm: f64, n: usize) -> Vec<f64> {
-    let entry = |i: usize, j: usize| if i < n && j < n { block[i * n + j] } else { 0.0 };
-    let axes = Sym::from_fn(3, |i, j| 0.5 * (entry(i, j) + entry(j, i))).principal_axes();
-    let part = |i: usize, j: usize| axes.iter().map(|(value, v)| value.clamp(0.0, firm) * v[i] * v[j]).sum();
-    (0..n * n).map(|k| part(k / n, k % n)).collect()
 }
 
 /// The matrix restricted to the unknowns, with its diagonal alone at the other degrees of freedom.

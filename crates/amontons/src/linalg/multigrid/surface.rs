@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::precondition::{AXES, MaskedMatrix, in_basis};
+use super::masked::{AXES, MaskedMatrix, in_basis};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::SparseLu;
 use crate::linalg::tangent::Entry;

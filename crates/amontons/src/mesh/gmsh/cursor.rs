@@ -206,6 +206,14 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// A list of integers after its length.
+    pub(super) fn list(&mut self, what: &'static str) -> Result<Vec<i64>, MeshFileError> {
+        let at = self.position();
+        let count = self.size(what)?;
+        let count = self.fits(at, what, count, 1, 4)?;
+        (0..count).map(|_| self.integer(what)).collect()
+    }
+
     /// Bytes of a `size_t` in a binary file.
     pub(super) fn size_bytes(&self) -> usize {
         match self.mode {

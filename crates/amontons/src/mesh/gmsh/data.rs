@@ -2,62 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::super::data::Values;
-use super::super::read::{MeshFileError, complete_data};
-use super::cursor::Cursor;
-use super::sections::{self, NodeTags};
+use super::super::read::{MeshFileError, Values, complete_data};
+use super::sections::{self, DataSection, NodeTags};
 use crate::mesh::Block;
 use crate::tensor::Point;
-
-/// Element or node numbers with one value each.
-pub(super) struct DataSection {
-    of_elements: bool,
-    values: Vec<(i64, f64)>,
-}
-
-/// Reads the data section at the cursor if it has the wanted name, or skips it.
-pub(super) fn section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<Option<DataSection>, MeshFileError> {
-    let texts = cursor.text_integer("the number of string tags")?;
-    cursor.line();
-    let mut name = String::new();
-    for i in 0..texts {
-        let line = cursor.line().trim_ascii();
-        let text = line.strip_prefix(b"\"").and_then(|line| line.strip_suffix(b"\"")).unwrap_or(line);
-        if i == 0 {
-            name = String::from_utf8_lossy(text).into_owned();
-        }
-    }
-    if name != wanted {
-        cursor.skip_section(word)?;
-        return Ok(None);
-    }
-    for _ in 0..cursor.text_integer("the number of real tags")? {
-        cursor.token();
-    }
-    let at = cursor.word_position();
-    let integers = cursor.text_integer("the number of integer tags")?;
-    let mut tags = [0; 3];
-    for i in 0..integers {
-        let tag = cursor.text_integer("an integer tag of data")?;
-        if let Some(kept) = usize::try_from(i).ok().and_then(|i| tags.get_mut(i)) {
-            *kept = tag;
-        }
-    }
-    let [_, components, count] = tags;
-    if components != 1 {
-        return Err(cursor.fault(at, format!("data \"{wanted}\" of one component")));
-    }
-    let count = u64::try_from(count).map_err(|_| cursor.fault(at, "the number of values"))?;
-    let count = cursor.fits(at, "values", count, 2, 12)?;
-    cursor.begin_data();
-    let mut values = Vec::with_capacity(count);
-    for _ in 0..count {
-        values.push((cursor.integer("the tag of an element or a node")?, cursor.real("a value")?));
-    }
-    let of_elements = word == b"$ElementData";
-    cursor.end_section(if of_elements { "ElementData" } else { "NodeData" })?;
-    Ok(Some(DataSection { of_elements, values }))
-}
 
 /// The points of a file, its cells of the highest dimension by element, and the data `name` of these cells or of the
 /// points.

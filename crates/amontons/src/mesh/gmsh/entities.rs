@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::super::read::{Loose, LooseBlock};
 use super::cursor::Cursor;
-use super::sections::list;
 use crate::mesh::read::MeshFileError;
 use crate::mesh::topology::{SortedFacet, key};
 
@@ -52,13 +51,13 @@ impl Entities {
             for _ in 0..count {
                 let tag = cursor.integer("the tag of an entity")?;
                 let parent = [cursor.integer("the dimension of an entity")?, cursor.integer("the tag of an entity")?];
-                list(cursor, "partitions of an entity")?;
+                cursor.list("partitions of an entity")?;
                 for _ in 0..if dim == 0 { 3 } else { 6 } {
                     cursor.real("a coordinate of the bounding box of an entity")?;
                 }
-                let physical = list(cursor, "physical groups of an entity")?;
+                let physical = cursor.list("physical groups of an entity")?;
                 if dim > 0 {
-                    list(cursor, "bounding entities of an entity")?;
+                    cursor.list("bounding entities of an entity")?;
                 }
                 self.groups.insert((dim, tag), physical.into_iter().map(i64::abs).collect());
                 self.parents.insert((dim, tag), (parent[0], parent[1]));

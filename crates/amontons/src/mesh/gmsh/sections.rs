@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::read::{Kind, Loose, LooseBlock, MeshFileError};
 use super::cursor::{Cursor, NumberEncoding};
-use super::data::{self, DataSection};
 use super::entities::Entities;
 use crate::tensor::Point;
 
@@ -72,7 +71,7 @@ fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(GmshFile, bool), MeshFile
                 });
             }
             (b"$ElementData" | b"$NodeData", Some(_)) if wanted.is_some() && file.data.is_none() => {
-                file.data = data::section(&mut cursor, name, wanted.unwrap_or_default())?;
+                file.data = data_section(&mut cursor, name, wanted.unwrap_or_default())?;
             }
             _ if name.starts_with(b"$") && file.version.is_some() || name == b"$Comments" => {
                 cursor.skip_section(name)?;
@@ -169,11 +168,11 @@ fn entities(cursor: &mut Cursor) -> Result<BTreeMap<(i64, i64), Vec<i64>>, MeshF
             for _ in 0..if dim == 0 { 3 } else { 6 } {
                 cursor.real("a coordinate of the bounding box of an entity")?;
             }
-            let physical = list(cursor, "physical groups of an entity")?;
+            let physical = cursor.list("physical groups of an entity")?;
             // The sign of a group gives its orientation, which is taken from the cells instead.
             groups.insert((dim as i64, tag), physical.into_iter().map(i64::abs).collect());
             if dim > 0 {
-                list(cursor, "bounding entities of an entity")?;
+                cursor.list("bounding entities of an entity")?;
             }
         }
     }
@@ -181,11 +180,54 @@ fn entities(cursor: &mut Cursor) -> Result<BTreeMap<(i64, i64), Vec<i64>>, MeshF
     Ok(groups)
 }
 
-pub(super) fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, MeshFileError> {
-    let at = cursor.position();
-    let count = cursor.size(what)?;
-    let count = cursor.fits(at, what, count, 1, 4)?;
-    (0..count).map(|_| cursor.integer(what)).collect()
+/// Element or node numbers with one value each.
+pub(super) struct DataSection {
+    pub of_elements: bool,
+    pub values: Vec<(i64, f64)>,
+}
+
+/// Reads the data section at the cursor if it has the wanted name, or skips it.
+fn data_section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<Option<DataSection>, MeshFileError> {
+    let texts = cursor.text_integer("the number of string tags")?;
+    cursor.line();
+    let mut name = String::new();
+    for i in 0..texts {
+        let line = cursor.line().trim_ascii();
+        let text = line.strip_prefix(b"\"").and_then(|line| line.strip_suffix(b"\"")).unwrap_or(line);
+        if i == 0 {
+            name = String::from_utf8_lossy(text).into_owned();
+        }
+    }
+    if name != wanted {
+        cursor.skip_section(word)?;
+        return Ok(None);
+    }
+    for _ in 0..cursor.text_integer("the number of real tags")? {
+        cursor.token();
+    }
+    let at = cursor.word_position();
+    let integers = cursor.text_integer("the number of integer tags")?;
+    let mut tags = [0; 3];
+    for i in 0..integers {
+        let tag = cursor.text_integer("an integer tag of data")?;
+        if let Some(kept) = usize::try_from(i).ok().and_then(|i| tags.get_mut(i)) {
+            *kept = tag;
+        }
+    }
+    let [_, components, count] = tags;
+    if components != 1 {
+        return Err(cursor.fault(at, format!("data \"{wanted}\" of one component")));
+    }
+    let count = u64::try_from(count).map_err(|_| cursor.fault(at, "the number of values"))?;
+    let count = cursor.fits(at, "values", count, 2, 12)?;
+    cursor.begin_data();
+    let mut values = Vec::with_capacity(count);
+    for _ in 0..count {
+        values.push((cursor.integer("the tag of an element or a node")?, cursor.real("a value")?));
+    }
+    let of_elements = word == b"$ElementData";
+    cursor.end_section(if of_elements { "ElementData" } else { "NodeData" })?;
+    Ok(Some(DataSection { of_elements, values }))
 }
 
 /// Map from node tags to indices.

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+/// The supported formats, for messages.
+const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .mail (Code_Aster), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
+
 /// Position of a fault in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilePosition {
@@ -272,7 +275,7 @@ impl MeshFileError {
         let expected = match self {
             MeshFileError::In { fault, .. } => return fault.expected(),
             MeshFileError::Unreadable { .. } | MeshFileError::Grid { .. } => return None,
-            MeshFileError::Extension { .. } => super::formats::KNOWN,
+            MeshFileError::Extension { .. } => KNOWN,
             MeshFileError::Syntax { expected, .. } => expected,
             MeshFileError::Version { .. } => "2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
             MeshFileError::Count { room, .. } => {

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::node_sets::NodeSet;
 use super::overlap::Overlap;
 use super::serendipity::complete;
 use super::{FilePosition, MeshFile, MeshFileError, Skipped};
@@ -47,6 +46,13 @@ impl LooseBlock {
     fn len(&self) -> usize {
         self.nodes.len() / self.kind.nodes.max(1)
     }
+}
+
+/// A named node set.
+#[derive(Clone, Debug)]
+pub(in crate::mesh) struct NodeSet {
+    pub name: String,
+    pub nodes: BTreeSet<u32>,
 }
 
 /// The contents of a file.

@@ -2,16 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-use super::loose::{Kind, Loose, LooseBlock};
+use super::loose::{Kind, Loose, LooseBlock, NodeSet};
 use crate::element::{Element, Facet, POINT_LEFT};
 use crate::mesh::topology::{SortedFacet, key};
-
-/// A named node set.
-#[derive(Clone, Debug)]
-pub(in crate::mesh) struct NodeSet {
-    pub name: String,
-    pub nodes: BTreeSet<u32>,
-}
 
 /// A facet of a cell of the file, with those of its nodes that the file has.
 #[derive(Clone, Debug)]

@@ -1,36 +1,32 @@
 //! The snapshots of a run: written, kept when it continues, and packed when it has ended.
 
 use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::Path;
 
-use super::super::csv::write_contact;
-use super::super::files::{WrittenFile, create_folder, remove_empty_folder, remove_file};
+use super::super::columns::{contact_measures, contact_rows};
+use super::super::files::{WrittenFile, create_folder, remove_empty_folder, remove_file, write_atomically};
+use super::super::names::{
+    CONTACT_FOLDER, FIELDS, FIELDS_FOLDER, PACKED, SIDES, contact_file, fields_file, sides_file,
+};
 use super::super::packed::{self, FieldsFormat, Packed};
 use super::super::vtu::{write_collection, write_fields};
 use super::super::{OutputError, Snapshot, StressRecovery, owned, surface};
-use super::{CONTACT, FIELDS, Folder};
+use super::Folder;
 use crate::problem::Problem;
-
-/// The list of the snapshots.
-const COLLECTION: &str = "fields.pvd";
 
 /// True if a snapshot is due at a step.
 pub(super) fn is_due(every: usize, step: usize) -> bool {
     every > 0 && step.is_multiple_of(every)
 }
 
-/// Path in the results folder of the contact points at a step.
-pub(crate) fn contact_file(step: usize) -> String {
-    format!("{CONTACT}/step_{step:07}.csv")
-}
-
-/// Path in the results folder of the sides of contact at a step.
-fn surface_file(step: usize) -> String {
-    format!("{CONTACT}/step_{step:07}.vtu")
-}
-
-/// Path in the results folder of the fields at a step.
-pub(crate) fn fields_file(step: usize) -> String {
-    format!("{FIELDS}/step_{step:07}.vtu")
+/// Writes the contact points, one row per point.
+pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<WrittenFile, OutputError> {
+    let names: Vec<String> = contact_measures(now.problem).into_iter().map(|(name, _)| name).collect();
+    write_atomically(path, |out| {
+        writeln!(out, "{}", names.join(","))?;
+        contact_rows(now).iter().try_for_each(|row| writeln!(out, "{row}"))
+    })
 }
 
 impl Folder {
@@ -43,8 +39,8 @@ impl Folder {
         let written = write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
         self.manifest.list(&file, Some(written));
         if let Some(report) = now.report.filter(|_| !now.problem.contacts.is_empty()) {
-            create_folder(&root.join(CONTACT))?;
-            let (table, sides) = (contact_file(now.state.step), surface_file(now.state.step));
+            create_folder(&root.join(CONTACT_FOLDER))?;
+            let (table, sides) = (contact_file(now.state.step), sides_file(now.state.step));
             let written = write_contact(&root.join(&table), now)?;
             self.manifest.list(&table, Some(written));
             let written = surface::write(&root.join(&sides), now, &report.contact)?;
@@ -63,8 +59,8 @@ impl Folder {
 
     fn write_collections(&mut self) -> Result<(), OutputError> {
         let fields: Vec<(f64, String)> = self.snapshots.iter().map(|&(step, t)| (t, fields_file(step))).collect();
-        for (name, files) in [(COLLECTION, &fields), ("contact.pvd", &self.surfaces)] {
-            if name != COLLECTION && files.is_empty() {
+        for (name, files) in [(FIELDS, &fields), (SIDES, &self.surfaces)] {
+            if name != FIELDS && files.is_empty() {
                 remove_file(&self.root().join(name))?;
             } else {
                 let written = write_collection(&self.root().join(name), files)?;
@@ -86,14 +82,15 @@ impl Folder {
             n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
         };
         // A run killed while packing has not listed the packed file with a hash.
-        let is_packed = listed.iter().any(|(name, written)| *name == packed::FILE && written.is_some());
+        let is_packed = listed.iter().any(|(name, written)| *name == PACKED && written.is_some());
         let was_packed = |n: usize| is_packed && n <= step && passing != Some(n);
-        create_folder(&self.path.join(FIELDS))?;
+        create_folder(&self.path.join(FIELDS_FOLDER))?;
         let unpacked: BTreeSet<usize> =
             packed::unpack(&self.path, |n| was_packed(n) || counts(n, &fields_file(n)))?.into_iter().collect();
-        let snapshot = |name: &str| [FIELDS, CONTACT].iter().any(|folder| name.starts_with(&format!("{folder}/")));
+        let snapshot =
+            |name: &str| [FIELDS_FOLDER, CONTACT_FOLDER].iter().any(|folder| name.starts_with(&format!("{folder}/")));
         // The packed file is removed when the manifest lists its snapshots.
-        self.manifest.retain(|name| !snapshot(name) && name != packed::FILE);
+        self.manifest.retain(|name| !snapshot(name) && name != PACKED);
         for (n, name) in owned::snapshots(&self.path) {
             let path = self.path.join(&name);
             let is_unpacked = name == fields_file(n) && unpacked.contains(&n);
@@ -108,14 +105,14 @@ impl Folder {
             self.manifest.list(&name, Some(written));
             if name == fields_file(n) {
                 self.snapshots.push((n, problem.timeline.time(n)));
-            } else if name == surface_file(n) {
+            } else if name == sides_file(n) {
                 self.surfaces.push((problem.timeline.time(n), name));
             }
         }
         let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n));
         for n in due.filter(|n| !self.snapshots.iter().any(|(other, _)| other == n)) {
             let name = fields_file(n);
-            self.notes.push(format!("{name} of the run before is gone; {COLLECTION} leaves it out"));
+            self.notes.push(format!("{name} of the run before is gone; {FIELDS} leaves it out"));
             self.manifest.list(&name, None);
         }
         self.write_collections()
@@ -129,21 +126,21 @@ impl Folder {
         if format == FieldsFormat::Vtu || self.snapshots.is_empty() {
             return Ok(());
         }
-        match packed::pack(&self.path, &self.snapshots, self.manifest.units_of(COLLECTION))? {
-            Packed::Written(written) => self.manifest.list(packed::FILE, Some(written)),
+        match packed::pack(&self.path, &self.snapshots, self.manifest.units_of(FIELDS))? {
+            Packed::Written(written) => self.manifest.list(PACKED, Some(written)),
             Packed::Refused(why) => {
-                self.notes.push(format!("{} is not written: {why}; the fields are in {COLLECTION}", packed::FILE));
+                self.notes.push(format!("{} is not written: {why}; the fields are in {FIELDS}", PACKED));
                 return Ok(());
             }
         }
         if format == FieldsFormat::Vtkhdf {
-            remove_file(&self.path.join(COLLECTION))?;
+            remove_file(&self.path.join(FIELDS))?;
             for &(step, _) in &self.snapshots {
                 remove_file(&self.path.join(fields_file(step)))?;
             }
-            remove_empty_folder(&self.path.join(FIELDS));
+            remove_empty_folder(&self.path.join(FIELDS_FOLDER));
             let packed: Vec<String> = self.snapshots.iter().map(|&(step, _)| fields_file(step)).collect();
-            self.manifest.retain(|name| name != COLLECTION && !packed.iter().any(|file| file == name));
+            self.manifest.retain(|name| name != FIELDS && !packed.iter().any(|file| file == name));
         }
         Ok(())
     }

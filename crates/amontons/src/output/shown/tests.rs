@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{FIGURES, Lives, ResultTable, Shown, shown};
+use super::{FIGURES, Lives, ResultTable, Shown};
 use crate::case::{self, Case};
 use crate::contact::Contact;
-use crate::output::{Folder, FolderOptions, Summary, surface};
+use crate::output::{Folder, FolderOptions, Summary, shown, surface};
 use crate::plot::{self, Options, PictureKind};
 use crate::run::{Settings, run};
 use crate::units::Measure;

@@ -10,7 +10,7 @@ use super::thin::ReducedMesh;
 use crate::plot::body::{PlaneMesh, window};
 use crate::plot::field::{DrawnQuantity, shown};
 use crate::plot::folder::Results;
-use crate::plot::run::{DrawnRun, at_corners};
+use crate::plot::run::DrawnRun;
 use crate::plot::surface::norm;
 use crate::plot::{Options, PictureKind, PlotError, axes, ground, plane, sheet};
 use crate::problem::Problem;
@@ -83,20 +83,11 @@ impl PageSurface {
 
     /// Values of a field of a run at the vertices.
     fn values(&self, kind: PictureKind, run: &DrawnRun) -> (Vec<f64>, [f64; 2]) {
-        let (triangles, owners, nodal, cells, areas): (_, _, &[f64], _, _) = match (&run.snapshot, &run.solid) {
-            (Some(s), _) => {
-                let nodal = if kind == PictureKind::VonMises { &s.nodal_von_mises } else { &s.temperature };
-                (&s.body.triangles, &s.body.owners, nodal, (&s.von_mises[..], &s.regions[..]), s.body.areas())
-            }
-            (_, Some(s)) => {
-                let nodal = if kind == PictureKind::VonMises { &s.nodal_von_mises } else { &s.temperature };
-                let (surface, areas) = (&s.surface, s.surface.areas());
-                (&surface.triangles, &surface.owners, nodal, (&s.von_mises[..], &s.regions[..]), areas)
-            }
+        let (all, areas) = match (&run.snapshot, &run.solid) {
+            (Some(s), _) => (s.corners(kind), s.body.areas()),
+            (_, Some(s)) => (s.corners(kind), s.surface.areas()),
             _ => return (Vec::new(), [0.0; 2]),
         };
-        let cells = if kind == PictureKind::VonMises { cells } else { (&[][..], &[][..]) };
-        let all = at_corners(triangles, owners, nodal, cells);
         let extent = axes::range(all.iter().flatten().copied()).unwrap_or([0.0, 0.0]);
         let range = if kind == PictureKind::VonMises { shown(&all, &areas, extent) } else { extent };
         (self.corners.iter().map(|&c| all[c / 3][c % 3]).collect(), range)

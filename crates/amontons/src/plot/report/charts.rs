@@ -9,6 +9,7 @@ use super::field::reading;
 use super::pack::Pack;
 use crate::case::Case;
 use crate::contact::names;
+use crate::output::names::PROBES;
 use crate::output::{columns, history_measures};
 use crate::plot::charts::{Chart, Series};
 use crate::plot::color::{Color, LINES};
@@ -136,7 +137,7 @@ pub(super) fn write(run: &DrawnRun, units: Units, pack: &mut Pack) -> Value {
 
 /// The probes of a case, one chart each; null without probes.
 pub(super) fn probes(dir: &Path, case: &Case, units: Units, pack: &mut Pack) -> Result<Value, PlotError> {
-    let (probes, path) = (case.folder_options().probes, dir.join("probes.csv"));
+    let (probes, path) = (case.folder_options().probes, dir.join(PROBES));
     if probes.is_empty() {
         return Ok(Value::Null);
     }

@@ -22,6 +22,7 @@ use super::table::CsvTable;
 use super::{Options, PlotError, convergence, frames, profiles, time};
 use crate::case::{self, Case, CaseError};
 use crate::machine;
+use crate::output::names::{CASE, SUMMARY};
 use crate::output::{LONGEST, Summary, write_file};
 use crate::units::{Measure, UnitSystem, Units};
 use pack::Pack;
@@ -59,13 +60,13 @@ pub fn report(dir: &Path) -> Result<PathBuf, PlotError> {
 }
 
 fn summary(dir: &Path) -> Result<Summary, PlotError> {
-    let path = dir.join("summary.json");
+    let path = dir.join(SUMMARY);
     let text = machine::read_text(&path, LONGEST).map_err(|source| PlotError::Read { path: path.clone(), source })?;
     serde_json::from_str(&text).map_err(|e| PlotError::Format { path, what: e.to_string() })
 }
 
 fn read_case(dir: &Path) -> Result<(Case, String), PlotError> {
-    let path = dir.join("case.toml");
+    let path = dir.join(CASE);
     if !path.exists() && dir.join("sweep.csv").exists() {
         return Err(PlotError::Data(format!("{} holds a sweep; make the report of one of its runs", dir.display())));
     }

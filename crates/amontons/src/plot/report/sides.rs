@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::field::{PageField, reading};
 use super::pack::Pack;
 use super::thin::ReducedMesh;
+use crate::output::names::SIDES;
 use crate::output::{surface_measures, surface_sides};
 use crate::plot::color::ColorMap;
 use crate::plot::folder::Results;
@@ -234,7 +235,7 @@ pub(super) fn write(
     units: Units,
     pack: &mut Pack,
 ) -> Result<Value, PlotError> {
-    let file = dir.join("contact.pvd");
+    let file = dir.join(SIDES);
     if results.problem.contacts.is_empty() || !file.exists() {
         return Ok(Value::Null);
     }

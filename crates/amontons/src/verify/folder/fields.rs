@@ -1,7 +1,6 @@
 //! The snapshots of a run, and their fields recomputed from displacement, velocity and temperature.
 
-use std::collections::BTreeMap;
-
+use super::Differences;
 use super::tables::NumberTable;
 use crate::discretization::Discretization;
 use crate::inclusion::Multipliers;
@@ -13,24 +12,6 @@ use crate::problem::Problem;
 use crate::state::{Accumulated, Carried, Counts, Ledger, State};
 use crate::tensor::Sym;
 use crate::vtu::{Array, Grid};
-
-/// Largest differences per compared quantity, each with the largest number involved.
-#[derive(Debug, Default)]
-pub(super) struct Differences {
-    pub all: BTreeMap<String, (f64, f64)>,
-}
-
-impl Differences {
-    /// Records a difference with the size of its numbers.
-    pub fn note(&mut self, what: String, difference: f64, size: f64) {
-        let (worst, scale) = self.all.entry(what).or_insert((0.0, 0.0));
-        // A NaN is kept.
-        if difference.abs() > *worst || difference.is_nan() {
-            *worst = difference.abs();
-        }
-        *scale = scale.max(size.abs());
-    }
-}
 
 /// The fields of a snapshot.
 pub(super) struct Fields {

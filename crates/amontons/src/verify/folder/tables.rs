@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::fields::Differences;
+use super::Differences;
 use crate::contact::Status;
 use crate::machine;
 use crate::output::{LONGEST, columns};

@@ -1,13 +1,37 @@
-//! The format of a file, from its extension and its first bytes, and the names of unsupported formats.
+//! Meshes from files: [`read`] derives the format from the extension, or from unmistakable contents.
+//!
+//! | extension | format | regions | sides |
+//! |---|---|---|---|
+//! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d, or volumes | physical groups of dimension d − 1, or surfaces |
+//! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces, sets of elements on the boundary, and node sets |
+//! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`](crate::mesh::med)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
+//! | `.mail` | Code_Aster, as text ([`mail`](crate::mesh::mail)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
+//! | `.e`, `.exo`, `.g` | Exodus: Cubit, MOOSE, SIERRA ([`exodus`](crate::mesh::exodus)) | blocks of dimension d | side sets, blocks of dimension d − 1 and node sets |
+//! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
+//!
+//! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
+//! that neither a cell nor a named facet uses, often points of the geometry. If no side is named, the whole boundary is
+//! the side `boundary`.
 
-use super::MeshFileError;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::read::{Include, MeshFile, MeshFileError};
+use super::{Mesh, exodus, gmsh, inp, mail, med, vtu};
+use crate::machine;
+
+/// Longest mesh file in bytes.
+const LONGEST: u64 = 4 << 30;
+
+/// Extensions of the supported formats, in lower case.
+pub const EXTENSIONS: [&str; 8] = ["msh", "inp", "vtu", "med", "mail", "e", "exo", "g"];
 
 /// Number of leading bytes that are inspected: comments may come first.
 const HEAD: usize = 1 << 16;
 
 /// A supported format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MeshFormat {
+enum MeshFormat {
     Gmsh,
     Input,
     Grid,
@@ -68,9 +92,6 @@ const OF_SHAPE: &str =
 const OF_COMSOL: &str =
     "a mesh in a format that is read; export it from COMSOL for Nastran, and convert that with Gmsh";
 const OF_RESULTS: &str = "the mesh; read the input file (.inp) of the computation";
-
-/// The supported formats, for messages.
-pub(super) const KNOWN: &str = ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .mail (Code_Aster), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`";
 
 impl MeshFormat {
     /// The format of a file with this extension in lower case; unmistakable contents take precedence.
@@ -193,4 +214,92 @@ fn foreign_contents(ending: &str, head: &[u8]) -> Option<(&'static str, &'static
         return Some((UCD, BY_MESHIO));
     }
     None
+}
+
+/// Reads a mesh from a file in the format of its extension, or of unmistakable contents.
+///
+/// The coordinates are not converted; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of the
+/// whole mesh (inverted cells, facets inside the body), listed by [`defects`](crate::mesh::defects::defects).
+///
+/// # Errors
+/// Fails if the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was
+/// found and expected.
+pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
+    read_all(path).map(|read| read.mesh)
+}
+
+/// Like [`read`], but also returns the skipped contents of the file.
+///
+/// # Errors
+/// Fails like [`read`].
+pub fn read_all(path: &Path) -> Result<MeshFile, MeshFileError> {
+    read_from(path, false)
+}
+
+/// Like [`read_all`], but allows only included files in the same folder or below.
+///
+/// # Errors
+/// Fails like [`read`], and if a file elsewhere is included.
+pub fn read_confined(path: &Path) -> Result<MeshFile, MeshFileError> {
+    read_from(path, true)
+}
+
+fn read_from(path: &Path, confined: bool) -> Result<MeshFile, MeshFileError> {
+    let inside = |fault| MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let bytes = machine::read(path, LONGEST).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }));
+    let bytes = match bytes {
+        Ok(bytes) => bytes,
+        // For a missing file, too, a wrong extension is reported first.
+        Err(unreadable) => return Err(MeshFormat::of(&ending(&name), b"").err().map_or(unreadable, inside)),
+    };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut include = |name: &str| {
+        let other = folder.join(name);
+        if confined && !machine::is_inside(folder, &other) {
+            return Err("which is not in the folder of the mesh file: --confine allows no other".to_owned());
+        }
+        machine::read(&other, LONGEST).map(Arc::from).map_err(|error| format!("which cannot be read: {error}"))
+    };
+    parse_file(&name, &bytes, Some(&mut include)).map_err(inside)
+}
+
+/// Reads a mesh from the bytes of a file with this extension in lower case, without included files.
+///
+/// # Errors
+/// Fails like [`read`].
+pub fn parse(extension: &str, bytes: &[u8]) -> Result<MeshFile, MeshFileError> {
+    parse_file(&format!("file.{extension}"), bytes, None)
+}
+
+/// Reads a mesh from the bytes of a named file and of the files that it includes.
+///
+/// # Errors
+/// Fails like [`read`].
+pub fn parse_file(name: &str, bytes: &[u8], include: Option<&mut Include>) -> Result<MeshFile, MeshFileError> {
+    match MeshFormat::of(&ending(name), bytes)? {
+        MeshFormat::Gmsh => gmsh::read(bytes),
+        MeshFormat::Input => inp::read(name, bytes, include),
+        MeshFormat::Grid => vtu::read(bytes),
+        MeshFormat::Med => med::read(bytes),
+        MeshFormat::Mail => mail::read(bytes),
+        MeshFormat::Exodus => exodus::read(bytes),
+    }
+}
+
+/// The extension of a file name, in lower case, without the dot.
+fn ending(name: &str) -> String {
+    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    file.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase())
+}
+
+impl Mesh {
+    /// The mesh with all coordinates multiplied by a positive factor: 1e-3 turns a file in mm into m.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Mesh {
+        for point in &mut self.points {
+            *point = point.map(|x| x * factor);
+        }
+        self
+    }
 }
