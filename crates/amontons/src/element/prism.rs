@@ -2,7 +2,9 @@
 
 use super::basis::{line, linear, linear_gradients, quadratic, quadratic_gradients};
 use super::triangle::EDGES;
-use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+use super::{
+    CellType, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL,
+};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -60,6 +62,11 @@ fn gradients(degree: usize, x: &Point, out: &mut [Point]) {
     }
 }
 
+/// Exodus numbers the upright sides first.
+const EXODUS_SIDES: FileOrder = FileOrder(&[2, 3, 4, 0, 1]);
+/// Exodus and `.mail` files list the middles of the upright edges before those of the upper ones.
+const UPRIGHT_FIRST: FileOrder = FileOrder(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11]);
+
 /// Linear prism with six nodes.
 pub static P1_PRISM: Element = Element {
     name: "P1 prism",
@@ -76,9 +83,8 @@ pub static P1_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(1, x, n),
     gradients: |x, g| gradients(1, x, g),
-    vtk: 13,
-    gmsh: 6,
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5],
+    types: &[CellType::new("6-node prism", 6).vtk(13).gmsh(6).aster("PE6", "PENTA6").abaqus()],
+    orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
 
 /// Quadratic prism with 18 nodes.
@@ -97,8 +103,16 @@ pub static P2_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(2, x, n),
     gradients: |x, g| gradients(2, x, g),
-    vtk: 32,
-    gmsh: 13,
-    // Gmsh orders the edges by their first vertex, and the upright faces 01, 02, 12.
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10, 15, 17, 16],
+    types: &[
+        CellType::new("18-node prism", 18).vtk(32).gmsh(13).aster("P18", "PENTA18"),
+        CellType::new("15-node prism", 15).vtk(26).gmsh(18).aster("P15", "PENTA15").abaqus(),
+    ],
+    orders: FileOrders {
+        // Gmsh orders the edges by their first vertex, and the upright faces 01, 02, 12.
+        gmsh: FileOrder(&[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10, 15, 17, 16]),
+        mail: UPRIGHT_FIRST,
+        exodus: UPRIGHT_FIRST,
+        exodus_sides: EXODUS_SIDES,
+        ..FileOrders::SAME
+    },
 };

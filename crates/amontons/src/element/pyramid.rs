@@ -1,7 +1,9 @@
 //! Pyramids over [0, 1]² with the apex at (0, 0, 1).
 
 use super::basis::line;
-use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+use super::{
+    CellType, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL,
+};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -25,6 +27,9 @@ const NODES: [Point; 14] = [
 /// The nodes in the base, and the local numbers of the mid-edge nodes between its vertices and the apex.
 const BASE: [usize; 9] = [0, 1, 2, 3, 5, 6, 7, 8, 13];
 const UP: [usize; 4] = [9, 10, 11, 12];
+
+/// Exodus numbers the base last.
+const EXODUS_SIDES: FileOrder = FileOrder(&[1, 2, 3, 4, 0]);
 
 /// The coordinates in the unit square that is collapsed with height z, and its size 1 − z; the centre at the apex.
 fn collapsed(x: &Point) -> (f64, f64, f64) {
@@ -66,9 +71,8 @@ pub static P1_PYRAMID: Element = Element {
         g[3] = [-t, 1.0 - s, -s * t];
         g[4] = [0.0, 0.0, 1.0];
     },
-    vtk: 14,
-    gmsh: 7,
-    gmsh_nodes: &[0, 1, 2, 3, 4],
+    types: &[CellType::new("5-node pyramid", 5).vtk(14).gmsh(7).aster("PY5", "PYRAM5").abaqus()],
+    orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
 
 /// A function of the square at (s, t) with its slopes: a product of functions on the line.
@@ -137,10 +141,16 @@ pub static P2_PYRAMID: Element = Element {
     ],
     shape_functions: values,
     gradients: slopes,
-    vtk: 27,
-    gmsh: 14,
-    // Gmsh orders the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 8, 9, 6, 10, 7, 11, 12, 13],
+    types: &[
+        CellType::new("14-node pyramid", 14).gmsh(14),
+        CellType::new("13-node pyramid", 13).vtk(27).gmsh(19).aster("P13", "PYRAM13"),
+    ],
+    orders: FileOrders {
+        // Gmsh orders the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
+        gmsh: FileOrder(&[0, 1, 2, 3, 4, 5, 8, 9, 6, 10, 7, 11, 12, 13]),
+        exodus_sides: EXODUS_SIDES,
+        ..FileOrders::SAME
+    },
 };
 
 #[cfg(test)]

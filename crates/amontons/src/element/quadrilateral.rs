@@ -1,7 +1,7 @@
 //! Quadrilaterals [0, 1]².
 
 use super::basis::{product, product_gradients};
-use super::{Element, Facet, P1_SEGMENT, P2_SEGMENT};
+use super::{CellType, Element, Facet, FileOrders, P1_SEGMENT, P2_SEGMENT};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -33,9 +33,8 @@ pub static Q1_QUADRILATERAL: Element = Element {
     ],
     shape_functions: |x, n| product(2, 1, &NODES[..4], x, n),
     gradients: |x, g| product_gradients(2, 1, &NODES[..4], x, g),
-    vtk: 9,
-    gmsh: 3,
-    gmsh_nodes: &[0, 1, 2, 3],
+    types: &[CellType::new("4-node quadrilateral", 4).vtk(9).gmsh(3).aster("QU4", "QUAD4").abaqus()],
+    orders: FileOrders::SAME,
 };
 
 /// Biquadratic quadrilateral with nine nodes.
@@ -53,7 +52,9 @@ pub static Q2_QUADRILATERAL: Element = Element {
     ],
     shape_functions: |x, n| product(2, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(2, 2, &NODES, x, g),
-    vtk: 28,
-    gmsh: 10,
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+    types: &[
+        CellType::new("9-node quadrilateral", 9).vtk(28).gmsh(10).aster("QU9", "QUAD9"),
+        CellType::new("8-node quadrilateral", 8).vtk(23).gmsh(16).aster("QU8", "QUAD8").abaqus(),
+    ],
+    orders: FileOrders::SAME,
 };

@@ -1,7 +1,7 @@
 //! Segments [0, 1], and the end points of a body of one dimension.
 
 use super::basis::{product, product_gradients};
-use super::{Element, Facet};
+use super::{CellType, Element, Facet, FileOrders};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -18,9 +18,8 @@ pub static POINT_LEFT: Element = Element {
     facets: &[],
     shape_functions: |_, n| n[0] = 1.0,
     gradients: |_, g| g[0] = [0.0; 3],
-    vtk: 1,
-    gmsh: 15,
-    gmsh_nodes: &[0],
+    types: &[CellType::new("1-node point", 1).vtk(1).gmsh(15).aster("PO1", "POI1")],
+    orders: FileOrders::SAME,
 };
 
 /// The right end of a body on the line: its outward normal is +1; see [`POINT_LEFT`].
@@ -33,9 +32,8 @@ pub static POINT_RIGHT: Element = Element {
     facets: &[],
     shape_functions: |_, n| n[0] = 1.0,
     gradients: |_, g| g[0] = [0.0; 3],
-    vtk: 1,
-    gmsh: 15,
-    gmsh_nodes: &[0],
+    types: &[CellType::new("1-node point", 1).vtk(1).gmsh(15).aster("PO1", "POI1")],
+    orders: FileOrders::SAME,
 };
 
 const NODES: [Point; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]];
@@ -52,9 +50,8 @@ pub static P1_SEGMENT: Element = Element {
     facets: ENDS,
     shape_functions: |x, n| product(1, 1, &NODES[..2], x, n),
     gradients: |x, g| product_gradients(1, 1, &NODES[..2], x, g),
-    vtk: 3,
-    gmsh: 1,
-    gmsh_nodes: &[0, 1],
+    types: &[CellType::new("2-node segment", 2).vtk(3).gmsh(1).aster("SE2", "SEG2").abaqus()],
+    orders: FileOrders::SAME,
 };
 
 /// Quadratic segment: both ends, then the middle.
@@ -67,7 +64,6 @@ pub static P2_SEGMENT: Element = Element {
     facets: ENDS,
     shape_functions: |x, n| product(1, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(1, 2, &NODES, x, g),
-    vtk: 21,
-    gmsh: 8,
-    gmsh_nodes: &[0, 1, 2],
+    types: &[CellType::new("3-node segment", 3).vtk(21).gmsh(8).aster("SE3", "SEG3").abaqus()],
+    orders: FileOrders::SAME,
 };

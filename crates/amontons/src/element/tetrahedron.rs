@@ -1,7 +1,7 @@
 //! Tetrahedra (0,0,0), (1,0,0), (0,1,0), (0,0,1).
 
 use super::basis::{linear, linear_gradients, quadratic, quadratic_gradients};
-use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE};
+use super::{CellType, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -21,6 +21,9 @@ const NODES: [Point; 10] = [
 
 const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 
+/// Exodus numbers the lower side last.
+const EXODUS_SIDES: FileOrder = FileOrder(&[1, 2, 3, 0]);
+
 /// Linear tetrahedron.
 pub static P1_TETRAHEDRON: Element = Element {
     name: "P1 tetrahedron",
@@ -36,12 +39,11 @@ pub static P1_TETRAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| linear(3, x, n),
     gradients: |_, g| linear_gradients(3, g),
-    vtk: 10,
-    gmsh: 4,
-    gmsh_nodes: &[0, 1, 2, 3],
+    types: &[CellType::new("4-node tetrahedron", 4).vtk(10).gmsh(4).aster("TE4", "TETRA4").abaqus()],
+    orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
 
-/// Quadratic tetrahedron with ten nodes. Gmsh lists the last two in the opposite order.
+/// Quadratic tetrahedron with ten nodes.
 pub static P2_TETRAHEDRON: Element = Element {
     name: "P2 tetrahedron",
     shape: Shape::Tetrahedron,
@@ -56,7 +58,11 @@ pub static P2_TETRAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| quadratic(3, &EDGES, x, n),
     gradients: |x, g| quadratic_gradients(3, &EDGES, x, g),
-    vtk: 24,
-    gmsh: 11,
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+    types: &[CellType::new("10-node tetrahedron", 10).vtk(24).gmsh(11).aster("T10", "TETRA10").abaqus()],
+    orders: FileOrders {
+        // Gmsh lists the last two in the opposite order.
+        gmsh: FileOrder(&[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
+        exodus_sides: EXODUS_SIDES,
+        ..FileOrders::SAME
+    },
 };

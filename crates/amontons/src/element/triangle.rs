@@ -1,7 +1,7 @@
 //! Triangles (0,0), (1,0), (0,1).
 
 use super::basis::{linear, linear_gradients, quadratic, quadratic_gradients};
-use super::{Element, Facet, P1_SEGMENT, P2_SEGMENT};
+use super::{CellType, Element, Facet, FileOrders, P1_SEGMENT, P2_SEGMENT};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -26,9 +26,8 @@ pub static P1_TRIANGLE: Element = Element {
     ],
     shape_functions: |x, n| linear(2, x, n),
     gradients: |_, g| linear_gradients(2, g),
-    vtk: 5,
-    gmsh: 2,
-    gmsh_nodes: &[0, 1, 2],
+    types: &[CellType::new("3-node triangle", 3).vtk(5).gmsh(2).aster("TR3", "TRIA3").abaqus()],
+    orders: FileOrders::SAME,
 };
 
 /// Quadratic triangle with six nodes.
@@ -45,7 +44,6 @@ pub static P2_TRIANGLE: Element = Element {
     ],
     shape_functions: |x, n| quadratic(2, &EDGES, x, n),
     gradients: |x, g| quadratic_gradients(2, &EDGES, x, g),
-    vtk: 22,
-    gmsh: 9,
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5],
+    types: &[CellType::new("6-node triangle", 6).vtk(22).gmsh(9).aster("TR6", "TRIA6").abaqus()],
+    orders: FileOrders::SAME,
 };

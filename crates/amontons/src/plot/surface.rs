@@ -51,7 +51,7 @@ impl Skin {
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
         let mut open: HashMap<[u32; VERTICES], usize> = HashMap::new();
         for (c, (kind, nodes)) in cells.into_iter().enumerate() {
-            let Some(element) = element::ALL.iter().find(|e| e.vtk == kind && e.dim() == 3) else {
+            let Some(element) = element::ALL.iter().find(|e| e.vtk() == kind && e.dim() == 3) else {
                 return Err(PlotError::Data(format!(
                     "cell {c} has the VTK type {kind}, expected one of a body in space"
                 )));
@@ -101,7 +101,7 @@ impl Skin {
         if mesh.dim != 3 {
             return Err(PlotError::Data(format!("the mesh is {}-dimensional, expected a body in space", mesh.dim)));
         }
-        Skin::new(mesh.points.clone(), mesh.blocks.iter().flat_map(|b| b.cells().map(|cell| (b.element.vtk, cell))))
+        Skin::new(mesh.points.clone(), mesh.blocks.iter().flat_map(|b| b.cells().map(|cell| (b.element.vtk(), cell))))
     }
 
     /// Cuts the facets into triangles and finds their edges.

@@ -30,8 +30,8 @@ pub(super) use announced::{CHARACTER, NUMBER, Room};
 pub use error::{FilePosition, MeshFileError};
 use formats::MeshFormat;
 pub(super) use loose::{Kind, Loose, LooseBlock};
-pub(super) use node_sets::{FacetOf, NodeSet, facet_with};
-pub(super) use serendipity::{complete_data, completed, of_vtk};
+pub(super) use node_sets::{FacetOf, NodeSet};
+pub(super) use serendipity::complete_data;
 
 /// Longest mesh file in bytes.
 const LONGEST: u64 = 4 << 30;
