@@ -1,7 +1,7 @@
 //! Hexahedra [0, 1]³.
 
 use super::basis::{product, product_gradients};
-use super::{CellType, Element, Facet, FileOrder, FileOrders, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+use super::{CellType, Child, Element, Facet, FileOrder, FileOrders, Q1_QUADRILATERAL, Q2_QUADRILATERAL, parts};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -39,6 +39,21 @@ const NODES: [Point; 27] = [
 /// Exodus numbers the upright sides first.
 const EXODUS_SIDES: FileOrder = FileOrder(&[2, 3, 4, 5, 0, 1]);
 
+/// A hexahedron at each vertex; the order of the vertices is kept.
+fn children(_: &[Point]) -> Vec<Child> {
+    const VERTICES: [&[usize]; 8] = [
+        &[0, 8, 24, 11, 16, 22, 26, 20],
+        &[8, 1, 9, 24, 22, 17, 21, 26],
+        &[24, 9, 2, 10, 26, 21, 18, 23],
+        &[11, 24, 10, 3, 20, 26, 23, 19],
+        &[16, 22, 26, 20, 4, 12, 25, 15],
+        &[22, 17, 21, 26, 12, 5, 13, 25],
+        &[26, 21, 18, 23, 25, 13, 6, 14],
+        &[20, 26, 23, 19, 15, 25, 14, 7],
+    ];
+    parts(Shape::Hexahedron, &NODES, &VERTICES)
+}
+
 /// Trilinear hexahedron.
 pub static Q1_HEXAHEDRON: Element = Element {
     name: "Q1 hexahedron",
@@ -56,6 +71,7 @@ pub static Q1_HEXAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| product(3, 1, &NODES[..8], x, n),
     gradients: |x, g| product_gradients(3, 1, &NODES[..8], x, g),
+    children: children,
     types: &[CellType::new("8-node hexahedron", 8).vtk(12).gmsh(5).aster("HE8", "HEXA8").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -77,6 +93,7 @@ pub static Q2_HEXAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| product(3, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(3, 2, &NODES, x, g),
+    children: children,
     types: &[
         CellType::new("27-node hexahedron", 27).vtk(29).gmsh(12).aster("H27", "HEXA27"),
         CellType::new("20-node hexahedron", 20).vtk(25).gmsh(17).aster("H20", "HEXA20").abaqus(),

@@ -53,10 +53,20 @@ pub struct Element {
     pub shape_functions: fn(&Point, &mut [f64]),
     /// Gradients of the shape functions at a reference point, one per node.
     pub gradients: fn(&Point, &mut [Point]),
+    /// The parts of the reference cell when every edge is halved, from the positions of the vertices of a cell.
+    pub children: fn(&[Point]) -> Vec<Child>,
     /// The types of cells that files may have: with all nodes first, then those that lack the last nodes.
     pub types: &'static [CellType],
     /// The order of nodes and facets in the formats that do not have that of the library.
     pub orders: FileOrders,
+}
+
+/// A part of a refined reference cell: its shape and its vertices.
+pub type Child = (Shape, Vec<Point>);
+
+/// The parts of a shape with these vertices, numbered as the nodes of the quadratic element.
+fn parts(shape: Shape, nodes: &[Point], vertices: &[&[usize]]) -> Vec<Child> {
+    vertices.iter().map(|part| (shape, part.iter().map(|&node| nodes[node]).collect())).collect()
 }
 
 /// A facet of a cell: local nodes of the cell in the order of the facet element.

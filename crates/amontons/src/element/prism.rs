@@ -3,7 +3,8 @@
 use super::basis::{line, linear, linear_gradients, quadratic, quadratic_gradients};
 use super::triangle::EDGES;
 use super::{
-    CellType, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL,
+    CellType, Child, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL,
+    Q2_QUADRILATERAL, parts,
 };
 use crate::quadrature::Shape;
 use crate::tensor::Point;
@@ -67,6 +68,21 @@ const EXODUS_SIDES: FileOrder = FileOrder(&[2, 3, 4, 0, 1]);
 /// Exodus and `.mail` files list the middles of the upright edges before those of the upper ones.
 const UPRIGHT_FIRST: FileOrder = FileOrder(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11]);
 
+/// The lower and the upper prism over each part of the triangle.
+fn children(_: &[Point]) -> Vec<Child> {
+    const VERTICES: [&[usize]; 8] = [
+        &[0, 6, 8, 12, 15, 17],
+        &[12, 15, 17, 3, 9, 11],
+        &[6, 1, 7, 15, 13, 16],
+        &[15, 13, 16, 9, 4, 10],
+        &[8, 7, 2, 17, 16, 14],
+        &[17, 16, 14, 11, 10, 5],
+        &[6, 7, 8, 15, 16, 17],
+        &[15, 16, 17, 9, 10, 11],
+    ];
+    parts(Shape::Prism, &NODES, &VERTICES)
+}
+
 /// Linear prism with six nodes.
 pub static P1_PRISM: Element = Element {
     name: "P1 prism",
@@ -83,6 +99,7 @@ pub static P1_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(1, x, n),
     gradients: |x, g| gradients(1, x, g),
+    children: children,
     types: &[CellType::new("6-node prism", 6).vtk(13).gmsh(6).aster("PE6", "PENTA6").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -103,6 +120,7 @@ pub static P2_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(2, x, n),
     gradients: |x, g| gradients(2, x, g),
+    children: children,
     types: &[
         CellType::new("18-node prism", 18).vtk(32).gmsh(13).aster("P18", "PENTA18"),
         CellType::new("15-node prism", 15).vtk(26).gmsh(18).aster("P15", "PENTA15").abaqus(),

@@ -2,7 +2,8 @@
 
 use super::basis::line;
 use super::{
-    CellType, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL,
+    CellType, Child, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL,
+    Q2_QUADRILATERAL, parts,
 };
 use crate::quadrature::Shape;
 use crate::tensor::Point;
@@ -30,6 +31,20 @@ const UP: [usize; 4] = [9, 10, 11, 12];
 
 /// Exodus numbers the base last.
 const EXODUS_SIDES: FileOrder = FileOrder(&[1, 2, 3, 4, 0]);
+
+/// Pyramids at the vertices of the base and at the apex, one inverted between them, and tetrahedra next to it.
+fn children(_: &[Point]) -> Vec<Child> {
+    const PYRAMIDS: [&[usize]; 6] = [
+        &[0, 5, 13, 8, 9],
+        &[1, 6, 13, 5, 10],
+        &[2, 7, 13, 6, 11],
+        &[3, 8, 13, 7, 12],
+        &[9, 10, 11, 12, 4],
+        &[9, 12, 11, 10, 13],
+    ];
+    const TETRAHEDRA: [&[usize]; 4] = [&[5, 13, 9, 10], &[6, 13, 10, 11], &[7, 13, 11, 12], &[8, 13, 12, 9]];
+    [parts(Shape::Pyramid, &NODES, &PYRAMIDS), parts(Shape::Tetrahedron, &NODES, &TETRAHEDRA)].concat()
+}
 
 /// The coordinates in the unit square that is collapsed with height z, and its size 1 − z; the centre at the apex.
 fn collapsed(x: &Point) -> (f64, f64, f64) {
@@ -71,6 +86,7 @@ pub static P1_PYRAMID: Element = Element {
         g[3] = [-t, 1.0 - s, -s * t];
         g[4] = [0.0, 0.0, 1.0];
     },
+    children: children,
     types: &[CellType::new("5-node pyramid", 5).vtk(14).gmsh(7).aster("PY5", "PYRAM5").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -141,6 +157,7 @@ pub static P2_PYRAMID: Element = Element {
     ],
     shape_functions: values,
     gradients: slopes,
+    children: children,
     types: &[
         CellType::new("14-node pyramid", 14).gmsh(14),
         CellType::new("13-node pyramid", 13).vtk(27).gmsh(19).aster("P13", "PYRAM13"),

@@ -1,7 +1,7 @@
 //! Quadrilaterals [0, 1]².
 
 use super::basis::{product, product_gradients};
-use super::{CellType, Element, Facet, FileOrders, P1_SEGMENT, P2_SEGMENT};
+use super::{CellType, Child, Element, Facet, FileOrders, P1_SEGMENT, P2_SEGMENT, parts};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -18,6 +18,11 @@ const NODES: [Point; 9] = [
     [0.5, 0.5, 0.0],
 ];
 
+/// A quadrilateral at each vertex; the order of the vertices is kept.
+fn children(_: &[Point]) -> Vec<Child> {
+    parts(Shape::Quadrilateral, &NODES, &[&[0, 4, 8, 7], &[4, 1, 5, 8], &[8, 5, 2, 6], &[7, 8, 6, 3]])
+}
+
 /// Bilinear quadrilateral.
 pub static Q1_QUADRILATERAL: Element = Element {
     name: "Q1 quadrilateral",
@@ -33,6 +38,7 @@ pub static Q1_QUADRILATERAL: Element = Element {
     ],
     shape_functions: |x, n| product(2, 1, &NODES[..4], x, n),
     gradients: |x, g| product_gradients(2, 1, &NODES[..4], x, g),
+    children: children,
     types: &[CellType::new("4-node quadrilateral", 4).vtk(9).gmsh(3).aster("QU4", "QUAD4").abaqus()],
     orders: FileOrders::SAME,
 };
@@ -52,6 +58,7 @@ pub static Q2_QUADRILATERAL: Element = Element {
     ],
     shape_functions: |x, n| product(2, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(2, 2, &NODES, x, g),
+    children: children,
     types: &[
         CellType::new("9-node quadrilateral", 9).vtk(28).gmsh(10).aster("QU9", "QUAD9"),
         CellType::new("8-node quadrilateral", 8).vtk(23).gmsh(16).aster("QU8", "QUAD8").abaqus(),

@@ -1,7 +1,7 @@
 //! Segments [0, 1], and the end points of a body of one dimension.
 
 use super::basis::{product, product_gradients};
-use super::{CellType, Element, Facet, FileOrders};
+use super::{CellType, Child, Element, Facet, FileOrders, parts};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -18,6 +18,7 @@ pub static POINT_LEFT: Element = Element {
     facets: &[],
     shape_functions: |_, n| n[0] = 1.0,
     gradients: |_, g| g[0] = [0.0; 3],
+    children: |_| vec![(Shape::Point, vec![[0.0; 3]])],
     types: &[CellType::new("1-node point", 1).vtk(1).gmsh(15).aster("PO1", "POI1")],
     orders: FileOrders::SAME,
 };
@@ -32,6 +33,7 @@ pub static POINT_RIGHT: Element = Element {
     facets: &[],
     shape_functions: |_, n| n[0] = 1.0,
     gradients: |_, g| g[0] = [0.0; 3],
+    children: |_| vec![(Shape::Point, vec![[1.0, 0.0, 0.0]])],
     types: &[CellType::new("1-node point", 1).vtk(1).gmsh(15).aster("PO1", "POI1")],
     orders: FileOrders::SAME,
 };
@@ -39,6 +41,11 @@ pub static POINT_RIGHT: Element = Element {
 const NODES: [Point; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]];
 
 const ENDS: &[Facet] = &[Facet { element: &POINT_LEFT, nodes: &[0] }, Facet { element: &POINT_RIGHT, nodes: &[1] }];
+
+/// Both halves.
+fn children(_: &[Point]) -> Vec<Child> {
+    parts(Shape::Segment, &NODES, &[&[0, 2], &[2, 1]])
+}
 
 /// Linear segment.
 pub static P1_SEGMENT: Element = Element {
@@ -50,6 +57,7 @@ pub static P1_SEGMENT: Element = Element {
     facets: ENDS,
     shape_functions: |x, n| product(1, 1, &NODES[..2], x, n),
     gradients: |x, g| product_gradients(1, 1, &NODES[..2], x, g),
+    children: children,
     types: &[CellType::new("2-node segment", 2).vtk(3).gmsh(1).aster("SE2", "SEG2").abaqus()],
     orders: FileOrders::SAME,
 };
@@ -64,6 +72,7 @@ pub static P2_SEGMENT: Element = Element {
     facets: ENDS,
     shape_functions: |x, n| product(1, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(1, 2, &NODES, x, g),
+    children: children,
     types: &[CellType::new("3-node segment", 3).vtk(21).gmsh(8).aster("SE3", "SEG3").abaqus()],
     orders: FileOrders::SAME,
 };
