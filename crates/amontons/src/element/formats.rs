@@ -1,7 +1,6 @@
 //! What mesh formats call the cells of an element, and in which order they list its nodes and facets.
 
 use super::{ALL, Element};
-use crate::quadrature::Shape;
 
 /// A type of cells in files: the name and number of it in each format that has it.
 ///
@@ -23,13 +22,24 @@ pub struct CellType {
     pub mail: Option<&'static str>,
     /// True if input files of Abaqus and CalculiX may have it; there the dimension and the number of nodes name it.
     pub is_in_abaqus: bool,
+    /// How a plane cell is drawn.
+    pub drawing: Option<Drawing>,
+}
+
+/// What pictures draw of a plane cell or a facet of a cell in space.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawing {
+    /// The nodes around the cell.
+    pub outline: &'static [usize],
+    /// Triangles that cover it.
+    pub triangles: &'static [[usize; 3]],
 }
 
 impl CellType {
     /// A type that no format has but Exodus, where the shape and the number of nodes name it.
     #[must_use]
     pub const fn new(name: &'static str, nodes: usize) -> CellType {
-        CellType { name, nodes, vtk: None, gmsh: None, med: None, mail: None, is_in_abaqus: false }
+        CellType { name, nodes, vtk: None, gmsh: None, med: None, mail: None, is_in_abaqus: false, drawing: None }
     }
 
     /// The type with its number in the VTK file formats.
@@ -56,15 +66,21 @@ impl CellType {
         CellType { is_in_abaqus: true, ..self }
     }
 
+    /// The type with the nodes around a plane cell and the triangles that draw it.
+    #[must_use]
+    pub const fn drawn(self, outline: &'static [usize], triangles: &'static [[usize; 3]]) -> CellType {
+        CellType { drawing: Some(Drawing { outline, triangles }), ..self }
+    }
+
+    /// How plane cells with a number of nodes are drawn.
+    #[must_use]
+    pub fn drawing(nodes: usize) -> Option<Drawing> {
+        all().find_map(|(_, cell)| cell.drawing.filter(|_| cell.nodes == nodes))
+    }
+
     /// The first type that fulfils a condition, with its element.
     pub fn find(is: impl Fn(&Element, &CellType) -> bool) -> Option<(&'static Element, &'static CellType)> {
         all().find(|(element, cell)| is(element, cell))
-    }
-
-    /// The type of cells of a shape with a number of nodes, with its element.
-    #[must_use]
-    pub fn of_shape(shape: Shape, nodes: usize) -> Option<(&'static Element, &'static CellType)> {
-        CellType::find(|element, cell| element.shape == shape && cell.nodes == nodes)
     }
 
     /// The numbers of nodes of cells whose element fulfils a condition, as messages list them: `4, 8 or 9`.

@@ -60,6 +60,7 @@ pub static Q1_HEXAHEDRON: Element = Element {
     shape: Shape::Hexahedron,
     degree: 1,
     gradient_degree: 1,
+    neighbours: 27.0,
     nodes: &[NODES[0], NODES[1], NODES[2], NODES[3], NODES[4], NODES[5], NODES[6], NODES[7]],
     facets: &[
         Facet { element: &Q1_QUADRILATERAL, nodes: &[0, 3, 2, 1] },
@@ -71,7 +72,7 @@ pub static Q1_HEXAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| product(3, 1, &NODES[..8], x, n),
     gradients: |x, g| product_gradients(3, 1, &NODES[..8], x, g),
-    children: children,
+    children,
     types: &[CellType::new("8-node hexahedron", 8).vtk(12).gmsh(5).aster("HE8", "HEXA8").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -82,6 +83,7 @@ pub static Q2_HEXAHEDRON: Element = Element {
     shape: Shape::Hexahedron,
     degree: 2,
     gradient_degree: 2,
+    neighbours: 64.0,
     nodes: &NODES,
     facets: &[
         Facet { element: &Q2_QUADRILATERAL, nodes: &[0, 3, 2, 1, 11, 10, 9, 8, 24] },
@@ -93,7 +95,7 @@ pub static Q2_HEXAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| product(3, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(3, 2, &NODES, x, g),
-    children: children,
+    children,
     types: &[
         CellType::new("27-node hexahedron", 27).vtk(29).gmsh(12).aster("H27", "HEXA27"),
         CellType::new("20-node hexahedron", 20).vtk(25).gmsh(17).aster("H20", "HEXA20").abaqus(),

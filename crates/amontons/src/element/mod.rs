@@ -20,7 +20,7 @@ mod table;
 mod tetrahedron;
 mod triangle;
 
-pub use formats::{CellType, FileOrder, FileOrders};
+pub use formats::{CellType, Drawing, FileOrder, FileOrders};
 pub use hexahedron::{Q1_HEXAHEDRON, Q2_HEXAHEDRON};
 pub use prism::{P1_PRISM, P2_PRISM};
 pub use pyramid::{P1_PYRAMID, P2_PYRAMID};
@@ -45,6 +45,9 @@ pub struct Element {
     /// Degree of the gradients for [`crate::quadrature::rule`]: the total degree on a simplex, the degree in each
     /// coordinate on the other shapes.
     pub gradient_degree: usize,
+    /// Mean number of nodes that share a cell with a node of a regular mesh of such cells, including itself: it gives
+    /// the memory of a run.
+    pub neighbours: f64,
     /// Reference coordinates of the nodes, in the order of VTK.
     pub nodes: &'static [Point],
     /// The facets, oriented outward.

@@ -89,6 +89,7 @@ pub static P1_PRISM: Element = Element {
     shape: Shape::Prism,
     degree: 1,
     gradient_degree: 1,
+    neighbours: 21.0,
     nodes: &[NODES[0], NODES[1], NODES[2], NODES[3], NODES[4], NODES[5]],
     facets: &[
         Facet { element: &P1_TRIANGLE, nodes: &[0, 2, 1] },
@@ -99,7 +100,7 @@ pub static P1_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(1, x, n),
     gradients: |x, g| gradients(1, x, g),
-    children: children,
+    children,
     types: &[CellType::new("6-node prism", 6).vtk(13).gmsh(6).aster("PE6", "PENTA6").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -110,6 +111,7 @@ pub static P2_PRISM: Element = Element {
     shape: Shape::Prism,
     degree: 2,
     gradient_degree: 2,
+    neighbours: 46.0,
     nodes: &NODES,
     facets: &[
         Facet { element: &P2_TRIANGLE, nodes: &[0, 2, 1, 8, 7, 6] },
@@ -120,7 +122,7 @@ pub static P2_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(2, x, n),
     gradients: |x, g| gradients(2, x, g),
-    children: children,
+    children,
     types: &[
         CellType::new("18-node prism", 18).vtk(32).gmsh(13).aster("P18", "PENTA18"),
         CellType::new("15-node prism", 15).vtk(26).gmsh(18).aster("P15", "PENTA15").abaqus(),

@@ -62,6 +62,7 @@ pub static P1_PYRAMID: Element = Element {
     shape: Shape::Pyramid,
     degree: 1,
     gradient_degree: 1,
+    neighbours: 22.0,
     nodes: &[NODES[0], NODES[1], NODES[2], NODES[3], NODES[4]],
     facets: &[
         Facet { element: &Q1_QUADRILATERAL, nodes: &[0, 3, 2, 1] },
@@ -86,7 +87,7 @@ pub static P1_PYRAMID: Element = Element {
         g[3] = [-t, 1.0 - s, -s * t];
         g[4] = [0.0, 0.0, 1.0];
     },
-    children: children,
+    children,
     types: &[CellType::new("5-node pyramid", 5).vtk(14).gmsh(7).aster("PY5", "PYRAM5").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -147,6 +148,7 @@ pub static P2_PYRAMID: Element = Element {
     shape: Shape::Pyramid,
     degree: 2,
     gradient_degree: 2,
+    neighbours: 50.0,
     nodes: &NODES,
     facets: &[
         Facet { element: &Q2_QUADRILATERAL, nodes: &[0, 3, 2, 1, 8, 7, 6, 5, 13] },
@@ -157,7 +159,7 @@ pub static P2_PYRAMID: Element = Element {
     ],
     shape_functions: values,
     gradients: slopes,
-    children: children,
+    children,
     types: &[
         CellType::new("14-node pyramid", 14).gmsh(14),
         CellType::new("13-node pyramid", 13).vtk(27).gmsh(19).aster("P13", "PYRAM13"),

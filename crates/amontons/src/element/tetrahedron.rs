@@ -51,6 +51,7 @@ pub static P1_TETRAHEDRON: Element = Element {
     shape: Shape::Tetrahedron,
     degree: 1,
     gradient_degree: 0,
+    neighbours: 15.0,
     nodes: &[NODES[0], NODES[1], NODES[2], NODES[3]],
     facets: &[
         Facet { element: &P1_TRIANGLE, nodes: &[0, 2, 1] },
@@ -60,7 +61,7 @@ pub static P1_TETRAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| linear(3, x, n),
     gradients: |_, g| linear_gradients(3, g),
-    children: children,
+    children,
     types: &[CellType::new("4-node tetrahedron", 4).vtk(10).gmsh(4).aster("TE4", "TETRA4").abaqus()],
     orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
@@ -71,6 +72,7 @@ pub static P2_TETRAHEDRON: Element = Element {
     shape: Shape::Tetrahedron,
     degree: 2,
     gradient_degree: 1,
+    neighbours: 28.75,
     nodes: &NODES,
     facets: &[
         Facet { element: &P2_TRIANGLE, nodes: &[0, 2, 1, 6, 5, 4] },
@@ -80,7 +82,7 @@ pub static P2_TETRAHEDRON: Element = Element {
     ],
     shape_functions: |x, n| quadratic(3, &EDGES, x, n),
     gradients: |x, g| quadratic_gradients(3, &EDGES, x, g),
-    children: children,
+    children,
     types: &[CellType::new("10-node tetrahedron", 10).vtk(24).gmsh(11).aster("T10", "TETRA10").abaqus()],
     orders: FileOrders {
         // Gmsh lists the last two in the opposite order.

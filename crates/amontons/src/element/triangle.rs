@@ -23,6 +23,7 @@ pub static P1_TRIANGLE: Element = Element {
     shape: Shape::Triangle,
     degree: 1,
     gradient_degree: 0,
+    neighbours: 7.0,
     nodes: &[NODES[0], NODES[1], NODES[2]],
     facets: &[
         Facet { element: &P1_SEGMENT, nodes: &[0, 1] },
@@ -31,8 +32,13 @@ pub static P1_TRIANGLE: Element = Element {
     ],
     shape_functions: |x, n| linear(2, x, n),
     gradients: |_, g| linear_gradients(2, g),
-    children: children,
-    types: &[CellType::new("3-node triangle", 3).vtk(5).gmsh(2).aster("TR3", "TRIA3").abaqus()],
+    children,
+    types: &[CellType::new("3-node triangle", 3)
+        .vtk(5)
+        .gmsh(2)
+        .aster("TR3", "TRIA3")
+        .abaqus()
+        .drawn(&[0, 1, 2], &[[0, 1, 2]])],
     orders: FileOrders::SAME,
 };
 
@@ -42,6 +48,7 @@ pub static P2_TRIANGLE: Element = Element {
     shape: Shape::Triangle,
     degree: 2,
     gradient_degree: 1,
+    neighbours: 11.5,
     nodes: &NODES,
     facets: &[
         Facet { element: &P2_SEGMENT, nodes: &[0, 1, 3] },
@@ -50,7 +57,12 @@ pub static P2_TRIANGLE: Element = Element {
     ],
     shape_functions: |x, n| quadratic(2, &EDGES, x, n),
     gradients: |x, g| quadratic_gradients(2, &EDGES, x, g),
-    children: children,
-    types: &[CellType::new("6-node triangle", 6).vtk(22).gmsh(9).aster("TR6", "TRIA6").abaqus()],
+    children,
+    types: &[CellType::new("6-node triangle", 6)
+        .vtk(22)
+        .gmsh(9)
+        .aster("TR6", "TRIA6")
+        .abaqus()
+        .drawn(&[0, 3, 1, 4, 2, 5], &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])],
     orders: FileOrders::SAME,
 };

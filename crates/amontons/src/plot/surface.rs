@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use super::PlotError;
-use super::body;
-use crate::element;
+use crate::element::{self, CellType, Drawing};
 use crate::mesh::Mesh;
 
 /// Largest number of vertices of a facet.
@@ -108,7 +107,7 @@ impl Skin {
     fn divide(&mut self) {
         let mut places: HashMap<[u32; 2], usize> = HashMap::new();
         for (f, (nodes, cell)) in self.facets.iter().enumerate() {
-            let Some((outline, parts)) = body::pieces(nodes.len()) else { continue };
+            let Some(Drawing { outline, triangles: parts }) = CellType::drawing(nodes.len()) else { continue };
             for part in parts {
                 self.triangles.push(part.map(|i| nodes[i]));
                 self.owners.push(*cell);
@@ -149,7 +148,7 @@ impl Skin {
     /// Outward area vector of a facet.
     pub(super) fn normal(&self, facet: usize) -> [f64; 3] {
         let nodes = &self.facets[facet].0;
-        let parts = body::pieces(nodes.len()).map_or(&[][..], |(_, parts)| parts);
+        let parts = CellType::drawing(nodes.len()).map_or(&[][..], |drawing| drawing.triangles);
         parts.iter().fold([0.0; 3], |sum, part| {
             let n = self.across(&part.map(|i| nodes[i]));
             [0, 1, 2].map(|d| sum[d] + 0.5 * n[d])

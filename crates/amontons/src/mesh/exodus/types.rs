@@ -42,7 +42,7 @@ impl ExodusType {
             Shape::Quadrilateral if nodes == 3 || nodes == 6 => Shape::Triangle,
             shape => shape,
         };
-        let (element, _) = CellType::of_shape(shape, nodes)?;
+        let (element, _) = CellType::find(|element, cell| element.shape == shape && cell.nodes == nodes)?;
         let order = element.orders.exodus.positions(nodes);
         Some(ExodusType { kind: Kind::of(element, nodes), order, is_shell: name.contains("SHELL") })
     }
