@@ -117,7 +117,7 @@ impl Run {
             let block = &mesh.blocks[b];
             let (element, region) = (block.element, mesh.regions.get(block.region).cloned().unwrap_or_default());
             let nodes = array(slf, |run| &run.problem.mesh.blocks[b].nodes, [block.len(), element.nodes.len()])?;
-            Ok((element.name, element.vtk, region, nodes))
+            Ok((element.name, element.vtk(), region, nodes))
         };
         (0..mesh.blocks.len()).map(block).collect()
     }

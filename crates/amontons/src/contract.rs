@@ -23,7 +23,7 @@ pub use sink::assert_sink;
 
 use crate::contact::obstacle::ObstacleShape;
 use crate::contact::{ContactPoint, WearLaw};
-use crate::element::{Element, MAX_NODES, ShapeTable};
+use crate::element::{Element, FileOrders, MAX_NODES, ShapeTable};
 use crate::hypotheses::Samples;
 use crate::material::TensorLaw;
 use crate::mesh::{FacetMap, Mesh};
@@ -79,14 +79,21 @@ pub fn assert_element(element: &'static Element) {
     }
     assert_facets(element);
     assert_traces(element);
-    let mut listed = element.gmsh_nodes.to_vec();
-    listed.sort_unstable();
-    assert!(
-        listed.into_iter().eq(0..n),
-        "{}: the nodes of Gmsh are no permutation: {:?}",
-        element.name,
-        element.gmsh_nodes
-    );
+    assert_types(element);
+}
+
+/// Checks that the first type of cells has all nodes, and that every format lists each node of each type and each side
+/// once.
+fn assert_types(element: &'static Element) {
+    let FileOrders { gmsh, med, mail, exodus, exodus_sides } = element.orders;
+    let counts: Vec<usize> = element.types.iter().map(|cell| cell.nodes).collect();
+    assert_eq!(counts.first(), Some(&element.nodes.len()), "{}: nodes of the first type of cells", element.name);
+    let of_nodes = [gmsh, med, mail, exodus].into_iter().flat_map(|order| counts.iter().map(move |&n| (order, n)));
+    for (order, count) in of_nodes.chain([(exodus_sides, element.facets.len())]) {
+        let mut listed: Vec<usize> = (0..count).map(|position| order.local(position)).collect();
+        listed.sort_unstable();
+        assert!(listed.into_iter().eq(0..count), "{}: {order:?} is no permutation of {count}", element.name);
+    }
 }
 
 /// Checks that facets have the nodes of their element in its order and close the cell: with the outward normal, ∫ ν = 0

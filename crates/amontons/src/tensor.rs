@@ -362,6 +362,12 @@ pub fn dot(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
+/// The difference a − b of two vectors.
+#[must_use]
+pub fn minus(a: &Point, b: &Point) -> Point {
+    std::array::from_fn(|c| a[c] - b[c])
+}
+
 /// A power of two by which numbers up to `largest` can be multiplied so that their squares neither under- nor overflow;
 /// 1 if none is needed.
 #[must_use]

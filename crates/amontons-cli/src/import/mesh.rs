@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-use amontons::mesh::inp::{SolidType, face, solid_type};
+use amontons::mesh::inp::{SolidType, solid_type};
 
 use super::deck::{Card, DataLine, DeckFault, DeckPlace};
 use super::vector::{cross, dot, unit};
@@ -386,7 +386,7 @@ impl DeckMesh {
     /// True if all of the elements have the face with this number, from 1.
     pub fn has_face(&self, elements: &BTreeSet<DeckElementId>, number: usize) -> bool {
         let mut cells = elements.iter().filter_map(|&element| self.cell(element));
-        cells.all(|cell| face(cell.solid.element, number).is_some())
+        cells.all(|cell| (1..=cell.solid.element.facets.len()).contains(&number))
     }
 }
 

@@ -1,7 +1,6 @@
 //! Memory demand of a run, estimated before anything is built.
 
 use super::raw;
-use crate::quadrature::Shape;
 
 /// Size of a mesh before it is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,21 +23,6 @@ pub(super) struct MeshDemand {
     pub unknowns: f64,
     /// Bytes at the peak.
     pub bytes: f64,
-}
-
-/// Mean number of nodes that share a cell with a node of a regular mesh of such cells, including itself.
-pub(super) fn neighbours(shape: Shape, degree: usize) -> f64 {
-    let of_degree = |linear: f64, quadratic: f64| if degree > 1 { quadratic } else { linear };
-    match shape {
-        Shape::Point => 1.0,
-        Shape::Segment => of_degree(3.0, 4.0),
-        Shape::Triangle => of_degree(7.0, 11.5),
-        Shape::Quadrilateral => of_degree(9.0, 16.0),
-        Shape::Tetrahedron => of_degree(15.0, 28.75),
-        Shape::Prism => of_degree(21.0, 46.0),
-        Shape::Pyramid => of_degree(22.0, 50.0),
-        Shape::Hexahedron => of_degree(27.0, 64.0),
-    }
 }
 
 impl MeshDemand {
@@ -87,6 +71,8 @@ pub(super) fn bytes(count: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::element::Element;
+    use crate::quadrature::Shape;
 
     /// Peaks of two steps with the certificate, less 25 MB for the program, of the paper's square and of the cube of
     /// large systems; the integer is the number of nodes along an edge, less one.
@@ -117,7 +103,8 @@ mod tests {
         for (shape, degree, n, solver, peak) in measured {
             let (along, dim) = (n as f64 + 1.0, shape.dim());
             let [nodes, contact_nodes] = [dim, dim - 1].map(|power| along.powi(power as i32));
-            let size = MeshSize { dim, nodes, contact_nodes, neighbours: neighbours(shape, degree) };
+            let neighbours = Element::find(shape, degree).map_or(0.0, |element| element.neighbours);
+            let size = MeshSize { dim, nodes, contact_nodes, neighbours };
             let share = peak / MeshDemand::of(&size, solver).bytes;
             assert!((0.5..0.95).contains(&share), "{shape:?}, degree {degree}, n = {n}, {solver:?}: {share:.3}");
         }

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::build::Build;
-use super::memory::{self, MeshDemand, MeshSize, neighbours};
+use super::memory::{self, MeshDemand, MeshSize};
 use super::path::Path;
 use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
+use crate::element::Element;
 use crate::machine::FreeMemory;
 use crate::mesh::defects::{Defects, defects};
 use crate::mesh::{self, Block, Diagonal, Elements, Mesh, MeshError, PlaneState};
@@ -262,7 +263,7 @@ pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> MeshSiz
         contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
     // Each refinement doubles the nodes along every direction.
     let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
-    let of_block = |block: &Block| neighbours(block.element.shape, block.element.degree);
+    let of_block = |block: &Block| block.element.neighbours;
     MeshSize {
         dim: mesh.dim,
         nodes: mesh.points.len() as f64 * times(mesh.dim),
@@ -320,7 +321,9 @@ pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Mes
         dim,
         nodes,
         contact_nodes,
-        neighbours: kind(raw).map_or(0.0, |kind| neighbours(cell(kind, dim), kind.degree())),
+        neighbours: kind(raw)
+            .and_then(|kind| Element::find(cell(kind, dim), kind.degree()))
+            .map_or(0.0, |element| element.neighbours),
     }
 }
 

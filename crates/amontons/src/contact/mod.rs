@@ -18,7 +18,6 @@ mod normal;
 pub mod obstacle;
 mod pair;
 mod preload;
-mod spheres;
 mod table;
 mod wear;
 mod worn;

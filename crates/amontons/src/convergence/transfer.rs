@@ -86,7 +86,8 @@ impl<'a> Transfer<'a> {
                 return Err(TransferError::Outside(*outside));
             }
             for mesh in [&**fine, coarse] {
-                if let Some(block) = mesh.blocks.iter().find(|b| b.element.vtk != P1_TRIANGLE.vtk || mesh.axisymmetric)
+                if let Some(block) =
+                    mesh.blocks.iter().find(|b| !std::ptr::eq(b.element, &P1_TRIANGLE) || mesh.axisymmetric)
                 {
                     return Err(TransferError::Cells(block.element.name));
                 }

@@ -10,6 +10,7 @@
 //! Nodes are numbered as in the VTK file formats: vertices, then middles of edges, of faces, of the cell.
 
 mod basis;
+mod formats;
 mod hexahedron;
 mod prism;
 mod pyramid;
@@ -19,6 +20,7 @@ mod table;
 mod tetrahedron;
 mod triangle;
 
+pub use formats::{CellType, Drawing, FileOrder, FileOrders};
 pub use hexahedron::{Q1_HEXAHEDRON, Q2_HEXAHEDRON};
 pub use prism::{P1_PRISM, P2_PRISM};
 pub use pyramid::{P1_PYRAMID, P2_PYRAMID};
@@ -31,7 +33,7 @@ pub use triangle::{P1_TRIANGLE, P2_TRIANGLE};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
-/// A Lagrange element: nodes, facets, shape functions and their names in other formats.
+/// A Lagrange element: nodes, facets, shape functions, and its cells in files.
 #[derive(Debug)]
 pub struct Element {
     /// Name used in messages, e.g. `P1 triangle`.
@@ -43,6 +45,9 @@ pub struct Element {
     /// Degree of the gradients for [`crate::quadrature::rule`]: the total degree on a simplex, the degree in each
     /// coordinate on the other shapes.
     pub gradient_degree: usize,
+    /// Mean number of nodes that share a cell with a node of a regular mesh of such cells, including itself: it gives
+    /// the memory of a run.
+    pub neighbours: f64,
     /// Reference coordinates of the nodes, in the order of VTK.
     pub nodes: &'static [Point],
     /// The facets, oriented outward.
@@ -51,12 +56,20 @@ pub struct Element {
     pub shape_functions: fn(&Point, &mut [f64]),
     /// Gradients of the shape functions at a reference point, one per node.
     pub gradients: fn(&Point, &mut [Point]),
-    /// Cell type of the VTK file formats.
-    pub vtk: u8,
-    /// Element type of the Gmsh file formats.
-    pub gmsh: u32,
-    /// `gmsh_nodes[i]` is the local node that Gmsh lists at position `i`.
-    pub gmsh_nodes: &'static [usize],
+    /// The parts of the reference cell when every edge is halved, from the positions of the vertices of a cell.
+    pub children: fn(&[Point]) -> Vec<Child>,
+    /// The types of cells that files may have: with all nodes first, then those that lack the last nodes.
+    pub types: &'static [CellType],
+    /// The order of nodes and facets in the formats that do not have that of the library.
+    pub orders: FileOrders,
+}
+
+/// A part of a refined reference cell: its shape and its vertices.
+pub type Child = (Shape, Vec<Point>);
+
+/// The parts of a shape with these vertices, numbered as the nodes of the quadratic element.
+fn parts(shape: Shape, nodes: &[Point], vertices: &[&[usize]]) -> Vec<Child> {
+    vertices.iter().map(|part| (shape, part.iter().map(|&node| nodes[node]).collect())).collect()
 }
 
 /// A facet of a cell: local nodes of the cell in the order of the facet element.
@@ -70,9 +83,6 @@ pub struct Facet {
     /// Local nodes of the cell, `element.nodes.len()` of them.
     pub nodes: &'static [usize],
 }
-
-/// VTK's cell type of a pyramid with mid-edge nodes.
-const QUADRATIC_PYRAMID: u8 = 27;
 
 /// Largest number of nodes of an element.
 pub const MAX_NODES: usize = 27;
@@ -91,11 +101,17 @@ impl Element {
         matches!(self.shape, Shape::Segment | Shape::Triangle | Shape::Tetrahedron)
     }
 
+    /// Cell type of the VTK file formats; that of an empty cell, 0, if VTK has no cell with these nodes.
+    #[must_use]
+    pub fn vtk(&self) -> u8 {
+        self.types.iter().find_map(|cell| cell.vtk).unwrap_or(0)
+    }
+
     /// Number of leading nodes that a cell of the type [`Element::vtk`] has: all except the last one of the quadratic
     /// pyramid, since VTK has quadratic pyramids of 13 and of 19 nodes.
     #[must_use]
     pub fn vtk_nodes(&self) -> usize {
-        if self.vtk == QUADRATIC_PYRAMID { 13 } else { self.nodes.len() }
+        self.types.iter().find(|cell| cell.vtk.is_some()).map_or(self.nodes.len(), |cell| cell.nodes)
     }
 
     /// The mean of the vertices of the reference cell.

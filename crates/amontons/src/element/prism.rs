@@ -2,7 +2,10 @@
 
 use super::basis::{line, linear, linear_gradients, quadratic, quadratic_gradients};
 use super::triangle::EDGES;
-use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+use super::{
+    CellType, Child, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL,
+    Q2_QUADRILATERAL, parts,
+};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -60,12 +63,33 @@ fn gradients(degree: usize, x: &Point, out: &mut [Point]) {
     }
 }
 
+/// Exodus numbers the upright sides first.
+const EXODUS_SIDES: FileOrder = FileOrder(&[2, 3, 4, 0, 1]);
+/// Exodus and `.mail` files list the middles of the upright edges before those of the upper ones.
+const UPRIGHT_FIRST: FileOrder = FileOrder(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11]);
+
+/// The lower and the upper prism over each part of the triangle.
+fn children(_: &[Point]) -> Vec<Child> {
+    const VERTICES: [&[usize]; 8] = [
+        &[0, 6, 8, 12, 15, 17],
+        &[12, 15, 17, 3, 9, 11],
+        &[6, 1, 7, 15, 13, 16],
+        &[15, 13, 16, 9, 4, 10],
+        &[8, 7, 2, 17, 16, 14],
+        &[17, 16, 14, 11, 10, 5],
+        &[6, 7, 8, 15, 16, 17],
+        &[15, 16, 17, 9, 10, 11],
+    ];
+    parts(Shape::Prism, &NODES, &VERTICES)
+}
+
 /// Linear prism with six nodes.
 pub static P1_PRISM: Element = Element {
     name: "P1 prism",
     shape: Shape::Prism,
     degree: 1,
     gradient_degree: 1,
+    neighbours: 21.0,
     nodes: &[NODES[0], NODES[1], NODES[2], NODES[3], NODES[4], NODES[5]],
     facets: &[
         Facet { element: &P1_TRIANGLE, nodes: &[0, 2, 1] },
@@ -76,9 +100,9 @@ pub static P1_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(1, x, n),
     gradients: |x, g| gradients(1, x, g),
-    vtk: 13,
-    gmsh: 6,
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5],
+    children,
+    types: &[CellType::new("6-node prism", 6).vtk(13).gmsh(6).aster("PE6", "PENTA6").abaqus()],
+    orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
 
 /// Quadratic prism with 18 nodes.
@@ -87,6 +111,7 @@ pub static P2_PRISM: Element = Element {
     shape: Shape::Prism,
     degree: 2,
     gradient_degree: 2,
+    neighbours: 46.0,
     nodes: &NODES,
     facets: &[
         Facet { element: &P2_TRIANGLE, nodes: &[0, 2, 1, 8, 7, 6] },
@@ -97,8 +122,17 @@ pub static P2_PRISM: Element = Element {
     ],
     shape_functions: |x, n| values(2, x, n),
     gradients: |x, g| gradients(2, x, g),
-    vtk: 32,
-    gmsh: 13,
-    // Gmsh orders the edges by their first vertex, and the upright faces 01, 02, 12.
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10, 15, 17, 16],
+    children,
+    types: &[
+        CellType::new("18-node prism", 18).vtk(32).gmsh(13).aster("P18", "PENTA18"),
+        CellType::new("15-node prism", 15).vtk(26).gmsh(18).aster("P15", "PENTA15").abaqus(),
+    ],
+    orders: FileOrders {
+        // Gmsh orders the edges by their first vertex, and the upright faces 01, 02, 12.
+        gmsh: FileOrder(&[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10, 15, 17, 16]),
+        mail: UPRIGHT_FIRST,
+        exodus: UPRIGHT_FIRST,
+        exodus_sides: EXODUS_SIDES,
+        ..FileOrders::SAME
+    },
 };

@@ -1,7 +1,10 @@
 //! Pyramids over [0, 1]² with the apex at (0, 0, 1).
 
 use super::basis::line;
-use super::{Element, Facet, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+use super::{
+    CellType, Child, Element, Facet, FileOrder, FileOrders, P1_TRIANGLE, P2_TRIANGLE, Q1_QUADRILATERAL,
+    Q2_QUADRILATERAL, parts,
+};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -26,6 +29,23 @@ const NODES: [Point; 14] = [
 const BASE: [usize; 9] = [0, 1, 2, 3, 5, 6, 7, 8, 13];
 const UP: [usize; 4] = [9, 10, 11, 12];
 
+/// Exodus numbers the base last.
+const EXODUS_SIDES: FileOrder = FileOrder(&[1, 2, 3, 4, 0]);
+
+/// Pyramids at the vertices of the base and at the apex, one inverted between them, and tetrahedra next to it.
+fn children(_: &[Point]) -> Vec<Child> {
+    const PYRAMIDS: [&[usize]; 6] = [
+        &[0, 5, 13, 8, 9],
+        &[1, 6, 13, 5, 10],
+        &[2, 7, 13, 6, 11],
+        &[3, 8, 13, 7, 12],
+        &[9, 10, 11, 12, 4],
+        &[9, 12, 11, 10, 13],
+    ];
+    const TETRAHEDRA: [&[usize]; 4] = [&[5, 13, 9, 10], &[6, 13, 10, 11], &[7, 13, 11, 12], &[8, 13, 12, 9]];
+    [parts(Shape::Pyramid, &NODES, &PYRAMIDS), parts(Shape::Tetrahedron, &NODES, &TETRAHEDRA)].concat()
+}
+
 /// The coordinates in the unit square that is collapsed with height z, and its size 1 − z; the centre at the apex.
 fn collapsed(x: &Point) -> (f64, f64, f64) {
     let size = 1.0 - x[2];
@@ -42,6 +62,7 @@ pub static P1_PYRAMID: Element = Element {
     shape: Shape::Pyramid,
     degree: 1,
     gradient_degree: 1,
+    neighbours: 22.0,
     nodes: &[NODES[0], NODES[1], NODES[2], NODES[3], NODES[4]],
     facets: &[
         Facet { element: &Q1_QUADRILATERAL, nodes: &[0, 3, 2, 1] },
@@ -66,9 +87,9 @@ pub static P1_PYRAMID: Element = Element {
         g[3] = [-t, 1.0 - s, -s * t];
         g[4] = [0.0, 0.0, 1.0];
     },
-    vtk: 14,
-    gmsh: 7,
-    gmsh_nodes: &[0, 1, 2, 3, 4],
+    children,
+    types: &[CellType::new("5-node pyramid", 5).vtk(14).gmsh(7).aster("PY5", "PYRAM5").abaqus()],
+    orders: FileOrders { exodus_sides: EXODUS_SIDES, ..FileOrders::SAME },
 };
 
 /// A function of the square at (s, t) with its slopes: a product of functions on the line.
@@ -127,6 +148,7 @@ pub static P2_PYRAMID: Element = Element {
     shape: Shape::Pyramid,
     degree: 2,
     gradient_degree: 2,
+    neighbours: 50.0,
     nodes: &NODES,
     facets: &[
         Facet { element: &Q2_QUADRILATERAL, nodes: &[0, 3, 2, 1, 8, 7, 6, 5, 13] },
@@ -137,10 +159,17 @@ pub static P2_PYRAMID: Element = Element {
     ],
     shape_functions: values,
     gradients: slopes,
-    vtk: 27,
-    gmsh: 14,
-    // Gmsh orders the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
-    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 8, 9, 6, 10, 7, 11, 12, 13],
+    children,
+    types: &[
+        CellType::new("14-node pyramid", 14).gmsh(14),
+        CellType::new("13-node pyramid", 13).vtk(27).gmsh(19).aster("P13", "PYRAM13"),
+    ],
+    orders: FileOrders {
+        // Gmsh orders the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
+        gmsh: FileOrder(&[0, 1, 2, 3, 4, 5, 8, 9, 6, 10, 7, 11, 12, 13]),
+        exodus_sides: EXODUS_SIDES,
+        ..FileOrders::SAME
+    },
 };
 
 #[cfg(test)]

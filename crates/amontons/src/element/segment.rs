@@ -1,7 +1,7 @@
 //! Segments [0, 1], and the end points of a body of one dimension.
 
 use super::basis::{product, product_gradients};
-use super::{Element, Facet};
+use super::{CellType, Child, Element, Facet, FileOrders, parts};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -14,13 +14,14 @@ pub static POINT_LEFT: Element = Element {
     shape: Shape::Point,
     degree: 0,
     gradient_degree: 0,
+    neighbours: 1.0,
     nodes: &[[0.0; 3]],
     facets: &[],
     shape_functions: |_, n| n[0] = 1.0,
     gradients: |_, g| g[0] = [0.0; 3],
-    vtk: 1,
-    gmsh: 15,
-    gmsh_nodes: &[0],
+    children: |_| vec![(Shape::Point, vec![[0.0; 3]])],
+    types: &[CellType::new("1-node point", 1).vtk(1).gmsh(15).aster("PO1", "POI1")],
+    orders: FileOrders::SAME,
 };
 
 /// The right end of a body on the line: its outward normal is +1; see [`POINT_LEFT`].
@@ -29,18 +30,24 @@ pub static POINT_RIGHT: Element = Element {
     shape: Shape::Point,
     degree: 0,
     gradient_degree: 0,
+    neighbours: 1.0,
     nodes: &[[1.0, 0.0, 0.0]],
     facets: &[],
     shape_functions: |_, n| n[0] = 1.0,
     gradients: |_, g| g[0] = [0.0; 3],
-    vtk: 1,
-    gmsh: 15,
-    gmsh_nodes: &[0],
+    children: |_| vec![(Shape::Point, vec![[1.0, 0.0, 0.0]])],
+    types: &[CellType::new("1-node point", 1).vtk(1).gmsh(15).aster("PO1", "POI1")],
+    orders: FileOrders::SAME,
 };
 
 const NODES: [Point; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]];
 
 const ENDS: &[Facet] = &[Facet { element: &POINT_LEFT, nodes: &[0] }, Facet { element: &POINT_RIGHT, nodes: &[1] }];
+
+/// Both halves.
+fn children(_: &[Point]) -> Vec<Child> {
+    parts(Shape::Segment, &NODES, &[&[0, 2], &[2, 1]])
+}
 
 /// Linear segment.
 pub static P1_SEGMENT: Element = Element {
@@ -48,13 +55,14 @@ pub static P1_SEGMENT: Element = Element {
     shape: Shape::Segment,
     degree: 1,
     gradient_degree: 0,
+    neighbours: 3.0,
     nodes: &[NODES[0], NODES[1]],
     facets: ENDS,
     shape_functions: |x, n| product(1, 1, &NODES[..2], x, n),
     gradients: |x, g| product_gradients(1, 1, &NODES[..2], x, g),
-    vtk: 3,
-    gmsh: 1,
-    gmsh_nodes: &[0, 1],
+    children,
+    types: &[CellType::new("2-node segment", 2).vtk(3).gmsh(1).aster("SE2", "SEG2").abaqus()],
+    orders: FileOrders::SAME,
 };
 
 /// Quadratic segment: both ends, then the middle.
@@ -63,11 +71,12 @@ pub static P2_SEGMENT: Element = Element {
     shape: Shape::Segment,
     degree: 2,
     gradient_degree: 1,
+    neighbours: 4.0,
     nodes: &NODES,
     facets: ENDS,
     shape_functions: |x, n| product(1, 2, &NODES, x, n),
     gradients: |x, g| product_gradients(1, 2, &NODES, x, g),
-    vtk: 21,
-    gmsh: 8,
-    gmsh_nodes: &[0, 1, 2],
+    children,
+    types: &[CellType::new("3-node segment", 3).vtk(21).gmsh(8).aster("SE3", "SEG3").abaqus()],
+    orders: FileOrders::SAME,
 };

@@ -170,16 +170,16 @@ impl Mesh {
         let mut blocks = Vec::new();
         for block in &self.blocks {
             let mut nodes = Vec::new();
-            let element = match block.element.vtk {
-                9 => {
+            let element = match (block.element.shape, block.element.degree) {
+                (Shape::Quadrilateral, 1) => {
                     block.cells().for_each(|cell| nodes.extend(triangles(cell)));
                     &P1_TRIANGLE
                 }
-                13 => {
+                (Shape::Prism, 1) => {
                     block.cells().for_each(|cell| nodes.extend(tetrahedra(cell)));
                     &P1_TETRAHEDRON
                 }
-                _ if matches!(block.element.shape, Shape::Segment | Shape::Triangle | Shape::Tetrahedron) => {
+                _ if block.element.is_simplex() => {
                     nodes.clone_from(&block.nodes);
                     block.element
                 }
@@ -190,7 +190,7 @@ impl Mesh {
         let cut = |set: &FacetSet| {
             let mut cut = FacetSet::default();
             for (element, nodes) in set.facets() {
-                if element.vtk == 9 {
+                if (element.shape, element.degree) == (Shape::Quadrilateral, 1) {
                     cut.push(&P1_TRIANGLE, triangles(nodes));
                 } else {
                     cut.push(element, nodes.iter().copied());

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use super::{FacetSet, Mesh, cross};
-use crate::tensor::{Point, dot, length};
+use super::{FacetSet, Mesh, Spheres, cross};
+use crate::tensor::{Point, dot, length, minus};
 
 /// Fraction of the shortest distance of two nodes of a facet within which a node must have its partner.
 const SAME: f64 = 1e-3;
@@ -145,10 +145,13 @@ impl Cyclic {
             std::array::from_fn(|c| x[c] + self.through[c])
         };
         let near = SAME * shortest(mesh, sets);
-        let (mut links, places) = (Links::default(), SortedNodes::new(mesh, &second));
+        let mut links = Links::default();
+        let tree = Spheres::new(second.len(), &|place| (mesh.points[second[place] as usize], 0.0));
         for &node in &first {
             let x = image(node);
-            let (partner, distance) = places.nearest(&x);
+            let apart = |place: usize| length(&minus(&x, &mesh.points[second[place] as usize]));
+            let nearest = tree.nearest(&x, &apart).map(|place| (second[place], apart(place)));
+            let (partner, distance) = nearest.unwrap_or((node, f64::INFINITY));
             if distance > near || distance.is_nan() {
                 return Err(NotCyclic::Apart(x, distance));
             }
@@ -194,51 +197,10 @@ fn across(axis: &Point) -> [Point; 2] {
 
 /// The shortest distance of two nodes of a facet on both sides; infinite in one dimension, where facets are points.
 fn shortest(mesh: &Mesh, sets: [&FacetSet; 2]) -> f64 {
-    let distance = |a: u32, b: u32| {
-        let [a, b] = [a, b].map(|node| mesh.points[node as usize]);
-        length(&std::array::from_fn(|c| a[c] - b[c]))
-    };
+    let distance = |a: u32, b: u32| length(&minus(&mesh.points[a as usize], &mesh.points[b as usize]));
     let facets = sets.into_iter().flat_map(FacetSet::facets);
     facets.fold(f64::INFINITY, |least, (_, nodes)| {
         let pairs = nodes.iter().enumerate().flat_map(|(i, &a)| nodes[..i].iter().map(move |&b| (a, b)));
         pairs.fold(least, |least, (a, b)| least.min(distance(a, b)))
     })
-}
-
-/// Nodes sorted by the coordinate of largest extent.
-struct SortedNodes {
-    along: usize,
-    nodes: Vec<(u32, Point)>,
-}
-
-impl SortedNodes {
-    fn new(mesh: &Mesh, nodes: &[u32]) -> SortedNodes {
-        let mut nodes: Vec<(u32, Point)> = nodes.iter().map(|&node| (node, mesh.points[node as usize])).collect();
-        let spread = |c: usize| {
-            let extremes = nodes
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (_, x)| [low.min(x[c]), high.max(x[c])]);
-            extremes[1] - extremes[0]
-        };
-        let along = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
-        nodes.sort_unstable_by(|(_, a), (_, b)| a[along].total_cmp(&b[along]));
-        SortedNodes { along, nodes }
-    }
-
-    /// The node nearest to a position, and its distance: searched outwards until all others are farther away in that
-    /// coordinate.
-    fn nearest(&self, x: &Point) -> (u32, f64) {
-        let (c, mut best) = (self.along, (u32::MAX, f64::INFINITY));
-        let middle = self.nodes.partition_point(|(_, y)| y[c] < x[c]);
-        let mut look = |&(node, y): &(u32, Point)| {
-            let distance = length(&std::array::from_fn(|d| x[d] - y[d]));
-            if distance < best.1 {
-                best = (node, distance);
-            }
-            (x[c] - y[c]).abs() > best.1
-        };
-        let _ = self.nodes[..middle].iter().rev().any(&mut look);
-        let _ = self.nodes[middle..].iter().any(&mut look);
-        best
-    }
 }

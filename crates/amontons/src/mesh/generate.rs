@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{Block, FacetSet, Mesh, MeshError};
-use crate::element::{P1_SEGMENT, P1_TRIANGLE, POINT_LEFT, POINT_RIGHT, Q1_QUADRILATERAL};
+use crate::element::{Element, P1_SEGMENT, P1_TRIANGLE, POINT_LEFT, POINT_RIGHT, Q1_QUADRILATERAL};
+use crate::tensor::Point;
 
 /// Direction in which the squares of a rectangle mesh are split into triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -63,17 +64,8 @@ impl Mesh {
             ("left".to_owned(), FacetSet::of(&POINT_LEFT, vec![0])),
             ("right".to_owned(), FacetSet::of(&POINT_RIGHT, vec![n])),
         ]);
-        let blocks = vec![Block { element: &P1_SEGMENT, region: 0, nodes: (0..n).flat_map(|i| [i, i + 1]).collect() }];
-        elements.complete(Mesh {
-            dim: 1,
-            axisymmetric: false,
-            thickness: None,
-            points,
-            blocks,
-            regions: vec!["body".to_owned()],
-            facets,
-            edges: BTreeMap::new(),
-        })
+        let nodes = (0..n).flat_map(|i| [i, i + 1]).collect();
+        elements.complete(body(&P1_SEGMENT, points, nodes, facets))
     }
 
     /// The rectangle (0, size₀) × (0, size₁) divided into cells₀ × cells₁ squares, each split into triangles; facet
@@ -135,21 +127,8 @@ impl Mesh {
             ("top".to_owned(), side((0..nx).rev().flat_map(|i| [at(i + 1, ny), at(i, ny)]).collect())),
             ("left".to_owned(), side((0..ny).rev().flat_map(|j| [at(0, j + 1), at(0, j)]).collect())),
         ]);
-        let blocks = vec![Block {
-            element: if elements.are_simplices() { &P1_TRIANGLE } else { &Q1_QUADRILATERAL },
-            region: 0,
-            nodes,
-        }];
-        elements.complete(Mesh {
-            dim: 2,
-            axisymmetric: false,
-            thickness: None,
-            points,
-            blocks,
-            regions: vec!["body".to_owned()],
-            facets,
-            edges: BTreeMap::new(),
-        })
+        let element = if elements.are_simplices() { &P1_TRIANGLE } else { &Q1_QUADRILATERAL };
+        elements.complete(body(element, points, nodes, facets))
     }
 
     /// The box (0, size₀) × (0, size₁) × (0, size₂) divided into cells₀ × cells₁ × cells₂ cubes, each split into six
@@ -163,6 +142,25 @@ impl Mesh {
         let section = Mesh::rectangle_of(base, [size[0], size[1]], [cells[0], cells[1]], Diagonal::Right)?;
         let body = section.extruded(size[2], cells[2], ["back", "front"])?;
         elements.complete(if elements.are_simplices() { body.simplices()? } else { body })
+    }
+}
+
+/// The mesh of a body of one region whose cells are of one element.
+pub(super) fn body(
+    element: &'static Element,
+    points: Vec<Point>,
+    nodes: Vec<u32>,
+    facets: BTreeMap<String, FacetSet>,
+) -> Mesh {
+    Mesh {
+        dim: element.dim(),
+        axisymmetric: false,
+        thickness: None,
+        points,
+        blocks: vec![Block { element, region: 0, nodes }],
+        regions: vec!["body".to_owned()],
+        facets,
+        edges: BTreeMap::new(),
     }
 }
 

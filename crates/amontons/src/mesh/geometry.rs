@@ -160,23 +160,16 @@ impl<'a> FacetMap<'a> {
 impl Mesh {
     /// Area of a side in m², length of an edge in m, or number of points.
     pub(crate) fn measure(&self, set: &FacetSet) -> f64 {
-        let mut sum = 0.0;
-        for block in &set.blocks {
-            let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
-            let mut map = FacetMap::new(self, &table);
-            for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
-                for (q, weight) in table.weights.iter().enumerate() {
-                    map.at(facet, q);
-                    sum += weight * map.area;
-                }
-            }
-        }
-        sum
+        self.moments(set).measure
     }
 
     /// The centroid of a side, of an edge, or of points; `None` if the set is empty.
     #[must_use]
     pub fn centre(&self, set: &FacetSet) -> Option<Point> {
+        self.moments(set).centre(self)
+    }
+
+    fn moments(&self, set: &FacetSet) -> Moments {
         let mut sum = Moments::default();
         for block in &set.blocks {
             let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
@@ -188,7 +181,7 @@ impl Mesh {
                 }
             }
         }
-        sum.centre(self)
+        sum
     }
 
     /// The centroid of a region, given by its number; `None` if the region has no cells.

@@ -2,7 +2,7 @@
 
 use super::{FacetMap, FacetSet, Mesh};
 use crate::element::{Element, ShapeTable};
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, length, minus};
 
 /// Distance of a vertex from a surface, in edges of its facet, up to which it lies on the surface: more than the
 /// rounding of coordinates in a file, and far less than the distance to the next vertex.
@@ -57,10 +57,6 @@ pub enum Locus {
         /// The angle in rad.
         angle: f64,
     },
-}
-
-fn minus(a: &Point, b: &Point) -> Point {
-    std::array::from_fn(|c| a[c] - b[c])
 }
 
 /// The component of a vector along a direction, and the length of the remainder.

@@ -5,44 +5,17 @@
 //! Words are separated by blanks and commas, and `%` begins a comment. The keyword may have parameters: `NOM` names a
 //! group, and `NBLIGE` gives the number of lines of the head of the block.
 //!
-//! Groups become regions, sides, edges and points as for [`med`](super::med). Code_Aster numbers the nodes of a cell as
-//! VTK does, except for the edge middles of hexahedra and prisms, where the upright ones come before the upper ones,
-//! and the faces of a hexahedron of 27 nodes.
+//! Groups become regions, sides, edges and points as for [`med`](super::med).
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, NodeSet, of_vtk};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, NodeSet};
+use crate::element::{CellType, Element};
 use crate::tensor::Point;
 
-/// The types of cells: name in the file, dimension, number of nodes, VTK type; 0 for an unsupported one.
-const TYPES: [(&str, usize, usize, u8); 20] = [
-    ("POI1", 0, 1, 1),
-    ("SEG2", 1, 2, 3),
-    ("SEG3", 1, 3, 21),
-    ("SEG4", 1, 4, 0),
-    ("TRIA3", 2, 3, 5),
-    ("TRIA6", 2, 6, 22),
-    ("TRIA7", 2, 7, 0),
-    ("QUAD4", 2, 4, 9),
-    ("QUAD8", 2, 8, 23),
-    ("QUAD9", 2, 9, 28),
-    ("TETRA4", 3, 4, 10),
-    ("TETRA10", 3, 10, 24),
-    ("PYRAM5", 3, 5, 14),
-    ("PYRAM13", 3, 13, 27),
-    ("PENTA6", 3, 6, 13),
-    ("PENTA15", 3, 15, 26),
-    ("PENTA18", 3, 18, 32),
-    ("HEXA8", 3, 8, 12),
-    ("HEXA20", 3, 20, 25),
-    ("HEXA27", 3, 27, 29),
-];
-/// Positions in the file of the middles of a hexahedron's edges and faces in the order of VTK: lower, upper, upright;
-/// −x, +x, −y, +y, −z, +z; and of the cell.
-const HEXAHEDRON: [usize; 19] = [8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26];
-/// Positions in the file of the middles of a prism's edges in the order of VTK.
-const PRISM: [usize; 9] = [6, 7, 8, 12, 13, 14, 9, 10, 11];
+/// The types of cells that the library lacks.
+const MISSING: [&str; 2] = ["SEG4", "TRIA7"];
 /// Words that may begin a block, for messages.
 const KEYWORDS: &str = "TITRE, COOR_2D, COOR_3D, a type of cells such as HEXA20, GROUP_MA, GROUP_NO or FIN";
 
@@ -128,7 +101,8 @@ impl<'t> MailBlock<'t> {
     fn of(line: usize, words: &[&'t str], lines: &mut MailLines<'t>) -> Result<MailBlock<'t>, MeshFileError> {
         let keyword = words.first().copied().unwrap_or_default().to_ascii_uppercase();
         let is_known = ["TITRE", "COOR_1D", "COOR_2D", "COOR_3D", "GROUP_MA", "GROUP_NO"].contains(&keyword.as_str())
-            || TYPES.iter().any(|(name, ..)| *name == keyword);
+            || MISSING.contains(&keyword.as_str())
+            || cell_type(&keyword).is_some();
         if !is_known {
             return Err(syntax(line, quoted(words.first().copied().unwrap_or_default()), KEYWORDS));
         }
@@ -169,11 +143,16 @@ impl<'t> MailBlock<'t> {
     }
 }
 
+/// The type of cells with a name, and the element that they become.
+fn cell_type(name: &str) -> Option<(&'static Element, &'static CellType)> {
+    CellType::find(|_, cell| cell.mail == Some(name))
+}
+
 /// A cell of the file.
 struct MailCell<'t> {
     line: usize,
-    /// Its index in [`TYPES`].
-    kind: usize,
+    /// Its type, as for [`cell_type`].
+    kind: (&'static Element, &'static CellType),
     nodes: Vec<&'t str>,
     groups: BTreeSet<String>,
 }
@@ -237,13 +216,13 @@ impl<'t> MailFile<'t> {
 
     /// Reads cells of one type: a name and the names of the nodes.
     fn cells(&mut self, section: &MailBlock<'t>) -> Result<(), MeshFileError> {
-        let found = TYPES.iter().enumerate().find(|(_, (name, ..))| *name == section.keyword);
-        let Some((kind, &(code, _, nodes, vtk))) = found else { return Ok(()) };
-        if vtk == 0 && !section.words.is_empty() {
-            let known: Vec<&str> = TYPES.iter().filter(|(.., vtk)| *vtk > 0).map(|(name, ..)| *name).collect();
-            let at = FilePosition::Line(section.line);
-            return Err(MeshFileError::Element { at, found: code.to_owned(), known: known.join(", ") });
-        }
+        let code = &section.keyword;
+        let Some(kind) = cell_type(code) else {
+            let (at, known) = (FilePosition::Line(section.line), CellType::names(|cell| cell.mail));
+            let missing = MeshFileError::Element { at, found: code.clone(), known };
+            return if section.words.is_empty() { Ok(()) } else { Err(missing) };
+        };
+        let nodes = kind.1.nodes;
         for entry in section.words.chunks(nodes + 1) {
             let Some((&(line, name), of_cell)) = entry.split_first() else { continue };
             if of_cell.len() < nodes {
@@ -303,22 +282,24 @@ impl<'t> MailFile<'t> {
             node_sets.entry(name).or_default().extend(nodes);
         }
         let mut tags: BTreeMap<(usize, String), i64> = BTreeMap::new();
-        let mut index: HashMap<(usize, BTreeSet<i64>), usize> = HashMap::new();
+        let mut index: HashMap<(&str, BTreeSet<i64>), usize> = HashMap::new();
+        let mut positions: HashMap<&str, Vec<usize>> = HashMap::new();
         let mut blocks: Vec<LooseBlock> = Vec::new();
         for cell in &self.cells {
-            let Some(&(name, dim, nodes, vtk)) = TYPES.get(cell.kind) else { continue };
+            let (element, &CellType { nodes, mail: Some(name), .. }) = cell.kind else { continue };
+            let dim = element.dim();
             let tag = |group: &String| {
                 let next = tags.len() as i64;
                 *tags.entry((dim, group.clone())).or_insert(next)
             };
             let groups: BTreeSet<i64> = cell.groups.iter().map(tag).collect();
-            let block = *index.entry((cell.kind, groups.clone())).or_insert_with(|| {
-                let kind = Kind { name, dim, nodes, element: of_vtk(vtk).map(|(element, _)| element) };
+            let block = *index.entry((name, groups.clone())).or_insert_with(|| {
+                let kind = Kind { name, dim, nodes, element: Some(element) };
                 blocks.push(LooseBlock { kind, groups, at: cell.line, nodes: Vec::new(), numbers: Vec::new() });
                 blocks.len() - 1
             });
-            for local in 0..nodes {
-                let name = cell.nodes.get(place(nodes, local)).copied().unwrap_or_default();
+            for position in positions.entry(name).or_insert_with(|| element.orders.mail.positions(nodes)) {
+                let name = cell.nodes.get(*position).copied().unwrap_or_default();
                 let node = self.node(cell.line, name)?;
                 blocks.get_mut(block).into_iter().for_each(|block| block.nodes.push(node));
             }
@@ -340,14 +321,4 @@ impl<'t> MailFile<'t> {
 fn real(word: &str) -> Option<f64> {
     let value = word.parse().or_else(|_| word.replace(['D', 'd'], "E").parse::<f64>());
     value.ok().filter(|value: &f64| value.is_finite())
-}
-
-/// Position in the file of a node of a cell with this number of nodes, from its position in VTK.
-fn place(nodes: usize, local: usize) -> usize {
-    let of = match nodes {
-        20 | 27 => local.checked_sub(8).and_then(|middle| HEXAHEDRON.get(middle)),
-        15 | 18 => local.checked_sub(6).and_then(|middle| PRISM.get(middle)),
-        _ => None,
-    };
-    of.copied().unwrap_or(local)
 }

@@ -3,45 +3,19 @@
 //! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges named edges. Node
 //! groups that contain facets of the boundary are sides, the others edges or points. A cell without a group is in no
 //! region, as in a file of Gmsh. Supported are files of versions 2.2 to 4 with one mesh, of which the first step is
-//! read. MED numbers the nodes of a cell as VTK does, except for the orientation and the faces of a hexahedron of 27
-//! nodes.
+//! read. MED orients cells in the opposite direction of VTK.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::Mesh;
-use super::read::{
-    CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, NUMBER, NodeSet, Room, of_vtk,
-};
+use super::read::{CHARACTER, FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, NUMBER, NodeSet, Room};
+use crate::element::CellType;
 use crate::tensor::Point;
 
 /// Length of a group name.
 const NAME: usize = 80;
-/// The types of cells: name in the file, dimension, number of nodes, VTK type.
-const TYPES: [(&str, usize, usize, u8); 18] = [
-    ("PO1", 0, 1, 1),
-    ("SE2", 1, 2, 3),
-    ("SE3", 1, 3, 21),
-    ("TR3", 2, 3, 5),
-    ("TR6", 2, 6, 22),
-    ("QU4", 2, 4, 9),
-    ("QU8", 2, 8, 23),
-    ("QU9", 2, 9, 28),
-    ("TE4", 3, 4, 10),
-    ("T10", 3, 10, 24),
-    ("PY5", 3, 5, 14),
-    ("P13", 3, 13, 27),
-    ("PE6", 3, 6, 13),
-    ("P15", 3, 15, 26),
-    ("P18", 3, 18, 32),
-    ("HE8", 3, 8, 12),
-    ("H20", 3, 20, 25),
-    ("H27", 3, 27, 29),
-];
-/// Positions in MED of the middles of a hexahedron's faces in the order of VTK, −x, +x, −y, +y, −z, +z: MED begins at
-/// the bottom, goes around and ends at the top.
-const FACES: [usize; 6] = [24, 22, 21, 23, 20, 25];
 
 fn refuse(message: impl Into<String>) -> MeshFileError {
     MeshFileError::Grid { message: message.into() }
@@ -188,12 +162,14 @@ type Families = BTreeMap<i64, BTreeSet<String>>;
 impl MedReader {
     /// Reads the cells of one type.
     fn cells(&mut self, group: &Group, code: &str, families: &Families) -> Result<(), MeshFileError> {
-        let Some(&(name, dim, nodes, vtk)) = TYPES.iter().find(|(name, ..)| *name == code) else {
-            let known: Vec<&str> = TYPES.iter().map(|(name, ..)| *name).collect();
+        let found = CellType::find(|_, cell| cell.med == Some(code));
+        let Some((element, &CellType { nodes, med: Some(name), .. })) = found else {
+            let known = CellType::names(|cell| cell.med);
             let hint = if code == "TR7" { "; save triangles with a node in the middle as TR6, without it" } else { "" };
-            return Err(refuse(format!("cells of type {code}, expected one of {}{hint}", known.join(", "))));
+            return Err(refuse(format!("cells of type {code}, expected one of {known}{hint}")));
         };
-        let kind = Kind { name, dim, nodes, element: of_vtk(vtk).map(|(element, _)| element) };
+        let kind = Kind { name, dim: element.dim(), nodes, element: Some(element) };
+        let positions = element.orders.med.positions(nodes);
         let listed = integers(&group.dataset("NOD").map_err(told("NOD"))?, "NOD", self.room)?;
         let count = listed.len() / nodes;
         if count * nodes != listed.len() {
@@ -208,8 +184,8 @@ impl MedReader {
                 None => self.block(kind, families.get(&family), cell),
             };
             index.insert(family, block);
-            for local in 0..nodes {
-                let node = self.node(listed[place(nodes, local) * count + cell], cell, code)?;
+            for position in &positions {
+                let node = self.node(listed[position * count + cell], cell, code)?;
                 self.blocks[block].nodes.push(node);
             }
         }
@@ -264,10 +240,4 @@ fn integers(data: &Dataset, what: &str, room: Room) -> Result<Vec<i64>, MeshFile
 fn fits<'a>(data: &'a Dataset, what: &str, each: u64, room: Room) -> Result<&'a Dataset, MeshFileError> {
     room.holds(what, &data.shape().map_err(told(what))?, each)?;
     Ok(data)
-}
-
-/// Position in MED of a node of a cell with this number of nodes.
-fn place(nodes: usize, local: usize) -> usize {
-    let of_face = local.checked_sub(20).filter(|_| nodes == 27).and_then(|face| FACES.get(face));
-    of_face.copied().unwrap_or(local)
 }

@@ -21,6 +21,7 @@ mod read;
 mod refine;
 mod round;
 mod sites;
+mod spheres;
 pub mod stl;
 mod surface;
 mod topology;
@@ -41,8 +42,10 @@ pub(crate) use locator::{CellPlace, OUTSIDE, reference_point};
 pub use locus::Locus;
 pub use read::{FilePosition, Include, MeshFile, MeshFileError, PlaneState, Skipped};
 
+pub(crate) use spheres::Spheres;
+
 use crate::element::{Element, ShapeTable};
-use crate::tensor::{Point, Sym, length};
+use crate::tensor::{Point, Sym, length, minus};
 
 /// Tolerance of a node at given coordinates, for their rounding, relative to the size of the body.
 const NEAR: f64 = 1e-6;
@@ -249,7 +252,7 @@ impl Mesh {
             along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
         });
         let near = NEAR * size.fold(0.0, f64::max);
-        let away = |x: &Point| length(&std::array::from_fn(|d| x[d] - at[d]));
+        let away = |x: &Point| length(&minus(x, at));
         (0..).zip(&self.points).filter(|(_, x)| away(x) <= near).map(|(node, _)| node).collect()
     }
 
@@ -368,7 +371,7 @@ impl Mesh {
         for (i, &a) in vertices.iter().enumerate() {
             for &b in &vertices[..i] {
                 let (p, q) = (&self.points[a as usize], &self.points[b as usize]);
-                let edge = length(&std::array::from_fn(|k| p[k] - q[k]));
+                let edge = length(&minus(p, q));
                 shortest = shortest.min(edge);
                 longest = longest.max(edge);
             }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
-use super::generate::check;
-use super::{Block, Elements, FacetSet, Mesh, MeshError};
+use super::generate::{body, check};
+use super::{Elements, FacetSet, Mesh, MeshError};
 use crate::element::{P1_SEGMENT, Q1_QUADRILATERAL};
 use crate::tensor::Point;
 
@@ -69,7 +69,7 @@ fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize;
         facets.insert("start".to_owned(), side((0..radial).flat_map(|i| [at(i, 0), at(i + 1, 0)]).collect()));
         facets.insert("end".to_owned(), side((0..radial).flat_map(|i| [at(i + 1, around), at(i, around)]).collect()));
     }
-    CrossSection { mesh: plane(points, cells, facets), curved: 0 }
+    CrossSection { mesh: body(&Q1_QUADRILATERAL, points, cells, facets), curved: 0 }
 }
 
 /// A disc: a square of n × n cells in the middle, n = around/4, and layers between it and the circle.
@@ -110,21 +110,7 @@ fn disc(radius: f64, [radial, around]: [usize; 2]) -> CrossSection {
     );
     let outer = FacetSet::of(&P1_SEGMENT, (0..around).flat_map(|p| [at(radial, p), at(radial, p + 1)]).collect());
     let curved = points.len() - around;
-    CrossSection { mesh: plane(points, cells, BTreeMap::from([("outer".to_owned(), outer)])), curved }
-}
-
-fn plane(points: Vec<Point>, nodes: Vec<u32>, facets: BTreeMap<String, FacetSet>) -> Mesh {
-    let blocks = vec![Block { element: &Q1_QUADRILATERAL, region: 0, nodes }];
-    Mesh {
-        dim: 2,
-        axisymmetric: false,
-        thickness: None,
-        points,
-        blocks,
-        regions: vec!["body".to_owned()],
-        facets,
-        edges: BTreeMap::new(),
-    }
+    CrossSection { mesh: body(&Q1_QUADRILATERAL, points, cells, BTreeMap::from([("outer".to_owned(), outer)])), curved }
 }
 
 impl CrossSection {

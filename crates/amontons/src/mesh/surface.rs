@@ -3,7 +3,7 @@
 use super::Mesh;
 use super::locator::{CellBoxes, CellPlace, OUTSIDE};
 use crate::element::{Element, MAX_NODES};
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, length, minus};
 
 /// Distance up to which a point belongs to a surface, as a fraction of the largest cell: two meshes of a curved side
 /// differ.
@@ -41,7 +41,7 @@ impl SurfaceLocator {
         seen.dedup();
         let project = |at: CellPlace| {
             let (element, nodes) = mesh.cell_at(at);
-            let (x, distance) = project(mesh, element, nodes, p)?;
+            let (x, distance) = project(mesh, element, nodes, p, 1e-12)?;
             Some((at, x, distance, element.shape.depth(&x))).filter(|_| distance <= self.near)
         };
         let found: Vec<_> = seen.into_iter().filter_map(project).collect();
@@ -56,13 +56,9 @@ impl SurfaceLocator {
     }
 }
 
-fn minus(a: &Point, b: &Point) -> Point {
-    std::array::from_fn(|c| a[c] - b[c])
-}
-
-/// The reference coordinates at which a cell, extended beyond its sides, is nearest to a point, and the distance in m,
-/// by Gauss–Newton iteration.
-fn project(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<(Point, f64)> {
+/// The reference coordinates at which a cell or facet, extended beyond its sides, is nearest to a point, and the distance
+/// in m, by Gauss–Newton iteration up to a step of size `small`.
+pub(super) fn project(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point, small: f64) -> Option<(Point, f64)> {
     const MOST: usize = 50;
     const FAR: f64 = 10.0;
     let (mut values, mut gradients) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
@@ -93,7 +89,7 @@ fn project(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<(
         if size.is_nan() || x.iter().any(|c| c.abs() > FAR) {
             return None;
         }
-        if size < 1e-12 {
+        if size < small {
             return Some((x, length(&rest)));
         }
     }

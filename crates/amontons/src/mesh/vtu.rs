@@ -6,9 +6,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, Values, complete_data, of_vtk};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFile, MeshFileError, Values, complete_data};
 use super::{Block, Mesh};
-use crate::element;
+use crate::element::{self, CellType};
 use crate::tensor::Point;
 use crate::vtu::{self, Array, Grid};
 
@@ -115,18 +115,13 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
 /// The element of a cell; the library numbers nodes as VTK does.
 fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
     if POINTS.contains(&code) {
-        return Ok(Kind {
-            name: "vertex",
-            dim: 0,
-            nodes: 1,
-            element: element::ALL.iter().copied().find(|e| e.vtk == 1),
-        });
+        return Ok(Kind { name: "vertex", dim: 0, nodes: 1, element: Some(&element::POINT_LEFT) });
     }
-    let (element, nodes) = of_vtk(code).ok_or_else(|| {
-        let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
+    let (element, cell) = CellType::find(|_, known| known.vtk == Some(code)).ok_or_else(|| {
+        let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk(), e.name)).collect();
         MeshFileError::Element { at: FilePosition::Cell(cell), found: format!("VTK {code}"), known: known.join(", ") }
     })?;
-    Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) })
+    Ok(Kind::of(element, cell.nodes))
 }
 
 /// The first cell data present among some names, as integers.

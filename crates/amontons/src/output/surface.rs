@@ -107,7 +107,7 @@ pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Resu
             let local = facet.iter().filter_map(|node| of_side.binary_search(node).ok());
             cells.connectivity.extend(local.map(|i| (first + i) as i64));
             cells.ends.push(cells.connectivity.len() as i64);
-            cells.types.push(element.vtk);
+            cells.types.push(element.vtk());
             numbers.push(number as i64);
         }
         points.extend(of_side.iter().filter_map(|&node| mesh.points.get(node as usize).copied()));

@@ -124,7 +124,7 @@ fn connectivity(problem: &Problem) -> Cells {
             cells.connectivity.extend(cell.iter().map(|&node| i64::from(node)));
             cells.ends.push(cells.connectivity.len() as i64);
         }
-        cells.types.extend(std::iter::repeat_n(block.element.vtk, block.len()));
+        cells.types.extend(std::iter::repeat_n(block.element.vtk(), block.len()));
     }
     cells
 }

@@ -4,22 +4,8 @@ use std::collections::HashMap;
 
 use super::PlotError;
 use super::axes;
+use crate::element::{CellType, Drawing};
 use crate::mesh::Mesh;
-
-/// Nodes around a cell of `nodes` nodes in the order of [`crate::element`], and the triangles that draw it.
-pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize; 3]])> {
-    match nodes {
-        3 => Some((&[0, 1, 2], &[[0, 1, 2]])),
-        4 => Some((&[0, 1, 2, 3], &[[0, 1, 2], [0, 2, 3]])),
-        6 => Some((&[0, 3, 1, 4, 2, 5], &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])),
-        8 => Some((&[0, 4, 1, 5, 2, 6, 3, 7], &[[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]])),
-        9 => Some((
-            &[0, 4, 1, 5, 2, 6, 3, 7],
-            &[[8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0]],
-        )),
-        _ => None,
-    }
-}
 
 /// A mesh in the plane.
 #[derive(Clone, Debug)]
@@ -56,8 +42,9 @@ impl PlaneMesh {
         let mut sides: HashMap<[u32; 2], ([u32; 2], usize)> = HashMap::new();
         let mut order = Vec::new();
         for (c, cell) in cells.into_iter().enumerate() {
-            let Some((outline, parts)) = pieces(cell.len()) else {
-                return Err(PlotError::Data(format!("cell {c} has {} nodes, expected 3, 4, 6, 8 or 9", cell.len())));
+            let Some(Drawing { outline, triangles }) = CellType::drawing(cell.len()) else {
+                let expected = CellType::node_counts(|element| element.dim() == 2);
+                return Err(PlotError::Data(format!("cell {c} has {} nodes, expected {expected}", cell.len())));
             };
             if let Some(node) = cell.iter().find(|&&n| n as usize >= body.points.len()) {
                 return Err(PlotError::Data(format!(
@@ -70,7 +57,7 @@ impl PlaneMesh {
             if is_mirrored {
                 around.reverse();
             }
-            for part in parts {
+            for part in triangles {
                 let [a, b, d] = part.map(|i| cell[i]);
                 body.triangles.push(if is_mirrored { [d, b, a] } else { [a, b, d] });
                 body.owners.push(c as u32);

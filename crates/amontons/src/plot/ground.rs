@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::body::PlaneMesh;
 use super::run::HistoryColumns;
 use crate::contact::{Contact, Obstacle, names};
+use crate::element::CellType;
 use crate::field::{Field, TimeTable};
 use crate::mesh::FacetSet;
 use crate::output::columns;
@@ -315,8 +316,8 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
         let mut normals = vec![[0.0; 3]; nodes.len()];
         let mut triangles = Vec::new();
         for (_, facet) in set.facets() {
-            let Some((_, parts)) = super::body::pieces(facet.len()) else { continue };
-            for part in parts {
+            let Some(drawing) = CellType::drawing(facet.len()) else { continue };
+            for part in drawing.triangles {
                 let triangle = part.map(|i| number[&facet[i]]);
                 let across = super::surface::across(triangle.map(|n| x[n as usize]));
                 for n in triangle {

@@ -11,6 +11,7 @@ use super::picture::{Anchor, DENSITY, MARGIN, Picture, Rect, Stroke};
 use super::render::{self, ShadedTriangle, View};
 use super::sheet::{self, Margins, PanelPlan};
 use super::surface::Skin;
+use crate::element::{CellType, Drawing};
 use crate::mesh::{FacetKey, FacetSet, Mesh, facet_key};
 use crate::units::{Measure, Units};
 
@@ -137,7 +138,7 @@ impl SideTriangles {
         let mut edges: HashMap<[u32; 2], Option<usize>> = HashMap::new();
         for (element, nodes) in boundary.facets() {
             let number = of_facet.get(&facet_key(element, nodes.iter().copied())).copied().unwrap_or(0);
-            let Some((outline, parts)) = body::pieces(nodes.len()) else { continue };
+            let Some(Drawing { outline, triangles: parts }) = CellType::drawing(nodes.len()) else { continue };
             for part in parts {
                 surface.triangles.push(part.map(|i| nodes[i]));
                 surface.which.push(number);

@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use super::PlotError;
-use super::body;
-use crate::element;
+use crate::element::{self, CellType, Drawing};
 use crate::mesh::Mesh;
 
 /// Largest number of vertices of a facet.
@@ -51,7 +50,7 @@ impl Skin {
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
         let mut open: HashMap<[u32; VERTICES], usize> = HashMap::new();
         for (c, (kind, nodes)) in cells.into_iter().enumerate() {
-            let Some(element) = element::ALL.iter().find(|e| e.vtk == kind && e.dim() == 3) else {
+            let Some(element) = element::ALL.iter().find(|e| e.vtk() == kind && e.dim() == 3) else {
                 return Err(PlotError::Data(format!(
                     "cell {c} has the VTK type {kind}, expected one of a body in space"
                 )));
@@ -101,14 +100,14 @@ impl Skin {
         if mesh.dim != 3 {
             return Err(PlotError::Data(format!("the mesh is {}-dimensional, expected a body in space", mesh.dim)));
         }
-        Skin::new(mesh.points.clone(), mesh.blocks.iter().flat_map(|b| b.cells().map(|cell| (b.element.vtk, cell))))
+        Skin::new(mesh.points.clone(), mesh.blocks.iter().flat_map(|b| b.cells().map(|cell| (b.element.vtk(), cell))))
     }
 
     /// Cuts the facets into triangles and finds their edges.
     fn divide(&mut self) {
         let mut places: HashMap<[u32; 2], usize> = HashMap::new();
         for (f, (nodes, cell)) in self.facets.iter().enumerate() {
-            let Some((outline, parts)) = body::pieces(nodes.len()) else { continue };
+            let Some(Drawing { outline, triangles: parts }) = CellType::drawing(nodes.len()) else { continue };
             for part in parts {
                 self.triangles.push(part.map(|i| nodes[i]));
                 self.owners.push(*cell);
@@ -149,7 +148,7 @@ impl Skin {
     /// Outward area vector of a facet.
     pub(super) fn normal(&self, facet: usize) -> [f64; 3] {
         let nodes = &self.facets[facet].0;
-        let parts = body::pieces(nodes.len()).map_or(&[][..], |(_, parts)| parts);
+        let parts = CellType::drawing(nodes.len()).map_or(&[][..], |drawing| drawing.triangles);
         parts.iter().fold([0.0; 3], |sum, part| {
             let n = self.across(&part.map(|i| nodes[i]));
             [0, 1, 2].map(|d| sum[d] + 0.5 * n[d])

@@ -5,6 +5,7 @@ use super::render::View;
 use super::run::DrawnRun;
 use super::surface::{across, dot, norm};
 use crate::contact::Contact;
+use crate::element::CellType;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
 
@@ -63,7 +64,7 @@ pub(super) fn onto(normal: [f64; 3]) -> View {
 fn areas(problem: &Problem, side: &str) -> Vec<(u32, [f64; 3], f64)> {
     let Some(set) = problem.mesh.facets.get(side) else { return Vec::new() };
     let parts = set.facets().flat_map(|(_, facet)| {
-        let pieces = super::body::pieces(facet.len()).map_or(&[][..], |(_, parts)| parts);
+        let pieces = CellType::drawing(facet.len()).map_or(&[][..], |drawing| drawing.triangles);
         pieces.iter().map(move |part| {
             let vector = across(part.map(|i| problem.mesh.points[facet[i] as usize]));
             (facet[0], vector, norm(vector))

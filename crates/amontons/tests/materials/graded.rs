@@ -255,7 +255,7 @@ fn vtu(mesh: &Mesh, cells: impl Fn(&Point) -> f64, points: impl Fn(&Point) -> f6
         list(mesh.points.iter().flatten().map(|x| format!("{x:?}")).collect()),
         list(block.nodes.iter().map(ToString::to_string).collect()),
         list((1..=block.len()).map(|i| (i * n).to_string()).collect()),
-        list(vec![block.element.vtk.to_string(); block.len()]),
+        list(vec![block.element.vtk().to_string(); block.len()]),
         list(block.cells().map(|cell| format!("{:?}", cells(&centre(mesh, cell)))).collect()),
         list(mesh.points.iter().map(|x| format!("{:?}", points(x))).collect()),
     )
@@ -265,10 +265,10 @@ fn vtu(mesh: &Mesh, cells: impl Fn(&Point) -> f64, points: impl Fn(&Point) -> f6
 fn msh(mesh: &Mesh, version: &str, cells: impl Fn(&Point) -> f64, points: impl Fn(&Point) -> f64) -> String {
     let (block, mut out) = (&mesh.blocks[0], format!("$MeshFormat\n{version} 0 8\n$EndMeshFormat\n"));
     let (nodes, count) = (mesh.points.len(), block.len());
-    let code = block.element.gmsh;
-    // Nodes of Gmsh: `gmsh_nodes[i]` is the local number of the i-th node of the file.
+    let code = block.element.types[0].gmsh.expect("a type of Gmsh");
     let in_file = |cell: &[u32]| -> String {
-        block.element.gmsh_nodes.iter().map(|&local| (cell[local] + 7).to_string()).collect::<Vec<_>>().join(" ")
+        let order = block.element.orders.gmsh;
+        (0..cell.len()).map(|i| (cell[order.local(i)] + 7).to_string()).collect::<Vec<_>>().join(" ")
     };
     if version == "2.2" {
         let _ = writeln!(out, "$Nodes\n{nodes}");

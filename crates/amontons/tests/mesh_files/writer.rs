@@ -120,9 +120,14 @@ pub fn write(mesh: &Mesh, format: Format) -> Vec<u8> {
     out.bytes
 }
 
+/// The number of the type of cells with all nodes of an element.
+fn code(group: &Group) -> i32 {
+    group.element.types[0].gmsh.expect("a type of Gmsh") as i32
+}
+
 fn connectivity(out: &mut Out, group: &Group, cell: &[u32], tag: &impl Fn(u32) -> u64) {
-    for &local in group.element.gmsh_nodes {
-        out.size(tag(cell[local]));
+    for position in 0..cell.len() {
+        out.size(tag(cell[group.element.orders.gmsh.local(position)]));
     }
     out.line();
 }
@@ -143,7 +148,7 @@ fn version_two(out: &mut Out, mesh: &Mesh, groups: &[Group], tag: impl Fn(u32) -
     for group in groups {
         let cells = group.nodes.chunks_exact(group.element.nodes.len());
         if out.format.binary.is_some() {
-            out.int(group.element.gmsh as i32);
+            out.int(code(group));
             out.int(cells.len() as i32);
             out.int(2);
         }
@@ -151,7 +156,7 @@ fn version_two(out: &mut Out, mesh: &Mesh, groups: &[Group], tag: impl Fn(u32) -
             number += 1;
             out.int(number);
             if out.format.binary.is_none() {
-                out.int(group.element.gmsh as i32);
+                out.int(code(group));
                 out.int(2);
             }
             out.int(group.tag);
@@ -226,7 +231,7 @@ fn version_four(out: &mut Out, mesh: &Mesh, groups: &[Group], tag: impl Fn(u32) 
         let cells = group.nodes.chunks_exact(group.element.nodes.len());
         out.int(group.dim as i32);
         out.int(group.tag);
-        out.int(group.element.gmsh as i32);
+        out.int(code(group));
         out.size(cells.len() as u64);
         out.line();
         for cell in cells {

@@ -107,6 +107,8 @@ fn additions_touch_the_files_that_the_table_names() {
     let wrong: Vec<String> = rows.iter().flat_map(|row| faults(row, &sources)).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(rows.len() > 14, "{} rows", rows.len());
+    let element = rows.iter().find(|row| row.addition == "element of a shape that is there").expect("its row");
+    assert_eq!(element.named.len(), 2, "files of a new element: {:?}", element.named);
     for (name, path) in BESIDE {
         assert!(rows.iter().any(|row| row.names.contains(&name)), "{name} is no example");
         assert!(has(&code(&text(&file(path))), name), "{path} has no {name}");

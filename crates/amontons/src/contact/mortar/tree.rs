@@ -1,7 +1,7 @@
 //! The tree of spheres around the parts of a side: finds the parts that may meet something without testing each part.
 
-use super::super::spheres::Spheres;
 use super::part::FlatPiece;
+use crate::mesh::Spheres;
 use crate::tensor::Point;
 
 /// The tree over the parts of a side.

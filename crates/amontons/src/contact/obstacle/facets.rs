@@ -6,10 +6,9 @@
 
 use std::collections::BTreeMap;
 
-use super::super::spheres::Spheres;
 use super::closest::{On, closest};
 use super::{Nearest, minus, plus, unit};
-use crate::mesh::cross;
+use crate::mesh::{Spheres, cross};
 use crate::tensor::{Point, dot, length};
 
 /// Vertices closer than this fraction of the size of the surface are merged: four-byte numbers have a relative error of

@@ -29,7 +29,7 @@ pub use surface::LevelSet;
 pub use wave::Wave;
 
 use crate::field::Field;
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, length, minus};
 
 /// A rigid obstacle that the body may touch.
 #[derive(Clone, Debug)]
@@ -297,10 +297,6 @@ fn keyed<'a>(keys: [&'static str; 3], components: &'a Point3) -> Vec<(&'static s
 
 fn at(components: &Point3, t: f64) -> Point {
     [0, 1, 2].map(|c| components[c].value(&[0.0; 3], t))
-}
-
-fn minus(a: &Point, b: &Point) -> Point {
-    [0, 1, 2].map(|c| a[c] - b[c])
 }
 
 /// a + s b.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::super::{Block, Mesh};
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot, length, minus};
 
 /// Fraction of the shortest edge at a node within which another node counts as coincident.
 const SAME: f64 = 1e-6;
@@ -32,7 +32,7 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
         let (here, beyond) = (along(p), reach + ROUND_OFF * length(p));
         let others = &order[order.partition_point(|(at, _)| *at < here - beyond)..];
         let others = others.iter().take_while(|(at, _)| *at <= here + beyond).map(|(_, other)| *other);
-        let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
+        let near = |other: &u32| length(&minus(p, &mesh.points[*other as usize])) <= reach;
         // Each pair is found at both of its nodes, or at one if their tolerances differ.
         let (node, apart) = (node as u32, |other: &u32| *other as usize != node);
         let pairs = others.filter(apart).filter(near).map(|other| [node.min(other), node.max(other)]);
@@ -51,17 +51,13 @@ fn shortest_edges(mesh: &Mesh) -> Vec<f64> {
         for (i, &a) in cell.iter().enumerate() {
             for &b in &cell[..i] {
                 let (a, b) = (a as usize, b as usize);
-                let edge = length(&difference(&mesh.points[a], &mesh.points[b]));
+                let edge = length(&minus(&mesh.points[a], &mesh.points[b]));
                 edges[a] = edges[a].min(edge);
                 edges[b] = edges[b].min(edge);
             }
         }
     }
     edges
-}
-
-fn difference(a: &Point, b: &Point) -> Point {
-    std::array::from_fn(|d| a[d] - b[d])
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Boundary facets of cells that lie on other facets without being the same: nonconforming places of a mesh.
 
 use super::{Defect, DefectList, centre, extent, labels};
-use crate::element::{Element, MAX_NODES};
-use crate::mesh::Mesh;
+use crate::element::Element;
+use crate::mesh::surface::project;
 use crate::mesh::topology::Owner;
-use crate::quadrature::Shape;
-use crate::tensor::{Point, dot, length};
+use crate::mesh::{Mesh, Spheres};
+use crate::tensor::{Point, length, minus};
 
 /// Distance of a node from a facet, relative to the size of the facet, within which it lies on it: files often have
 /// seven digits.
@@ -37,19 +37,20 @@ pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut DefectList) {
         let start = at_node.partition_point(|pair| pair.0 < node);
         at_node[start..].iter().take_while(move |pair| pair.0 == node).map(|pair| pair.1 as usize)
     };
-    let mut tree: Vec<u32> = at_node.iter().map(|pair| pair.0).collect();
-    tree.dedup();
-    build(mesh, &mut tree, 0);
+    let mut nodes: Vec<u32> = at_node.iter().map(|pair| pair.0).collect();
+    nodes.dedup();
+    let tree = Spheres::new(nodes.len(), &|place| (mesh.points[nodes[place] as usize], 0.0));
     let labels = labels(mesh);
     let mut hanging: Vec<(u32, usize)> = Vec::new();
-    let mut near = Vec::new();
     for (f, facet) in facets.iter().enumerate() {
         let (low, high) = bounds(mesh, facet);
-        near.clear();
-        query(mesh, &tree, 0, &low, &high, &mut near);
-        for &node in &near {
+        let beyond =
+            |x: &Point| (0..mesh.dim).map(|d| (low[d] - x[d]).max(x[d] - high[d]).max(0.0).powi(2)).sum::<f64>();
+        let is_inside = |place: usize| beyond(&mesh.points[nodes[place] as usize]) <= 0.0;
+        let near = tree.met(&|centre, radius| beyond(centre) <= radius * radius, &is_inside);
+        for node in near.into_iter().map(|place| nodes[place]) {
             let at = &mesh.points[node as usize];
-            let apart = facet.nodes.iter().all(|&n| distance(&mesh.points[n as usize], at) > NEAR * facet.size);
+            let apart = facet.nodes.iter().all(|&n| length(&minus(&mesh.points[n as usize], at)) > NEAR * facet.size);
             // Faces of a crack or of bodies that touch share no node there.
             let joined = || of_node(node).any(|other| facets[other].nodes.iter().any(|n| facet.nodes.contains(n)));
             if apart && labels[node as usize] == labels[facet.nodes[0] as usize] && joined() && on(mesh, facet, at) {
@@ -122,86 +123,12 @@ fn overlaps<I: Iterator<Item = usize>>(
 
 /// True if two facets coincide node by node, as the faces of a crack do next to its front.
 fn coincide(mesh: &Mesh, a: &FacetOf, b: &FacetOf) -> bool {
-    let near = |m: u32, n: u32| distance(&mesh.points[m as usize], &mesh.points[n as usize]) < NEAR * a.size;
+    let near = |m: u32, n: u32| length(&minus(&mesh.points[m as usize], &mesh.points[n as usize])) < NEAR * a.size;
     a.nodes.len() == b.nodes.len() && a.nodes.iter().all(|&m| b.nodes.iter().any(|&n| near(m, n)))
 }
 
-fn distance(a: &Point, b: &Point) -> f64 {
-    length(&std::array::from_fn(|d| a[d] - b[d]))
-}
-
-/// True if a point lies on a facet: the nearest point of the facet, by Gauss-Newton iteration, is within [`NEAR`].
+/// True if a point lies on a facet: the nearest point of the facet is within [`NEAR`].
 fn on(mesh: &Mesh, facet: &FacetOf, at: &Point) -> bool {
-    let (mut values, mut gradients) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
-    let n = facet.nodes.len();
-    let mut xi = facet.element.centre();
-    for _ in 0..20 {
-        (facet.element.shape_functions)(&xi, &mut values[..n]);
-        (facet.element.gradients)(&xi, &mut gradients[..n]);
-        let (mut rest, mut a, mut b) = (*at, [0.0; 3], [0.0; 3]);
-        for (i, &node) in facet.nodes.iter().enumerate() {
-            for d in 0..3 {
-                let x = mesh.points[node as usize][d];
-                rest[d] -= values[i] * x;
-                a[d] += gradients[i][0] * x;
-                b[d] += gradients[i][1] * x;
-            }
-        }
-        let (aa, ab, bb, ra, rb) = (dot(&a, &a), dot(&a, &b), dot(&b, &b), dot(&rest, &a), dot(&rest, &b));
-        let step = if mesh.dim == 2 {
-            [ra / aa, 0.0]
-        } else {
-            let determinant = aa * bb - ab * ab;
-            [(bb * ra - ab * rb) / determinant, (aa * rb - ab * ra) / determinant]
-        };
-        if !(step[0].is_finite() && step[1].is_finite()) || xi.iter().any(|x| x.abs() > 10.0) {
-            return false;
-        }
-        xi[0] += step[0];
-        xi[1] += step[1];
-        if step[0].abs().max(step[1].abs()) < NEAR {
-            let inside = match facet.element.shape {
-                Shape::Triangle => xi[0] > -NEAR && xi[1] > -NEAR && xi[0] + xi[1] < 1.0 + NEAR,
-                _ => xi.iter().all(|x| (-NEAR..=1.0 + NEAR).contains(x)),
-            };
-            return inside && length(&rest) < 2.0 * NEAR * facet.size;
-        }
-    }
-    false
-}
-
-/// Largest number of nodes in a leaf.
-const LEAF: usize = 8;
-
-/// Sorts nodes into a k-d tree: the median splits the others by the coordinate of its depth.
-fn build(mesh: &Mesh, nodes: &mut [u32], depth: usize) {
-    if nodes.len() <= LEAF {
-        return;
-    }
-    let axis = depth % mesh.dim;
-    let middle = nodes.len() / 2;
-    let x = |node: u32| mesh.points[node as usize][axis];
-    let (low, _, high) = nodes.select_nth_unstable_by(middle, |&a, &b| x(a).total_cmp(&x(b)).then(a.cmp(&b)));
-    build(mesh, low, depth + 1);
-    build(mesh, high, depth + 1);
-}
-
-/// Adds the nodes of a tree that lie in a box.
-fn query(mesh: &Mesh, nodes: &[u32], depth: usize, low: &Point, high: &Point, found: &mut Vec<u32>) {
-    let inside = |node: u32| (0..mesh.dim).all(|d| (low[d]..=high[d]).contains(&mesh.points[node as usize][d]));
-    if nodes.len() <= LEAF {
-        found.extend(nodes.iter().copied().filter(|&n| inside(n)));
-        return;
-    }
-    let (axis, middle) = (depth % mesh.dim, nodes.len() / 2);
-    let split = mesh.points[nodes[middle] as usize][axis];
-    if low[axis] <= split {
-        query(mesh, &nodes[..middle], depth + 1, low, high, found);
-    }
-    if inside(nodes[middle]) {
-        found.push(nodes[middle]);
-    }
-    if high[axis] >= split {
-        query(mesh, &nodes[middle + 1..], depth + 1, low, high, found);
-    }
+    project(mesh, facet.element, &facet.nodes, at, NEAR)
+        .is_some_and(|(xi, distance)| facet.element.shape.depth(&xi) > -NEAR && distance < 2.0 * NEAR * facet.size)
 }

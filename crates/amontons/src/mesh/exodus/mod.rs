@@ -12,9 +12,9 @@ mod types;
 use std::collections::BTreeSet;
 
 use self::netcdf::{NetcdfNumbers, Variables};
-use self::types::{ExodusType, side};
+use self::types::ExodusType;
 use super::Mesh;
-use super::read::{FacetOf, FilePosition, Loose, LooseBlock, MeshFile, MeshFileError, NodeSet, Skipped, facet_with};
+use super::read::{FacetOf, FilePosition, Loose, LooseBlock, MeshFile, MeshFileError, NodeSet, Skipped};
 use crate::tensor::Point;
 
 fn refuse(message: impl Into<String>) -> MeshFileError {
@@ -136,8 +136,9 @@ impl ExodusReader {
                 )));
             };
             let written = self.file.attribute(&variable, "elem_type").unwrap_or_default();
-            let kind = ExodusType::of(&written, nodes)
-                .ok_or_else(|| refuse(format!("elements of type {written:?} with {nodes} nodes, {}", types::KNOWN)))?;
+            let kind = ExodusType::of(&written, nodes).ok_or_else(|| {
+                refuse(format!("elements of type {written:?} with {nodes} nodes, {}", types::known()))
+            })?;
             if count.checked_mul(nodes) != Some(values.len()) {
                 return Err(refuse(format!(
                     "{variable} has {} nodes of {count} cells with {nodes} each",
@@ -228,8 +229,10 @@ impl ExodusReader {
             let hint = "sides of solids, or of a plane body with two coordinates; sets of nodes serve for others";
             return Err(refuse(format!("{message}: side {number} of the {name} {}, expected {hint}", cell + 1)));
         }
-        let found = kind.kind.element.zip(side(kind.shape, number));
-        let found = found.and_then(|(element, vertices)| facet_with(element, vertices));
+        let found = kind.kind.element.and_then(|element| {
+            let at = place(number, element.facets.len())?;
+            element.facets.get(element.orders.exodus_sides.local(at))
+        });
         let found = found.ok_or_else(|| refuse(format!("side {number} of the {name} {}, which has none", cell + 1)))?;
         let nodes = &self.loose.blocks[*block].nodes[(cell - first) * kind.kind.nodes..][..kind.kind.nodes];
         Ok(Some(FacetOf::new(found, nodes)))

@@ -16,47 +16,13 @@ mod sections;
 pub(in crate::mesh) use data::data;
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, MeshFile, MeshFileError, completed};
-use crate::element;
-use crate::quadrature::Shape;
-
-/// Name, dimension and number of nodes of the types 1 to 19.
-const KINDS: [(&str, usize, usize); 19] = [
-    ("2-node segment", 1, 2),
-    ("3-node triangle", 2, 3),
-    ("4-node quadrilateral", 2, 4),
-    ("4-node tetrahedron", 3, 4),
-    ("8-node hexahedron", 3, 8),
-    ("6-node prism", 3, 6),
-    ("5-node pyramid", 3, 5),
-    ("3-node segment", 1, 3),
-    ("6-node triangle", 2, 6),
-    ("9-node quadrilateral", 2, 9),
-    ("10-node tetrahedron", 3, 10),
-    ("27-node hexahedron", 3, 27),
-    ("18-node prism", 3, 18),
-    ("14-node pyramid", 3, 14),
-    ("1-node point", 0, 1),
-    ("8-node quadrilateral", 2, 8),
-    ("20-node hexahedron", 3, 20),
-    ("15-node prism", 3, 15),
-    ("13-node pyramid", 3, 13),
-];
+use super::read::{FilePosition, Kind, MeshFile, MeshFileError};
+use crate::element::CellType;
 
 /// The element type with a number.
 fn kind(code: i64) -> Option<Kind> {
-    let index = usize::try_from(code).ok()?.checked_sub(1)?;
-    let &(name, dim, nodes) = KINDS.get(index)?;
-    let complete = element::ALL.iter().copied().find(|e| i64::from(e.gmsh) == code && e.nodes.len() == nodes);
-    let shape = match code {
-        16 => Shape::Quadrilateral,
-        17 => Shape::Hexahedron,
-        18 => Shape::Prism,
-        19 => Shape::Pyramid,
-        _ => Shape::Point,
-    };
-    let element = complete.or_else(|| completed(shape, nodes));
-    Some(Kind { name, dim, nodes, element })
+    let (element, cell) = CellType::find(|_, cell| cell.gmsh.is_some_and(|number| i64::from(number) == code))?;
+    Some(Kind { name: cell.name, dim: element.dim(), nodes: cell.nodes, element: Some(element) })
 }
 
 /// Reads a mesh from the bytes of an MSH file.

@@ -386,7 +386,7 @@ fn connectivity(
             Version::Two => cursor.integer("the tag of a node")?,
             Version::Four => i64::try_from(cursor.size("the tag of a node")?).unwrap_or(i64::MAX),
         };
-        let local = kind.element.map_or(i, |element| element.gmsh_nodes[i]);
+        let local = kind.element.map_or(i, |element| element.orders.gmsh.local(i));
         nodes[first + local] = tags.index(tag).ok_or_else(|| MeshFileError::UnknownNode {
             at: cursor.place(at),
             tag,

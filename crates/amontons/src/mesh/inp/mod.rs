@@ -25,7 +25,7 @@ mod thin;
 mod told;
 
 pub use lines::{Keyword, entries, keywords};
-pub use solid::{SolidType, face, solid_type};
+pub use solid::{SolidType, solid_type};
 
 use super::read::{FilePosition, Include, MeshFile, MeshFileError};
 

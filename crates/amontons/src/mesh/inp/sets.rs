@@ -5,9 +5,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::Arc;
 
-use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, PlaneState, Skipped, facet_with};
+use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, PlaneState, Skipped};
 use super::model::{InpCell, InpModel, InpPart, InpSet, InpSetItem, SetKind, Sort, index};
-use super::solid::face;
 use super::thin::BoundaryFacets;
 use super::told::{Left, Told};
 
@@ -360,8 +359,10 @@ impl Sets {
     fn labelled(&self, (body, cell): CellOf, label: &str, line: usize) -> Result<FacetOf, MeshFileError> {
         let nodes = self.nodes(body, cell)?;
         let element = self.cell(body, cell).solid.kind.element;
-        let number = label.strip_prefix('S').and_then(|number| number.parse().ok());
-        let found = element.zip(number).and_then(|(element, number)| facet_with(element, face(element, number)?));
+        // The facets of an element have the order of the faces S1, S2, … of Abaqus.
+        let number: Option<usize> = label.strip_prefix('S').and_then(|number| number.parse().ok());
+        let place = number.and_then(|number| number.checked_sub(1));
+        let found = element.zip(place).and_then(|(element, place)| element.facets.get(place));
         let found = found.ok_or_else(|| {
             let what = element.map_or("element", |element| element.name);
             unknown(line, format!("the face {label} of a {what}"), "S1, S2, … up to its number of faces")

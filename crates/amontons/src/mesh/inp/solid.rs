@@ -1,6 +1,6 @@
 //! The element types of Abaqus and CalculiX that fill a body or may lie on it, and their faces.
 
-use crate::element::{self, Element};
+use crate::element::{CellType, Element};
 
 use super::super::read::{Kind, PlaneState};
 
@@ -54,24 +54,13 @@ pub(super) fn of(name: &str) -> InpType {
     let Some(&(family, dim)) = family else { return thin(name) };
     let digits: String = name[family.len()..].chars().take_while(char::is_ascii_digit).collect();
     let Ok(nodes) = digits.parse::<usize>() else { return InpType::Other };
-    let element: &'static Element = match (dim, nodes) {
-        (1, 2) => &element::P1_SEGMENT,
-        (1, 3) => &element::P2_SEGMENT,
-        (2, 3) => &element::P1_TRIANGLE,
-        (2, 4) => &element::Q1_QUADRILATERAL,
-        (2, 6) => &element::P2_TRIANGLE,
-        // Nodes in the middle of faces and cell are missing and added later.
-        (2, 8) => &element::Q2_QUADRILATERAL,
-        (3, 4) => &element::P1_TETRAHEDRON,
-        (3, 5) => &element::P1_PYRAMID,
-        (3, 6) => &element::P1_PRISM,
-        (3, 8) => &element::Q1_HEXAHEDRON,
-        (3, 10) => &element::P2_TETRAHEDRON,
-        (3, 15) => &element::P2_PRISM,
-        (3, 20) => &element::Q2_HEXAHEDRON,
-        _ => return InpType::Missing,
+    // Nodes in the middle of faces and cell are missing and added later.
+    let Some((element, _)) =
+        CellType::find(|element, cell| cell.is_in_abaqus && element.dim() == dim && cell.nodes == nodes)
+    else {
+        return InpType::Missing;
     };
-    let kind = Kind { name: element.name, dim, nodes, element: Some(element) };
+    let kind = Kind::of(element, nodes);
     InpType::Solid(InpSolid { kind, axisymmetric: REVOLUTION.contains(&family), plane: plane(family), fills: true })
 }
 
@@ -147,22 +136,4 @@ fn plane(family: &str) -> Option<PlaneState> {
         "CPE" | "CPEG" => Some(PlaneState::Strain),
         _ => None,
     }
-}
-
-/// The vertices of face S1, S2, … of an element, numbered from 0.
-pub fn face(element: &Element, number: usize) -> Option<&'static [usize]> {
-    use crate::quadrature::Shape;
-    let faces: &[&[usize]] = match element.shape {
-        Shape::Segment => &[&[0], &[1]],
-        Shape::Triangle => &[&[0, 1], &[1, 2], &[2, 0]],
-        Shape::Quadrilateral => &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
-        Shape::Tetrahedron => &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
-        Shape::Pyramid => &[&[0, 1, 2, 3], &[0, 4, 1], &[1, 4, 2], &[2, 4, 3], &[3, 4, 0]],
-        Shape::Prism => &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]],
-        Shape::Hexahedron => {
-            &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]]
-        }
-        Shape::Point => &[],
-    };
-    faces.get(number.checked_sub(1)?).copied()
 }

@@ -191,6 +191,14 @@ impl MeshFileError {
     #[must_use]
     pub fn at(&self) -> Option<FilePosition> {
         match self {
+            MeshFileError::In { fault, .. } => fault.at(),
+            other => other.clone().own_at().copied(),
+        }
+    }
+
+    /// The position of a fault in the file itself, not in an included one.
+    fn own_at(&mut self) -> Option<&mut FilePosition> {
+        match self {
             MeshFileError::Syntax { at, .. }
             | MeshFileError::Version { at, .. }
             | MeshFileError::Count { at, .. }
@@ -200,8 +208,7 @@ impl MeshFileError {
             | MeshFileError::Coordinate { at, .. }
             | MeshFileError::UnknownEntity { at, .. }
             | MeshFileError::Include { at, .. }
-            | MeshFileError::NoRegion { at, .. } => Some(*at),
-            MeshFileError::In { fault, .. } => fault.at(),
+            | MeshFileError::NoRegion { at, .. } => Some(at),
             _ => None,
         }
     }
@@ -217,18 +224,8 @@ impl MeshFileError {
 
     /// Moves the fault to another line.
     pub(in crate::mesh) fn in_line(mut self, line: usize) -> MeshFileError {
-        match &mut self {
-            MeshFileError::Syntax { at, .. }
-            | MeshFileError::Version { at, .. }
-            | MeshFileError::Count { at, .. }
-            | MeshFileError::ElementType { at, .. }
-            | MeshFileError::Element { at, .. }
-            | MeshFileError::UnknownNode { at, .. }
-            | MeshFileError::Coordinate { at, .. }
-            | MeshFileError::UnknownEntity { at, .. }
-            | MeshFileError::Include { at, .. }
-            | MeshFileError::NoRegion { at, .. } => *at = FilePosition::Line(line),
-            _ => {}
+        if let Some(at) = self.own_at() {
+            *at = FilePosition::Line(line);
         }
         self
     }

@@ -13,8 +13,8 @@ use super::Mesh;
 pub(super) use announced::{CHARACTER, NUMBER, Room};
 pub use error::{FilePosition, MeshFileError};
 pub(super) use loose::{Kind, Loose, LooseBlock, NodeSet};
-pub(super) use node_sets::{FacetOf, facet_with};
-pub(super) use serendipity::{complete_data, completed, of_vtk};
+pub(super) use node_sets::FacetOf;
+pub(super) use serendipity::complete_data;
 
 /// Plane state given by the elements of a plane mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,18 +25,9 @@ impl FacetOf {
     }
 }
 
-/// The facet of an element with these vertices.
-pub(in crate::mesh) fn facet_with(element: &Element, vertices: &[usize]) -> Option<&'static Facet> {
-    let count = element.shape.vertices();
-    element.facets.iter().find(|facet| {
-        let mut own = facet.nodes.iter().filter(|&&node| node < count);
-        own.clone().count() == vertices.len() && own.all(|node| vertices.contains(node))
-    })
-}
-
 impl Kind {
     /// An element of the library with `given` of its nodes in the file.
-    fn of(element: &'static Element, given: usize) -> Kind {
+    pub(in crate::mesh) fn of(element: &'static Element, given: usize) -> Kind {
         Kind { name: element.name, dim: element.dim(), nodes: given, element: Some(element) }
     }
 }

@@ -9,33 +9,11 @@
 use std::collections::HashMap;
 
 use super::{Kind, LooseBlock};
-use crate::element::{self, Element};
+use crate::element::Element;
 use crate::mesh::Block;
 use crate::mesh::topology::{SortedFacet, key};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
-
-/// The complete element of a shape for an incomplete number of nodes in a file.
-pub(in crate::mesh) fn completed(shape: Shape, nodes: usize) -> Option<&'static Element> {
-    match (shape, nodes) {
-        (Shape::Quadrilateral, 8) => Some(&element::Q2_QUADRILATERAL),
-        (Shape::Hexahedron, 20) => Some(&element::Q2_HEXAHEDRON),
-        (Shape::Prism, 15) => Some(&element::P2_PRISM),
-        (Shape::Pyramid, 13) => Some(&element::P2_PYRAMID),
-        _ => None,
-    }
-}
-
-/// The element of a VTK cell type, and the number of its leading nodes that these cells have.
-pub(in crate::mesh) fn of_vtk(code: u8) -> Option<(&'static Element, usize)> {
-    let (shape, nodes) = match code {
-        23 => (Shape::Quadrilateral, 8),
-        25 => (Shape::Hexahedron, 20),
-        26 => (Shape::Prism, 15),
-        _ => return element::ALL.into_iter().find(|e| e.vtk == code).map(|e| (e, e.vtk_nodes())),
-    };
-    completed(shape, nodes).map(|element| (element, nodes))
-}
 
 /// Adds the nodes of library elements that the cells of the file lack.
 pub(super) fn complete(points: &mut Vec<Point>, blocks: &mut [LooseBlock]) {

@@ -9,13 +9,14 @@ use serde_json::{Value, json};
 use super::field::{PageField, reading};
 use super::pack::Pack;
 use super::thin::ReducedMesh;
+use crate::element::{CellType, Drawing};
 use crate::output::names::SIDES;
 use crate::output::{surface_measures, surface_sides};
+use crate::plot::PlotError;
 use crate::plot::color::ColorMap;
 use crate::plot::folder::Results;
 use crate::plot::surface::norm;
 use crate::plot::vtu::{self, Grid};
-use crate::plot::{PlotError, body};
 use crate::units::{Measure, Units};
 
 /// Largest number of vertices of a side.
@@ -156,7 +157,7 @@ impl PageSide {
         let mut vertex: HashMap<u32, u32> = HashMap::new();
         let mut nodes = Vec::new();
         for cell in cells {
-            let Some((outline, parts)) = body::pieces(cell.len()) else { continue };
+            let Some(Drawing { outline, triangles: parts }) = CellType::drawing(cell.len()) else { continue };
             let own: Vec<u32> = cell
                 .iter()
                 .map(|&node| {

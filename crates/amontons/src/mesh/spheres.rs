@@ -1,7 +1,11 @@
-//! A tree of spheres around parts of a surface: finds the parts that may meet something, or the one nearest to a point,
-//! without testing each part.
+//! A tree of spheres around parts of a mesh or a surface: finds the parts that may meet something, or the one nearest to
+//! a point, without testing each part.
+//!
+//! It serves facets that face each other, triangles of an obstacle, and nodes next to a facet. The cell that contains a
+//! point is found by [`Locator`](super::Locator) instead, in a grid whose boxes have the size of a cell: few cells are
+//! candidates, and their number does not grow with the mesh.
 
-use crate::tensor::{Point, length};
+use crate::tensor::{Point, length, minus};
 
 /// Largest number of parts in a leaf.
 const LEAF: usize = 6;
@@ -10,7 +14,7 @@ const ROUND_OFF: f64 = 1e-9;
 
 /// The tree over numbered parts.
 #[derive(Clone, Debug)]
-pub(super) struct Spheres {
+pub(crate) struct Spheres {
     /// Numbers of the parts, grouped by sphere.
     order: Vec<usize>,
     /// The spheres; the root comes first.
@@ -47,7 +51,7 @@ impl Spheres {
         let centre: Point = bounds.map(|[least, most]| 0.5 * (least + most));
         let reach = |part: usize| {
             let (own, radius) = around(part);
-            length(&std::array::from_fn(|c| own[c] - centre[c])) + radius
+            length(&minus(&own, &centre)) + radius
         };
         let radius = own.iter().map(|&part| reach(part)).fold(0.0, f64::max) * (1.0 + ROUND_OFF);
         let place = self.all.len();
@@ -88,7 +92,7 @@ impl Spheres {
     pub fn nearest(&self, x: &Point, distance: &dyn Fn(usize) -> f64) -> Option<usize> {
         let least = |place: usize| {
             let sphere = &self.all[place];
-            length(&std::array::from_fn(|c| x[c] - sphere.centre[c])) - sphere.radius
+            length(&minus(x, &sphere.centre)) - sphere.radius
         };
         let (mut open, mut best): (Vec<usize>, Option<(f64, usize)>) = (vec![0], None);
         while let Some(place) = open.pop() {
