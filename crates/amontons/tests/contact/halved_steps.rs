@@ -10,6 +10,7 @@ use amontons::equation::StepError;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self as driver, Settings};
+use amontons::step::Scheme;
 use amontons::tensor::Point;
 
 /// p = 0 up to r = a and P beyond it, without the values between: a step that would end in them has no solution.
