@@ -1,5 +1,5 @@
-//! Steps that have no solution as a whole are made in halves: what is found, what is said where halves fail too, and the
-//! same bits however the run is made.
+//! Steps that have no solution as a whole are made in halves: what is found, what is said where halves fail too, and
+//! the same bits however the run is made.
 
 use std::sync::Arc;
 
