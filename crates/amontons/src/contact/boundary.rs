@@ -34,7 +34,7 @@ pub enum Quadrature {
 pub struct Contact {
     /// Name of the facet set that is Γ_C. Several contacts may be on one side.
     pub on: String,
-    /// Name of the contact in results; if empty, the name of its side is used, see [`super::names`].
+    /// Name of the contact in results; if empty, the name of its side is used, see [`super::names()`].
     pub name: String,
     /// The other side of a pair; `None` if the foundation is rigid.
     pub pair: Option<Pair>,

@@ -84,7 +84,7 @@ pub(super) fn assemble(
     if mesh.axisymmetric { matrix } else { matrix.of_differences() }
 }
 
-/// Adds the blocks K_ij[r][c] = Σ 𝓒_rscq ∂_s N_i ∂_q N_j of pairs of nodes, only for i ≤ j if symmetric.
+/// Adds the blocks `K_ij[r][c]` = Σ 𝓒_rscq ∂_s N_i ∂_q N_j of pairs of nodes, only for i ≤ j if symmetric.
 fn by_pairs<const D: usize>(gradients: &[Point], weight: f64, map: &Stiffness, is_symmetric: bool, out: &mut [f64]) {
     let n = gradients.len();
     for (j, g) in gradients.iter().enumerate() {

@@ -221,7 +221,7 @@ impl DefectList {
 /// All defects of a mesh by kind; empty if it is sound. The work is nearly linear in the number of cells.
 ///
 /// A node or facet counts as lying on another facet if its distance is within 1e-6 of the facet's size. Faces of a
-/// crack or of parts that touch without a common node are no defects: see [`coincident`].
+/// crack or of parts that touch without a common node are no defects: see [`coincident()`].
 #[must_use]
 pub fn defects(mesh: &Mesh) -> Vec<Defects> {
     let mut list = DefectList::default();

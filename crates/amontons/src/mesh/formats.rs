@@ -2,12 +2,12 @@
 //!
 //! | extension | format | regions | sides |
 //! |---|---|---|---|
-//! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d, or volumes | physical groups of dimension d − 1, or surfaces |
-//! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces, sets of elements on the boundary, and node sets |
-//! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`](crate::mesh::med)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
-//! | `.mail` | Code_Aster, as text ([`mail`](crate::mesh::mail)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
-//! | `.e`, `.exo`, `.g` | Exodus: Cubit, MOOSE, SIERRA ([`exodus`](crate::mesh::exodus)) | blocks of dimension d | side sets, blocks of dimension d − 1 and node sets |
-//! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
+//! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`]) | physical groups of dimension d, or volumes | physical groups of dimension d − 1, or surfaces |
+//! | `.inp` | Abaqus and CalculiX ([`inp`]) | element sets of the sections | surfaces, sets of elements on the boundary, and node sets |
+//! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`]) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
+//! | `.mail` | Code_Aster, as text ([`mail`]) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
+//! | `.e`, `.exo`, `.g` | Exodus: Cubit, MOOSE, SIERRA ([`exodus`]) | blocks of dimension d | side sets, blocks of dimension d − 1 and node sets |
+//! | `.vtu` | VTK unstructured grid ([`vtu`]) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
 //! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
 //! that neither a cell nor a named facet uses, often points of the geometry. If no side is named, the whole boundary is

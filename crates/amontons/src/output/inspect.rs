@@ -42,7 +42,7 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
         ..Inspection::default()
     };
     if !run.is_intact(folder) {
-        found.faults.push(format!("{} is not as it was written", MANIFEST));
+        found.faults.push(format!("{MANIFEST} is not as it was written"));
     }
     for (name, written) in &listed {
         let path = folder.join(name);
@@ -64,12 +64,12 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
             found.snapshots.push(step);
         }
         if found.ended.is_some() && !listed.iter().any(|(other, _)| *other == name) {
-            found.faults.push(format!("{name} is not listed in {}", MANIFEST));
+            found.faults.push(format!("{name} is not listed in {MANIFEST}"));
         }
     }
     match StoredFields::of(folder).packed() {
         Ok(packed) => found.snapshots.extend(packed.iter().map(|(step, _)| *step)),
-        Err(what) => found.faults.push(format!("{}: {what}", PACKED)),
+        Err(what) => found.faults.push(format!("{PACKED}: {what}")),
     }
     found.snapshots.sort_unstable();
     found.snapshots.dedup();

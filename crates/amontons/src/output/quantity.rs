@@ -124,32 +124,53 @@ const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 pub(super) const OF_WHOLE: [Base; 6] =
     [Base::Reaction, Base::ReactionHeat, Base::ReactionMoment, Base::TotalForce, Base::TotalMoment, Base::Rotation];
 
-/// Names with their endings.
-const BASES: [(&str, Base, &[(&str, Selection)]); 23] = [
-    ("displacement", Base::Displacement, VECTOR),
-    ("velocity", Base::Velocity, VECTOR),
-    ("temperature", Base::Temperature, NUMBER),
-    ("stress", Base::Stress, TENSOR),
-    ("strain", Base::Strain, TENSOR),
-    ("von_mises", Base::VonMises, NUMBER),
-    ("mean_stress", Base::MeanStress, NUMBER),
-    ("principal", Base::Principal, PRINCIPAL),
-    ("hoop", Base::Hoop, NUMBER),
-    ("heat_flux", Base::HeatFlux, VECTOR),
-    ("reaction", Base::Reaction, NO_NORMAL),
-    ("reaction_moment", Base::ReactionMoment, NO_NORMAL),
-    ("total_force", Base::TotalForce, NO_NORMAL),
-    ("total_moment", Base::TotalMoment, NO_NORMAL),
-    ("rotation", Base::Rotation, NO_NORMAL),
-    ("reaction_heat", Base::ReactionHeat, NUMBER),
-    ("pressure", Base::Contact(ContactQuantity::Pressure), NUMBER),
-    ("penetration", Base::Contact(ContactQuantity::Penetration), NUMBER),
-    ("traction", Base::Contact(ContactQuantity::Traction), NO_NORMAL),
-    ("slip_velocity", Base::Contact(ContactQuantity::SlipVelocity), NO_NORMAL),
-    ("touching", Base::Contact(ContactQuantity::Touching), NUMBER),
-    ("wear", Base::Contact(ContactQuantity::Wear), NUMBER),
-    ("friction_work", Base::Contact(ContactQuantity::FrictionWork), NUMBER),
-];
+/// What is known of a quantity without the selected part.
+struct BaseRow {
+    name: &'static str,
+    base: Base,
+    parts: &'static [(&'static str, Selection)],
+    measure: Measure,
+    meaning: &'static str,
+}
+
+macro_rules! bases {
+    ($($name:literal: $base:expr, $parts:ident, $measure:ident, $meaning:literal;)*) => {
+        &[$(BaseRow { name: $name, base: $base, parts: $parts, measure: Measure::$measure, meaning: $meaning }),*]
+    };
+}
+
+/// Every quantity: name, parts with the endings of their names, measured quantity, and meaning.
+const BASES: &[BaseRow] = bases! {
+    "displacement": Base::Displacement, VECTOR, Length, "displacement u";
+    "velocity": Base::Velocity, VECTOR, Velocity, "velocity w = u̇";
+    "temperature": Base::Temperature, NUMBER, Temperature, "temperature θ";
+    "stress": Base::Stress, TENSOR, Stress, "stress σ of (2.1)";
+    "strain": Base::Strain, TENSOR, Number, "strain ε(u)";
+    "von_mises": Base::VonMises, NUMBER, Stress, "von Mises stress";
+    "mean_stress": Base::MeanStress, NUMBER, Stress, "tr(σ)/3";
+    "principal": Base::Principal, PRINCIPAL, Stress, "principal stresses, the largest first";
+    "hoop": Base::Hoop, NUMBER, Stress, "hoop stress of a body of revolution";
+    "heat_flux": Base::HeatFlux, VECTOR, HeatFlux, "heat flux q = −𝓚∇θ";
+    "reaction": Base::Reaction, NO_NORMAL, Force, "what a prescribed displacement exerts on the body";
+    "reaction_moment": Base::ReactionMoment, NO_NORMAL, Moment,
+        "moment about a point of what a prescribed displacement exerts on the body";
+    "total_force": Base::TotalForce, NO_NORMAL, Force,
+        "all that acts on a side: what holds it, loads, supports and contact";
+    "total_moment": Base::TotalMoment, NO_NORMAL, Moment, "moment about a point of all that acts on a side";
+    "rotation": Base::Rotation, NO_NORMAL, Angle, "rotation of the rigid motion nearest to the displacements";
+    "reaction_heat": Base::ReactionHeat, NUMBER, Power, "heat that a prescribed temperature supplies to the body";
+    "pressure": Base::Contact(ContactQuantity::Pressure), NUMBER, Stress, "contact pressure p_ν";
+    "penetration": Base::Contact(ContactQuantity::Penetration), NUMBER, Length,
+        "penetration r, negative where the gap is open";
+    "traction": Base::Contact(ContactQuantity::Traction), NO_NORMAL, Stress, "what friction does to the side, σ_τ";
+    "slip_velocity": Base::Contact(ContactQuantity::SlipVelocity), NO_NORMAL, Velocity,
+        "slip velocity of the side against what it faces";
+    "touching": Base::Contact(ContactQuantity::Touching), NUMBER, Number,
+        "1 where there is contact, 0 where the gap is open: its integral is the area";
+    "wear": Base::Contact(ContactQuantity::Wear), NUMBER, Length, "depth worn off";
+    "friction_work": Base::Contact(ContactQuantity::FrictionWork), NUMBER, SurfaceWork,
+        "work of friction since the start";
+};
 
 /// Every quantity: its name, its meaning, and the quantity that it measures.
 #[must_use]
@@ -158,35 +179,13 @@ pub fn quantities() -> Vec<(String, String, Measure)> {
 }
 
 impl Quantity {
+    fn row(self) -> &'static BaseRow {
+        BASES.iter().find(|row| row.base == self.base).unwrap_or(&BASES[0])
+    }
+
     /// Its meaning in words, with the selected part.
     fn meaning(self) -> String {
-        let of = match self.base {
-            Base::Displacement => "displacement u",
-            Base::Velocity => "velocity w = u̇",
-            Base::Temperature => "temperature θ",
-            Base::Stress => "stress σ of (2.1)",
-            Base::Strain => "strain ε(u)",
-            Base::VonMises => "von Mises stress",
-            Base::MeanStress => "tr(σ)/3",
-            Base::Principal => "principal stresses, the largest first",
-            Base::Hoop => "hoop stress of a body of revolution",
-            Base::HeatFlux => "heat flux q = −𝓚∇θ",
-            Base::Reaction => "what a prescribed displacement exerts on the body",
-            Base::ReactionMoment => "moment about a point of what a prescribed displacement exerts on the body",
-            Base::TotalForce => "all that acts on a side: what holds it, loads, supports and contact",
-            Base::TotalMoment => "moment about a point of all that acts on a side",
-            Base::Rotation => "rotation of the rigid motion nearest to the displacements",
-            Base::ReactionHeat => "heat that a prescribed temperature supplies to the body",
-            Base::Contact(ContactQuantity::Pressure) => "contact pressure p_ν",
-            Base::Contact(ContactQuantity::Penetration) => "penetration r, negative where the gap is open",
-            Base::Contact(ContactQuantity::Traction) => "what friction does to the side, σ_τ",
-            Base::Contact(ContactQuantity::SlipVelocity) => "slip velocity of the side against what it faces",
-            Base::Contact(ContactQuantity::Touching) => {
-                "1 where there is contact, 0 where the gap is open: its integral is the area"
-            }
-            Base::Contact(ContactQuantity::Wear) => "depth worn off",
-            Base::Contact(ContactQuantity::FrictionWork) => "work of friction since the start",
-        };
+        let of = self.row().meaning;
         let ending = self.name();
         let component = |c: usize| {
             let name = ending.rsplit('_').next().unwrap_or_default();
@@ -206,8 +205,8 @@ impl Quantity {
 
     /// Every quantity with its name.
     pub fn all() -> impl Iterator<Item = (String, Quantity)> {
-        BASES.iter().flat_map(|&(name, base, parts)| {
-            parts.iter().map(move |&(ending, part)| (format!("{name}{ending}"), Quantity { base, part }))
+        BASES.iter().flat_map(|row| {
+            row.parts.iter().map(|&(ending, part)| (format!("{}{ending}", row.name), Quantity { base: row.base, part }))
         })
     }
 
@@ -226,20 +225,7 @@ impl Quantity {
     /// The quantity that its values measure.
     #[must_use]
     pub fn measure(self) -> Measure {
-        match self.base {
-            Base::Displacement | Base::Contact(ContactQuantity::Penetration | ContactQuantity::Wear) => Measure::Length,
-            Base::Velocity | Base::Contact(ContactQuantity::SlipVelocity) => Measure::Velocity,
-            Base::Temperature => Measure::Temperature,
-            Base::Stress | Base::VonMises | Base::MeanStress | Base::Principal | Base::Hoop => Measure::Stress,
-            Base::Contact(ContactQuantity::Pressure | ContactQuantity::Traction) => Measure::Stress,
-            Base::Strain | Base::Contact(ContactQuantity::Touching) => Measure::Number,
-            Base::HeatFlux => Measure::HeatFlux,
-            Base::Reaction | Base::TotalForce => Measure::Force,
-            Base::ReactionMoment | Base::TotalMoment => Measure::Moment,
-            Base::Rotation => Measure::Angle,
-            Base::ReactionHeat => Measure::Power,
-            Base::Contact(ContactQuantity::FrictionWork) => Measure::SurfaceWork,
-        }
+        self.row().measure
     }
 
     /// Endings of the names of its columns in `dim` dimensions; one empty ending for a scalar.
@@ -248,7 +234,7 @@ impl Quantity {
         if self.part != Selection::All {
             return vec![""];
         }
-        let parts = BASES.iter().find(|(_, base, _)| *base == self.base).map_or(NUMBER, |(.., parts)| parts);
+        let parts = self.row().parts;
         if self.is_axial() && dim < 3 {
             return vec![""];
         }

@@ -141,7 +141,7 @@ fn study_hash(study: &Study) -> String {
         // The closed form is part of the case.
         Reference::Exact(_) => "exact".to_owned(),
     };
-    sha256(&study.levels.iter().map(key).chain([reference]).map(|text| sha256(&text)).collect::<String>())
+    sha256(study.levels.iter().map(key).chain([reference]).map(|text| sha256(&text)).collect::<String>())
 }
 
 /// The data that the states of a level depend on.

@@ -1,8 +1,8 @@
 //! Pictures of a run and of a convergence study, as SVG and PNG, without fonts or libraries of the system.
 //!
-//! [`folder`] draws the content of a results folder; [`side_by_side`] compares runs in panels of one picture. Both use
-//! [`DrawnRun`], which is plain data, and [`picture`]; [`Film`] collects them for a run without a folder. A convergence
-//! study is drawn by [`convergence`].
+//! [`folder()`] draws the content of a results folder; [`side_by_side`] compares runs in panels of one picture. Both
+//! use [`DrawnRun`], which is plain data, and [`picture()`]; [`Film`] collects them for a run without a folder. A
+//! convergence study is drawn by [`convergence()`].
 //!
 //! ```no_run
 //! use amontons::plot::{self, Options};
@@ -118,7 +118,7 @@ const PANELS: usize = 48;
 pub struct Options {
     /// True to leave out the units even if the case has them.
     pub dimensionless: bool,
-    /// Times of the frames that [`folder`] draws; empty: it chooses them.
+    /// Times of the frames that [`folder()`] draws; empty: it chooses them.
     pub times: Vec<f64>,
     /// Pixels of a PNG per unit of the picture, 1/96 inch; reduced if a side would have more than 4000 pixels.
     pub pixels: f64,
@@ -380,7 +380,7 @@ fn strip(kind: PictureKind, runs: &[DrawnRun], options: &Options) -> Result<Opti
 /// Draws the runs of several results folders side by side, each under its title, and writes `out`.svg and `out`.png.
 ///
 /// # Errors
-/// As [`folder`]; also if a run lacks the data of the picture.
+/// As [`folder()`]; also if a run lacks the data of the picture.
 pub fn side_by_side(
     kind: PictureKind,
     runs: &[(&str, &Path)],

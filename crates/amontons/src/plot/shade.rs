@@ -97,6 +97,7 @@ pub(super) fn level_line(body: &PlaneMesh, values: &[f64], level: f64) -> Vec<[[
 
 #[cfg(test)]
 mod tests {
+    use super::super::color::ColorMap;
     use super::*;
     use crate::mesh::{Diagonal, Mesh};
 

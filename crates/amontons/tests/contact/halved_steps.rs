@@ -1,5 +1,5 @@
-//! Steps that have no solution as a whole are made in halves: what is found, what is said where halves fail too, and the
-//! same bits however the run is made.
+//! Steps that have no solution as a whole are made in halves: what is found, what is said where halves fail too, and
+//! the same bits however the run is made.
 
 use std::sync::Arc;
 
@@ -10,6 +10,7 @@ use amontons::equation::StepError;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self as driver, Settings};
+use amontons::step::Scheme;
 use amontons::tensor::Point;
 
 /// p = 0 up to r = a and P beyond it, without the values between: a step that would end in them has no solution.

@@ -1,5 +1,5 @@
-//! How many iterations a preconditioned system takes: whatever the body, the contact and the mesh, a few dozen, with the
-//! results of a factor.
+//! How many iterations a preconditioned system takes: whatever the body, the contact and the mesh, a few dozen, with
+//! the results of a factor.
 
 use std::sync::Arc;
 

@@ -129,7 +129,7 @@ impl Folder {
         match packed::pack(&self.path, &self.snapshots, self.manifest.units_of(FIELDS))? {
             Packed::Written(written) => self.manifest.list(PACKED, Some(written)),
             Packed::Refused(why) => {
-                self.notes.push(format!("{} is not written: {why}; the fields are in {FIELDS}", PACKED));
+                self.notes.push(format!("{PACKED} is not written: {why}; the fields are in {FIELDS}"));
                 return Ok(());
             }
         }
