@@ -2,7 +2,6 @@
 
 use super::PlotError;
 use super::run::{ContactRow, SolidContact};
-use super::table::CsvTable;
 use crate::contact::{NoSlip, Status, read, read_vector};
 use crate::output::ContactValues;
 use crate::output::columns::{self, Column, ContactColumns};
@@ -24,30 +23,6 @@ pub(super) trait ContactTable {
     fn words(&self, name: &str) -> Result<Vec<String>, PlotError>;
     /// The error for this fault of the table.
     fn fault(&self, what: String) -> PlotError;
-}
-
-impl ContactTable for CsvTable {
-    fn rows(&self) -> usize {
-        CsvTable::rows(self)
-    }
-    fn has(&self, name: &str) -> bool {
-        CsvTable::has(self, name)
-    }
-    fn is_empty(&self, name: &str) -> bool {
-        CsvTable::is_empty(self, name)
-    }
-    fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
-        CsvTable::numbers(self, name)
-    }
-    fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
-        CsvTable::optional_numbers(self, name)
-    }
-    fn words(&self, name: &str) -> Result<Vec<String>, PlotError> {
-        self.column(name)
-    }
-    fn fault(&self, what: String) -> PlotError {
-        PlotError::Format { path: self.path().to_owned(), what }
-    }
 }
 
 /// The columns of a run in memory.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::PlotError;
+use super::contact::ContactTable;
 use crate::machine;
 use crate::output::LONGEST;
 
@@ -45,17 +46,12 @@ impl CsvTable {
         for line in lines.filter(|line| !line.trim().is_empty()) {
             let row = cut(line);
             if row.len() != table.names.len() {
-                return Err(
-                    table.fault(table.rows.len(), &format!("{} values under {} names", row.len(), table.names.len()))
-                );
+                let found = format!("{} values under {} names", row.len(), table.names.len());
+                return Err(table.fault_of_row(table.rows.len(), &found));
             }
             table.rows.push(row);
         }
         Ok(table)
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
     }
 
     pub(super) fn names(&self) -> &[String] {
@@ -67,15 +63,7 @@ impl CsvTable {
         &self.rows
     }
 
-    pub(super) fn rows(&self) -> usize {
-        self.rows.len()
-    }
-
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.names.iter().any(|n| n == name)
-    }
-
-    fn fault(&self, row: usize, what: &str) -> PlotError {
+    fn fault_of_row(&self, row: usize, what: &str) -> PlotError {
         PlotError::Format { path: self.path.clone(), what: format!("row {}: {what}", row + 1) }
     }
 
@@ -84,28 +72,36 @@ impl CsvTable {
         let missing = || PlotError::Format { path: self.path.clone(), what: format!("it has no column {name}") };
         let c = self.names.iter().position(|n| n == name).ok_or_else(missing)?;
         let cell = |(r, row): (usize, &Vec<String>)| {
-            row[c].parse().map_err(|_| self.fault(r, &format!("{name} is `{}`", row[c])))
+            row[c].parse().map_err(|_| self.fault_of_row(r, &format!("{name} is `{}`", row[c])))
         };
         self.rows.iter().enumerate().map(cell).collect()
-    }
-
-    /// True if a column has no values because the run does not have the field.
-    pub(super) fn is_empty(&self, name: &str) -> bool {
-        let column = self.names.iter().position(|n| n == name);
-        column.is_none_or(|c| !self.rows.is_empty() && self.rows.iter().all(|row| row[c].is_empty()))
     }
 
     /// A column of finite numbers.
     pub(super) fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
         let values: Vec<f64> = self.column(name)?;
         match values.iter().position(|v| !v.is_finite()) {
-            Some(row) => Err(self.fault(row, &format!("{name} is {}", values[row]))),
+            Some(row) => Err(self.fault_of_row(row, &format!("{name} is {}", values[row]))),
             None => Ok(values),
         }
     }
+}
 
-    /// A column of optional numbers: NaN where they are missing.
-    pub(super) fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+impl ContactTable for CsvTable {
+    fn rows(&self) -> usize {
+        self.rows.len()
+    }
+    fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|n| n == name)
+    }
+    fn is_empty(&self, name: &str) -> bool {
+        let column = self.names.iter().position(|n| n == name);
+        column.is_none_or(|c| !self.rows.is_empty() && self.rows.iter().all(|row| row[c].is_empty()))
+    }
+    fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        CsvTable::numbers(self, name)
+    }
+    fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
         if !self.has(name) {
             return Ok(vec![f64::NAN; self.rows()]);
         }
@@ -113,8 +109,14 @@ impl CsvTable {
         let number = |(row, word): (usize, &String)| match word.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             _ if word.is_empty() => Ok(f64::NAN),
-            _ => Err(self.fault(row, &format!("{name} is {word}"))),
+            _ => Err(self.fault_of_row(row, &format!("{name} is {word}"))),
         };
         words.iter().enumerate().map(number).collect()
+    }
+    fn words(&self, name: &str) -> Result<Vec<String>, PlotError> {
+        self.column(name)
+    }
+    fn fault(&self, what: String) -> PlotError {
+        PlotError::Format { path: self.path.clone(), what }
     }
 }
