@@ -6,7 +6,7 @@
 
 use crate::convergence::norms::{Errors, InnerProducts, of_difference};
 use crate::discretization::Discretization;
-use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
+use crate::element::{Element, MAX_NODES, P1_TRIANGLE, ShapeTable};
 use crate::linalg::BlockMatrix;
 use crate::mesh::{CellMap, Mesh};
 use crate::mesh::{CellPlace, Locator, OUTSIDE, reference_point};
@@ -86,9 +86,8 @@ impl<'a> Transfer<'a> {
                 return Err(TransferError::Outside(*outside));
             }
             for mesh in [&**fine, coarse] {
-                if let Some(block) =
-                    mesh.blocks.iter().find(|b| !std::ptr::eq(b.element, &P1_TRIANGLE) || mesh.axisymmetric)
-                {
+                let is_linear = |element: &Element| (element.shape, element.degree) == (Shape::Triangle, 1);
+                if let Some(block) = mesh.blocks.iter().find(|b| !is_linear(b.element) || mesh.axisymmetric) {
                     return Err(TransferError::Cells(block.element.name));
                 }
             }

@@ -118,6 +118,5 @@ pub static Q2_HEXAHEDRON: Element = Element {
             0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15, 26, 24, 25, 20, 21, 22, 23,
         ]),
         exodus_sides: EXODUS_SIDES,
-        ..FileOrders::SAME
     },
 };

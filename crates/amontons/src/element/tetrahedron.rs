@@ -26,8 +26,8 @@ const EXODUS_SIDES: FileOrder = FileOrder(&[1, 2, 3, 0]);
 
 /// Tetrahedra at the vertices.
 const OUTER: [&[usize]; 4] = [&[0, 4, 6, 7], &[4, 1, 5, 8], &[6, 5, 2, 9], &[7, 8, 9, 3]];
-/// Tetrahedra about each diagonal of the octahedron between those at the vertices. Its ends are the middles of the edges
-/// 01 and 23, 02 and 13, 03 and 12.
+/// Tetrahedra about each diagonal of the octahedron between those at the vertices. Its ends are the middles of the
+/// edges 01 and 23, 02 and 13, 03 and 12.
 const INNER: [[&[usize]; 4]; 3] = [
     [&[4, 9, 6, 7], &[4, 9, 7, 8], &[4, 9, 8, 5], &[4, 9, 5, 6]],
     [&[6, 8, 7, 4], &[6, 8, 4, 5], &[6, 8, 5, 9], &[6, 8, 9, 7]],

@@ -1,5 +1,5 @@
-//! A tree of spheres around parts of a mesh or a surface: finds the parts that may meet something, or the one nearest to
-//! a point, without testing each part.
+//! A tree of spheres around parts of a mesh or a surface: finds the parts that may meet something, or the one nearest
+//! to a point, without testing each part.
 //!
 //! It serves facets that face each other, triangles of an obstacle, and nodes next to a facet. The cell that contains a
 //! point is found by [`Locator`](super::Locator) instead, in a grid whose boxes have the size of a cell: few cells are

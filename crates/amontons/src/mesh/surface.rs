@@ -56,8 +56,8 @@ impl SurfaceLocator {
     }
 }
 
-/// The reference coordinates at which a cell or facet, extended beyond its sides, is nearest to a point, and the distance
-/// in m, by Gauss–Newton iteration up to a step of size `small`.
+/// The reference coordinates at which a cell or facet, extended beyond its sides, is nearest to a point, and the
+/// distance in m, by Gauss–Newton iteration up to a step of size `small`.
 pub(super) fn project(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point, small: f64) -> Option<(Point, f64)> {
     const MOST: usize = 50;
     const FAR: f64 = 10.0;
