@@ -8,7 +8,7 @@ use super::tensors::{bounded, conductivity};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::arrays::all_at_once;
 use crate::contact::{Contact, ContactPoint, GraphKind, arrays};
-use crate::field::Coefficient;
+use crate::field::{Coefficient, Law};
 use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
@@ -61,15 +61,14 @@ fn of_material(problem: &Problem, region: usize, constants: &Constants) -> Vec<F
     let (m, e) = (constants.bound_m, constants.bound_e);
     let expansion = problem.values_in(region, |m| &m.expansion);
     let coupling = problem.values_in(region, |m| &m.coupling);
-    let of_law = |law: &dyn TensorLaw, id: FindingId, names: [&str; 4]| {
-        let temperatures = law.graded().map_or(&[][..], |law| law.temperatures());
-        warm(operator(problem, law, id, names), temperatures)
+    let of_law = |law: &Law<dyn TensorLaw>, id: FindingId, names: [&str; 4]| {
+        warm(operator(problem, law, id, names), law.temperatures())
     };
     let conductivity = conductivity(problem, &problem.values_in(region, |m| &m.conductivity));
     let expansion = bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]);
     vec![
-        of_law(material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
-        of_law(material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
+        of_law(&material.viscosity, FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
+        of_law(&material.elasticity, FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
         warm(conductivity, material.conductivity.temperatures()),
         warm(expansion, material.expansion.temperatures()),
         bounded(problem, &coupling, e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
@@ -107,7 +106,7 @@ fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
 }
 
 /// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
-fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
+fn operator(problem: &Problem, law: &Law<dyn TensorLaw>, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
     let [at_least, at_most] = law
@@ -151,7 +150,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
 }
 
 /// Reason why a law has no Lipschitz constant, as far as samples show; Theorem 1 requires no other property of 𝓔.
-pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
+pub(super) fn not_lipschitz(problem: &Problem, law: &Law<dyn TensorLaw>, upper: &str) -> Option<String> {
     let lipschitz = law.constants().lipschitz;
     if !lipschitz.is_finite() {
         return Some(format!("{upper} = {lipschitz:.6e}"));
@@ -163,7 +162,7 @@ pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str)
 /// Two arguments that contradict the constants of a law, or a nonzero value at zero.
 fn refuted(
     problem: &Problem,
-    law: &dyn TensorLaw,
+    law: &Law<dyn TensorLaw>,
     constants: crate::material::OperatorConstants,
     [m, upper]: [&str; 2],
 ) -> Option<String> {
@@ -183,7 +182,8 @@ fn refuted(
             arguments.push((x, a, a + random.sym(dim, size)));
         }
     }
-    let values: Vec<[Sym; 3]> = all_at_once(&law.arrays(), || {
+    let arrays: Vec<_> = law.arrays().iter().collect();
+    let values: Vec<[Sym; 3]> = all_at_once(&arrays, || {
         arguments.iter().map(|(x, a, b)| [value(x, &Sym::ZERO), value(x, a), value(x, b)]).collect()
     });
     for ((x, a, b), [zero, at_a, at_b]) in arguments.into_iter().zip(values) {
@@ -397,7 +397,7 @@ impl Test<'_> {
 
 /// (H7): k_c is bounded, Lipschitz and zero for r ≤ 0.
 fn exchange(test: &Test, constants: &Constants) -> Finding {
-    let heat = test.contact.heat.as_ref();
+    let heat = &test.contact.heat;
     let bound = heat.conductance_bound();
     // φ_L has the slope 1 at 0.
     let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;
@@ -540,7 +540,7 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
 /// zero or round-off; `None` otherwise.
 pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
     let side = tests(problem).position(|test| {
-        let heat = test.contact.heat.as_ref();
+        let heat = &test.contact.heat;
         // Conductance of a closed contact without penetration at rest, at any pressure.
         let closed = |x: &Point| {
             (-12..=12).all(|decade| {

@@ -2,8 +2,6 @@
 //! forms.
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
-use std::sync::Arc;
-
 use crate::column::column;
 use crate::common::{changed, interrupts, paper};
 use amontons::case::{self, Source};
@@ -301,7 +299,7 @@ fn slip_starts_without_ambiguity_in_parts_below_the_threshold() {
         assert!(expected, "k = {ratio} m/(p f): {made} parts");
         // The certificate names the pressure up to which such a step has one solution, λ_min/f: of a contact without a
         // stiffness, which has c* = 0.
-        let tied = changed(&problem, |data| data.contacts[0].normal = Arc::new(Compliance { stiffness: 0.0 }));
+        let tied = changed(&problem, |data| data.contacts[0].normal = Compliance { stiffness: 0.0 }.into());
         let unique = finding(&hypotheses::full(&tied).findings, "step-unique").unwrap();
         near(unique.value.unwrap() * ratio, 0.3, 1e-6, "λ_min(S, W)");
         assert_eq!(unique.status.as_str(), "not-covered");
@@ -423,7 +421,7 @@ impl NormalLaw for Broken {
 
 fn stair(overrides: &[&str], at: f64, height: f64) -> Problem {
     let problem = rod(&[&["boundary[0].displacement=[0]"], overrides].concat());
-    changed(&problem, |data| data.contacts[0].normal = Arc::new(Broken(Stair { at, height })))
+    changed(&problem, |data| data.contacts[0].normal = Broken(Stair { at, height }).into())
 }
 
 /// With k = 1, E = 1, η = 1 and the force 1: (η + kE) w = 1 − p − E u′. In one step r = 0.5 without the pressure and
@@ -444,7 +442,7 @@ fn a_step_without_a_solution_is_made_in_halves() {
 #[test]
 fn a_law_that_rises_in_a_stair_has_a_solution_on_its_riser() {
     let broken = stair(&["time.steps=10", "load.body_force=['2*t']"], 0.43, 0.2);
-    let problem = changed(&broken, |data| data.contacts[0].normal = Arc::new(Stair { at: 0.43, height: 0.2 }));
+    let problem = changed(&broken, |data| data.contacts[0].normal = Stair { at: 0.43, height: 0.2 }.into());
     let (states, reports) = run(&problem);
     for (n, report) in (1..).zip(&reports) {
         let t = 0.1 * f64::from(n);
