@@ -5,9 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use amontons::arrays::{ArrayFunction, Arrays, INPUTS, Inputs};
-use amontons::contact::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, Contact, names};
+use amontons::contact::{
+    ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, Contact, FrictionLaw, HeatLaw, NormalLaw, WearLaw, names,
+};
 use amontons::contract;
-use amontons::material::{ArrayTensor, OperatorConstants};
+use amontons::field;
+use amontons::material::{ArrayTensor, OperatorConstants, TensorLaw};
 use amontons::problem::{Problem, ProblemData};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -112,47 +115,59 @@ impl Law {
         self.constants.get(number).copied().flatten()
     }
 
-    fn normal(&self, alarm: &Alarm) -> Option<ArrayNormal> {
-        Some(ArrayNormal {
-            pressure: self.arrays(0, 3, alarm)?,
-            potential: self.arrays(1, 1, alarm)?,
-            lipschitz: self.constant(0),
-            lipschitz_in_rate: self.constant(1),
-            least_slope: self.constant(2).unwrap_or(0.0),
-        })
+    fn normal(&self, alarm: &Alarm) -> Option<field::Law<dyn NormalLaw>> {
+        Some(
+            ArrayNormal {
+                pressure: self.arrays(0, 3, alarm)?,
+                potential: self.arrays(1, 1, alarm)?,
+                lipschitz: self.constant(0),
+                lipschitz_in_rate: self.constant(1),
+                least_slope: self.constant(2).unwrap_or(0.0),
+            }
+            .into(),
+        )
     }
 
-    fn friction(&self, alarm: &Alarm) -> Option<ArrayFriction> {
-        Some(ArrayFriction {
-            bound: self.arrays(0, 5, alarm)?,
-            lipschitz: self.constant(0),
-            least_slope: self.constant(1).unwrap_or(0.0),
-            drops_from_rest: self.constant(2).is_some(),
-        })
+    fn friction(&self, alarm: &Alarm) -> Option<field::Law<dyn FrictionLaw>> {
+        Some(
+            ArrayFriction {
+                bound: self.arrays(0, 5, alarm)?,
+                lipschitz: self.constant(0),
+                least_slope: self.constant(1).unwrap_or(0.0),
+                drops_from_rest: self.constant(2).is_some(),
+            }
+            .into(),
+        )
     }
 
-    fn heat(&self, alarm: &Alarm) -> Option<ArrayHeat> {
-        Some(ArrayHeat {
-            flux: self.arrays(0, 7, alarm)?,
-            conductance_bound: self.constant(0).unwrap_or(f64::INFINITY),
-            conductance_lipschitz: self.constant(1),
-        })
+    fn heat(&self, alarm: &Alarm) -> Option<field::Law<dyn HeatLaw>> {
+        Some(
+            ArrayHeat {
+                flux: self.arrays(0, 7, alarm)?,
+                conductance_bound: self.constant(0).unwrap_or(f64::INFINITY),
+                conductance_lipschitz: self.constant(1),
+            }
+            .into(),
+        )
     }
 
-    fn wear(&self, alarm: &Alarm) -> Option<ArrayWear> {
-        Some(ArrayWear { coefficient: self.arrays(0, 2, alarm)? })
+    fn wear(&self, alarm: &Alarm) -> Option<field::Law<dyn WearLaw>> {
+        Some(ArrayWear { coefficient: self.arrays(0, 2, alarm)? }.into())
     }
 
-    fn tensor(&self, alarm: &Alarm) -> Option<ArrayTensor> {
-        Some(ArrayTensor {
-            value: self.arrays(0, 6, alarm)?,
-            tangent: self.arrays(1, 36, alarm)?,
-            potential: self.arrays(2, 1, alarm),
-            constants: OperatorConstants {
-                monotonicity: self.constant(0).unwrap_or(0.0),
-                lipschitz: self.constant(1).unwrap_or(f64::INFINITY),
-            },
-        })
+    fn tensor(&self, alarm: &Alarm) -> Option<field::Law<dyn TensorLaw>> {
+        Some(
+            ArrayTensor {
+                value: self.arrays(0, 6, alarm)?,
+                tangent: self.arrays(1, 36, alarm)?,
+                potential: self.arrays(2, 1, alarm),
+                constants: OperatorConstants {
+                    monotonicity: self.constant(0).unwrap_or(0.0),
+                    lipschitz: self.constant(1).unwrap_or(f64::INFINITY),
+                },
+            }
+            .into(),
+        )
     }
 
     /// Puts the law into a problem. Returns true if there was a place for it.
@@ -175,17 +190,17 @@ impl Law {
                     let Some(law) = law else { return false };
                     let place =
                         if self.kind == "viscosity" { &mut material.viscosity } else { &mut material.elasticity };
-                    *place = Arc::new(law);
+                    *place = law;
                     found = true;
                 }
             }
             kind => {
                 for contact in contacts {
                     match kind {
-                        "normal" => self.normal(alarm).map(|law| contact.normal = Arc::new(law)),
-                        "friction" => self.friction(alarm).map(|law| contact.friction = Arc::new(law)),
-                        "heat" => self.heat(alarm).map(|law| contact.heat = Arc::new(law)),
-                        "wear" => self.wear(alarm).map(|law| contact.wear = Some(Arc::new(law))),
+                        "normal" => self.normal(alarm).map(|law| contact.normal = law),
+                        "friction" => self.friction(alarm).map(|law| contact.friction = law),
+                        "heat" => self.heat(alarm).map(|law| contact.heat = law),
+                        "wear" => self.wear(alarm).map(|law| contact.wear = Some(law)),
                         _ => None,
                     };
                     found = true;
@@ -232,11 +247,11 @@ pub fn with_laws(py: Python<'_>, problem: &Problem, laws: &[Law], alarm: &Alarm)
 pub fn test_law(py: Python<'_>, law: Law, size: f64, dim: usize) -> PyResult<Option<String>> {
     let alarm = Alarm::default();
     let test = || match law.kind.as_str() {
-        "normal" => law.normal(&alarm).iter().for_each(|law| contract::assert_normal_law(law, size)),
-        "friction" => law.friction(&alarm).iter().for_each(|law| contract::assert_friction_law(law, size)),
-        "heat" => law.heat(&alarm).iter().for_each(|law| contract::assert_heat_law(law, size)),
-        "wear" => law.wear(&alarm).iter().for_each(|law| contract::assert_wear_law(law)),
-        _ => law.tensor(&alarm).iter().for_each(|law| contract::assert_tensor_law(law, dim, size)),
+        "normal" => law.normal(&alarm).iter().for_each(|law| contract::assert_normal_law(law.as_ref(), size)),
+        "friction" => law.friction(&alarm).iter().for_each(|law| contract::assert_friction_law(law.as_ref(), size)),
+        "heat" => law.heat(&alarm).iter().for_each(|law| contract::assert_heat_law(law.as_ref(), size)),
+        "wear" => law.wear(&alarm).iter().for_each(|law| contract::assert_wear_law(law.as_ref())),
+        _ => law.tensor(&alarm).iter().for_each(|law| contract::assert_tensor_law(law.as_ref(), dim, size)),
     };
     let found = py.detach(|| quietly(std::panic::AssertUnwindSafe(test)));
     match alarm.take() {

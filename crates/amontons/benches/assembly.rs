@@ -9,10 +9,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use amontons::expression::Expression;
-use amontons::field::Graded;
+use amontons::field::Law;
 use amontons::forms::{self, Dilatation};
 use amontons::linalg::Graph;
-use amontons::material::{Isotropic, StressState};
+use amontons::material::{Isotropic, StressState, TensorLaw};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::tensor::Sym;
 
@@ -31,9 +31,9 @@ fn main() {
     );
     for mesh in meshes {
         let mesh = mesh.expect("a mesh");
-        let law = Isotropic::elastic(mesh.dim, 2.0, 0.3, StressState::PlaneStrain);
+        let law: Law<dyn TensorLaw> = Isotropic::elastic(mesh.dim, 2.0, 0.3, StressState::PlaneStrain).into();
         let (dim, young) = (mesh.dim, Expression::parse("2 + x*y").expect("an expression"));
-        let graded = Graded::elastic(&mesh.points, move |x| {
+        let graded = Law::<dyn TensorLaw>::in_space(&mesh.points, move |x| {
             Arc::new(Isotropic::elastic(dim, young.value(x, 0.0), 0.3, StressState::PlaneStrain))
         });
         let graph = Arc::new(Graph::of_mesh(&mesh));

@@ -25,12 +25,17 @@ pub trait ArrayFunction: Debug + Send + Sync {
     fn evaluate(&self, rows: &[Inputs], out: &mut [f64]);
 }
 
-/// An array function that can be evaluated at a single point.
+/// An array function that can be evaluated at a single point. Clones share their collected arguments.
+#[derive(Clone)]
 pub struct Arrays {
     function: Arc<dyn ArrayFunction>,
     outputs: usize,
-    known: Mutex<Known>,
+    known: Arc<Mutex<Known>>,
 }
+
+/// A law that is given by array functions and its constants.
+#[derive(Debug)]
+pub(crate) struct OnArrays<D>(pub(crate) D);
 
 impl Debug for Arrays {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -71,7 +76,7 @@ impl Arrays {
     /// A function with this many values per row, at least one.
     #[must_use]
     pub fn new(function: Arc<dyn ArrayFunction>, outputs: usize) -> Arrays {
-        Arrays { function, outputs: outputs.max(1), known: Mutex::default() }
+        Arrays { function, outputs: outputs.max(1), known: Arc::default() }
     }
 
     /// The values at a point, at most `N` of them. While arguments are collected, unknown values are 0, and results

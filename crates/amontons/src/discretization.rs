@@ -5,10 +5,10 @@ mod relaxation;
 use std::sync::{Arc, OnceLock};
 
 use crate::contact::{ContactBoundary, Ways, WornSides};
-use crate::field::Coefficient;
+use crate::field::{Coefficient, Law};
 use crate::forms::{self, Dilatation};
 use crate::linalg::{BlockMatrix, Graph, by_blocks, dot, max_abs, mechanical_products, thermal_products};
-use crate::material::{self, Material, TensorLaw, depends_on_temperature};
+use crate::material::{self, Material, TensorLaw};
 use crate::mesh::{FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::space::Space;
@@ -39,8 +39,8 @@ pub struct Discretization {
     pub b: BlockMatrix,
     /// Elastic and viscous laws per region that are nonlinear or depend on temperature. The entry is zero in regions
     /// whose law is in a or b; the list is empty if all laws are.
-    elasticity: Vec<Arc<dyn TensorLaw>>,
-    viscosity: Vec<Arc<dyn TensorLaw>>,
+    elasticity: Vec<Law<dyn TensorLaw>>,
+    viscosity: Vec<Law<dyn TensorLaw>>,
     /// Coefficients of heat and expansion that depend on temperature.
     warm: Warm,
     /// Maxwell branches, grouped by relaxation time; see [`Relaxation`].
@@ -137,19 +137,16 @@ impl Warm {
 }
 
 /// True if a law has a constant matrix: it is linear and does not depend on temperature.
-pub(crate) fn is_fixed(law: &Arc<dyn TensorLaw>) -> bool {
-    law.is_linear() && !depends_on_temperature(law.as_ref())
+pub(crate) fn is_fixed(law: &Law<dyn TensorLaw>) -> bool {
+    law.is_linear() && law.temperatures().is_empty()
 }
 
 /// Laws per region that have no constant matrix, zero in place of the others; empty if every law has one.
-fn others(materials: &[Material], law: fn(&Material) -> &Arc<dyn TensorLaw>) -> Vec<Arc<dyn TensorLaw>> {
+fn others(materials: &[Material], law: fn(&Material) -> &Law<dyn TensorLaw>) -> Vec<Law<dyn TensorLaw>> {
     if materials.iter().all(|m| is_fixed(law(m))) {
         return Vec::new();
     }
-    let of = |m: &Material| -> Arc<dyn TensorLaw> {
-        if is_fixed(law(m)) { Arc::new(ZERO.clone()) } else { Arc::clone(law(m)) }
-    };
-    materials.iter().map(of).collect()
+    materials.iter().map(|m| if is_fixed(law(m)) { ZERO.law() } else { law(m).clone() }).collect()
 }
 
 impl Discretization {
@@ -162,9 +159,9 @@ impl Discretization {
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
         let tensors = |f: fn(&Material) -> &Coefficient<Sym>| materials.iter().map(f).collect::<Vec<_>>();
-        let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
-            let linear: Vec<&dyn TensorLaw> =
-                materials.iter().map(|m| if is_fixed(law(m)) { law(m).as_ref() } else { &ZERO }).collect();
+        let zero = ZERO.law();
+        let form = |law: fn(&Material) -> &Law<dyn TensorLaw>| {
+            let linear: Vec<_> = materials.iter().map(|m| if is_fixed(law(m)) { law(m) } else { &zero }).collect();
             forms::tensor_form(&mesh, &graph, &linear, &problem.dilatation()).repeated()
         };
         let boundary = Arc::new(problem.contact_boundary());
@@ -217,7 +214,7 @@ impl Discretization {
     /// True if (4.1) depends on temperature otherwise than through m and the contact.
     #[must_use]
     pub fn softens(&self) -> bool {
-        self.elasticity.iter().chain(&self.viscosity).any(|law| depends_on_temperature(law.as_ref()))
+        self.elasticity.iter().chain(&self.viscosity).any(|law| !law.temperatures().is_empty())
     }
 
     /// True if 𝓔 is a linear function of the strain everywhere, at each temperature.
@@ -295,7 +292,7 @@ impl Discretization {
         matrix
     }
 
-    fn tangent(&self, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> BlockMatrix {
+    fn tangent(&self, laws: &[Law<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> BlockMatrix {
         forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), &self.dilatation, at, theta)
     }
 
@@ -373,7 +370,7 @@ impl Discretization {
             self.m.clone()
         };
         for (laws, at) in [(&self.elasticity, u), (&self.viscosity, w)] {
-            if laws.iter().any(|law| depends_on_temperature(law.as_ref())) {
+            if laws.iter().any(|law| !law.temperatures().is_empty()) {
                 let slope = forms::law_slope(mesh, graph, &borrowed(laws), &self.dilatation, [at, theta]);
                 matrix.add_scaled(-1.0, &slope);
             }
@@ -474,7 +471,7 @@ impl Discretization {
     /// Round-off in a(u, ·) and b(w, ·) from the last bits of u and w.
     #[must_use]
     pub fn mechanical_round_off(&self, u: &[f64], w: &[f64], theta: &[f64]) -> f64 {
-        let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[Arc<dyn TensorLaw>], at: &[f64]| {
+        let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[Law<dyn TensorLaw>], at: &[f64]| {
             let tangent = if laws.is_empty() { 0.0 } else { self.tangent(laws, at, theta).round_off(at) };
             form.round_off(at) + boundary.map_or(0.0, |boundary| boundary.round_off(at)) + tangent
         };
@@ -518,7 +515,7 @@ impl Discretization {
         }
     }
 
-    fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> Vec<f64> {
+    fn with_laws(&self, mut product: Vec<f64>, laws: &[Law<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> Vec<f64> {
         if !laws.is_empty() {
             let terms = forms::residual(&self.mesh, &borrowed(laws), &self.dilatation, at, theta);
             for (sum, term) in product.iter_mut().zip(terms) {
@@ -546,8 +543,8 @@ impl Discretization {
 /// Zero law, for regions that have no law of their own in a form.
 static ZERO: material::Branch = material::Branch::new(SymMap([[0.0; 6]; 6]), f64::INFINITY);
 
-fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {
-    laws.iter().map(AsRef::as_ref).collect()
+fn borrowed(laws: &[Law<dyn TensorLaw>]) -> Vec<&Law<dyn TensorLaw>> {
+    laws.iter().collect()
 }
 
 /// Adds the product of a boundary form with x to `product`, if there is such a form.

@@ -1,7 +1,7 @@
 //! `[verify]`: converts the raw checks to those of the library.
 
 use super::build::Build;
-use super::nearest::nearest;
+use super::nearest::meant;
 use super::place::At;
 use super::raw;
 use super::request::{ReferenceRequest, StudyRequest};
@@ -77,7 +77,7 @@ impl Build<'_> {
         let columns = history_columns(problem);
         if !columns.iter().any(|known| known == column) {
             let words: Vec<&str> = columns.iter().map(String::as_str).collect();
-            let hint = nearest(column, &words).map(|near| format!("did you mean \"{near}\"?"));
+            let hint = meant(column, &words);
             let expected = format!("one of the columns of history.csv: {}", words.join(", "));
             self.note(
                 &format!("{path}.column"),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::files::{Files, Loader};
-use super::nearest::nearest;
+use super::nearest::meant;
 use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
 use super::place::{At, PathFault};
@@ -388,7 +388,7 @@ impl Build<'_> {
             match mesh.regions.iter().position(|name| *name == region.on) {
                 None => {
                     let known: Vec<&str> = mesh.regions.iter().map(String::as_str).collect();
-                    let hint = nearest(&region.on, &known).map(|near| format!("did you mean \"{near}\"?"));
+                    let hint = meant(&region.on, &known);
                     self.note(
                         &on,
                         At::Value,

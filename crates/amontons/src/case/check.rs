@@ -6,7 +6,7 @@
 use serde_json::{Map, Value};
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::nearest::nearest;
+use super::nearest::{meant, nearest};
 use super::path::Path;
 use super::place::{At, PathFault};
 use super::quantity::{NumberText, NumberWithUnit, read};
@@ -180,7 +180,7 @@ impl<'s> Walk<'s> {
         if words.is_empty() || words.contains(&word) {
             return Value::from(word);
         }
-        let hint = nearest(word, &words).map(|near| format!("did you mean \"{near}\"?"));
+        let hint = meant(word, &words);
         self.mismatch(schema, path, found, hint)
     }
 
@@ -218,9 +218,8 @@ impl<'s> Walk<'s> {
             return Value::Object(self.entries(*variant, path, table));
         }
         let finding = match found {
-            Some(value) => PathFault::new(path.key(tag), At::Value, describe(value), expected).hint(
-                value.as_str().and_then(|word| nearest(word, &names)).map(|near| format!("did you mean \"{near}\"?")),
-            ),
+            Some(value) => PathFault::new(path.key(tag), At::Value, describe(value), expected)
+                .hint(value.as_str().and_then(|word| meant(word, &names))),
             None => PathFault::new(path.key(tag), At::Missing, "no such key", expected),
         };
         self.findings.push(finding);

@@ -7,7 +7,7 @@ use super::build::Build;
 use super::path::Path;
 use super::place::At;
 use super::raw::{Coefficient, Datum};
-use crate::field::{Field, common, reference};
+use crate::field::{Field, Law, LawKind, common, reference};
 use crate::tensor::Point;
 
 /// Largest number of coefficients of a law: a stiffness, three angles, three coefficients of expansion.
@@ -218,6 +218,29 @@ impl Build<'_> {
             return true;
         }
         false
+    }
+
+    /// The law of a plan, fixed or varying, with `nowhere` away from the sites, where it may not exist; `None`, with a
+    /// note at `path`, if it does not exist at all sites.
+    pub fn law<T: LawKind + ?Sized>(
+        &mut self,
+        path: &str,
+        plan: &Plan<Arc<T>>,
+        sites: &Sites,
+        nowhere: Arc<T>,
+    ) -> Option<Law<T>> {
+        if !self.holds(path, plan, sites) {
+            return None;
+        }
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).ok().map(Law::from);
+        }
+        let (times, plan) = (self.times(plan.changes()), plan.clone());
+        let temperatures = Arc::clone(&plan.temperatures);
+        let at = move |x: &Point, t: f64, theta: f64| {
+            plan.at_temperature(x, t, theta).unwrap_or_else(|_| Arc::clone(&nowhere))
+        };
+        Some(Law::varying(sites.points(), &times, &temperatures, at))
     }
 
     /// True if a plan gives a law at all sites and times. Otherwise the first reason is noted at the law with this

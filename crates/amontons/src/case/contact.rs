@@ -10,15 +10,14 @@ use super::raw::{self, Datum};
 use super::side_facts::SideFacts;
 use crate::contact::{
     Contact, ContactBoundary, Fluid, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw,
-    Preload, Quadrature, Signorini, Sum, WearLaw,
+    Preload, Quadrature, Signorini, WearLaw,
 };
-use crate::field::{Field, Graded};
+use crate::field::{Field, Law, LawKind};
 use crate::mesh::Mesh;
-use crate::tensor::Point;
 
 /// The law of a contact without one, which a case with heat only does not evaluate.
-fn no_pressure() -> Arc<dyn NormalLaw> {
-    Arc::new(Signorini)
+fn no_pressure() -> Law<dyn NormalLaw> {
+    Signorini.into()
 }
 
 impl Build<'_> {
@@ -81,24 +80,22 @@ impl Build<'_> {
         raw: raw::Heat,
         frictional: &Datum,
         sites: &Sites,
-    ) -> (Arc<dyn HeatLaw>, Option<Datum>) {
+    ) -> (Law<dyn HeatLaw>, Option<Datum>) {
         let is_sum = matches!(raw, raw::Heat::Sum { .. });
         let (terms, foundation_temperature) = raw.terms();
-        let mut all: Vec<Arc<dyn HeatLaw>> = Vec::new();
+        let mut all: Vec<Law<dyn HeatLaw>> = Vec::new();
         for (i, term) in terms.iter().enumerate() {
             let at = if is_sum { format!("{path}.heat.laws[{i}]") } else { format!("{path}.heat") };
-            let (coefficients, make) = laws::heat(term);
-            all.push(self.heat(&at, coefficients, make, sites));
+            all.push(self.heat(&at, laws::heat(term), sites));
         }
         if !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
-            let (coefficients, make) = laws::frictional_heat(frictional);
-            all.push(self.heat(path, coefficients, make, sites));
+            all.push(self.heat(path, laws::frictional_heat(frictional), sites));
         }
         let only = if all.len() < 2 { all.pop() } else { None };
-        let heat: Arc<dyn HeatLaw> = match only {
+        let heat = match only {
             Some(law) => law,
-            None if all.is_empty() => Arc::new(Insulated),
-            None => Arc::new(Sum { laws: all }),
+            None if all.is_empty() => Insulated.into(),
+            None => Law::sum(all),
         };
         (heat, foundation_temperature)
     }
@@ -135,71 +132,44 @@ impl Build<'_> {
         self.note(path, At::Value, format!("{found} components"), expected, None);
     }
 
-    /// The plan of a law at `path` with coefficients that may change with time, or `None`, with a note, if it does not
-    /// exist everywhere.
-    fn plan<T: 'static>(&mut self, path: &str, keyed: Keyed, make: laws::MakeLaw<T>, sites: &Sites) -> Option<Plan<T>> {
+    /// The law at `path` with coefficients that may change with time, `nowhere` away from the sites; `None`, with a note,
+    /// if it does not exist everywhere.
+    fn contact_law<T: LawKind + ?Sized>(
+        &mut self,
+        path: &str,
+        (keyed, make): (Keyed, laws::MakeLaw<Arc<T>>),
+        sites: &Sites,
+        nowhere: Arc<T>,
+    ) -> Option<Law<T>> {
         let fields = keyed
             .into_iter()
             .map(|(key, datum)| self.coefficient_in_time(&format!("{path}.{key}"), datum, sites))
             .collect();
-        let plan = Plan::new(fields, make);
-        self.holds(path, &plan, sites).then_some(plan)
+        self.law(path, &Plan::new(fields, make), sites, nowhere)
     }
 
-    fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Arc<dyn NormalLaw> {
-        let (coefficients, make) = laws::normal(raw);
-        let Some(plan) = self.plan(&format!("{path}.normal"), coefficients, make, sites) else { return no_pressure() };
-        if !plan.varies() {
-            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| no_pressure());
-        }
-        let times = self.times(plan.changes());
-        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Signorini));
-        Arc::new(Graded::normal_in_time(sites.points(), &times, at))
+    fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Law<dyn NormalLaw> {
+        let law = self.contact_law(&format!("{path}.normal"), laws::normal(raw), sites, Arc::new(Signorini));
+        law.unwrap_or_else(no_pressure)
     }
 
-    fn friction(&mut self, path: &str, raw: &raw::Friction, sites: &Sites) -> Arc<dyn FrictionLaw> {
+    fn friction(&mut self, path: &str, raw: &raw::Friction, sites: &Sites) -> Law<dyn FrictionLaw> {
         if let raw::Friction::Orthotropic { direction, .. } = raw
             && direction.len() != self.dim
         {
             self.wants_components(&format!("{path}.friction.direction"), direction.len());
-            return Arc::new(Frictionless);
+            return Frictionless.into();
         }
-        let (coefficients, make) = laws::friction(raw);
-        let nothing = || -> Arc<dyn FrictionLaw> { Arc::new(Frictionless) };
-        let Some(plan) = self.plan(&format!("{path}.friction"), coefficients, make, sites) else { return nothing() };
-        if !plan.varies() {
-            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
-        }
-        let times = self.times(plan.changes());
-        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Frictionless));
-        Arc::new(Graded::friction(sites.points(), &times, at))
+        let law = self.contact_law(&format!("{path}.friction"), laws::friction(raw), sites, Arc::new(Frictionless));
+        law.unwrap_or_else(|| Frictionless.into())
     }
 
-    fn heat(
-        &mut self,
-        path: &str,
-        coefficients: Keyed,
-        make: laws::MakeLaw<Arc<dyn HeatLaw>>,
-        sites: &Sites,
-    ) -> Arc<dyn HeatLaw> {
-        let nothing = || -> Arc<dyn HeatLaw> { Arc::new(Insulated) };
-        let Some(plan) = self.plan(path, coefficients, make, sites) else { return nothing() };
-        if !plan.varies() {
-            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
-        }
-        let times = self.times(plan.changes());
-        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Insulated));
-        Arc::new(Graded::heat(sites.points(), &times, at))
+    fn heat(&mut self, path: &str, plan: laws::HeatPlan, sites: &Sites) -> Law<dyn HeatLaw> {
+        self.contact_law(path, plan, sites, Arc::new(Insulated)).unwrap_or_else(|| Insulated.into())
     }
 
-    fn wear(&mut self, path: &str, raw: &raw::Wear, sites: &Sites) -> Arc<dyn WearLaw> {
-        let (coefficients, make) = laws::wear(raw);
-        let Some(plan) = self.plan(&format!("{path}.wear"), coefficients, make, sites) else { return laws::no_wear() };
-        if !plan.varies() {
-            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| laws::no_wear());
-        }
-        let times = self.times(plan.changes());
-        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| laws::no_wear());
-        Arc::new(Graded::wear(sites.points(), &times, at))
+    fn wear(&mut self, path: &str, raw: &raw::Wear, sites: &Sites) -> Law<dyn WearLaw> {
+        let law = self.contact_law(&format!("{path}.wear"), laws::wear(raw), sites, Arc::new(laws::NO_WEAR));
+        law.unwrap_or_else(|| laws::NO_WEAR.into())
     }
 }

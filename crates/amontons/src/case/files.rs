@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::nearest::nearest;
+use super::nearest::{meant, nearest};
 use super::path;
 use crate::machine;
 use crate::output::{INPUTS, Input};
@@ -142,7 +142,7 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
         }
         Files::Memory(all) => {
             let names: Vec<&str> = all.keys().map(String::as_str).collect();
-            all.get(name).cloned().ok_or_else(|| missing("which is not there", nearest(name, &names).map(did_you_mean)))
+            all.get(name).cloned().ok_or_else(|| missing("which is not there", meant(name, &names)))
         }
         Files::Folder(folder) | Files::Confined(folder) => {
             let path = folder.join(name);

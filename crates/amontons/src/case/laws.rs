@@ -241,7 +241,7 @@ fn function_refusal(fault: &TableFault, key: &'static str) -> Refusal {
 }
 
 /// Coefficients and constructor of a law of heat exchange.
-type HeatPlan<'a> = (Keyed<'a>, MakeLaw<Arc<dyn HeatLaw>>);
+pub(super) type HeatPlan<'a> = (Keyed<'a>, MakeLaw<Arc<dyn HeatLaw>>);
 
 fn heat_law<'a, L: HeatLaw + 'static>(
     coefficients: &[(&str, &'a Datum)],
@@ -333,6 +333,4 @@ pub(super) fn wear(raw: &Wear) -> WearPlan<'_> {
 }
 
 /// A law without wear, as a placeholder.
-pub(super) fn no_wear() -> Arc<dyn WearLaw> {
-    Arc::new(Archard::Constant(0.0))
-}
+pub(super) const NO_WEAR: Archard = Archard::Constant(0.0);

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use super::nearest::nearest;
+use super::nearest::meant;
 use super::path::Path;
 use super::physics::{is_warmed, of_heat, of_mechanics};
 use super::place::{At, PathFault};
@@ -84,7 +84,7 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<PathFault>) {
             continue;
         }
         let names: Vec<&str> = materials().keys().map(String::as_str).collect();
-        let near = nearest(name, &names).map(|near| format!("did you mean \"{near}\"?"));
+        let near = meant(name, &names);
         let hint = near.unwrap_or_else(|| "`amontons materials` lists them".to_owned());
         note("base", format!("\"{}\"", name.escape_debug()), "the name of a material".to_owned(), Some(hint));
         // A placeholder, so that nothing else is reported missing.

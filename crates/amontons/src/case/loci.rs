@@ -1,7 +1,7 @@
 //! `[[side]]`: sides defined by their place.
 
 use super::build::Build;
-use super::nearest::nearest;
+use super::nearest::meant;
 use super::place::At;
 use super::raw;
 use crate::mesh::{FacetSet, Locus, Mesh};
@@ -57,7 +57,7 @@ impl Build<'_> {
         for (i, name) in side.of.iter().enumerate() {
             let Some(set) = mesh.facets.get(name) else {
                 let known: Vec<&str> = mesh.facets.keys().map(String::as_str).collect();
-                let hint = nearest(name, &known).map(|near| format!("did you mean \"{near}\"?"));
+                let hint = meant(name, &known);
                 let expected = format!("one of the sides {}", known.join(", "));
                 let found = format!("\"{name}\"");
                 self.note(&format!("{path}.of[{i}]"), At::Value, found, expected, hint.as_deref());
@@ -69,7 +69,7 @@ impl Build<'_> {
         let Some(region) = &side.region else { return Some(all) };
         let Some(number) = mesh.regions.iter().position(|name| name == region) else {
             let known: Vec<&str> = mesh.regions.iter().map(String::as_str).collect();
-            let hint = nearest(region, &known).map(|near| format!("did you mean \"{near}\"?"));
+            let hint = meant(region, &known);
             let expected = format!("one of the regions {}", known.join(", "));
             self.note(&format!("{path}.region"), At::Value, format!("\"{region}\""), expected, hint.as_deref());
             return None;

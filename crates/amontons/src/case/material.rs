@@ -8,7 +8,7 @@ use super::elasticity::{self, Dimensions, ElasticLaw};
 use super::library;
 use super::place::At;
 use super::raw::{self, Coefficient, Elasticity, Expansion, ExpansionKind, Orientation, Tensor};
-use crate::field::{self, Field, Graded};
+use crate::field::{self, Field, Law};
 use crate::material::{Dilatation, Isotropic, Material, Prony, StressState, TensorLaw};
 use crate::mesh::{Mesh, PlaneState};
 use crate::problem::Choice;
@@ -67,7 +67,7 @@ impl MaterialBuilder<'_, '_, '_> {
         let dim = self.dim();
         let state =
             raw.elasticity.as_ref().map_or_else(StressState::default, |elasticity| self.stress_state(elasticity));
-        let none = || -> ElasticLaw { Arc::new(Isotropic::lame(dim, 0.0, 0.0, state)) };
+        let none = || Law::from(Isotropic::lame(dim, 0.0, 0.0, state));
         let plans = raw.elasticity.as_ref().map(|elasticity| self.elasticity(elasticity, state));
         let before = self.build.findings.len();
         let elasticity = plans.as_ref().map_or_else(none, |[law, _]| self.law("elasticity", law));
@@ -143,24 +143,12 @@ impl MaterialBuilder<'_, '_, '_> {
         keys.into_iter().map(|(key, raw)| self.field(&key, raw)).collect()
     }
 
-    /// The law of a plan with fixed or graded coefficients, or a placeholder if it does not exist.
-    fn law(&mut self, key: &str, plan: &Plan<ElasticLaw>) -> ElasticLaw {
-        let dim = self.dim();
-        let stand_in: ElasticLaw = Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress));
-        let path = self.path(key);
-        if !self.build.holds(&path, plan, &self.sites) {
-            return stand_in;
-        }
-        if !plan.varies() {
-            return plan.at(&[0.0; 3], 0.0).unwrap_or(stand_in);
-        }
-        let plan = plan.clone();
-        // Away from the sites a law may not exist.
-        let nowhere: ElasticLaw = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
-        let temperatures = plan.temperatures().to_vec();
-        let at =
-            move |x: &Point, theta: f64| plan.at_temperature(x, 0.0, theta).unwrap_or_else(|_| Arc::clone(&nowhere));
-        Arc::new(Graded::elastic_of_temperature(self.sites.points(), &temperatures, at))
+    /// The law of a plan, or a placeholder if it does not exist.
+    fn law(&mut self, key: &str, plan: &Plan<ElasticLaw>) -> Law<dyn TensorLaw> {
+        let (dim, path) = (self.dim(), self.path(key));
+        let nowhere = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
+        let law = self.build.law(&path, plan, &self.sites, nowhere);
+        law.unwrap_or_else(|| Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress).into())
     }
 
     /// The stress state of a plane body or a line. For a body with three dimensions a given one is a fault.
@@ -241,11 +229,11 @@ impl MaterialBuilder<'_, '_, '_> {
         (fields, elasticity::viscous_law(raw, Dimensions { body: dim, dim, state }))
     }
 
-    fn prony(&mut self, raw: &raw::Material, elasticity: &ElasticLaw, state: StressState) -> Option<Prony> {
+    fn prony(&mut self, raw: &raw::Material, elasticity: &Law<dyn TensorLaw>, state: StressState) -> Option<Prony> {
         if raw.prony.is_empty() {
             return None;
         }
-        if elasticity.graded().is_some_and(|law| !law.temperatures().is_empty()) {
+        if !elasticity.temperatures().is_empty() {
             let expected = "an elasticity that does not depend on the temperature: branches are multiples of it";
             self.note("prony", "branches besides an elasticity over the temperature".to_owned(), expected, None);
             return None;
@@ -254,7 +242,7 @@ impl MaterialBuilder<'_, '_, '_> {
         for (i, branch) in raw.prony.iter().enumerate() {
             let ratio = self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio.clone().into()));
             let time = self.number(&format!("prony[{i}].time"), Some(&branch.time.clone().into()));
-            let law = if branch.deviatoric { self.shear(i, raw, elasticity, state)? } else { Arc::clone(elasticity) };
+            let law = if branch.deviatoric { self.shear(i, raw, elasticity, state)? } else { elasticity.clone() };
             branches.push((law, ratio, time));
         }
         let varies = elasticity.graded().is_some() || branches.iter().any(|(_, g, tau)| g.varies() || tau.varies());
@@ -274,9 +262,9 @@ impl MaterialBuilder<'_, '_, '_> {
         &mut self,
         branch: usize,
         raw: &raw::Material,
-        elasticity: &ElasticLaw,
+        elasticity: &Law<dyn TensorLaw>,
         state: StressState,
-    ) -> Option<ElasticLaw> {
+    ) -> Option<Law<dyn TensorLaw>> {
         let dim = self.dim();
         let refused = if !matches!(raw.elasticity, Some(Elasticity::Isotropic { .. })) {
             Some(("a deviatoric branch of an elasticity that is not isotropic", "`law = \"isotropic\"`"))
@@ -292,10 +280,7 @@ impl MaterialBuilder<'_, '_, '_> {
             self.note(&format!("prony[{branch}].deviatoric"), found.to_owned(), expected, None);
             return None;
         }
-        Some(match elasticity.graded() {
-            Some(graded) => Arc::new(graded.map(move |law, x| Arc::new(Isotropic::deviatoric(dim, law, x)))),
-            None => Arc::new(Isotropic::deviatoric(dim, elasticity.as_ref(), &[0.0; 3])),
-        })
+        Some(elasticity.map(move |law, x| Arc::new(Isotropic::deviatoric(dim, law, x))))
     }
 
     /// Checks that a line has one angle only: the axes of its material can be turned about one axis.

@@ -9,3 +9,8 @@ pub(super) fn nearest<'w>(word: &str, words: &[&'w str]) -> Option<&'w str> {
     let budget = near.chars().count().max(word.chars().count()) / 3;
     (distance(near) <= budget).then_some(near)
 }
+
+/// The hint with the word that was probably meant.
+pub(super) fn meant(word: &str, words: &[&str]) -> Option<String> {
+    nearest(word, words).map(|near| format!("did you mean \"{near}\"?"))
+}

@@ -1,7 +1,7 @@
 //! The probes of a case, including those of its `[verify]` block.
 
 use super::build::Build;
-use super::nearest::nearest;
+use super::nearest::meant;
 use super::place::At;
 use super::raw;
 use crate::output::{Probe, ProbeError, ProbePlace, ProbeSet, Quantity, Take};
@@ -160,11 +160,7 @@ impl Build<'_> {
         let among = |name: Option<&String>, known: &[String]| {
             let name = name.map_or("", |name| name);
             let words: Vec<&str> = known.iter().map(String::as_str).collect();
-            (
-                format!("\"{name}\""),
-                words.join(", "),
-                nearest(name, &words).map(|near| format!("did you mean \"{near}\"?")),
-            )
+            (format!("\"{name}\""), words.join(", "), meant(name, &words))
         };
         match error {
             _ if mesh_unknown => {}

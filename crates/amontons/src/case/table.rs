@@ -1,6 +1,6 @@
 //! Columns of a file of separated values.
 
-use super::nearest::nearest;
+use super::nearest::meant;
 use super::raw::Column;
 
 /// The reason why a file gives no times and values: the key of the case concerned, and the message.
@@ -135,7 +135,7 @@ fn find(
             };
             let Some(index) = headers.iter().position(|header| header == wanted) else {
                 let known: Vec<&str> = headers.iter().map(String::as_str).collect();
-                let hint = nearest(wanted, &known).map(|near| format!("did you mean \"{near}\"?"));
+                let hint = meant(wanted, &known);
                 return refuse(
                     key,
                     format!("\"{wanted}\""),

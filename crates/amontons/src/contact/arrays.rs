@@ -1,7 +1,10 @@
 //! Contact laws that are evaluated for many points at once.
 
+use std::sync::Arc;
+
 use super::{Bound, Contact, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, Pressure, WearLaw};
-use crate::arrays::{Arrays, Inputs};
+use crate::arrays::{Arrays, Inputs, OnArrays};
+use crate::field::Law;
 use crate::tensor::Point;
 
 /// Names of the arguments of contact laws on arrays, in their order: position in m, penetration in m, its rate in m/s,
@@ -51,31 +54,35 @@ pub struct ArrayNormal {
     pub least_slope: f64,
 }
 
-impl NormalLaw for ArrayNormal {
+impl From<ArrayNormal> for Law<dyn NormalLaw> {
+    fn from(law: ArrayNormal) -> Self {
+        let arrays = vec![law.pressure.clone(), law.potential.clone()];
+        Law::on_arrays(Arc::new(OnArrays(law)), arrays)
+    }
+}
+
+impl NormalLaw for OnArrays<ArrayNormal> {
     fn pressure(&self, x: &Point, z: f64, rate: f64, _lambda: f64) -> Pressure {
         let at = ContactPoint { x: *x, penetration: z, ..ContactPoint::default() };
-        let [value, slope, by_rate] = self.pressure.at(&inputs(&at, rate));
+        let [value, slope, by_rate] = self.0.pressure.at(&inputs(&at, rate));
         Pressure { value, slope, by_rate }
     }
     fn potential(&self, x: &Point, r: f64) -> f64 {
         let at = ContactPoint { x: *x, penetration: r, ..ContactPoint::default() };
-        let [energy] = self.potential.at(&inputs(&at, 0.0));
+        let [energy] = self.0.potential.at(&inputs(&at, 0.0));
         energy
     }
     fn lipschitz(&self) -> Option<f64> {
-        self.lipschitz
+        self.0.lipschitz
     }
     fn lipschitz_in_rate(&self) -> Option<f64> {
-        self.lipschitz_in_rate
+        self.0.lipschitz_in_rate
     }
     fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
-        self.least_slope.min(0.0)
+        self.0.least_slope.min(0.0)
     }
     fn graph(&self) -> GraphKind {
         GraphKind::Function
-    }
-    fn arrays(&self) -> Vec<&Arrays> {
-        vec![&self.pressure, &self.potential]
     }
 }
 
@@ -93,22 +100,26 @@ pub struct ArrayFriction {
     pub drops_from_rest: bool,
 }
 
-impl FrictionLaw for ArrayFriction {
+impl From<ArrayFriction> for Law<dyn FrictionLaw> {
+    fn from(law: ArrayFriction) -> Self {
+        let arrays = vec![law.bound.clone()];
+        Law::on_arrays(Arc::new(OnArrays(law)), arrays)
+    }
+}
+
+impl FrictionLaw for OnArrays<ArrayFriction> {
     fn bound(&self, at: &ContactPoint) -> Bound {
-        let [value, by_penetration, by_pressure, by_slip_speed, by_temperature] = self.bound.at(&inputs(at, 0.0));
+        let [value, by_penetration, by_pressure, by_slip_speed, by_temperature] = self.0.bound.at(&inputs(at, 0.0));
         Bound { value, by_penetration, by_pressure, by_slip_speed, by_temperature }
     }
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
-        Some(self.lipschitz? * l_nu?)
+        Some(self.0.lipschitz? * l_nu?)
     }
     fn least_slope(&self, _at: &ContactPoint, _from: f64, _to: f64) -> f64 {
-        self.least_slope.min(0.0)
+        self.0.least_slope.min(0.0)
     }
     fn drops_from_rest(&self) -> bool {
-        self.drops_from_rest
-    }
-    fn arrays(&self) -> Vec<&Arrays> {
-        vec![&self.bound]
+        self.0.drops_from_rest
     }
 }
 
@@ -123,20 +134,24 @@ pub struct ArrayHeat {
     pub conductance_lipschitz: Option<f64>,
 }
 
-impl HeatLaw for ArrayHeat {
+impl From<ArrayHeat> for Law<dyn HeatLaw> {
+    fn from(law: ArrayHeat) -> Self {
+        let arrays = vec![law.flux.clone()];
+        Law::on_arrays(Arc::new(OnArrays(law)), arrays)
+    }
+}
+
+impl HeatLaw for OnArrays<ArrayHeat> {
     fn flux(&self, at: &ContactPoint) -> Flux {
         let [value, by_temperature, by_foundation, by_penetration, by_pressure, by_slip_speed, by_friction_power] =
-            self.flux.at(&inputs(at, 0.0));
+            self.0.flux.at(&inputs(at, 0.0));
         Flux { value, by_temperature, by_foundation, by_penetration, by_pressure, by_slip_speed, by_friction_power }
     }
     fn conductance_bound(&self) -> f64 {
-        self.conductance_bound
+        self.0.conductance_bound
     }
     fn conductance_lipschitz(&self) -> Option<f64> {
-        self.conductance_lipschitz
-    }
-    fn arrays(&self) -> Vec<&Arrays> {
-        vec![&self.flux]
+        self.0.conductance_lipschitz
     }
 }
 
@@ -147,15 +162,19 @@ pub struct ArrayWear {
     pub coefficient: Arrays,
 }
 
-impl WearLaw for ArrayWear {
+impl From<ArrayWear> for Law<dyn WearLaw> {
+    fn from(law: ArrayWear) -> Self {
+        let arrays = vec![law.coefficient.clone()];
+        Law::on_arrays(Arc::new(OnArrays(law)), arrays)
+    }
+}
+
+impl WearLaw for OnArrays<ArrayWear> {
     fn coefficient(&self, at: &ContactPoint) -> f64 {
-        self.coefficient.at::<2>(&inputs(at, 0.0))[0]
+        self.0.coefficient.at::<2>(&inputs(at, 0.0))[0]
     }
     fn by_temperature(&self, at: &ContactPoint) -> f64 {
-        self.coefficient.at::<2>(&inputs(at, 0.0))[1]
-    }
-    fn arrays(&self) -> Vec<&Arrays> {
-        vec![&self.coefficient]
+        self.0.coefficient.at::<2>(&inputs(at, 0.0))[1]
     }
 }
 
@@ -166,7 +185,7 @@ pub(crate) fn arrays(contacts: &[Contact]) -> Vec<&Arrays> {
         all.extend(contact.normal.arrays());
         all.extend(contact.friction.arrays());
         all.extend(contact.heat.arrays());
-        all.extend(contact.wear.iter().flat_map(|law| law.arrays()));
+        all.extend(contact.wear.iter().flat_map(Law::arrays));
     }
     all
 }

@@ -1,14 +1,12 @@
 //! Γ_C on a mesh: contact points with their normals, weights and gaps.
 
-use std::sync::Arc;
-
 use super::mortar::{Mortar, MortarRow, NodeShare, SectorImage};
 use super::{
     Fluid, FrictionLaw, Frictionless, GraphKind, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair,
     Preload, WearLaw,
 };
 use crate::element::{Element, ShapeTable};
-use crate::field::Field;
+use crate::field::{Field, Law};
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
 use crate::quadrature::{QuadratureRule, Shape};
 use crate::tensor::Point;
@@ -43,11 +41,11 @@ pub struct Contact {
     /// Points at which the laws are evaluated.
     pub quadrature: Quadrature,
     /// p_ν.
-    pub normal: Arc<dyn NormalLaw>,
+    pub normal: Law<dyn NormalLaw>,
     /// p_τ.
-    pub friction: Arc<dyn FrictionLaw>,
+    pub friction: Law<dyn FrictionLaw>,
     /// k_c and φ_L.
-    pub heat: Arc<dyn HeatLaw>,
+    pub heat: Law<dyn HeatLaw>,
     /// θ_F in K; the initial value if the foundation has a heat capacity.
     pub foundation_temperature: Field,
     /// The heat capacity of the foundation; `None` if θ_F is prescribed.
@@ -55,7 +53,7 @@ pub struct Contact {
     /// The foundation as a rigid surface; `None` if the gap alone describes it, along the normal of the body.
     pub obstacle: Option<Obstacle>,
     /// The wear law; `None` without wear.
-    pub wear: Option<Arc<dyn WearLaw>>,
+    pub wear: Option<Law<dyn WearLaw>>,
     /// Fraction of the wear depth that comes off the side `on`; the rest comes off the opposite side.
     pub wear_fraction: f64,
     /// v_F in m/s, one field per component; empty for a foundation at rest. Only its tangential part counts: motion
@@ -71,16 +69,16 @@ impl Contact {
     /// Contact of the facet set `on` by this law p_ν at its nodes, without gap, friction, heat exchange and wear. The
     /// foundation is at rest.
     #[must_use]
-    pub fn new(on: impl Into<String>, normal: impl NormalLaw + 'static) -> Contact {
+    pub fn new(on: impl Into<String>, normal: impl Into<Law<dyn NormalLaw>>) -> Contact {
         Contact {
             on: on.into(),
             name: String::new(),
             pair: None,
             gap: Field::ZERO,
             quadrature: Quadrature::Nodal,
-            normal: Arc::new(normal),
-            friction: Arc::new(Frictionless),
-            heat: Arc::new(Insulated),
+            normal: normal.into(),
+            friction: Frictionless.into(),
+            heat: Insulated.into(),
             foundation_temperature: Field::ZERO,
             foundation_heat: None,
             obstacle: None,
@@ -155,14 +153,14 @@ impl Contact {
 
     /// Sets the friction law p_τ.
     #[must_use]
-    pub fn friction(self, law: impl FrictionLaw + 'static) -> Contact {
-        Contact { friction: Arc::new(law), ..self }
+    pub fn friction(self, law: impl Into<Law<dyn FrictionLaw>>) -> Contact {
+        Contact { friction: law.into(), ..self }
     }
 
     /// Sets the law of heat exchange and the foundation temperature θ_F in K.
     #[must_use]
-    pub fn heat(self, law: impl HeatLaw + 'static, foundation_temperature: impl Into<Field>) -> Contact {
-        Contact { heat: Arc::new(law), foundation_temperature: foundation_temperature.into(), ..self }
+    pub fn heat(self, law: impl Into<Law<dyn HeatLaw>>, foundation_temperature: impl Into<Field>) -> Contact {
+        Contact { heat: law.into(), foundation_temperature: foundation_temperature.into(), ..self }
     }
 
     /// The contact with its laws at a time; `None` if no law changes with time.
@@ -175,9 +173,9 @@ impl Contact {
             return None;
         }
         Some(Contact {
-            normal: normal.unwrap_or_else(|| Arc::clone(&self.normal)),
-            friction: friction.unwrap_or_else(|| Arc::clone(&self.friction)),
-            heat: heat.unwrap_or_else(|| Arc::clone(&self.heat)),
+            normal: normal.unwrap_or_else(|| self.normal.clone()),
+            friction: friction.unwrap_or_else(|| self.friction.clone()),
+            heat: heat.unwrap_or_else(|| self.heat.clone()),
             wear: wear.or_else(|| self.wear.clone()),
             ..self.clone()
         })

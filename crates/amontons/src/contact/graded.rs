@@ -1,35 +1,16 @@
-//! Contact laws whose coefficients vary over the side and in time.
+//! Contact laws whose coefficients vary over the side and in time, evaluated by the law of each point.
 
 use std::sync::Arc;
 
-use super::{Bound, Cone, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, Pressure, WearLaw};
-use crate::field::Graded;
+use super::{Bound, Cone, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, Pressure, Sum, WearLaw};
+use crate::field::{Graded, Law, law_kind};
 use crate::tensor::Point;
 
 /// Replaces a constant that a law does not have.
 const NONE: f64 = f64::INFINITY;
 
-impl Graded<dyn NormalLaw> {
-    /// A pressure by the law `at` per point of a side; L_ν is the largest over the points.
-    #[must_use]
-    pub fn normal(
-        points: &[Point],
-        at: impl Fn(&Point) -> Arc<dyn NormalLaw> + Send + Sync + 'static,
-    ) -> Graded<dyn NormalLaw> {
-        Graded::normal_in_time(points, &[0.0], move |x, _| at(x))
-    }
-
-    /// A pressure by the law `at` per point and time, with L_ν the largest over points and times. With fewer than two
-    /// times the law does not change.
-    #[must_use]
-    pub fn normal_in_time(
-        points: &[Point],
-        times: &[f64],
-        at: impl Fn(&Point, f64) -> Arc<dyn NormalLaw> + Send + Sync + 'static,
-    ) -> Graded<dyn NormalLaw> {
-        Graded::over(points, times, at, |law| ([law.lipschitz().unwrap_or(NONE); 2], false))
-    }
-}
+// By L_ν.
+law_kind!(NormalLaw, |law| ([law.lipschitz().unwrap_or(NONE); 2], false));
 
 impl NormalLaw for Graded<dyn NormalLaw> {
     fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
@@ -47,30 +28,13 @@ impl NormalLaw for Graded<dyn NormalLaw> {
     fn graph(&self) -> GraphKind {
         self.extremes()[1].law.graph()
     }
-    fn graded(&self) -> Option<&Graded<dyn NormalLaw>> {
-        Some(self)
-    }
-    fn at_time(&self, t: f64) -> Option<Arc<dyn NormalLaw>> {
-        Some(Arc::new(Graded::at_time(self, t)?))
-    }
 }
 
-impl Graded<dyn FrictionLaw> {
-    /// A friction bound by the law `at` per point of a side and time; L_τ is the largest over points and times. With
-    /// fewer than two times the law does not change.
-    #[must_use]
-    pub fn friction(
-        points: &[Point],
-        times: &[f64],
-        at: impl Fn(&Point, f64) -> Arc<dyn FrictionLaw> + Send + Sync + 'static,
-    ) -> Graded<dyn FrictionLaw> {
-        Graded::over(points, times, at, |law| {
-            let tau = law.lipschitz(Some(1.0)).unwrap_or(NONE);
-            // A law with friction ranks before a frictionless one, whatever its constant.
-            ([tau, if law.is_frictionless() { -1.0 } else { tau }], law.drops_from_rest())
-        })
-    }
-}
+// By L_τ at L_ν = 1. A law with friction ranks before a frictionless one, whatever its constant.
+law_kind!(FrictionLaw, |law| {
+    let tau = law.lipschitz(Some(1.0)).unwrap_or(NONE);
+    ([tau, if law.is_frictionless() { -1.0 } else { tau }], law.drops_from_rest())
+});
 
 impl FrictionLaw for Graded<dyn FrictionLaw> {
     fn bound(&self, at: &ContactPoint) -> Bound {
@@ -91,29 +55,24 @@ impl FrictionLaw for Graded<dyn FrictionLaw> {
     fn cone(&self, x: &Point, nu: &Point) -> Option<Cone> {
         self.at(x).cone(x, nu)
     }
-    fn graded(&self) -> Option<&Graded<dyn FrictionLaw>> {
-        Some(self)
-    }
-    fn at_time(&self, t: f64) -> Option<Arc<dyn FrictionLaw>> {
-        Some(Arc::new(Graded::at_time(self, t)?))
+}
+
+impl Law<dyn HeatLaw> {
+    /// The law whose flux is the sum of those of several laws.
+    #[must_use]
+    pub fn sum(laws: Vec<Law<dyn HeatLaw>>) -> Law<dyn HeatLaw> {
+        let arrays = laws.iter().flat_map(Law::arrays).cloned().collect();
+        let sum: Law<dyn HeatLaw> =
+            Law::on_arrays(Arc::new(Sum { laws: laws.iter().map(Law::shared).collect() }), arrays);
+        if laws.iter().all(|law| law.at_time(0.0).is_none()) {
+            return sum;
+        }
+        sum.changing(move |t| Law::sum(laws.iter().map(|law| law.at_time(t).unwrap_or_else(|| law.clone())).collect()))
     }
 }
 
-impl Graded<dyn HeatLaw> {
-    /// A heat flux by the law `at` per point of a side and time; M_kc is the largest over points and times. With fewer
-    /// than two times the law does not change.
-    #[must_use]
-    pub fn heat(
-        points: &[Point],
-        times: &[f64],
-        at: impl Fn(&Point, f64) -> Arc<dyn HeatLaw> + Send + Sync + 'static,
-    ) -> Graded<dyn HeatLaw> {
-        Graded::over(points, times, at, |law| {
-            // The first key selects the law with the largest L_kc, the second that with the largest M_kc.
-            ([-law.conductance_lipschitz().unwrap_or(NONE), law.conductance_bound()], false)
-        })
-    }
-}
+// The first number selects the law with the largest L_kc, the second that with the largest M_kc.
+law_kind!(HeatLaw, |law| { ([-law.conductance_lipschitz().unwrap_or(NONE), law.conductance_bound()], false) });
 
 impl HeatLaw for Graded<dyn HeatLaw> {
     fn flux(&self, at: &ContactPoint) -> Flux {
@@ -135,25 +94,9 @@ impl HeatLaw for Graded<dyn HeatLaw> {
     fn absolute_zero(&self) -> Option<f64> {
         self.extremes()[1].law.absolute_zero()
     }
-    fn graded(&self) -> Option<&Graded<dyn HeatLaw>> {
-        Some(self)
-    }
-    fn at_time(&self, t: f64) -> Option<Arc<dyn HeatLaw>> {
-        Some(Arc::new(Graded::at_time(self, t)?))
-    }
 }
 
-impl Graded<dyn WearLaw> {
-    /// A wear law `at` per point of a side and time. With fewer than two times the law does not change.
-    #[must_use]
-    pub fn wear(
-        points: &[Point],
-        times: &[f64],
-        at: impl Fn(&Point, f64) -> Arc<dyn WearLaw> + Send + Sync + 'static,
-    ) -> Graded<dyn WearLaw> {
-        Graded::over(points, times, at, |_| ([0.0; 2], false))
-    }
-}
+law_kind!(WearLaw, |_| ([0.0; 2], false));
 
 impl WearLaw for Graded<dyn WearLaw> {
     fn coefficient(&self, at: &ContactPoint) -> f64 {
@@ -161,8 +104,5 @@ impl WearLaw for Graded<dyn WearLaw> {
     }
     fn by_temperature(&self, at: &ContactPoint) -> f64 {
         self.at(&at.x).by_temperature(at)
-    }
-    fn at_time(&self, t: f64) -> Option<Arc<dyn WearLaw>> {
-        Some(Arc::new(Graded::at_time(self, t)?))
     }
 }

@@ -4,23 +4,15 @@
 //! proportional to the load and the sliding distance; by area, ḣ = κ p ‖w_τ‖.
 
 use std::fmt::Debug;
+#[cfg(test)]
 use std::sync::Arc;
 
 use super::{ContactPoint, PiecewiseLinear};
-use crate::arrays::Arrays;
 
 /// A wear rate ḣ = κ p₊ ‖w_τ‖ in m/s, κ a function of temperature; the gap grows by h.
 pub trait WearLaw: Debug + Send + Sync {
     /// κ ≥ 0 in 1/Pa.
     fn coefficient(&self, at: &ContactPoint) -> f64;
-    /// The law at a time; `None` for a law that does not change with time.
-    fn at_time(&self, _t: f64) -> Option<Arc<dyn WearLaw>> {
-        None
-    }
-    /// The array functions of the law; they are evaluated for all contact points at once.
-    fn arrays(&self) -> Vec<&Arrays> {
-        Vec::new()
-    }
     /// ∂κ/∂θ in 1/(Pa K).
     fn by_temperature(&self, at: &ContactPoint) -> f64;
 }

@@ -42,7 +42,8 @@ fn pair_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
 pub fn assert_backend(backend: &Arc<dyn Backend>) {
     let Ok(mesh) = Mesh::rectangle([1.0, 0.7], [9, 7], Diagonal::Left) else { panic!("a mesh of 9 × 7 squares") };
     let graph = Arc::new(Graph::of_mesh(&mesh));
-    let stiffness = Arc::new(forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]));
+    let stiffness =
+        Arc::new(forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain).into()]));
     let all = vec![true; graph.len() * 2];
     let mut free = all.clone();
     for node in mesh.facets["top"].node_list() {

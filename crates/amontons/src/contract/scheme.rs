@@ -53,7 +53,7 @@ fn block(scheme: TimeScheme, steps: usize, quarters: usize, has_contact: bool) -
     let law = |young, poisson| Isotropic::elastic(2, young, poisson, StressState::PlaneStrain);
     let mut material = Material::new(2, law(20.0, 0.3));
     material.density = 1.0.into();
-    material.viscosity = Arc::new(law(0.1, 0.3));
+    material.viscosity = law(0.1, 0.3).into();
     let mut data = ProblemData::new("a block", mesh, material, 0.6, steps);
     (data.physics, data.scheme) = (Physics::Mechanics, scheme);
     let [x, y, _] = turned([0.3, -1.0, 0.0]);
@@ -61,7 +61,7 @@ fn block(scheme: TimeScheme, steps: usize, quarters: usize, has_contact: bool) -
     data.boundary = vec![BoundaryCondition::on(top).displacement([0.0; 2])];
     if has_contact {
         let mut contact = Contact::new(bottom, Compliance { stiffness: 300.0 });
-        contact.friction = Arc::new(Coulomb { coefficient: 0.3 });
+        contact.friction = Coulomb { coefficient: 0.3 }.into();
         data.contacts = vec![contact];
     }
     data.check().unwrap_or_else(|faults| panic!("{faults}"))

@@ -234,7 +234,7 @@ impl Study {
         let discrete = Arc::new(Discretization::new(&reference.problem));
         let mut scheme = scheme_of(reference, &discrete, settings)?;
         let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: reference.level, source })?;
-        let unit = Isotropic::lame(reference.problem.mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress);
+        let unit = Isotropic::lame(reference.problem.mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress).into();
         let strain = forms::a(&reference.problem.mesh, discrete.mass.graph(), &[&unit]);
         let mut worst = vec![Worst::default(); self.levels.len()];
         let mut transfers = Vec::new();

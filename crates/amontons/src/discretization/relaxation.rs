@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::ZERO;
+use crate::field::Law;
 use crate::forms::{self, StrainPoints};
 use crate::linalg::{BlockMatrix, Graph, dot};
 use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
@@ -23,7 +24,13 @@ enum BranchKind {
     /// One relaxation time τ, s, with the form ∫ 𝓖ε(·):ε(·).
     Same { time: f64, form: BlockMatrix },
     /// Springs per region, and τ (s) at the points of the cells.
-    Varying { mesh: Arc<Mesh>, dilatation: Vec<Dilatation>, graph: Arc<Graph>, springs: Vec<Branch>, times: Vec<f64> },
+    Varying {
+        mesh: Arc<Mesh>,
+        dilatation: Vec<Dilatation>,
+        graph: Arc<Graph>,
+        springs: Vec<Law<dyn TensorLaw>>,
+        times: Vec<f64>,
+    },
 }
 
 /// Energies of the branches over a step in the energy identity, J.
@@ -58,6 +65,7 @@ impl Relaxation {
             let times = points.values(|region, x| {
                 springs.get(region).or(springs.last()).map_or(f64::INFINITY, |spring| spring.at(x).time)
             });
+            let springs = springs.iter().map(Branch::law).collect();
             let (mesh, graph) = (Arc::clone(mesh), Arc::clone(graph));
             Relaxation(BranchKind::Varying { mesh, dilatation, graph, springs, times })
         });
@@ -102,7 +110,7 @@ impl Relaxation {
         match &self.0 {
             BranchKind::Same { form, .. } => form.apply(state),
             BranchKind::Varying { mesh, dilatation, springs, .. } => {
-                StrainPoints { mesh, dilatation }.force(&laws(springs), state)
+                StrainPoints { mesh, dilatation }.force(&borrowed(springs), state)
             }
         }
     }
@@ -114,7 +122,7 @@ impl Relaxation {
             BranchKind::Varying { mesh, dilatation, graph, springs, times } => {
                 let factors: Vec<f64> = times.iter().map(|time| factor(rule, *time)).collect();
                 let points = StrainPoints { mesh, dilatation };
-                matrix.add_scaled(rule.gamma, &points.form(graph, &laws(springs), &factors));
+                matrix.add_scaled(rule.gamma, &points.form(graph, &borrowed(springs), &factors));
             }
         }
     }
@@ -147,7 +155,7 @@ impl Relaxation {
     fn products(&self, strains: &[f64]) -> [f64; 2] {
         let BranchKind::Varying { mesh, dilatation, springs, times, .. } = &self.0 else { return [0.0; 2] };
         let rates: Vec<f64> = times.iter().map(|time| 1.0 / time).collect();
-        StrainPoints { mesh, dilatation }.products(&laws(springs), strains, &rates)
+        StrainPoints { mesh, dilatation }.products(&borrowed(springs), strains, &rates)
     }
 }
 
@@ -160,17 +168,20 @@ fn branches_of(material: &Material) -> &[Branch] {
     material.prony.as_ref().map_or(&[], Prony::branches)
 }
 
-fn laws(springs: &[Branch]) -> Vec<&dyn TensorLaw> {
-    springs.iter().map(|spring| spring as &dyn TensorLaw).collect()
+fn borrowed(laws: &[Law<dyn TensorLaw>]) -> Vec<&Law<dyn TensorLaw>> {
+    laws.iter().collect()
 }
 
 /// ∫ 𝓖ε(·):ε(·) with the sum of the springs of each region.
 fn form(problem: &Problem, graph: &Arc<Graph>, by_region: Vec<Vec<Branch>>) -> BlockMatrix {
     let dilatation = problem.dilatation();
-    let assemble = |springs: &[Branch]| forms::tensor_form(&problem.mesh, graph, &laws(springs), &dilatation);
+    let assemble = |springs: &[Branch]| {
+        let laws: Vec<_> = springs.iter().map(Branch::law).collect();
+        forms::tensor_form(&problem.mesh, graph, &borrowed(&laws), &dilatation)
+    };
     let uniform = |branches: &Vec<Branch>| {
         let mut sum = ZERO.clone();
-        for branch in branches.iter().filter(|branch| branch.graded().is_none()) {
+        for branch in branches.iter().filter(|branch| !branch.modulus_varies()) {
             for (sum, entry) in sum.modulus.0.iter_mut().flatten().zip(branch.modulus.0.iter().flatten()) {
                 *sum += entry;
             }
@@ -179,7 +190,7 @@ fn form(problem: &Problem, graph: &Arc<Graph>, by_region: Vec<Vec<Branch>>) -> B
     };
     let mut form = assemble(&by_region.iter().map(uniform).collect::<Vec<_>>());
     // Springs that vary in space, one per region at a time.
-    let graded = |branches: Vec<Branch>| branches.into_iter().filter(|b| b.graded().is_some()).collect();
+    let graded = |branches: Vec<Branch>| branches.into_iter().filter(Branch::modulus_varies).collect();
     let graded: Vec<Vec<Branch>> = by_region.into_iter().map(graded).collect();
     for number in 0..graded.iter().map(Vec::len).max().unwrap_or(0) {
         let springs: Vec<Branch> = graded.iter().map(|all| all.get(number).unwrap_or(&ZERO).clone()).collect();

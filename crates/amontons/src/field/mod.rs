@@ -2,12 +2,13 @@
 //! function.
 
 mod coefficient;
-mod graded;
+mod law;
 mod table;
 mod thermal;
 
 pub use coefficient::{Coefficient, InSpace, TemperatureDependent};
-pub use graded::{Graded, LawInstance};
+pub(crate) use law::law_kind;
+pub use law::{Graded, Law, LawInstance, LawKind};
 pub use table::{TableError, TimeTable};
 pub use thermal::TemperatureTable;
 #[cfg(feature = "case")]

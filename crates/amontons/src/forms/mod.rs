@@ -47,7 +47,7 @@ pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope
 
 use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
-use crate::field::InSpace;
+use crate::field::{InSpace, Law};
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{TensorLaw, arrays};
 use crate::mesh::Mesh;
@@ -96,20 +96,26 @@ pub(crate) fn weighted_at(
 
 /// a(u, v) = ∫ 𝓔ε(u):ε(v) for linear laws.
 #[must_use]
-pub fn a(mesh: &Mesh, graph: &Arc<Graph>, elasticity: &[&dyn TensorLaw]) -> BlockMatrix {
+pub fn a(mesh: &Mesh, graph: &Arc<Graph>, elasticity: &[&Law<dyn TensorLaw>]) -> BlockMatrix {
     tensor_form(mesh, graph, elasticity, &[Dilatation::Full])
 }
 
 /// b(w, v) = ∫ 𝓥ε(w):ε(v) for linear laws.
 #[must_use]
-pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> BlockMatrix {
+pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&Law<dyn TensorLaw>]) -> BlockMatrix {
     tensor_form(mesh, graph, viscosity, &[Dilatation::Full])
 }
 
 /// [`a`] or [`b`] with full or mean dilatation.
 #[must_use]
-pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: &[Dilatation]) -> BlockMatrix {
-    let at_rest = |law: &dyn TensorLaw, cell: &CellPoint| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
+pub fn tensor_form(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    laws: &[&Law<dyn TensorLaw>],
+    dilatation: &[Dilatation],
+) -> BlockMatrix {
+    let at_rest =
+        |law: &Law<dyn TensorLaw>, cell: &CellPoint| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
     all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], at_rest))
 }
 
@@ -223,7 +229,7 @@ mod tests {
             pool.install(|| -> Result<Vec<f64>, MeshError> {
                 let mesh = Mesh::box_([1.0, 0.7, 1.3], [9, 10, 11], Elements::P1)?;
                 let graph = Arc::new(Graph::of_mesh(&mesh));
-                let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
+                let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain).into();
                 let [a, h] = [a(&mesh, &graph, &[&law]), inner_h(&mesh, &graph)];
                 let blocks = |m: &BlockMatrix| {
                     (0..graph.len())

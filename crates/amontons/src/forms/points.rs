@@ -9,6 +9,7 @@ use super::assembly::{CellPoint, by_cells, of_region, strain_components};
 use super::state::{strain, vector};
 use super::stiffness;
 use crate::element::{Element, ShapeTable};
+use crate::field::Law;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
@@ -80,7 +81,7 @@ impl StrainPoints<'_> {
     }
 
     /// The vector of ∫ 𝓖e:ε(v) with the stored strains e.
-    pub fn force(&self, laws: &[&dyn TensorLaw], strains: &[f64]) -> Vec<f64> {
+    pub fn force(&self, laws: &[&Law<dyn TensorLaw>], strains: &[f64]) -> Vec<f64> {
         vector(
             self.mesh,
             self.dilatation,
@@ -90,7 +91,7 @@ impl StrainPoints<'_> {
     }
 
     /// ∫ e:𝓖e and ∫ c e:𝓖e with a factor c at each point.
-    pub fn products(&self, laws: &[&dyn TensorLaw], strains: &[f64], factor: &[f64]) -> [f64; 2] {
+    pub fn products(&self, laws: &[&Law<dyn TensorLaw>], strains: &[f64], factor: &[f64]) -> [f64; 2] {
         let mut sums = [0.0; 2];
         by_cells(
             self.mesh,
@@ -116,7 +117,7 @@ impl StrainPoints<'_> {
     }
 
     /// ∫ c 𝓖ε(u):ε(v) with a factor c at each point.
-    pub fn form(&self, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], factor: &[f64]) -> BlockMatrix {
+    pub fn form(&self, graph: &Arc<Graph>, laws: &[&Law<dyn TensorLaw>], factor: &[f64]) -> BlockMatrix {
         stiffness::assemble(self.mesh, graph, self.dilatation, laws, factor, |law, cell| {
             law.tangent(&cell.map.position, &Sym::ZERO)
         })

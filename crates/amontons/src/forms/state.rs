@@ -6,6 +6,7 @@ use super::assembly::{CellPoint, by_cells, of_region, strain_components};
 use super::stiffness;
 use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
+use crate::field::Law;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw, arrays};
 use crate::mesh::Mesh;
@@ -25,16 +26,22 @@ pub(super) fn strain(cell: &CellPoint, u: &[f64]) -> Sym {
 }
 
 /// Applies `with` to a law at the point of a cell, at the nodal temperature `theta` if given.
-fn local<R>(law: &dyn TensorLaw, cell: &CellPoint, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
+fn local<R>(law: &Law<dyn TensorLaw>, cell: &CellPoint, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
     let warm = if theta.is_empty() { None } else { law.at_temperature(&cell.map.position, cell.scalar(theta)) };
-    taking_part(|| with(warm.as_deref().unwrap_or(law)))
+    taking_part(|| with(warm.as_deref().unwrap_or(law.as_ref())))
 }
 
 /// The vector of ∫ 𝓔(ε(u)):ε(v), one entry per degree of freedom.
 ///
 /// `laws` is a list by region; `u` has d components per node, and `theta` the temperature per node, or is empty.
 #[must_use]
-pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: &[Dilatation], u: &[f64], theta: &[f64]) -> Vec<f64> {
+pub fn residual(
+    mesh: &Mesh,
+    laws: &[&Law<dyn TensorLaw>],
+    dilatation: &[Dilatation],
+    u: &[f64],
+    theta: &[f64],
+) -> Vec<f64> {
     let value = |cell: &CellPoint| {
         let law = of_region(laws, cell.region)?;
         let strain = strain(cell, u);
@@ -80,7 +87,7 @@ pub(super) fn vector(
 #[must_use]
 pub fn energy(
     mesh: &Mesh,
-    laws: &[&dyn TensorLaw],
+    laws: &[&Law<dyn TensorLaw>],
     dilatation: &[Dilatation],
     u: &[f64],
     theta: &[f64],
@@ -109,12 +116,12 @@ pub fn energy(
 pub fn tangent(
     mesh: &Mesh,
     graph: &Arc<Graph>,
-    laws: &[&dyn TensorLaw],
+    laws: &[&Law<dyn TensorLaw>],
     dilatation: &[Dilatation],
     u: &[f64],
     theta: &[f64],
 ) -> BlockMatrix {
-    let tangent = |law: &dyn TensorLaw, cell: &CellPoint| {
+    let tangent = |law: &Law<dyn TensorLaw>, cell: &CellPoint| {
         // If all laws are linear, strains are neither needed nor available.
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
         local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))

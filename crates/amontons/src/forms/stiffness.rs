@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::assembly::{CellPoint, assemble as sum, of_region, strain_components};
+use crate::field::Law;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
@@ -38,9 +39,9 @@ pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,
     dilatation: &[Dilatation],
-    laws: &[&dyn TensorLaw],
+    laws: &[&Law<dyn TensorLaw>],
     factor: &[f64],
-    tangent: impl Fn(&dyn TensorLaw, &CellPoint) -> SymMap + Sync,
+    tangent: impl Fn(&Law<dyn TensorLaw>, &CellPoint) -> SymMap + Sync,
 ) -> BlockMatrix {
     let known: Vec<Option<Stiffness>> = laws
         .iter()

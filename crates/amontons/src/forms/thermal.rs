@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::assembly::{CellPoint, assemble, by_cells, of_region};
 use super::state::{strain, vector};
 use super::works;
-use crate::field::Coefficient;
+use crate::field::{Coefficient, Law};
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
@@ -166,7 +166,7 @@ pub(crate) fn expansion_slope(
 pub(crate) fn law_slope(
     mesh: &Mesh,
     graph: &Arc<Graph>,
-    laws: &[&dyn TensorLaw],
+    laws: &[&Law<dyn TensorLaw>],
     dilatation: &[Dilatation],
     [u, theta]: [&[f64]; 2],
 ) -> BlockMatrix {

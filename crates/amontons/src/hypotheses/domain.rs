@@ -105,7 +105,7 @@ pub(super) fn constants_on(problem: &Problem, mass: &BlockMatrix) -> Result<Doma
         let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.
         let strain =
-            || forms::a(mesh, graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
+            || forms::a(mesh, graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress).into()]);
         constants_of(&on, &v, strain, [TracePart::Whole, TracePart::Normal, TracePart::Tangential])
     };
     let heat = || {

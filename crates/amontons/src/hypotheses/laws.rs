@@ -193,7 +193,7 @@ impl Test<'_> {
 
 /// (H7): k_c is bounded, Lipschitz and zero for r ≤ 0.
 fn exchange(test: &Test, constants: &Constants) -> Finding {
-    let heat = test.contact.heat.as_ref();
+    let heat = &test.contact.heat;
     let bound = heat.conductance_bound();
     // φ_L has the slope 1 at 0.
     let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;

@@ -29,6 +29,7 @@ use super::tensors::largest_norm;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::{Discretization, is_fixed};
+use crate::field::Law;
 use crate::linalg::{BlockMatrix, Entry, Layout, Share, SolveError, System, Tangent, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
@@ -66,11 +67,11 @@ fn loss(contact: &Contact, fall: f64) -> Option<f64> {
 
 /// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ −
 /// ξ₂‖², with the least m over its temperatures.
-fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
+fn minorant(law: &Law<dyn TensorLaw>, dim: usize) -> Law<dyn TensorLaw> {
     if is_fixed(law) {
-        return Arc::clone(law);
+        return law.clone();
     }
-    Arc::new(Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress))
+    Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress).into()
 }
 
 /// The forms of a problem with linear laws of the body below its own; its own forms if its laws are linear.

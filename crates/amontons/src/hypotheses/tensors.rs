@@ -6,7 +6,7 @@
 use super::sample::{PAIRS, PLACES, SLACK, Samples, at, attained, some};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::arrays::all_at_once;
-use crate::field::Coefficient;
+use crate::field::{Coefficient, Law};
 use crate::material::{Material, OperatorConstants, TensorLaw};
 use crate::problem::{MaterialSample, Problem};
 use crate::tensor::{Point, Sym, mandel_len};
@@ -64,15 +64,14 @@ fn of_material(problem: &Problem, region: usize, constants: &Constants) -> Vec<F
     let (m, e) = (constants.bound_m, constants.bound_e);
     let expansion = problem.values_in(region, |m| &m.expansion);
     let coupling = problem.values_in(region, |m| &m.coupling);
-    let of_law = |law: &dyn TensorLaw, id: FindingId, names: OperatorNames| {
-        let temperatures = law.graded().map_or(&[][..], |law| law.temperatures());
-        warm(operator(problem, law, id, names), temperatures)
+    let of_law = |law: &Law<dyn TensorLaw>, id: FindingId, names: OperatorNames| {
+        warm(operator(problem, law, id, names), law.temperatures())
     };
     let conductivity = conductivity(problem, &problem.values_in(region, |m| &m.conductivity));
     let expansion = bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]);
     vec![
-        of_law(material.viscosity.as_ref(), FindingId::H1, VISCOSITY),
-        of_law(material.elasticity.as_ref(), FindingId::H2, ELASTICITY),
+        of_law(&material.viscosity, FindingId::H1, VISCOSITY),
+        of_law(&material.elasticity, FindingId::H2, ELASTICITY),
         warm(conductivity, material.conductivity.temperatures()),
         warm(expansion, material.expansion.temperatures()),
         bounded(problem, &coupling, e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
@@ -103,7 +102,7 @@ fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
 }
 
 /// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
-fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, names: OperatorNames) -> Finding {
+fn operator(problem: &Problem, law: &Law<dyn TensorLaw>, id: FindingId, names: OperatorNames) -> Finding {
     let OperatorNames { name, monotonicity: m, lipschitz: upper, place } = names;
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
@@ -148,7 +147,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, names: Operat
 }
 
 /// Reason why a law has no Lipschitz constant, as far as samples show; Theorem 1 requires no other property of 𝓔.
-pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
+pub(super) fn not_lipschitz(problem: &Problem, law: &Law<dyn TensorLaw>, upper: &str) -> Option<String> {
     let lipschitz = law.constants().lipschitz;
     if !lipschitz.is_finite() {
         return Some(format!("{upper} = {lipschitz:.6e}"));
@@ -160,7 +159,7 @@ pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str)
 /// Two arguments that contradict the constants of a law, or a nonzero value at zero.
 fn refuted(
     problem: &Problem,
-    law: &dyn TensorLaw,
+    law: &Law<dyn TensorLaw>,
     constants: OperatorConstants,
     m: &str,
     upper: &str,
@@ -181,7 +180,8 @@ fn refuted(
             arguments.push((x, a, a + random.sym(dim, size)));
         }
     }
-    let values: Vec<[Sym; 3]> = all_at_once(&law.arrays(), || {
+    let arrays: Vec<_> = law.arrays().iter().collect();
+    let values: Vec<[Sym; 3]> = all_at_once(&arrays, || {
         arguments.iter().map(|(x, a, b)| [value(x, &Sym::ZERO), value(x, a), value(x, b)]).collect()
     });
     for ((x, a, b), [zero, at_a, at_b]) in arguments.into_iter().zip(values) {

@@ -101,7 +101,7 @@ fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str
     if fails(FindingId::H1) {
         missing.push(("(H1): m_b > 0 absorbs elasticity, compliance and friction".to_owned(), "material.viscosity"));
     }
-    if let Some(why) = problem.materials.iter().find_map(|m| not_lipschitz(problem, m.elasticity.as_ref(), "M_a")) {
+    if let Some(why) = problem.materials.iter().find_map(|m| not_lipschitz(problem, &m.elasticity, "M_a")) {
         missing.push((format!("(H2): elasticity must be Lipschitz, {why}"), "material.elasticity"));
     }
     if fails(FindingId::H3) {

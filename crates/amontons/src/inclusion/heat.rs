@@ -88,9 +88,9 @@ struct Thermal<'a> {
     lambda: Vec<f64>,
 }
 
-/// The law of one point at an iterate.
+/// The heat flux of one point at an iterate.
 #[derive(Clone, Copy, Debug, Default)]
-struct Law {
+struct PointFlux {
     /// θ of the body and θ_F in K.
     temperature: f64,
     foundation: f64,
@@ -103,7 +103,7 @@ struct Law {
     softening: f64,
 }
 
-impl Law {
+impl PointFlux {
     /// Flux of the linearised law at an unchanged temperature, and its slopes in θ and θ_F: δQ = (J − Q + ∂J/∂θ
     /// δθ + ∂J/∂θ_F δθ_F)/(1 − λ ∂J/∂θ).
     fn linear(&self) -> [f64; 3] {
@@ -321,7 +321,7 @@ impl Thermal<'_> {
     }
 
     /// The law of a point at a temperature with the flux Q as multiplier.
-    fn law(&self, i: usize, temperature: f64, foundation: f64, flux: f64) -> Law {
+    fn law(&self, i: usize, temperature: f64, foundation: f64, flux: f64) -> PointFlux {
         let heat = |temperature: f64| self.step.flux(i, temperature, foundation);
         let lambda = self.lambda[i];
         let z = temperature + lambda * flux;
@@ -347,10 +347,17 @@ impl Thermal<'_> {
         }
         let stiff = lambda * law.by_temperature > 1.0;
         let passed = if stiff { (z - at) / lambda } else { law.value };
-        Law { temperature, foundation, flux, passed, softening: 1.0 / (1.0 + lambda * law.by_temperature), curve: law }
+        PointFlux {
+            temperature,
+            foundation,
+            flux,
+            passed,
+            softening: 1.0 / (1.0 + lambda * law.by_temperature),
+            curve: law,
+        }
     }
 
-    fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<Law> {
+    fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<PointFlux> {
         let foundations = self.foundations(flux);
         let of = |i: usize| {
             let side = self.interface.rows[i].contact;
@@ -394,37 +401,37 @@ impl Thermal<'_> {
 
 impl Term for Thermal<'_> {
     type Multipliers = Vec<f64>;
-    type Laws = Vec<Law>;
+    type Laws = Vec<PointFlux>;
 
-    fn laws(&self, x: &[f64], multipliers: &Vec<f64>) -> Vec<Law> {
+    fn laws(&self, x: &[f64], multipliers: &Vec<f64>) -> Vec<PointFlux> {
         self.laws_at(x, multipliers)
     }
 
-    fn forces(&self, laws: &Vec<Law>, out: &mut [f64]) {
+    fn forces(&self, laws: &Vec<PointFlux>, out: &mut [f64]) {
         for (i, law) in laws.iter().enumerate() {
             self.interface.scatter(i, &self.step.both(i, law.flux), out);
         }
     }
 
-    fn defects(&self, laws: &Vec<Law>) -> Vec<f64> {
+    fn defects(&self, laws: &Vec<PointFlux>) -> Vec<f64> {
         self.interface.rows.iter().zip(laws).map(|(row, law)| row.weight * (law.flux - law.passed)).collect()
     }
 
-    fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
+    fn round_off(&self, _x: &[f64], laws: &Vec<PointFlux>) -> f64 {
         // The flux into a body of prescribed temperature is given, but for a foundation that it warms.
         let matters = |i: usize| {
             let lumped = self.step.lumped.get(self.interface.rows[i].contact);
             self.lambda[i] > 0.0 || lumped.is_some_and(Option::is_some)
         };
-        let of = |(i, law): (usize, &Law)| {
+        let of = |(i, law): (usize, &PointFlux)| {
             let size = law.temperature.abs() + law.foundation.abs();
             self.interface.rows[i].weight * law.softening * law.curve.by_temperature * size
         };
         laws.iter().enumerate().filter(|(i, _)| matters(*i)).map(of).fold(0.0, f64::max)
     }
 
-    fn linearise(&self, laws: &Vec<Law>, right: &mut [f64]) -> Tangent {
-        let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
+    fn linearise(&self, laws: &Vec<PointFlux>, right: &mut [f64]) -> Tangent {
+        let linear: Vec<[f64; 3]> = laws.iter().map(PointFlux::linear).collect();
         let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
         let beyond: Vec<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);
@@ -435,8 +442,8 @@ impl Term for Thermal<'_> {
         self.step.tangent_of(&self.interface, &slopes)
     }
 
-    fn after(&self, laws: &Vec<Law>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {
-        let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
+    fn after(&self, laws: &Vec<PointFlux>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {
+        let linear: Vec<[f64; 3]> = laws.iter().map(PointFlux::linear).collect();
         let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
         let after: Vec<f64> = linear
             .iter()
@@ -462,11 +469,11 @@ impl Term for Thermal<'_> {
         from.iter().zip(to).map(|(a, b)| a + alpha * (b - a)).collect()
     }
 
-    fn settled(&self, _x: &[f64], laws: &Vec<Law>, _multipliers: Vec<f64>) -> Vec<f64> {
+    fn settled(&self, _x: &[f64], laws: &Vec<PointFlux>, _multipliers: Vec<f64>) -> Vec<f64> {
         laws.iter().map(|law| law.passed).collect()
     }
 
-    fn states(&self, _laws: &Vec<Law>) -> Vec<Status> {
+    fn states(&self, _laws: &Vec<PointFlux>) -> Vec<Status> {
         Vec::new()
     }
 }

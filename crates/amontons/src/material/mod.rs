@@ -3,8 +3,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::arrays::Arrays;
-use crate::field::{Coefficient, Graded};
+use crate::field::{Coefficient, Law};
 use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_len};
 
 mod arrays;
@@ -103,23 +102,10 @@ pub trait TensorLaw: Debug + Send + Sync {
     fn value(&self, x: &Point, xi: &Sym) -> Sym;
     /// Derivative of the value with respect to `xi`.
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap;
-    /// True if the value is a linear function of `xi`, symmetric and, unless the law is [`Graded`], the same at every
+    /// True if the value is a linear function of `xi`, symmetric and, unless the law varies ([`Law`]), the same at every
     /// `x`.
     fn is_linear(&self) -> bool {
         false
-    }
-    /// The law as a space-dependent one, if its coefficients vary in space; it is then evaluated point by point.
-    fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
-        None
-    }
-    /// The array functions of the law; they are evaluated for all points of the cells at once.
-    fn arrays(&self) -> Vec<&Arrays> {
-        Vec::new()
-    }
-    /// The law at a point and a temperature in K; `None` if it is independent of the temperature.
-    fn at_temperature(&self, x: &Point, theta: f64) -> Option<Arc<dyn TensorLaw>> {
-        let graded = self.graded().filter(|graded| !graded.temperatures().is_empty())?;
-        Some(graded.at_temperature(x, theta))
     }
     /// m and M of (H1), (H2) on 𝕊^d.
     fn constants(&self) -> OperatorConstants;
@@ -167,9 +153,9 @@ pub struct Material {
     /// Factor of θ̇ in (2.4), J/(m³ K); 1 in the paper; 0 for steady heat.
     pub heat_capacity: Coefficient<f64>,
     /// 𝓔, (H2).
-    pub elasticity: Arc<dyn TensorLaw>,
+    pub elasticity: Law<dyn TensorLaw>,
     /// 𝓥, (H1).
-    pub viscosity: Arc<dyn TensorLaw>,
+    pub viscosity: Law<dyn TensorLaw>,
     /// Relaxing stress, in addition to 𝓔 and 𝓥.
     pub prony: Option<Prony>,
     /// 𝓜 in Pa/K, (H4); a component 33 acts only on the stress that holds a plane strain.
@@ -186,12 +172,12 @@ impl Material {
     /// A material with the law 𝓔 on bodies of `dim` dimensions. Density, heat capacity, conductivity and couplings are
     /// zero, and there is no viscosity.
     #[must_use]
-    pub fn new(dim: usize, elasticity: impl TensorLaw + 'static) -> Material {
+    pub fn new(dim: usize, elasticity: impl Into<Law<dyn TensorLaw>>) -> Material {
         Material {
             density: 0.0.into(),
             heat_capacity: 0.0.into(),
-            elasticity: Arc::new(elasticity),
-            viscosity: Arc::new(Isotropic::lame(dim, 0.0, 0.0, StressState::PlaneStress)),
+            elasticity: elasticity.into(),
+            viscosity: Isotropic::lame(dim, 0.0, 0.0, StressState::PlaneStress).into(),
             prony: None,
             expansion: Sym::ZERO.into(),
             coupling: Sym::ZERO.into(),
@@ -202,8 +188,8 @@ impl Material {
 
     /// Sets the viscosity law 𝓥.
     #[must_use]
-    pub fn viscosity(self, law: impl TensorLaw + 'static) -> Material {
-        Material { viscosity: Arc::new(law), ..self }
+    pub fn viscosity(self, law: impl Into<Law<dyn TensorLaw>>) -> Material {
+        Material { viscosity: law.into(), ..self }
     }
 
     /// The branches with space-dependent relaxation time, in their order.
@@ -214,7 +200,7 @@ impl Material {
     /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜, without the stress of `prony`, which depends on the past.
     #[must_use]
     pub fn stress(&self, x: &Point, strain: &Sym, strain_rate: &Sym, theta: f64) -> Sym {
-        let value = |law: &Arc<dyn TensorLaw>, xi: &Sym| {
+        let value = |law: &Law<dyn TensorLaw>, xi: &Sym| {
             law.at_temperature(x, theta).map_or_else(|| law.value(x, xi), |law| law.value(x, xi))
         };
         value(&self.elasticity, strain) + value(&self.viscosity, strain_rate)
@@ -224,13 +210,8 @@ impl Material {
     /// True if 𝓔 or 𝓥 depend on the temperature.
     #[must_use]
     pub fn laws_depend_on_temperature(&self) -> bool {
-        [&self.elasticity, &self.viscosity].into_iter().any(|law| depends_on_temperature(law.as_ref()))
+        [&self.elasticity, &self.viscosity].into_iter().any(|law| !law.temperatures().is_empty())
     }
-}
-
-/// True if a law depends on the temperature.
-pub(crate) fn depends_on_temperature(law: &dyn TensorLaw) -> bool {
-    law.graded().is_some_and(|graded| !graded.temperatures().is_empty())
 }
 
 /// Stress components in the order of VTK, xx yy zz xy yz zx, as pairs of indices.

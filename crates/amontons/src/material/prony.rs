@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{LawError, Linear, OperatorConstants, TensorLaw, in_range};
-use crate::field::{Coefficient, Graded};
+use crate::field::{Coefficient, Law};
 use crate::tensor::{Point, Sym, SymMap};
 
 /// Maxwell branches in parallel with 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
@@ -42,7 +42,7 @@ pub struct Branch {
     /// τ_i in s; its minimum if it varies in space.
     pub time: f64,
     /// 𝓖_i if it varies in space.
-    graded: Option<Graded<dyn TensorLaw>>,
+    spring: Option<Law<dyn TensorLaw>>,
     /// τ_i if it varies in space, with its maximum.
     times: Option<(Coefficient<f64>, f64)>,
 }
@@ -51,7 +51,7 @@ impl Branch {
     /// The uniform branch with this spring.
     #[must_use]
     pub const fn new(modulus: SymMap, time: f64) -> Branch {
-        Branch { modulus, time, graded: None, times: None }
+        Branch { modulus, time, spring: None, times: None }
     }
 
     /// The branch at a point.
@@ -59,6 +59,18 @@ impl Branch {
     pub fn at(&self, x: &Point) -> Branch {
         let time = self.times.as_ref().map_or(self.time, |(time, _)| time.at(x));
         Branch::new(self.tangent(x, &Sym::ZERO), time)
+    }
+
+    /// The spring 𝓖_i.
+    #[must_use]
+    pub fn law(&self) -> Law<dyn TensorLaw> {
+        self.spring.clone().unwrap_or_else(|| self.clone().into())
+    }
+
+    /// True if 𝓖_i varies in space.
+    #[must_use]
+    pub fn modulus_varies(&self) -> bool {
+        self.spring.is_some()
     }
 
     /// True if τ_i varies in space.
@@ -82,13 +94,13 @@ impl Branch {
 
 impl TensorLaw for Branch {
     fn value(&self, x: &Point, xi: &Sym) -> Sym {
-        match &self.graded {
+        match &self.spring {
             Some(law) => law.value(x, xi),
             None => self.modulus.apply(xi),
         }
     }
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
-        match &self.graded {
+        match &self.spring {
             Some(law) => law.tangent(x, xi),
             None => self.modulus,
         }
@@ -96,11 +108,8 @@ impl TensorLaw for Branch {
     fn is_linear(&self) -> bool {
         true
     }
-    fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
-        self.graded.as_ref()
-    }
     fn constants(&self) -> OperatorConstants {
-        self.graded.as_ref().map_or_else(|| OperatorConstants::of_linear(&self.modulus, 3), TensorLaw::constants)
+        self.spring.as_ref().map_or_else(|| OperatorConstants::of_linear(&self.modulus, 3), |law| law.constants())
     }
 }
 
@@ -111,8 +120,7 @@ fn scaled(mut map: SymMap, factor: f64) -> SymMap {
 
 /// The spring at a point with `ratio` times the modulus of a linear law.
 fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
-    let OperatorConstants { monotonicity, lipschitz } =
-        law.graded().map_or_else(|| law.constants(), |graded| graded.at(x).constants());
+    let OperatorConstants { monotonicity, lipschitz } = law.constants();
     let constants = OperatorConstants { monotonicity: ratio * monotonicity, lipschitz: ratio * lipschitz };
     Arc::new(Linear::with_constants(&scaled(law.tangent(x, &Sym::ZERO), ratio), constants))
 }
@@ -146,8 +154,8 @@ impl Prony {
     ///
     /// # Errors
     /// Fails if a law is not linear or not monotone, or a time is not positive.
-    pub fn new(terms: &[(&dyn TensorLaw, f64)]) -> Result<Prony, LawError> {
-        let term = |&(law, time): &(&dyn TensorLaw, f64)| {
+    pub fn new(terms: &[(&Law<dyn TensorLaw>, f64)]) -> Result<Prony, LawError> {
+        let term = |&(law, time): &(&Law<dyn TensorLaw>, f64)| {
             if !law.is_linear() {
                 return Err(LawError::NotLinear);
             }
@@ -161,9 +169,9 @@ impl Prony {
                 });
             }
             let time = in_range("a relaxation time", time, "a positive number", time > 0.0)?;
-            let graded = law.graded().cloned();
-            let x = graded.as_ref().map_or([0.0; 3], |law| law.extremes()[0].x);
-            Ok(Branch { modulus: law.tangent(&x, &Sym::ZERO), time, graded, times: None })
+            let x = law.graded().map_or([0.0; 3], |graded| graded.extremes()[0].x);
+            let spring = law.graded().map(|_| law.clone());
+            Ok(Branch { modulus: law.tangent(&x, &Sym::ZERO), time, spring, times: None })
         };
         Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
     }
@@ -173,12 +181,12 @@ impl Prony {
     ///
     /// # Errors
     /// Fails if 𝓔 is not linear, or a ratio or time is not positive.
-    pub fn ratios(elasticity: &dyn TensorLaw, pairs: &[(f64, f64)]) -> Result<Prony, LawError> {
+    pub fn ratios(elasticity: &Law<dyn TensorLaw>, pairs: &[(f64, f64)]) -> Result<Prony, LawError> {
         let mut prony = Prony::new(&pairs.iter().map(|&(_, time)| (elasticity, time)).collect::<Vec<_>>())?;
         for (term, &(ratio, _)) in prony.terms.iter_mut().zip(pairs) {
             in_range("the ratio of a branch", ratio, "a positive number", ratio > 0.0)?;
             term.modulus = scaled(term.modulus, ratio);
-            term.graded = term.graded.take().map(|law| law.map(move |law, x| spring(law, x, ratio)));
+            term.spring = term.spring.take().map(|law| law.map(move |law, x| spring(law, x, ratio)));
         }
         Ok(prony)
     }
@@ -189,19 +197,19 @@ impl Prony {
     /// # Errors
     /// Fails like [`Prony::ratios`], at any of the points.
     pub fn varying(
-        branches: &[(Arc<dyn TensorLaw>, Coefficient<f64>, Coefficient<f64>)],
+        branches: &[(Law<dyn TensorLaw>, Coefficient<f64>, Coefficient<f64>)],
         points: &[Point],
     ) -> Result<Prony, LawError> {
         let mut prony = Prony { terms: Vec::new() };
         for (elasticity, ratio, time) in branches {
             let [least, most] = bounds(time, points);
             let branch = if let Some(ratio) = ratio.constant().filter(|_| elasticity.graded().is_none()) {
-                Prony::ratios(elasticity.as_ref(), &[(ratio, least)])?
+                Prony::ratios(elasticity, &[(ratio, least)])?
             } else {
                 let least_ratio = bounds(ratio, points)[0];
                 in_range("the ratio of a branch", least_ratio, "a positive number", least_ratio > 0.0)?;
-                let (law, ratio) = (Arc::clone(elasticity), ratio.clone());
-                let law = Graded::elastic(points, move |x| spring(law.as_ref(), x, ratio.at(x)));
+                let (law, ratio) = (elasticity.clone(), ratio.clone());
+                let law = Law::in_space(points, move |x| spring(law.at(x).as_ref(), x, ratio.at(x)));
                 Prony::new(&[(&law, least)])?
             };
             let times = time.constant().is_none().then(|| (time.clone(), most));
@@ -292,7 +300,7 @@ mod tests {
 
     fn body() -> Result<(Isotropic, Prony), LawError> {
         let elasticity = Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain);
-        let prony = Prony::ratios(&elasticity, &[(0.5, 0.2), (2.0, 1.5)])?;
+        let prony = Prony::ratios(&elasticity.clone().into(), &[(0.5, 0.2), (2.0, 1.5)])?;
         Ok((elasticity, prony))
     }
 
@@ -371,7 +379,7 @@ mod tests {
     #[test]
     fn stored_energy_by_the_stress() -> Result<(), LawError> {
         let law = Isotropic::lame(1, 0.0, 4.0, StressState::PlaneStrain);
-        let prony = Prony::new(&[(&law, 1.0)])?;
+        let prony = Prony::new(&[(&law.into(), 1.0)])?;
         let springs = [Sym([0.25, 0.0, 0.0, 0.0, 0.0, 0.0])];
         assert!(
             (prony.stress(&springs).0[0] - 1.0).abs() < 1e-15 && (prony.energy(&springs) - 1.0 / 8.0).abs() < 1e-15
@@ -381,18 +389,18 @@ mod tests {
 
     #[test]
     fn what_is_no_branch_is_refused() -> Result<(), LawError> {
-        let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
+        let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain).into();
         assert!(matches!(Prony::ratios(&law, &[(0.5, 0.0)]), Err(LawError::Range { found: 0.0, .. })));
         assert!(matches!(Prony::ratios(&law, &[(-0.5, 1.0)]), Err(LawError::Range { found: -0.5, .. })));
         assert!(matches!(
-            Prony::new(&[(&Isotropic::lame(3, 0.0, -1.0, StressState::PlaneStrain), 1.0)]),
+            Prony::new(&[(&Isotropic::lame(3, 0.0, -1.0, StressState::PlaneStrain).into(), 1.0)]),
             Err(LawError::NotPositive { least: -1.0, .. })
         ));
         let curved = Hencky::new(1.0, Carreau::new(1.0, 0.5, 1.0, 0.5)?)?;
-        assert!(matches!(Prony::ratios(&curved, &[(0.5, 1.0)]), Err(LawError::NotLinear)));
+        assert!(matches!(Prony::ratios(&curved.into(), &[(0.5, 1.0)]), Err(LawError::NotLinear)));
         // Relaxation of deviators only: λ + c/3 = 0.
         let deviators = Isotropic::lame(3, -1.0, 3.0, StressState::PlaneStrain);
-        assert!(Prony::new(&[(&deviators, 1.0)]).is_ok());
+        assert!(Prony::new(&[(&deviators.into(), 1.0)]).is_ok());
         Ok(())
     }
 }

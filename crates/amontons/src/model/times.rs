@@ -9,7 +9,7 @@ use super::supports::{holds_temperature, rigid_motions};
 use crate::field::Coefficient;
 use crate::forms;
 use crate::linalg::{BlockMatrix, Graph, Layout, Quotient, System, largest};
-use crate::material::{Branch, Material, TensorLaw};
+use crate::material::{Branch, Material};
 use crate::mesh::defects::components;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -66,7 +66,7 @@ fn relaxation(problem: &Problem) -> Vec<f64> {
 fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
     let densities = of_materials(problem, |m| &m.density)?;
-    let laws: Vec<&dyn TensorLaw> = problem.materials.iter().map(|m| m.elasticity.as_ref()).collect();
+    let laws: Vec<_> = problem.materials.iter().map(|m| &m.elasticity).collect();
     let mut stiffness = if laws.iter().all(|law| law.is_linear()) {
         forms::tensor_form(mesh, graph, &laws, &problem.dilatation())
     } else {

@@ -2,7 +2,7 @@
 
 use super::{Fault, ProblemData};
 use crate::element::ShapeTable;
-use crate::material::{Material, TensorLaw};
+use crate::material::Material;
 use crate::tensor::Point;
 
 /// Relative tolerance beyond a table: the accuracy to which a step is solved.
@@ -23,13 +23,12 @@ pub struct Uncovered {
 
 /// The coefficients of a material that depend on the temperature, with their first and last temperature.
 fn covered(material: &Material) -> impl Iterator<Item = (&'static str, [f64; 2])> {
-    let law = |law: &dyn TensorLaw| law.graded().map_or_else(Vec::new, |graded| graded.temperatures().to_vec());
     let tables = [
-        ("elasticity", law(material.elasticity.as_ref())),
-        ("viscosity", law(material.viscosity.as_ref())),
-        ("expansion", material.expansion.temperatures().to_vec()),
-        ("conductivity", material.conductivity.temperatures().to_vec()),
-        ("heat_capacity", material.heat_capacity.temperatures().to_vec()),
+        ("elasticity", material.elasticity.temperatures()),
+        ("viscosity", material.viscosity.temperatures()),
+        ("expansion", material.expansion.temperatures()),
+        ("conductivity", material.conductivity.temperatures()),
+        ("heat_capacity", material.heat_capacity.temperatures()),
     ];
     tables.into_iter().filter_map(|(key, table)| Some((key, [*table.first()?, *table.last()?])))
 }

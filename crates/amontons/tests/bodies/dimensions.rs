@@ -25,8 +25,8 @@ fn solve(data: &ProblemData) -> Memory {
 
 /// The laws of the paper's material in `dim` dimensions, all strains across zero.
 fn in_strain(problem: &mut ProblemData, dim: usize, direct: f64) {
-    problem.materials[0].elasticity = Arc::new(Isotropic::elastic(dim, 2.0, 0.1, StressState::PlaneStrain));
-    problem.materials[0].viscosity = Arc::new(Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain));
+    problem.materials[0].elasticity = Isotropic::elastic(dim, 2.0, 0.1, StressState::PlaneStrain).into();
+    problem.materials[0].viscosity = Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain).into();
     // 𝓜 and 𝓡 are all ones in the plane, and couple what is across to nothing.
     let ones = Sym::from_fn(dim, |i, j| if i.max(j) < 2 { direct } else { 0.0 });
     (problem.materials[0].expansion, problem.materials[0].coupling) = (ones.into(), ones.into());
@@ -122,7 +122,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];
     let contact = &mut strip.contacts[0];
     contact.on = "right".to_owned();
-    contact.friction = Arc::new(Coulomb { coefficient: 0.2 });
+    contact.friction = Coulomb { coefficient: 0.2 }.into();
 
     let mut rod = strip.clone();
     rod.mesh = Arc::new(Mesh::interval(1.0, 16, Elements::P1).expect("a mesh"));

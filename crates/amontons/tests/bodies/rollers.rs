@@ -62,7 +62,7 @@ fn every_backend_sees_oblique_directions() {
     let graph = Arc::new(Graph::of_mesh(&mesh));
     let law = Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain);
     // Less a little of the mass: what moves without strain has a negative energy then, and nothing else has.
-    let mut matrix = forms::a(&mesh, &graph, &[&law]);
+    let mut matrix = forms::a(&mesh, &graph, &[&law.clone().into()]);
     matrix.add_scaled(-1e-6, &forms::inner_h(&mesh, &graph));
     let matrix = Arc::new(matrix);
     let backends: [Arc<dyn Backend>; 2] = [Arc::new(Supernodal), Arc::new(Multigrid::default())];

@@ -4,13 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use amontons::contact::{NormalLaw, Pressure};
+use amontons::field::Law;
 use amontons::problem::Problem;
 use amontons::tensor::Point;
 
 /// A law that sets a flag when its pressure is asked for so many times.
 #[derive(Debug)]
 struct Interrupts {
-    law: Arc<dyn NormalLaw>,
+    law: Law<dyn NormalLaw>,
     left: AtomicUsize,
     flag: Arc<AtomicBool>,
 }
@@ -36,8 +37,8 @@ impl NormalLaw for Interrupts {
 /// The problem, whose linear systems end their work once the pressure of its first contact was asked for `left` times.
 pub fn interrupted(problem: &Problem, left: usize) -> Problem {
     super::changed(problem, |data| {
-        let (law, flag) = (Arc::clone(&data.contacts[0].normal), Arc::new(AtomicBool::new(false)));
+        let (law, flag) = (data.contacts[0].normal.clone(), Arc::new(AtomicBool::new(false)));
         data.backend = data.backend.interruptible(&flag).expect("a backend that looks at the flag");
-        data.contacts[0].normal = Arc::new(Interrupts { law, left: AtomicUsize::new(left), flag });
+        data.contacts[0].normal = Interrupts { law, left: AtomicUsize::new(left), flag }.into();
     })
 }

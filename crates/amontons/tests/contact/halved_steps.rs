@@ -1,8 +1,6 @@
 //! Steps that have no solution as a whole are made in halves: what is found, what is said where halves fail too, and
 //! the same bits however the run is made.
 
-use std::sync::Arc;
-
 use super::softening::{near, rod, run, scheme};
 use crate::common::{changed, interrupts, paper};
 use amontons::contact::{NormalLaw, Pressure};
@@ -53,7 +51,7 @@ impl NormalLaw for Broken {
 
 fn stair(overrides: &[&str], at: f64, height: f64) -> Problem {
     let problem = rod(&[&["boundary[0].displacement=[0]"], overrides].concat());
-    changed(&problem, |data| data.contacts[0].normal = Arc::new(Broken(Stair { at, height })))
+    changed(&problem, |data| data.contacts[0].normal = Broken(Stair { at, height }).into())
 }
 
 /// With k = 1, E = 1, η = 1 and the force 1: (η + kE) w = 1 − p − E u′. In one step r = 0.5 without the pressure and
@@ -74,7 +72,7 @@ fn a_step_without_a_solution_is_made_in_halves() {
 #[test]
 fn a_law_that_rises_in_a_stair_has_a_solution_on_its_riser() {
     let broken = stair(&["time.steps=10", "load.body_force=['2*t']"], 0.43, 0.2);
-    let problem = changed(&broken, |data| data.contacts[0].normal = Arc::new(Stair { at: 0.43, height: 0.2 }));
+    let problem = changed(&broken, |data| data.contacts[0].normal = Stair { at: 0.43, height: 0.2 }.into());
     let (states, reports) = run(&problem);
     for (n, report) in (1..).zip(&reports) {
         let t = 0.1 * f64::from(n);

@@ -1,8 +1,6 @@
 //! The monolithic step where friction and wear follow the temperature that friction makes, against the two scalar
 //! equations of a column.
 
-use std::sync::Arc;
-
 use crate::column::column;
 use amontons::contact::{Bound, ContactPoint, FrictionLaw};
 use amontons::problem::{Coupling, Problem};
@@ -42,10 +40,7 @@ fn step(problem: &Problem, coupling: Coupling) -> (State, StepReport) {
 fn hot(slope: bool, coupling: Coupling) -> (State, StepReport) {
     // Narrow: in a wide column a difference between both contact points grows from pass to pass, by 7/6.
     let problem = column(&["contact.foundation_velocity=[1, 0]", "mesh.size=[0.5, 1]"]);
-    step(
-        &problem.with(|data| data.contacts[0].friction = Arc::new(Exponential { slope })).expect("valid data"),
-        coupling,
-    )
+    step(&problem.with(|data| data.contacts[0].friction = Exponential { slope }.into()).expect("valid data"), coupling)
 }
 
 /// The root of a function that changes its sign between two numbers.

@@ -394,8 +394,8 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, March, State) 
         problem.mesh = Arc::new(Mesh::box_([1.0; 3], [3, 2, 3], Elements::P1).unwrap());
         problem.body_force = vec![0.0.into(), (-1.0).into(), 0.2.into()];
         let material = &mut problem.materials[0];
-        material.elasticity = Arc::new(Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain));
-        material.viscosity = Arc::new(Isotropic::lame(3, 0.1, 0.1, StressState::PlaneStrain));
+        material.elasticity = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain).into();
+        material.viscosity = Isotropic::lame(3, 0.1, 0.1, StressState::PlaneStrain).into();
         [material.expansion, material.coupling] = [Sym::ZERO; 2].map(Coefficient::from);
         material.conductivity = Sym([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).into();
         let held = BoundaryCondition::on("top").displacement([0.0; 3]).temperature(0.0);
@@ -404,7 +404,7 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, March, State) 
             Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
     }
     let contact = &mut problem.contacts[0];
-    (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
+    (contact.normal, contact.friction) = (Signorini.into(), friction.into());
     let problem = checked(problem);
     let scheme = March::new(&problem).expect("a regular system");
     let mut state = scheme.initial().unwrap();

@@ -2,8 +2,6 @@
 //! forms.
 #![allow(clippy::float_cmp, reason = "counts are exact")]
 
-use std::sync::Arc;
-
 use crate::column::column;
 use crate::common::{changed, paper};
 use amontons::case::{self, Source};
@@ -298,7 +296,7 @@ fn slip_starts_without_ambiguity_in_parts_below_the_threshold() {
         assert!(expected, "k = {ratio} m/(p f): {made} parts");
         // The certificate names the pressure up to which such a step has one solution, λ_min/f: of a contact without a
         // stiffness, which has c* = 0.
-        let tied = changed(&problem, |data| data.contacts[0].normal = Arc::new(Compliance { stiffness: 0.0 }));
+        let tied = changed(&problem, |data| data.contacts[0].normal = Compliance { stiffness: 0.0 }.into());
         let unique = finding(&hypotheses::full(&tied).findings, "step-unique").unwrap();
         near(unique.value.unwrap() * ratio, 0.3, 1e-6, "λ_min(S, W)");
         assert_eq!(unique.status.as_str(), "not-covered");

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::common::{self, Random, changed, paper};
 use amontons::contact::{Compliance, ContactPoint, Flux, HeatLaw, NormalLaw, Pressure};
+use amontons::field::Law;
 use amontons::forms;
 use amontons::hypotheses::{Certificate, Finding, certificate, findings, full, monotonicity_loss};
 use amontons::linalg::{Backend, Dense, Graph, Layout, System};
@@ -90,7 +91,7 @@ fn a_body_without_viscosity_is_not_covered() {
     assert!(cheap(&problem, "2.23-needed", "not-covered").message.contains("(H1)"));
     cheap(&problem, "H2", "holds");
     // A viscosity that is not strongly monotone is some.
-    let problem = small(&[]).with(|data| data.materials[0].viscosity = Arc::new(Softening)).expect("valid data");
+    let problem = small(&[]).with(|data| data.materials[0].viscosity = Softening.into()).expect("valid data");
     cheap(&problem, "H1", "fails");
     assert!(cheap(&problem, "2.23-needed", "fails").message.contains("(H1)"));
 }
@@ -128,9 +129,9 @@ impl TensorLaw for Stiff {
 
 #[test]
 fn declared_constants_of_nonlinear_operators_are_put_to_the_test() {
-    let with_law = |law: Arc<dyn TensorLaw>| changed(&small(&[]), |data| data.materials[0].elasticity = law);
-    cheap(&with_law(Arc::new(Stiff)), "H2", "holds");
-    let h2 = cheap(&with_law(Arc::new(Softening)), "H2", "fails");
+    let with_law = |law: Law<dyn TensorLaw>| changed(&small(&[]), |data| data.materials[0].elasticity = law);
+    cheap(&with_law(Stiff.into()), "H2", "holds");
+    let h2 = cheap(&with_law(Softening.into()), "H2", "fails");
     assert!(h2.message.contains("m_a = 1.0") && h2.message.contains("two arguments"), "{}", h2.message);
 }
 
@@ -203,12 +204,12 @@ fn with_contact(change: impl FnOnce(&mut amontons::contact::Contact)) -> Problem
 fn contact_laws_are_put_to_the_test() {
     cheap(&small(&[]), "H7", "holds");
     cheap(&small(&[]), "H8", "holds");
-    let soft = cheap(&with_contact(|c| c.normal = Arc::new(Soft)), "H8", "fails");
+    let soft = cheap(&with_contact(|c| c.normal = Soft.into()), "H8", "fails");
     assert!(soft.message.contains("L_ν = 5.0") && soft.place == "contact.normal", "{}", soft.message);
-    let unbounded = cheap(&with_contact(|c| c.heat = Arc::new(Unbounded)), "H7", "fails");
+    let unbounded = cheap(&with_contact(|c| c.heat = Unbounded.into()), "H7", "fails");
     assert!(unbounded.message.contains("k_c = ") && unbounded.place == "contact.heat", "{}", unbounded.message);
 
-    let unilateral = with_contact(|c| c.normal = Arc::new(amontons::contact::Signorini));
+    let unilateral = with_contact(|c| c.normal = amontons::contact::Signorini.into());
     assert_eq!(cheap(&unilateral, "H8", "not-covered").place, "contact.normal");
     let certificate = judged(&unilateral);
     for id in ["2.23-printed", "step-unique"] {
@@ -223,7 +224,7 @@ fn the_cut_off_of_phi_turns_its_verdict() {
     let cut = small(&["contact.heat.truncation=100"]);
     near(cheap(&cut, "phi-L", "holds").value, 100.0, 0.0);
     assert_eq!(judged(&cut).constants.truncation, Some(100.0));
-    cheap(&with_contact(|c| c.heat = Arc::new(amontons::contact::Insulated)), "phi-L", "holds");
+    cheap(&with_contact(|c| c.heat = amontons::contact::Insulated.into()), "phi-L", "holds");
 }
 
 #[test]
@@ -291,8 +292,8 @@ fn a_step_is_unique_with_32_steps_and_not_ensured_with_16() {
 fn dense_least(problem: &Problem) -> f64 {
     let (mesh, k) = (&problem.mesh, problem.timeline.longest());
     let graph = Arc::new(Graph::of_mesh(mesh));
-    let mut matrix = forms::b(mesh, &graph, &[problem.materials[0].viscosity.as_ref()]);
-    matrix.add_scaled(k, &forms::a(mesh, &graph, &[problem.materials[0].elasticity.as_ref()]));
+    let mut matrix = forms::b(mesh, &graph, &[&problem.materials[0].viscosity]);
+    matrix.add_scaled(k, &forms::a(mesh, &graph, &[&problem.materials[0].elasticity]));
     matrix.add_scaled(problem.materials[0].density.at(&[0.0; 3]) / k, &forms::inner_h(mesh, &graph));
     let held = mesh.facets["top"].node_list();
     let free: Vec<bool> = (0..2 * graph.len()).map(|dof| !held.contains(&(dof as u32 / 2))).collect();
@@ -495,12 +496,12 @@ fn other_couplings_are_not_covered_where_heat_moves_the_body() {
 /// A nonlinear law is replaced from below by its monotonicity: the condition of the step is stricter, never looser.
 #[test]
 fn a_nonlinear_law_is_judged_by_its_least_stiffness() {
-    let linear = |m: f64| -> Arc<dyn TensorLaw> { Arc::new(Isotropic::lame(2, 0.0, m, StressState::PlaneStress)) };
-    let least = |law: Arc<dyn TensorLaw>| {
+    let linear = |m: f64| Law::from(Isotropic::lame(2, 0.0, m, StressState::PlaneStress));
+    let least = |law: Law<dyn TensorLaw>| {
         let problem = changed(&small(&[]), |data| data.materials[0].elasticity = law);
         find(&judged(&problem).findings, "step-unique").value.expect("a value")
     };
-    let (stiff, below, above) = (least(Arc::new(Stiff)), least(linear(1.0)), least(linear(2.0)));
+    let (stiff, below, above) = (least(Stiff.into()), least(linear(1.0)), least(linear(2.0)));
     assert!((stiff - below).abs() < 1e-12 * below && stiff < above, "{stiff} {below} {above}");
 }
 

@@ -56,7 +56,7 @@ fn gradients(mesh: &Mesh, graph: &Arc<Graph>, components: usize) -> BlockMatrix 
 }
 
 fn strains(mesh: &Mesh, graph: &Arc<Graph>) -> BlockMatrix {
-    forms::a(mesh, graph, &[&Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress)])
+    forms::a(mesh, graph, &[&Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress).into()])
 }
 
 /// The columns of `constants.csv` that are no constants of a problem: other norms, and the all-ones 𝓚.

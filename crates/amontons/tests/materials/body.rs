@@ -1,13 +1,12 @@
 //! Bodies whose laws are not linear, and bodies whose stress relaxes.
 
-use std::sync::Arc;
-
 use crate::common::{changed, checked, largest, paper, rod, solve};
+use amontons::field::Law;
 use amontons::material::{Carreau, Hencky, Isotropic, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
 use amontons::state::State;
 
-fn hencky(bulk: f64, shear: impl ShearLaw + 'static, state: StressState) -> Arc<dyn TensorLaw> {
-    reduced(Hencky::new(bulk, shear).expect("constants"), 2, state)
+fn hencky(bulk: f64, shear: impl ShearLaw + 'static, state: StressState) -> Law<dyn TensorLaw> {
+    reduced(Hencky::new(bulk, shear).expect("constants"), 2, state).into()
 }
 
 fn distance(a: &State, b: &State) -> f64 {
@@ -52,7 +51,7 @@ fn a_rod_beyond_the_von_mises_convex_obeys_the_scalar_equation() {
         let strain = sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s;
         let mut problem = rod(1, sigma);
         problem.materials[0].elasticity = hencky(bulk, law, StressState::PlaneStress);
-        problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
+        problem.materials[0].viscosity = Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress).into();
         let problem = checked(problem);
         let memory = solve(&problem);
         let last = memory.states.last().expect("a state");
@@ -84,7 +83,7 @@ fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
     let sigma = 1.5f64.sqrt() * law.secant(s) * s;
     let rate = sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s;
     let mut problem = rod(4, sigma);
-    problem.materials[0].elasticity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
+    problem.materials[0].elasticity = Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress).into();
     problem.materials[0].viscosity = hencky(bulk, law, StressState::PlaneStress);
     let problem = checked(problem);
     for state in &solve(&problem).states[1..] {

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use crate::common::{case as shipped, changed, largest, paper};
 use amontons::case::{self, Case, Files, Source};
-use amontons::contact::{Compliance, Coulomb, Ramp, Status};
+use amontons::contact::{Compliance, Coulomb, FrictionLaw, HeatLaw, NormalLaw, Ramp, Status};
 use amontons::contract;
-use amontons::field::{Coefficient, Graded};
+use amontons::field::{Coefficient, Law};
 use amontons::hypotheses::{FindingId, certificate, findings};
 use amontons::material::{Isotropic, OrthotropicConstants, Prony, StressState, TensorLaw};
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
@@ -66,14 +66,14 @@ fn regions_are_what_functions_with_jumps_are() {
         let elastic = move |factor: f64| Isotropic::elastic(2, 2.0 * factor, 0.1 * factor, sheet);
         let viscous = move |factor: f64| Isotropic::lame(2, 10.0 * factor, 10.0, sheet);
         let branches =
-            |law: &dyn TensorLaw, factor: f64| Prony::ratios(law, &[(0.5, 0.3 * factor), (1.0, 0.1)]).unwrap();
+            |law: &Law<dyn TensorLaw>, factor: f64| Prony::ratios(law, &[(0.5, 0.3 * factor), (1.0, 0.1)]).unwrap();
         let tensor = |factor: f64| Sym([1.0, factor, 0.2, 0.0, 0.0, 0.0]);
         let regions = changed(&problem, |data| {
             data.mesh = Arc::clone(&mesh);
             let mut both = [data.materials[0].clone(), data.materials[0].clone()];
             for (material, factor) in both.iter_mut().zip([of(false), of(true)]) {
-                (material.elasticity, material.viscosity) = (Arc::new(elastic(factor)), Arc::new(viscous(factor)));
-                material.prony = Some(branches(&elastic(factor), factor));
+                (material.elasticity, material.viscosity) = (elastic(factor).into(), viscous(factor).into());
+                material.prony = Some(branches(&material.elasticity, factor));
                 (material.density, material.heat_capacity) = (factor.into(), (2.0 * factor).into());
                 material.expansion = tensor(factor).into();
                 material.coupling = tensor(factor).into();
@@ -85,15 +85,14 @@ fn regions_are_what_functions_with_jumps_are() {
             data.mesh = Arc::clone(&mesh);
             let at = move |x: &Point| of(right(x));
             let points = mesh.sites(None);
-            let law = Graded::elastic(&points, move |x| Arc::new(elastic(at(x))));
             let material = &mut data.materials[0];
-            material.elasticity = Arc::new(law);
+            material.elasticity = Law::<dyn TensorLaw>::in_space(&points, move |x| Arc::new(elastic(at(x))));
             let pairs = [(0.5.into(), Coefficient::varying(move |x| 0.3 * at(x))), (1.0.into(), 0.1.into())];
             material.prony = Some(
-                Prony::varying(&pairs.map(|(ratio, time)| (Arc::clone(&material.elasticity), ratio, time)), &points)
+                Prony::varying(&pairs.map(|(ratio, time)| (material.elasticity.clone(), ratio, time)), &points)
                     .unwrap(),
             );
-            material.viscosity = Arc::new(Graded::elastic(&points, move |x| Arc::new(viscous(at(x)))));
+            material.viscosity = Law::<dyn TensorLaw>::in_space(&points, move |x| Arc::new(viscous(at(x))));
             material.density = Coefficient::varying(at);
             material.heat_capacity = Coefficient::varying(move |x| 2.0 * at(x));
             material.expansion = Coefficient::varying(move |x| tensor(at(x)));
@@ -563,26 +562,26 @@ fn jumps_within_cells_are_named() {
 fn closures_keep_the_contract() {
     let corners: Vec<Point> = (0..8).map(|i| [0, 1, 2].map(|d| f64::from((i >> d) & 1))).collect();
     for dim in 1..=3 {
-        let law = Graded::elastic(&corners, move |x| {
+        let law = Law::<dyn TensorLaw>::in_space(&corners, move |x| {
             Arc::new(Isotropic::elastic(dim, 1.0 + x[0] + x[1], 0.2, StressState::PlaneStrain))
         });
-        contract::assert_tensor_law(&law, dim, 1.0);
-        contract::assert_isotropic(&law, dim, 1.0);
+        contract::assert_tensor_law(law.as_ref(), dim, 1.0);
+        contract::assert_isotropic(law.as_ref(), dim, 1.0);
         let wood = OrthotropicConstants { young: [9.0, 0.8, 0.4], poisson: [0.3, 0.3, 0.5], shear: [0.8, 0.7, 0.1] };
         let state = StressState::PlaneStrain;
-        let grain = Graded::elastic(&corners, move |x| {
+        let grain = Law::<dyn TensorLaw>::in_space(&corners, move |x| {
             Arc::new(
                 amontons::material::Linear::orthotropic(&wood, &Rotation::in_plane(x[0]), dim, state).expect("wood"),
             )
         });
-        contract::assert_tensor_law(&grain, dim, 1.0);
+        contract::assert_tensor_law(grain.as_ref(), dim, 1.0);
     }
-    let normal = Graded::normal(&corners, |x| Arc::new(Compliance { stiffness: 1e4 * (1.0 + x[0]) }));
-    contract::assert_normal_law(&normal, 1e-4);
-    let friction = Graded::friction(&corners, &[0.0], |x, _| Arc::new(Coulomb { coefficient: 0.3 + 0.1 * x[1] }));
-    contract::assert_friction_law(&friction, 1.0);
-    let heat = Graded::heat(&corners, &[0.0], |x, _| {
+    let normal = Law::<dyn NormalLaw>::in_space(&corners, |x| Arc::new(Compliance { stiffness: 1e4 * (1.0 + x[0]) }));
+    contract::assert_normal_law(normal.as_ref(), 1e-4);
+    let friction = Law::<dyn FrictionLaw>::in_space(&corners, |x| Arc::new(Coulomb { coefficient: 0.3 + 0.1 * x[1] }));
+    contract::assert_friction_law(friction.as_ref(), 1.0);
+    let heat = Law::<dyn HeatLaw>::in_space(&corners, |x| {
         Arc::new(Ramp { conductance: 2.0 + x[0], width: 0.5 + x[1], truncation: None })
     });
-    contract::assert_heat_law(&heat, 0.5);
+    contract::assert_heat_law(heat.as_ref(), 0.5);
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::common::{case, changed, checked, largest, paper, rod, solve, told};
 use amontons::case::{self as cases, Source};
-use amontons::field::Coefficient;
+use amontons::field::{Coefficient, Law};
 use amontons::material::{Dilatation, Isotropic, Prony, StressState, TensorLaw};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::{cell_values, nodal_stress};
@@ -26,9 +26,8 @@ fn stress_relaxes_by_the_prony_series() {
         let mut problem = rod(steps, 0.0);
         problem.boundary[2].traction = None;
         problem.boundary[2].displacement = Some(vec![Some(strain.into()), None]);
-        problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
-        problem.materials[0].prony =
-            Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
+        problem.materials[0].viscosity = Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress).into();
+        problem.materials[0].prony = Some(Prony::ratios(&problem.materials[0].elasticity, &pairs).expect("branches"));
         let problem = checked(problem);
         let memory = solve(&problem);
         let k = problem.timeline.longest();
@@ -63,7 +62,7 @@ fn stress_relaxes_by_the_prony_series() {
 fn branches_and_contact_keep_the_identities() {
     let mut problem = paper(&["mesh.n=8", "time.steps=32"]).problem.into_data();
     problem.materials[0].prony =
-        Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
+        Some(Prony::ratios(&problem.materials[0].elasticity, &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
     let memory = solve(&checked(problem));
     for state in &memory.states {
         assert!(
@@ -85,13 +84,12 @@ fn time_at(x: &Point) -> f64 {
 fn creep(mesh: Mesh, steps: usize) -> Problem {
     let problem = case("crates/amontons/benchmarks/creep-graded-time.toml", &[format!("time.steps={steps}")]).problem;
     changed(&problem, |data| {
-        let law: Arc<dyn TensorLaw> = Arc::new(Isotropic::elastic(mesh.dim, 2.0, 0.0, StressState::PlaneStrain));
+        let law: Law<dyn TensorLaw> = Isotropic::elastic(mesh.dim, 2.0, 0.0, StressState::PlaneStrain).into();
         let pairs = [(RATIO.into(), Coefficient::varying(time_at))];
         let material = &mut data.materials[0];
-        material.prony = Some(
-            Prony::varying(&pairs.map(|(ratio, time)| (Arc::clone(&law), ratio, time)), &mesh.sites(None)).unwrap(),
-        );
-        material.viscosity = Arc::new(Isotropic::lame(mesh.dim, 0.0, 0.0, StressState::PlaneStrain));
+        material.prony =
+            Some(Prony::varying(&pairs.map(|(ratio, time)| (law.clone(), ratio, time)), &mesh.sites(None)).unwrap());
+        material.viscosity = Isotropic::lame(mesh.dim, 0.0, 0.0, StressState::PlaneStrain).into();
         material.elasticity = law;
         for condition in &mut data.boundary {
             if condition.displacement.is_some() {
@@ -205,15 +203,15 @@ fn a_function_of_one_value_is_that_value() {
             changed(&paper(&["mesh.n=6", "time.steps=8", "time.end=0.5"]).problem, |data| {
                 data.mesh = Arc::new(mesh.clone());
                 let dim = data.mesh.tensor_dim();
-                let law: Arc<dyn TensorLaw> = Arc::new(Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain));
+                let law: Law<dyn TensorLaw> = Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain).into();
                 let pairs = [(1.5.into(), time), (0.5.into(), 0.2.into())];
                 let material = &mut data.materials[0];
                 material.dilatation = dilatation;
                 material.prony = Some(
-                    Prony::varying(&pairs.map(|(ratio, time)| (Arc::clone(&law), ratio, time)), &data.mesh.sites(None))
+                    Prony::varying(&pairs.map(|(ratio, time)| (law.clone(), ratio, time)), &data.mesh.sites(None))
                         .unwrap(),
                 );
-                material.viscosity = Arc::new(Isotropic::lame(dim, 0.3, 0.5, StressState::PlaneStrain));
+                material.viscosity = Isotropic::lame(dim, 0.3, 0.5, StressState::PlaneStrain).into();
                 material.elasticity = law;
                 for tensor in [&mut material.expansion, &mut material.coupling, &mut material.conductivity] {
                     *tensor = Sym::identity(dim).into();
@@ -250,11 +248,10 @@ fn a_function_of_one_value_is_that_value() {
 /// What is not a time somewhere is refused.
 #[test]
 fn a_time_that_is_not_positive_somewhere_is_refused() {
-    let law: Arc<dyn TensorLaw> = Arc::new(Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
+    let law: Law<dyn TensorLaw> = Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain).into();
     let points = [[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]];
-    let with = |time: fn(&Point) -> f64| {
-        Prony::varying(&[(Arc::clone(&law), 1.0.into(), Coefficient::varying(time))], &points)
-    };
+    let with =
+        |time: fn(&Point) -> f64| Prony::varying(&[(law.clone(), 1.0.into(), Coefficient::varying(time))], &points);
     assert!(with(|x| x[0] - 0.5).is_err() && with(|x| x[0] / x[0]).is_err());
     let prony = with(|x| 1.0 + x[0]).unwrap();
     assert_eq!((prony.branches()[0].times(), prony.at(&points[1]).branches()[0].time), ([1.0, 2.0], 1.5));

@@ -7,7 +7,7 @@ use crate::common::{Random, case as shipped, changed, largest, paper};
 use amontons::case::{self, Source};
 use amontons::contract;
 use amontons::equation::StepError;
-use amontons::field::{Coefficient, Graded, TemperatureTable};
+use amontons::field::{Coefficient, Law, TemperatureTable};
 use amontons::hypotheses::{FindingId, FindingStatus, certificate};
 use amontons::linalg::BlockMatrix;
 use amontons::material::{Isotropic, StressState, TensorLaw};
@@ -306,9 +306,9 @@ fn regions_are_what_closures_are() {
     let points = mesh.sites(None);
     let of = |factor: fn(&Point) -> f64| {
         let mut material = problem.materials[0].clone();
-        let law = Graded::elastic_of_temperature(&points, &knots, move |x, theta| young(theta, factor(x)));
-        contract::assert_tensor_law(&law, 2, 1.0);
-        material.elasticity = Arc::new(law);
+        let law = Law::varying(&points, &[0.0], &knots, move |x, _, theta| young(theta, factor(x)));
+        contract::assert_tensor_law(law.as_ref(), 2, 1.0);
+        material.elasticity = law;
         material.expansion = Coefficient::of_temperature(&knots, move |x, theta| identity(theta, factor(x)));
         material.conductivity = Coefficient::of_temperature(&knots, move |x, theta| identity(theta, factor(x)));
         material.heat_capacity = Coefficient::of_temperature(&knots, move |x, theta| soft(theta, factor(x)));

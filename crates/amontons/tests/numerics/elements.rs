@@ -44,7 +44,7 @@ fn assert_patch(what: &str, mesh: &Mesh, volume: f64) {
     let u: Vec<f64> =
         mesh.points.iter().flat_map(|p| (0..dim).map(|c| 0.7 + dot(&gradient[c], p)).collect::<Vec<_>>()).collect();
     let law = Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain);
-    let a = forms::a(mesh, &graph, &[&law]);
+    let a = forms::a(mesh, &graph, &[&law.clone().into()]);
     let (boundary, force) = (on_boundary(mesh), a.apply(&u));
     let inside = || (0..u.len()).filter(|i| !boundary[i / dim]);
     assert!(largest(inside().map(|i| force[i])) < 1e-13, "{what}: forces at inner nodes");
@@ -201,7 +201,7 @@ fn elastic_error(mesh: &Mesh) -> [f64; 2] {
     let (dim, k) = (mesh.dim, wave(mesh.dim));
     let graph = Arc::new(Graph::of_mesh(mesh));
     let law = Isotropic::lame(dim, lambda, 2.0 * mu, StressState::PlaneStrain);
-    let matrix = forms::a(mesh, &graph, &[&law]);
+    let matrix = forms::a(mesh, &graph, &[&law.clone().into()]);
     let force: Vec<Field> = (0..dim)
         .map(|c| field(dim, (lambda + mu) * dot(&amplitude, &k) * k[c] + mu * dot(&k, &k) * amplitude[c]))
         .collect();
@@ -280,7 +280,7 @@ fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilat
     let matrix = forms::tensor_form(
         &mesh,
         &graph,
-        &[&Isotropic::elastic(dim, 1.0, nu, StressState::PlaneStrain)],
+        &[&Isotropic::elastic(dim, 1.0, nu, StressState::PlaneStrain).into()],
         &[dilatation],
     );
     // The load by hand: the traction at the nodes of the right end is linear on the height, as its functions are.
@@ -338,7 +338,7 @@ fn patch_test_with_the_mean_dilatation() {
         let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
         let law = Isotropic::lame(dim, 5.0, 2.0, StressState::PlaneStrain);
         let [full, mean] = [Dilatation::Full, Dilatation::Mean]
-            .map(|dilatation| forms::tensor_form(&mesh, &graph, &[&law], &[dilatation]));
+            .map(|dilatation| forms::tensor_form(&mesh, &graph, &[&law.clone().into()], &[dilatation]));
         let u: Vec<f64> = mesh
             .points
             .iter()

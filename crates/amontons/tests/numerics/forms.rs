@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use amontons::element::P1_TRIANGLE;
 use amontons::expression::Expression;
-use amontons::field::Field;
+use amontons::field::{Field, Law};
 use amontons::forms::{self, Dilatation};
 use amontons::linalg::{BlockMatrix, Graph};
 use amontons::material::{Carreau, Hencky, Isotropic, StressState, TensorLaw};
@@ -36,11 +36,12 @@ fn each_region_has_its_own_dilatation() {
         mesh.regions = vec!["soft".to_owned(), "stiff".to_owned()];
         let graph = Arc::new(Graph::of_mesh(&mesh));
         let law = |young: f64, nu: f64| Isotropic::elastic(dim, young, nu, StressState::PlaneStrain);
-        let (soft, stiff, none) = (law(1.0, 0.499), law(40.0, 0.3), law(0.0, 0.0));
+        let [soft, stiff, none] = [law(1.0, 0.499), law(40.0, 0.3), law(0.0, 0.0)].map(Law::from);
         let [mean, full] = [[Dilatation::Mean], [Dilatation::Full]];
         let u: Vec<f64> = (0..graph.len() * dim).map(|i| (i as f64 * 0.9).sin()).collect();
-        let of =
-            |laws: &[&dyn TensorLaw], which: &[Dilatation]| forms::tensor_form(&mesh, &graph, laws, which).apply(&u);
+        let of = |laws: &[&Law<dyn TensorLaw>], which: &[Dilatation]| {
+            forms::tensor_form(&mesh, &graph, laws, which).apply(&u)
+        };
         let mixed = of(&[&soft, &stiff], &[Dilatation::Mean, Dilatation::Full]);
         let parts = [of(&[&soft, &none], &mean), of(&[&none, &stiff], &full)];
         let largest = mixed.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -93,7 +94,7 @@ fn constant_strain() {
             Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress),
             Isotropic::elastic(2, 3.0, 0.4, StressState::PlaneStrain),
         ] {
-            let a = forms::a(&mesh, &graph, &[&law]);
+            let a = forms::a(&mesh, &graph, &[&law.clone().into()]);
             let u = vector(&mesh, |x, y| [0.3 * x - 0.2 * y + 1.0, -0.2 * x + 0.5 * y - 2.0]);
             let force = a.apply(&u);
             assert!(
@@ -132,7 +133,7 @@ fn constant_flux() {
 fn rigid_motion() {
     for diagonal in DIAGONALS {
         let (mesh, graph) = distorted(diagonal);
-        let a = forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]);
+        let a = forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain).into()]);
         let e = forms::e(&mesh, &graph, &[&Sym::from_fn(2, |_, _| 1.0)], &[Dilatation::Full]);
         for motion in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let u = vector(&mesh, |x, y| [motion[0] - motion[2] * y, motion[1] + motion[2] * x]);
@@ -154,8 +155,8 @@ fn symmetry() {
         let (mesh, graph) = distorted(diagonal);
         let tensor = Sym::from_fn(2, |i, j| [[0.9, -0.4], [-0.4, 1.1]][i][j]);
         let symmetric: [BlockMatrix; 4] = [
-            forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]),
-            forms::b(&mesh, &graph, &[&Isotropic::lame(2, 10.0, 10.0, StressState::PlaneStress)]),
+            forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain).into()]),
+            forms::b(&mesh, &graph, &[&Isotropic::lame(2, 10.0, 10.0, StressState::PlaneStress).into()]),
             forms::d(&mesh, &graph, &[&tensor]),
             forms::inner_h(&mesh, &graph),
         ];
@@ -201,7 +202,7 @@ fn wavy(mesh: &Mesh, size: f64, phase: f64) -> Vec<f64> {
 fn the_tangent_of_a_linear_law_is_its_form() {
     let mesh = Mesh::box_([1.0, 0.8, 1.2], [3, 2, 3], Elements::Q1).expect("a box");
     let graph = Arc::new(Graph::of_mesh(&mesh));
-    let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
+    let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain).into();
     let u = wavy(&mesh, 0.1, 0.3);
     for dilatation in [Dilatation::Full, Dilatation::Mean] {
         let form = forms::tensor_form(&mesh, &graph, &[&law], &[dilatation]);
@@ -215,7 +216,7 @@ fn the_tangent_of_a_linear_law_is_its_form() {
 /// step.
 #[test]
 fn the_tangent_is_the_derivative_of_the_residual() {
-    let law = Hencky::new(3.0, Carreau::new(1.0, 0.2, 5.0, 0.3).expect("a law")).expect("a law");
+    let law = Hencky::new(3.0, Carreau::new(1.0, 0.2, 5.0, 0.3).expect("a law")).expect("a law").into();
     for elements in [Elements::P1, Elements::P2, Elements::Q1] {
         let mesh = Mesh::box_([1.0, 0.8, 1.2], [2, 2, 2], elements).expect("a box");
         let graph = Arc::new(Graph::of_mesh(&mesh));
@@ -256,9 +257,9 @@ fn regions_have_their_own_laws() {
         [(0, left), (1, right)].map(|(region, nodes)| Block { element: &P1_TRIANGLE, region, nodes }).to_vec();
     mesh.regions = vec!["soft".into(), "hard".into()];
     let graph = Arc::new(Graph::of_mesh(&mesh));
-    let [soft, hard] = [1.0, 10.0].map(|e| Isotropic::elastic(2, e, 0.25, StressState::PlaneStress));
+    let [soft, hard] = [1.0, 10.0].map(|e| Isotropic::elastic(2, e, 0.25, StressState::PlaneStress).into());
     let u = vector(&mesh, |x, y| [0.1 * x, -0.025 * y]);
-    let work = |laws: &[&dyn TensorLaw]| -> f64 {
+    let work = |laws: &[&Law<dyn TensorLaw>]| -> f64 {
         u.iter().zip(forms::a(&mesh, &graph, laws).apply(&u)).map(|(u, f)| u * f).sum()
     };
     // Uniaxial stress E ε on unit areas: E ε² a region.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::{changed, paper};
 use amontons::convergence::{ErrorRow, Exact, Reference, Study, StudyLevel, StudySettings, Vary, slope};
 use amontons::expression::Expression;
-use amontons::field::Field;
+use amontons::field::{Field, Law};
 use amontons::material::{
     Carreau, Hencky, Isotropic, Linear, Material, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced,
 };
@@ -33,14 +33,14 @@ fn cube(elements: Elements, n: usize) -> Mesh {
     Mesh::box_([1.0; 3], [n; 3], elements).expect("a cube")
 }
 
-fn material(elasticity: Arc<dyn TensorLaw>, viscosity: Arc<dyn TensorLaw>, conductivity: Sym) -> Material {
+fn material(elasticity: Law<dyn TensorLaw>, viscosity: Law<dyn TensorLaw>, conductivity: Sym) -> Material {
     let mut material = Material::new(3, Isotropic::lame(3, 0.0, 0.0, StressState::PlaneStrain));
     (material.elasticity, material.viscosity, material.conductivity) = (elasticity, viscosity, conductivity.into());
     material
 }
 
-fn none(dim: usize) -> Arc<dyn TensorLaw> {
-    Arc::new(Isotropic::lame(dim, 0.0, 0.0, StressState::PlaneStrain))
+fn none(dim: usize) -> Law<dyn TensorLaw> {
+    Isotropic::lame(dim, 0.0, 0.0, StressState::PlaneStrain).into()
 }
 
 /// What holds inside: f₀ and q₀, and the field that they make.
@@ -198,14 +198,14 @@ impl Wave {
 struct Sheared {
     name: &'static str,
     bulk: f64,
-    shear: Arc<dyn Fn(usize) -> Arc<dyn TensorLaw>>,
+    shear: Arc<dyn Fn(usize) -> Law<dyn TensorLaw>>,
     c: String,
     dc: String,
 }
 
 fn sheared(name: &'static str, bulk: f64, shear: impl ShearLaw + Clone + 'static, c: String, dc: String) -> Sheared {
     let of_dim =
-        move |dim| reduced(Hencky::new(bulk, shear.clone()).expect("constants"), dim, StressState::PlaneStrain);
+        move |dim| reduced(Hencky::new(bulk, shear.clone()).expect("constants"), dim, StressState::PlaneStrain).into();
     Sheared { name, bulk, shear: Arc::new(of_dim), c, dc }
 }
 
@@ -295,7 +295,7 @@ fn assert_anisotropic(dim: usize, elements: Elements, meshes: [usize; 2], mesh: 
         let law = Linear::new(&VOIGT, &Rotation::in_plane(0.0), dim, StressState::PlaneStrain).expect("a stiffness");
         problem(
             mesh(elements, n),
-            vec![material(Arc::new(law), none(dim), Sym::from_fn(dim, |i, j| CONDUCTIVITY[i][j]))],
+            vec![material(law.into(), none(dim), Sym::from_fn(dim, |i, j| CONDUCTIVITY[i][j]))],
             &data,
         )
     };
@@ -349,7 +349,7 @@ fn bodies_of_revolution() {
     let conductivity = Sym::from_fn(3, |i, j| [[krr, krz, 0.0], [krz, kzz, 0.0], [0.0, 0.0, 1.0]][i][j]);
     for (elements, meshes) in PLANE {
         let at = |n: usize| {
-            let law = Arc::new(Isotropic::elastic(3, young, nu, StressState::PlaneStrain));
+            let law = Isotropic::elastic(3, young, nu, StressState::PlaneStrain).into();
             let mesh = Mesh { axisymmetric: true, ..square(elements, n) };
             let found = problem(mesh, vec![material(law, none(3), conductivity)], &data);
             // Nothing is prescribed on the axis but u_r = 0, which is the exact value.
@@ -404,7 +404,7 @@ fn two_materials() {
         let at = |n: usize| {
             let of = |i: usize| {
                 material(
-                    Arc::new(Isotropic::elastic(2, young[i], nu, StressState::PlaneStrain)),
+                    Isotropic::elastic(2, young[i], nu, StressState::PlaneStrain).into(),
                     none(2),
                     heat[i] * Sym::identity(2),
                 )

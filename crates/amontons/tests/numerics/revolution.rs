@@ -39,7 +39,7 @@ fn constant_strain() {
                 * (2.0 * 0.3 / (1.3 * 0.4) * (2.0 * alpha + beta).powi(2)
                     + 2.0 / 1.3 * (2.0 * alpha * alpha + beta * beta));
             for dilatation in [Dilatation::Full, Dilatation::Mean] {
-                let force = forms::tensor_form(&mesh, &graph, &[&law], &[dilatation]).apply(&u);
+                let force = forms::tensor_form(&mesh, &graph, &[&law.clone().into()], &[dilatation]).apply(&u);
                 let boundary = on_boundary(&mesh);
                 for (i, f) in force.iter().enumerate().filter(|(i, _)| {
                     !boundary[i / 2]
@@ -81,7 +81,7 @@ fn a_tube_has_the_displacement_of_lame() {
         let [coarse, fine] = n.map(|n| {
             let mesh = section(elements, 1.0, n);
             let graph = Arc::new(Graph::of_mesh(&mesh));
-            let matrix = forms::a(&mesh, &graph, &[&Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain)]);
+            let matrix = forms::a(&mesh, &graph, &[&Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain).into()]);
             // u_r is given on the two cylinders, u_z = 0 on the ends; the rest of the tractions is zero.
             let free: Vec<bool> =
                 mesh.points.iter().flat_map(|p| [p[0] != 1.0 && p[0] != 2.0, p[1] != 0.0 && p[1] != 1.0]).collect();

@@ -517,7 +517,7 @@ impl TensorLaw for Silent {
 
 #[test]
 fn a_run_with_figures_that_are_no_numbers_is_unsound() {
-    let problem = problem(BLOCK, &[]).with(|data| data.materials[0].elasticity = Arc::new(Silent)).expect("valid data");
+    let problem = problem(BLOCK, &[]).with(|data| data.materials[0].elasticity = Silent.into()).expect("valid data");
     let error = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut []).expect_err("an error");
     let RunError::Unsound(summary) = &error else { panic!("{error}") };
     assert!(summary.outcome == Outcome::Unsound && summary.steps == 4);

@@ -10,11 +10,10 @@ mod tabulated;
 mod tresca;
 
 use std::fmt::Debug;
+#[cfg(test)]
 use std::sync::Arc;
 
 use super::ContactPoint;
-use crate::arrays::Arrays;
-use crate::field::Graded;
 use crate::tensor::{Point, dot, length};
 
 pub use capped::Capped;
@@ -117,18 +116,6 @@ pub trait FrictionLaw: Debug + Send + Sync {
     /// True if the bound is always zero.
     fn is_frictionless(&self) -> bool {
         false
-    }
-    /// The law as a space-dependent one, if its coefficients vary over the side.
-    fn graded(&self) -> Option<&Graded<dyn FrictionLaw>> {
-        None
-    }
-    /// The law at a time; `None` for a law that does not change with time.
-    fn at_time(&self, _t: f64) -> Option<Arc<dyn FrictionLaw>> {
-        None
-    }
-    /// The array functions of the law; they are evaluated for all contact points at once.
-    fn arrays(&self) -> Vec<&Arrays> {
-        Vec::new()
     }
     /// The friction cone at a point with the normal ν if it is not round; `None` for a round one.
     fn cone(&self, _x: &Point, _nu: &Point) -> Option<Cone> {

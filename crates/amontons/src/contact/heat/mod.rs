@@ -14,8 +14,6 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::ContactPoint;
-use crate::arrays::Arrays;
-use crate::field::Graded;
 
 pub use constant::ConstantConductance;
 pub use formula::ConductanceFormula;
@@ -72,18 +70,6 @@ pub trait HeatLaw: Debug + Send + Sync {
     fn conductance_bound(&self) -> f64;
     /// L_kc of (H7), the Lipschitz constant of the conductance in W/(m³ K); `None` if it has none.
     fn conductance_lipschitz(&self) -> Option<f64>;
-    /// The law as a space-dependent one, if its coefficients vary over the side.
-    fn graded(&self) -> Option<&Graded<dyn HeatLaw>> {
-        None
-    }
-    /// The law at a time; `None` for a law that does not change with time.
-    fn at_time(&self, _t: f64) -> Option<Arc<dyn HeatLaw>> {
-        None
-    }
-    /// The array functions of the law; they are evaluated for all contact points at once.
-    fn arrays(&self) -> Vec<&Arrays> {
-        Vec::new()
-    }
     /// L of φ_L in K; `None` without truncation.
     fn truncation(&self) -> Option<f64> {
         None

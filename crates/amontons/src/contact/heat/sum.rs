@@ -42,13 +42,6 @@ impl HeatLaw for Sum {
             .try_fold(0.0f64, |most, cut| Some(most.max(cut?)))
             .filter(|&most| most > 0.0)
     }
-    fn at_time(&self, t: f64) -> Option<Arc<dyn HeatLaw>> {
-        if self.laws.iter().all(|law| law.at_time(t).is_none()) {
-            return None;
-        }
-        let laws = self.laws.iter().map(|law| law.at_time(t).unwrap_or_else(|| Arc::clone(law)));
-        Some(Arc::new(Sum { laws: laws.collect() }))
-    }
     fn absolute_zero(&self) -> Option<f64> {
         self.laws.iter().filter_map(|law| law.absolute_zero()).reduce(f64::max)
     }

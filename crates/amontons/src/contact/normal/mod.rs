@@ -13,10 +13,9 @@ mod stop;
 mod table;
 
 use std::fmt::Debug;
+#[cfg(test)]
 use std::sync::Arc;
 
-use crate::arrays::Arrays;
-use crate::field::Graded;
 use crate::tensor::Point;
 
 pub use adhesion::Adhesion;
@@ -75,18 +74,6 @@ pub trait NormalLaw: Debug + Send + Sync {
     /// does not soften.
     fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
         0.0
-    }
-    /// The law as a space-dependent one, if its coefficients vary over the side.
-    fn graded(&self) -> Option<&Graded<dyn NormalLaw>> {
-        None
-    }
-    /// The law at a time in s; `None` if it does not change with time.
-    fn at_time(&self, _t: f64) -> Option<Arc<dyn NormalLaw>> {
-        None
-    }
-    /// The array functions of the law; they are evaluated for all contact points at once.
-    fn arrays(&self) -> Vec<&Arrays> {
-        Vec::new()
     }
     /// The kind of graph.
     fn graph(&self) -> GraphKind {

@@ -2,12 +2,11 @@
 //!
 //! Loads along a held direction, and heat into a side of prescribed temperature, are faults instead.
 
-use std::sync::Arc;
-
 use super::super::{Finding, FindingId};
 use super::warning;
 use crate::contact::{Contact, ContactPoint, Obstacle};
-use crate::material::{Material, TensorLaw, depends_on_temperature};
+use crate::field::Law;
+use crate::material::{Material, TensorLaw};
 use crate::mesh::FacetSet;
 use crate::problem::{Physics, Problem};
 use crate::tensor::Sym;
@@ -44,7 +43,7 @@ fn velocity_without_inertia(problem: &Problem) -> Option<Idle> {
 /// Temperature without effect: it acts only by expansion, temperature-dependent laws, friction and wear.
 fn temperature_without_expansion(problem: &Problem) -> Option<Idle> {
     let expands = |m: &Material| {
-        let is_fixed = |law: &Arc<dyn TensorLaw>| !depends_on_temperature(law.as_ref());
+        let is_fixed = |law: &Law<dyn TensorLaw>| law.temperatures().is_empty();
         m.expansion.constant() != Some(Sym::ZERO) || !is_fixed(&m.elasticity) || !is_fixed(&m.viscosity)
     };
     let given = problem.temperature.first().filter(|_| problem.physics == Physics::Warmed)?;

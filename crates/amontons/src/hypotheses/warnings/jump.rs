@@ -3,6 +3,7 @@
 use super::super::sample::at;
 use super::super::{Finding, FindingId};
 use super::{material_key, warning};
+use crate::field::Law;
 use crate::material::TensorLaw;
 use crate::mesh::{Block, Mesh};
 use crate::problem::Problem;
@@ -24,8 +25,8 @@ type CoefficientValue = [f64; 36];
 pub(super) fn jump(problem: &Problem, material: usize) -> Option<Finding> {
     let m = problem.materials.get(material)?;
     let region = problem.region_of(material);
-    let tangent = |law: &dyn TensorLaw, x: &Point| flat(law.tangent(x, &Sym::ZERO).0.iter().flatten());
-    let laws = [("elasticity", m.elasticity.as_ref()), ("viscosity", m.viscosity.as_ref())];
+    let tangent = |law: &Law<dyn TensorLaw>, x: &Point| flat(law.tangent(x, &Sym::ZERO).0.iter().flatten());
+    let laws = [("elasticity", &m.elasticity), ("viscosity", &m.viscosity)];
     let laws = laws.into_iter().filter(|(_, law)| law.graded().is_some());
     let laws = laws.map(|(key, law)| (key, first(&problem.mesh, region, &|x| tangent(law, x))));
     let numbers = [("density", &m.density), ("heat_capacity", &m.heat_capacity)].into_iter();
