@@ -132,8 +132,8 @@ impl Build<'_> {
         self.note(path, At::Value, format!("{found} components"), expected, None);
     }
 
-    /// The law at `path` with coefficients that may change with time, `nowhere` away from the sites; `None`, with a note,
-    /// if it does not exist everywhere.
+    /// The law at `path` with coefficients that may change with time, `nowhere` away from the sites; `None`, with a
+    /// note, if it does not exist everywhere.
     fn contact_law<T: LawKind + ?Sized>(
         &mut self,
         path: &str,

@@ -9,8 +9,8 @@ use crate::tensor::Point;
 /// Replaces a constant that a law does not have.
 const NONE: f64 = f64::INFINITY;
 
-// By L_ν.
-law_kind!(NormalLaw, |law| ([law.lipschitz().unwrap_or(NONE); 2], false));
+// The first number selects the law with the largest L_ν, the second that with the largest constant in the rate.
+law_kind!(NormalLaw, |law| { ([-law.lipschitz().unwrap_or(NONE), law.lipschitz_in_rate().unwrap_or(NONE)], false) });
 
 impl NormalLaw for Graded<dyn NormalLaw> {
     fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
@@ -20,13 +20,16 @@ impl NormalLaw for Graded<dyn NormalLaw> {
         self.at(x).potential(x, r)
     }
     fn lipschitz(&self) -> Option<f64> {
-        self.extremes()[1].law.lipschitz()
+        self.extremes()[0].law.lipschitz()
+    }
+    fn lipschitz_in_rate(&self) -> Option<f64> {
+        self.extremes()[1].law.lipschitz_in_rate()
     }
     fn least_slope(&self, x: &Point, from: f64, to: f64) -> f64 {
         self.at(x).least_slope(x, from, to)
     }
     fn graph(&self) -> GraphKind {
-        self.extremes()[1].law.graph()
+        self.extremes()[0].law.graph()
     }
 }
 

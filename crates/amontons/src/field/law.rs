@@ -12,8 +12,8 @@ use crate::tensor::Point;
 /// A law of the body or of a side, with what it depends on besides its arguments: place, time, temperature, functions
 /// on arrays.
 ///
-/// `T` is the trait of the law: `dyn TensorLaw`, `dyn NormalLaw`, `dyn FrictionLaw`, `dyn HeatLaw` or `dyn WearLaw`. The
-/// methods of the trait evaluate the law at the point that they get, at the time of [`Law::at_time`]. Each law of
+/// `T` is the trait of the law: `dyn TensorLaw`, `dyn NormalLaw`, `dyn FrictionLaw`, `dyn HeatLaw` or `dyn WearLaw`.
+/// The methods of the trait evaluate the law at the point that they get, at the time of [`Law::at_time`]. Each law of
 /// constant coefficients converts into it, and [`Law::in_space`] and [`Law::varying`] take functions:
 ///
 /// ```

@@ -298,7 +298,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         return finding(FindingStatus::NotCovered, what.to_owned(), place)
             .repair("use a pressure and a friction bound that depend on the penetration alone");
     }
-    let at_nu = attained(contact.normal.graded().map(|law| law.extremes()[1].x), None);
+    let at_nu = attained(contact.normal.graded().map(|law| law.extremes()[0].x), None);
     let at_tau = attained(test.tau.1, None);
     let message = format!(
         "p_ν and p_τ are Lipschitz with L_ν = {nu:.6e}{at_nu} and L_τ = {tau:.6e}{at_tau}, not negative, and zero without penetration"

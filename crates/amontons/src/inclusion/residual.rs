@@ -24,8 +24,7 @@ pub(crate) fn is_small(round_off: f64, acting: f64) -> bool {
     round_off <= BESIDE * acting
 }
 
-/// The round-off that a residual may have if nothing acts that it could be compared with: a few times that of the state
-/// before.
+/// The round-off that is tolerated if no known term acts on the body: a few times that of the previous state.
 pub(crate) fn grown(before: f64) -> f64 {
     GROWN * before
 }

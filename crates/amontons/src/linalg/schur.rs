@@ -140,8 +140,8 @@ impl Schur {
         }
     }
 
-    /// Replaces the scale of some unknowns, given by their number among those that are kept, if their own is round-off
-    /// of it.
+    /// Replaces the scales of some kept unknowns, given by number, where their own scale is round-off compared with the
+    /// new one.
     #[must_use]
     pub fn with_scale(mut self, of: &[(usize, f64)]) -> Schur {
         for &(unknown, value) in of {

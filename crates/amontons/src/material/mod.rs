@@ -102,8 +102,8 @@ pub trait TensorLaw: Debug + Send + Sync {
     fn value(&self, x: &Point, xi: &Sym) -> Sym;
     /// Derivative of the value with respect to `xi`.
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap;
-    /// True if the value is a linear function of `xi`, symmetric and, unless the law varies ([`Law`]), the same at every
-    /// `x`.
+    /// True if the value is a linear function of `xi`, symmetric and, unless the law varies ([`Law`]), the same at
+    /// every `x`.
     fn is_linear(&self) -> bool {
         false
     }

@@ -36,7 +36,9 @@ fn of_contact(contact: &Contact) -> Vec<(&'static str, &'static str, &'static st
     let law = &contact.normal;
     let is_damped = law.lipschitz_in_rate() != Some(0.0);
     let changes = law.at_time(0.0).is_some();
-    let falls = law.least_slope(&[0.0; 3], f64::NEG_INFINITY, f64::INFINITY) < 0.0;
+    // A law that varies falls most where its constant is largest.
+    let steepest = law.graded().map_or([0.0; 3], |graded| graded.extremes()[0].x);
+    let falls = law.least_slope(&steepest, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
     let heat = contact.foundation_heat.is_some();
     let obstacle = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
     let function = "a pressure that is a nondecreasing function of the penetration";

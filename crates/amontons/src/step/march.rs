@@ -27,6 +27,8 @@ use crate::time::Interval;
 const HALVINGS: usize = 5;
 /// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
+/// Motion in a step, relative to the displacement, below which its sense does not matter.
+const MOVES: f64 = 1e-6;
 
 /// Backward Euler for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
 ///
@@ -389,11 +391,12 @@ impl Made {
     }
 }
 
-/// True if the second velocity is nearly the first with the other sign: less than half of the larger is left of their
-/// sum.
-fn is_reversed([before, after]: [&[f64]; 2]) -> bool {
-    let [of_before, of_after, product] = [[before, before], [after, after], [before, after]].map(|[a, b]| dot(a, b));
-    product < 0.0 && of_before + 2.0 * product + of_after < 0.25 * of_before.max(of_after)
+/// True if the velocity at the end of a step is nearly that at its start with the other sign: of their sum less than
+/// half of the larger is left. Velocities that move the body by less than a millionth of its displacement do not count.
+fn is_reversed(start: &State, end: &State) -> bool {
+    let [before, after, product] = [[&start.w, &start.w], [&end.w, &end.w], [&start.w, &end.w]].map(|[a, b]| dot(a, b));
+    let moves = (end.t - start.t) * after.sqrt() > MOVES * dot(&end.u, &end.u).sqrt();
+    moves && product < 0.0 && before + 2.0 * product + after < 0.25 * before.max(after)
 }
 
 /// θ₀ at the nodes: the initial data, or the prescribed temperature.
@@ -511,7 +514,7 @@ impl Scheme for March {
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
-        state.counts.reversed_steps += usize::from(is_reversed([&old.w, &state.w]));
+        state.counts.reversed_steps += usize::from(is_reversed(old, &state));
         state.temperatures = extremes(old.temperatures, &state.theta);
         Ok((state, report))
     }

@@ -249,6 +249,9 @@ fn laws_that_it_does_not_take_are_refused() {
         ("{ law = \"signorini\" }", "a law that is no function of the penetration"),
         ("{ law = \"bilateral\" }", "a law that is no function of the penetration"),
         ("{ law = \"damped\", stiffness = 500.0, damping = 1.0 }", "a law that depends on the rate"),
+        ("{ law = \"damped\", stiffness = \"500 + x\", damping = 1.0 }", "a law that depends on the rate"),
+        ("{ law = \"softening\", stiffness = 1000, peak = 1, softening = 200 }", "a law that softens"),
+        ("{ law = \"softening\", stiffness = 1000, peak = 1, softening = \"2*(1 - x)\" }", "a law that softens"),
     ] {
         let told = refused(&[&format!("contact.normal={law}")]);
         assert!(told.contains("contact.normal: found") && told.contains(found) && told.contains(expected), "{told}");

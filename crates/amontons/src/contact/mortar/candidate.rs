@@ -25,7 +25,7 @@ pub(super) struct Corner {
 pub(super) struct Candidate {
     /// The node; if one node follows another, the leader.
     pub node: u32,
-    /// Its corners: part and number of the corner.
+    /// The corners of parts at the node: part, and number of the corner in it.
     pub corners: Vec<(usize, usize)>,
     /// σ, the largest share of its hat that is covered on one of its parts.
     pub share: f64,

@@ -288,7 +288,7 @@ fn alternation(figures: &Figures) -> Option<Finding> {
         "in {} of {} steps the velocity changed its sign: the results alternate from step to step, and may do so about a wrong mean",
         figures.reversed_steps, figures.steps
     );
-    let repair = "start in equilibrium (initial.displacement, loads and gaps that grow from nothing), use more steps, or set time.scheme = \"euler\", which damps what a step does not resolve";
+    let repair = "start in equilibrium (initial.displacement, loads and gaps that grow from nothing), use more steps, or damp what a step does not resolve: time.theta above 0.5, or time.scheme = \"euler\"";
     Some(warning(FindingId::Alternation, "time", [share, ALTERNATES], message, repair))
 }
 
