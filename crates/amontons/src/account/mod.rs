@@ -212,7 +212,7 @@ struct Stored {
 
 /// Stored energy and dissipation of a step. `theta` is the temperature at the end of the step.
 fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
-    let Step { discrete, old, rule: Rule { k, .. }, .. } = *step;
+    let Step { discrete, old, .. } = *step;
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
         Stored {
@@ -232,8 +232,8 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
         let elastic = discrete.stored_energy(&end, &m.theta).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }
     };
-    for ((branch, new), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
-        let Relaxed { stored, dissipated, scheme } = branch.balance(old, new, k);
+    for ((branch, at_level), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
+        let Relaxed { stored, dissipated, scheme } = branch.balance(step.rule, old, at_level);
         branches += stored;
         sum.relaxed += dissipated;
         sum.scheme += scheme;

@@ -24,7 +24,7 @@ use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
-use crate::time::{TimeScheme, Timeline};
+use crate::time::{ContactRule, FrictionRule, PressureRule, TimeScheme, Timeline};
 use crate::units::{TemperatureScale, UnitSystem};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
@@ -133,13 +133,27 @@ fn workload(problem: &ProblemData) -> Workload {
 fn time_scheme(raw: &raw::Time) -> TimeScheme {
     match raw.scheme {
         raw::TimeScheme::Euler => TimeScheme::BackwardEuler,
-        raw::TimeScheme::Theta => TimeScheme::Theta(raw.theta.unwrap_or(0.5)),
+        raw::TimeScheme::Theta => {
+            let contact = ContactRule {
+                restitution: raw.restitution.unwrap_or(0.0),
+                pressure: match raw.pressure {
+                    Some(raw::PressureRule::Plain) => PressureRule::Plain,
+                    Some(raw::PressureRule::Gradient) | None => PressureRule::Gradient,
+                },
+                friction: match raw.friction {
+                    Some(raw::FrictionRule::End) => FrictionRule::End,
+                    Some(raw::FrictionRule::Mean) | None => FrictionRule::Mean,
+                },
+            };
+            TimeScheme::Theta { level: raw.theta.unwrap_or(0.5), contact }
+        }
     }
 }
 
 fn coupling(raw: raw::Coupling) -> Coupling {
     match raw {
         raw::Coupling::Staggered => Coupling::Staggered,
+        raw::Coupling::Extrapolated => Coupling::Extrapolated,
         raw::Coupling::FixedPoint => Coupling::FixedPoint,
         raw::Coupling::Monolithic => Coupling::Monolithic,
     }
@@ -347,10 +361,18 @@ impl Build<'_> {
 
     /// Checks that steps are long enough to divide by, and that a level belongs to a scheme.
     fn step(&mut self, time: &raw::Time) {
-        if let (raw::TimeScheme::Euler, Some(theta)) = (time.scheme, time.theta) {
-            let hint = "add `scheme = \"theta\"`, or remove `theta`";
-            let found = format!("{theta:?} with the scheme \"euler\"");
-            self.note("time.theta", At::Value, found, "a level of the scheme \"theta\"", Some(hint));
+        if time.scheme == raw::TimeScheme::Euler {
+            let given = [
+                ("theta", time.theta.map(|theta| format!("{theta:?}"))),
+                ("restitution", time.restitution.map(|e| format!("{e:?}"))),
+                ("pressure", time.pressure.map(|_| "a rule".to_owned())),
+                ("friction", time.friction.map(|_| "a rule".to_owned())),
+            ];
+            for (key, found) in given.iter().filter_map(|(key, found)| Some((*key, found.as_ref()?))) {
+                let (path, hint) = (format!("time.{key}"), format!("add `scheme = \"theta\"`, or remove `{key}`"));
+                let found = format!("{found} with the scheme \"euler\"");
+                self.note(&path, At::Value, found, "a key of the scheme \"theta\"", Some(&hint));
+            }
         }
         let k = Timeline::equal(time.end, time.steps).longest();
         if !(k.is_normal() && k.recip().is_finite()) {

@@ -31,6 +31,9 @@ impl NormalLaw for Graded<dyn NormalLaw> {
     fn graph(&self) -> GraphKind {
         self.extremes()[0].law.graph()
     }
+    fn is_rigid(&self) -> bool {
+        self.extremes()[0].law.is_rigid()
+    }
 }
 
 // By L_τ at L_ν = 1. A law with friction ranks before a frictionless one, whatever its constant.

@@ -38,7 +38,7 @@ pub use heat::{
 pub use means::{Shares, read, read_vector};
 pub use names::{names, names_of_points};
 pub use normal::{
-    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, MeanPressure, NormalLaw, Power, Pressure,
+    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, Impact, MeanPressure, NormalLaw, Power, Pressure,
     PressureFormula, PressureFormulaFault, PressureTable, PressureTableFault, Signorini, Softening, Stop, Yield,
     resolvent,
 };

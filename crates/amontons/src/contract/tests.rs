@@ -22,8 +22,8 @@ fn every_element_keeps_its_contract() {
 #[test]
 fn every_scheme_keeps_its_contract() {
     assert_scheme(March::make, TimeScheme::BackwardEuler, 1.0);
-    assert_scheme(March::make, TimeScheme::Theta(0.6), 1.0);
-    assert_scheme(March::make, TimeScheme::Theta(0.5), 2.0);
+    assert_scheme(March::make, TimeScheme::theta(0.6), 1.0);
+    assert_scheme(March::make, TimeScheme::theta(0.5), 2.0);
 }
 
 /// Backward Euler is not of second order.

@@ -1,5 +1,6 @@
 //! Stress relaxation: the Maxwell branches of all materials on a mesh, with their state.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::ZERO;
@@ -84,7 +85,7 @@ impl Relaxation {
         }
     }
 
-    /// The state z_n = (z̄ + γ w_n)/(1 + γ/τ), or that of strains, e_n = (ē + γ ε(w_n))/(1 + γ/τ).
+    /// The state z_ϑ = (z̄ + γ w)/(1 + γ/τ), or that of strains, e_ϑ = (ē + γ ε(w))/(1 + γ/τ).
     #[must_use]
     pub fn step(&self, rule: Rule, bar: &[f64], w: &[f64]) -> Vec<f64> {
         let gamma = rule.gamma;
@@ -135,18 +136,24 @@ impl Relaxation {
         }
     }
 
-    /// Energies over a step of length k, the terms of q_n:(ε_n − ε_{n−1}) = [½ e:𝓖e] + (k/τ) e_n:𝓖e_n + ½ Δe:𝓖Δe.
-    pub(crate) fn balance(&self, old: &[f64], new: &[f64], k: f64) -> Relaxed {
+    /// Energies over a step with the state at t_ϑ, the terms of q_ϑ:(ε₁ − ε₀) = [½ e:𝓖e] + (k/τ) e_ϑ:𝓖e_ϑ +
+    /// (ϑ − ½) Δe:𝓖Δe.
+    pub(crate) fn balance(&self, rule: Rule, old: &[f64], at_level: &[f64]) -> Relaxed {
+        let (k, share) = (rule.k, rule.level - 0.5);
+        let end = || at_level.iter().zip(old).map(|(at, old)| rule.end([*old, *at])).collect::<Vec<f64>>();
+        let new: Cow<[f64]> = if rule.is_at_end() { Cow::Borrowed(at_level) } else { Cow::Owned(end()) };
         let change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
         match &self.0 {
             BranchKind::Same { time, form } => {
-                let product = dot(new, &form.apply(new));
-                let scheme = 0.5 * dot(&change, &form.apply(&change));
-                Relaxed { stored: 0.5 * product, dissipated: k / time * product, scheme }
+                let product = dot(at_level, &form.apply(at_level));
+                let stored = if rule.is_at_end() { product } else { dot(&new, &form.apply(&new)) };
+                let scheme = share * dot(&change, &form.apply(&change));
+                Relaxed { stored: 0.5 * stored, dissipated: k / time * product, scheme }
             }
             BranchKind::Varying { .. } => {
-                let ([product, rate], scheme) = (self.products(new), 0.5 * self.products(&change)[0]);
-                Relaxed { stored: 0.5 * product, dissipated: k * rate, scheme }
+                let ([product, rate], scheme) = (self.products(at_level), share * self.products(&change)[0]);
+                let stored = if rule.is_at_end() { product } else { self.products(&new)[0] };
+                Relaxed { stored: 0.5 * stored, dissipated: k * rate, scheme }
             }
         }
     }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::foundation::frames;
 use super::system::{HalfStep, Step};
-use crate::inclusion::{Drive, Frame, Mechanical, MechanicalStep, Multipliers, PointState};
+use crate::inclusion::{Drive, Frame, Mechanical, MechanicalStep, Multipliers, Onset, PointState};
 use crate::linalg::{SolveError, System};
 use crate::state::Rigid;
 
@@ -18,6 +18,8 @@ pub(crate) struct Given {
     w_prescribed: Vec<f64>,
     /// The foundation at the contact points.
     pub frames: Vec<Frame>,
+    /// How the points start into a step of the ϑ-scheme.
+    onsets: Vec<Onset>,
     /// The temperature used by the half-step, at the contact points on the side `on`.
     pub temperature: Vec<f64>,
     /// Resultants of the loads along the rigid motions that are resisted by contact only.
@@ -31,10 +33,12 @@ impl Given {
     /// The data with the prescribed values in `w`, without a temperature.
     pub fn new(step: &Step, w: &[f64]) -> Given {
         let Step { problem, discrete, boundary, old, bar, .. } = *step;
+        let frames = frames(problem, boundary, &old.u, (&step.worn(), [&old.surface.advance; 2]), step.interval());
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: step.on_contact(&Given::prescribed(step, w)),
-            frames: frames(problem, boundary, &old.u, (&step.worn(), [&old.surface.advance; 2]), step.interval()),
+            onsets: step.onsets(&frames),
+            frames,
             temperature: Vec::new(),
             loads: Vec::new(),
             advance: old.surface.advance.clone(),
@@ -73,6 +77,7 @@ impl Given {
             u_bar: boundary.restricted(discrete.mesh.dim, step.deformation_before()),
             w_prescribed: step.on_contact(&Given::prescribed(step, v)),
             frames: step.seen_from(&self.frames, rigid),
+            onsets: self.onsets.clone(),
             temperature: self.temperature.clone(),
             loads: self.loads.clone(),
             advance: self.advance.clone(),
@@ -114,6 +119,7 @@ impl Given {
             u_bar: &self.u_bar,
             w_prescribed: &self.w_prescribed,
             frames: &self.frames,
+            onsets: &self.onsets,
             temperature: &self.temperature,
             is_repeated: step.apart.is_some(),
             may_be_halved: step.may_be_halved,

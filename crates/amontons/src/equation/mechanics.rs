@@ -25,7 +25,7 @@ pub(crate) struct Mechanics {
     pub end: Balanced,
     /// The motion with the rigid motions of the bodies, if these are split off.
     pub whole: Option<Whole>,
-    /// z_n of the relaxing branches; empty without branches.
+    /// z of the relaxing branches at the time of the equations; empty without branches.
     pub branches: Vec<Vec<f64>>,
     /// True if softening laws allow only one solution between the previous state and this one.
     pub is_unique: bool,

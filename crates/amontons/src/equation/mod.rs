@@ -10,6 +10,7 @@ pub(crate) mod heat;
 pub(crate) mod mechanics;
 mod memory;
 mod mixing;
+mod onset;
 pub(crate) mod power;
 pub(crate) mod system;
 pub(crate) mod systems;

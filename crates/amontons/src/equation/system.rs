@@ -137,6 +137,14 @@ impl Step<'_> {
         }
     }
 
+    /// θ₀ + ϑk θ̇, with the mean rate θ̇ of the step before: the temperature at the time of the equations, as far as the
+    /// steps before tell. In the first step it is θ₀.
+    pub fn extrapolated(&self) -> Vec<f64> {
+        let ahead = self.rule.level * self.rule.k;
+        let rates = self.old.theta_rate.iter().copied().chain(std::iter::repeat(0.0));
+        self.old.theta.iter().zip(rates).map(|(theta, rate)| theta + ahead * rate).collect()
+    }
+
     /// The values at the end of the step of an unknown that was solved for at the time of the equations.
     pub fn end(&self, start: &[f64], at_level: Vec<f64>) -> Vec<f64> {
         if self.rule.is_at_end() {

@@ -32,7 +32,7 @@ use crate::discretization::{Discretization, is_fixed};
 use crate::field::Law;
 use crate::linalg::{BlockMatrix, Entry, Layout, Share, SolveError, System, Tangent, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
-use crate::problem::{Coupling, Problem};
+use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor;
 use crate::units::{Measure, Units};
@@ -291,7 +291,7 @@ pub(super) fn holds_the_body(
 /// True if θ_n acts on w_n within the same step by expansion or by moduli, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
     let softens = || problem.materials.iter().any(Material::laws_depend_on_temperature);
-    let is_solved = problem.physics.has_heat() && problem.coupling != Coupling::Staggered;
+    let is_solved = problem.physics.has_heat() && problem.coupling.is_mutual();
     is_solved && (largest_norm(problem, |m| &m.expansion) > 0.0 || softens())
 }
 
@@ -312,10 +312,7 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
         Some(("wear within a step lowers the pressure with the slip speed, which is not checked", "contact.wear"))
     } else if with_friction() && tested(problem).any(|test| test.rate_matters()) {
         Some(("friction that depends on a rate-dependent pressure is not checked", "contact.normal"))
-    } else if problem.coupling != Coupling::Staggered
-        && with_friction()
-        && tested(problem).any(|test| test.friction_sees_heat())
-    {
+    } else if problem.coupling.is_mutual() && with_friction() && tested(problem).any(|test| test.friction_sees_heat()) {
         Some((
             "u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ",
             "contact.friction",

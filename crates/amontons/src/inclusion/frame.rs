@@ -20,6 +20,15 @@ pub struct Frame {
     pub opening: f64,
 }
 
+/// How a contact point starts into a step of the ϑ-scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Onset {
+    /// Largest velocity of approach x_ν − v_g at t_ϑ on a rigid foundation, m/s; infinite if the point bears nothing.
+    pub approach: f64,
+    /// b = (1 − ϑ)(w₀,τ − v_F) in m/s, tangential, if the law of friction holds at the end of the step; else zero.
+    pub slip: Point,
+}
+
 /// State of one contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointState {

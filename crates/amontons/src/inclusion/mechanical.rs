@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::STIFF;
-use super::frame::{Frame, PointDerivative, PointState};
+use super::frame::{Frame, Onset, PointDerivative, PointState};
 use super::friction::Slip;
 use super::interface::{Interface, LocalTangent, Row};
 use super::loose::{Holds, Loose, resisting};
@@ -11,7 +11,9 @@ use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use crate::arrays::per_point;
-use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, MeanPressure, Status, arrays};
+use crate::contact::{
+    Contact, ContactBoundary, ContactPoint, GraphKind, Impact, MeanPressure, NormalLaw, Status, arrays,
+};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 use crate::pulse::Pulse;
 use crate::space::Space;
@@ -82,6 +84,8 @@ pub struct MechanicalStep<'a> {
     pub w_prescribed: &'a [f64],
     /// The foundation at each contact point.
     pub frames: &'a [Frame],
+    /// How the points start into a step of the ϑ-scheme; empty if the laws of contact hold at the end of the step.
+    pub onsets: &'a [Onset],
     /// Temperature at the contact points that the step is made with, of the side `on`, K.
     pub temperature: &'a [f64],
     /// True if the step is solved again for the remaining round-off.
@@ -109,7 +113,7 @@ pub struct Mechanical<'a> {
     stiff: f64,
     /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
     opening: Vec<[f64; 2]>,
-    /// v_F along the tangents at each point.
+    /// v_F + b along the tangents at each point: the velocity relative to which the law of friction takes the slip.
     foundation: Vec<[f64; 2]>,
     /// States of the points at the last iterates that were evaluated, the last one last.
     seen: Mutex<[Vec<Status>; SEEN]>,
@@ -134,8 +138,12 @@ impl<'a> Mechanical<'a> {
         let response = response.collect();
         let opening =
             step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
-        let foundation =
-            interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
+        let foundation = interface.rows.iter().zip(step.frames).enumerate();
+        let foundation = foundation.map(|(i, (row, frame))| {
+            let [v, b] = [row.local(&frame.velocity), row.local(&step.onset(i).slip)].map(tail);
+            [v[0] + b[0], v[1] + b[1]]
+        });
+        let foundation = foundation.collect();
         let stiff = if step.loose.is_empty() { STIFF } else { stiff_beside(&rho) };
         Mechanical {
             step,
@@ -187,10 +195,18 @@ impl<'a> Mechanical<'a> {
     pub(super) fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
         let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
         let start = self.opening(i) + rule.k * frame.gap_rate;
-        let mean = MeanPressure::new(contact.normal.as_ref(), start, rule.level);
+        let law = contact.normal.as_ref();
+        let mean = MeanPressure::new(law, start, rule.level, rule.contact.unwrap_or_default().pressure);
+        let impact = Impact::new(law, start + rule.k * self.step.onset(i).approach);
+        let normal: &dyn NormalLaw = match law.graph() {
+            _ if rule.contact.is_none() => law,
+            GraphKind::Function if rule.is_at_end() => law,
+            GraphKind::Function => &mean,
+            _ => &impact,
+        };
         let site = Site {
             contact,
-            normal: if rule.is_at_end() { contact.normal.as_ref() } else { &mean },
+            normal,
             start,
             row: &self.interface.rows[i],
             x: self.step.boundary.points[i].x,
@@ -204,6 +220,7 @@ impl<'a> Mechanical<'a> {
             slides_out: self.slides_out(i),
             held: self.held(i),
             opening: frame.opening,
+            slip_share: rule.slip_share(),
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }
@@ -298,6 +315,11 @@ impl<'a> Mechanical<'a> {
 }
 
 impl MechanicalStep<'_> {
+    /// How a point starts into the step.
+    fn onset(&self, i: usize) -> Onset {
+        self.onsets.get(i).copied().unwrap_or_default()
+    }
+
     /// True if the pressure of a point is a multiplier, as for all but softening laws, which have no resolvent.
     fn has_multiplier(&self, i: usize) -> bool {
         let point = &self.boundary.points[i];
@@ -327,6 +349,8 @@ impl Mechanical<'_> {
         let of = |i: usize| {
             let laws = self.laws_found(i, &w, &local[i]);
             let mut state = laws.state(&self.interface.rows[i]);
+            let b = self.step.onset(i).slip;
+            state.slip = std::array::from_fn(|c| state.slip[c] + b[c]);
             if state.bound > 0.0 {
                 // At the bound to round-off, and moving: slip.
                 let at_bound = laws.friction.size() >= state.bound * (1.0 - 1e-9);

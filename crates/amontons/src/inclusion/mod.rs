@@ -42,7 +42,7 @@ mod settle;
 mod solve;
 
 pub use drive::{Drive, Drives};
-pub use frame::{Frame, PointDerivative, PointState, PointTangent};
+pub use frame::{Frame, Onset, PointDerivative, PointState, PointTangent};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use loose::{Loose, Undetermined};

@@ -42,6 +42,8 @@ pub(super) struct Site<'a> {
     pub held: [bool; 2],
     /// Opening of the gap per depth worn off.
     pub opening: f64,
+    /// Slip velocity of the law over that of [`Kinematics`]: 1, or 1/ϑ if friction follows the end of the step.
+    pub slip_share: f64,
 }
 
 /// Kinematics of a point at an iterate.
@@ -49,7 +51,7 @@ pub(super) struct Kinematics {
     /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
     pub penetration: f64,
     pub rate: f64,
-    /// w_τ − v_F in m/s.
+    /// w_τ − v_F − b in m/s.
     pub slip: Tangential,
     /// θ of the body in K.
     pub temperature: f64,
@@ -150,7 +152,7 @@ impl Laws {
         let seen = ContactPoint {
             penetration,
             pressure: load,
-            slip_speed: if multiplier.sticks { 0.0 } else { speed },
+            slip_speed: if multiplier.sticks { 0.0 } else { site.slip_share * speed },
             ..seen
         };
         let s = if site.is_smooth() { Bound::default() } else { contact.friction.bound(&seen) };
@@ -171,7 +173,7 @@ impl Laws {
         let follows = sign * s.by_pressure;
         let slopes = Slopes {
             bound_by_normal: site.rule.k * s.by_penetration + follows * normal.stiffness(),
-            bound_by_speed: s.by_slip_speed,
+            bound_by_speed: site.slip_share * s.by_slip_speed,
             bound_change: follows * (normal.pressed - normal.pressure) * (normal.yielding.recip() - 1.0),
             pressure_by_speed: wear.rate * by_depth,
             follows,

@@ -32,7 +32,7 @@ use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 18;
+const VERSION: u32 = 19;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -131,6 +131,7 @@ struct CheckpointBody {
     u: Vec<f64>,
     w: Vec<f64>,
     theta: Vec<f64>,
+    theta_rate: Vec<f64>,
     p: Vec<f64>,
     q: Vec<Point>,
     sticks: Vec<bool>,
@@ -242,6 +243,7 @@ impl CheckpointBody {
             u: state.u,
             w: state.w,
             theta: state.theta,
+            theta_rate: state.theta_rate,
             p: state.multipliers.p,
             q: state.multipliers.q,
             sticks: state.multipliers.sticks,
@@ -305,6 +307,7 @@ impl CheckpointBody {
             u: self.u,
             w: self.w,
             theta: self.theta,
+            theta_rate: self.theta_rate,
             multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
             carried: self.carried,
@@ -370,6 +373,9 @@ impl Checkpoint {
         }
         same("velocities", self.state.w.len(), nodes * dim)?;
         same("temperatures", self.state.theta.len(), nodes)?;
+        if !self.state.theta_rate.is_empty() {
+            same("rates of the temperature", self.state.theta_rate.len(), nodes)?;
+        }
         same("branches", self.state.branches.len(), discretization.branches.len())?;
         for (kept, branch) in self.state.branches.iter().zip(&discretization.branches) {
             same("numbers of a branch", kept.len(), branch.size(nodes * dim))?;

@@ -35,16 +35,18 @@ impl ProblemData {
             TimeScheme::BackwardEuler => {
                 Choice::new("scheme", "backward Euler", "of first order; it damps what oscillates within few steps")
             }
-            TimeScheme::Theta(theta) => {
+            TimeScheme::Theta { level, .. } => {
                 let why = "of second order at ϑ = 0.5; pressures and friction are means of the step";
-                Choice::new("scheme", format!("ϑ-scheme, ϑ = {theta}"), why)
+                Choice::new("scheme", format!("ϑ-scheme, ϑ = {level}"), why)
             }
         };
         let mut all = vec![scheme];
+        all.extend(self.choice_of_impacts());
         all.extend(self.chosen.iter().cloned());
         if self.physics.has_mechanics() && self.physics.has_heat() {
             let (value, why) = match self.coupling {
                 Coupling::Staggered => ("staggered", "mechanics with the temperature of the step before, then heat"),
+                Coupling::Extrapolated => ("extrapolated", "mechanics with an extrapolated temperature, then heat"),
                 Coupling::FixedPoint => ("fixed-point", "both repeated until they agree"),
                 Coupling::Monolithic => ("monolithic", "both at once"),
             };
@@ -67,6 +69,14 @@ impl ProblemData {
             all.push(Choice::new("quadrature", value, why));
         }
         all
+    }
+
+    /// How impacts on rigid foundations rebound, if the scheme has them.
+    fn choice_of_impacts(&self) -> Option<Choice> {
+        let TimeScheme::Theta { contact, .. } = self.scheme else { return None };
+        let value = format!("restitution {}", contact.restitution);
+        let why = "on a rigid foundation a point leaves an impact with this share of its velocity of approach";
+        self.contacts.iter().any(|contact| contact.normal.is_rigid()).then(|| Choice::new("impacts", value, why))
     }
 
     fn choice_of_dilatation(&self) -> Option<Choice> {

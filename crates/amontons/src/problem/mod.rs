@@ -103,10 +103,21 @@ pub enum Coupling {
     /// One after the other, with θ_{n−1} in m and u_{n−1} in e: the scheme of the paper.
     #[default]
     Staggered,
+    /// Mechanics first, with the temperature extrapolated from t_{n−1} and t_{n−2} to the time of the equations, then
+    /// heat, with the displacement found.
+    Extrapolated,
     /// θ_n in m and u_n in e, by iterating the operator Φ of (3.10) within the step.
     FixedPoint,
     /// θ_n in m and u_n in e, by Newton's method for u and θ together.
     Monolithic,
+}
+
+impl Coupling {
+    /// True if mechanics and heat of a step depend on each other: θ_n stands in m and u_n in e.
+    #[must_use]
+    pub fn is_mutual(self) -> bool {
+        matches!(self, Coupling::FixedPoint | Coupling::Monolithic)
+    }
 }
 
 impl fmt::Display for Coupling {
@@ -114,6 +125,7 @@ impl fmt::Display for Coupling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Coupling::Staggered => "staggered",
+            Coupling::Extrapolated => "extrapolated",
             Coupling::FixedPoint => "fixed-point",
             Coupling::Monolithic => "monolithic",
         })

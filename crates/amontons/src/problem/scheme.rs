@@ -3,15 +3,21 @@
 use super::{Fault, ProblemData};
 use crate::contact::{Contact, GraphKind};
 use crate::material::Material;
-use crate::time::TimeScheme;
+use crate::time::{FrictionRule, TimeScheme};
 
 impl ProblemData {
     /// Checks that the scheme can take all laws of the problem. Backward Euler takes every law.
     pub(super) fn check_scheme(&self, faults: &mut Vec<Fault>) {
-        let TimeScheme::Theta(theta) = self.scheme else { return };
-        if !(0.5..=1.0).contains(&theta) {
-            let fault = Fault::new("time.theta", format!("{theta:?}"), "a number from 0.5 to 1");
+        let TimeScheme::Theta { level, contact: rule } = self.scheme else { return };
+        if !(0.5..=1.0).contains(&level) {
+            let fault = Fault::new("time.theta", format!("{level:?}"), "a number from 0.5 to 1");
             faults.push(fault.hint("0.5 is of second order and adds no damping; 1 is backward Euler"));
+        }
+        let most = (1.0 - level) / level;
+        if !(0.0..=most).contains(&rule.restitution) && (0.5..=1.0).contains(&level) {
+            let found = format!("{:?} with theta = {level:?}", rule.restitution);
+            let fault = Fault::new("time.restitution", found, format!("a number from 0 to {most:?}, (1 − ϑ)/ϑ"));
+            faults.push(fault.hint("with more an impact would give energy"));
         }
         let mut refuse = |path: String, found: &str, expected: &str| {
             let found = format!("{found}, with time.scheme = \"theta\"");
@@ -19,7 +25,7 @@ impl ProblemData {
         };
         for (side, contact) in self.contacts.iter().enumerate() {
             let path = self.contact_path(side);
-            for (key, found, expected) in of_contact(contact) {
+            for (key, found, expected) in of_contact(contact, rule.friction) {
                 refuse(format!("{path}.{key}"), found, expected);
             }
         }
@@ -32,7 +38,7 @@ impl ProblemData {
 }
 
 /// What of a contact the ϑ-scheme does not take: key, what was found, what was expected.
-fn of_contact(contact: &Contact) -> Vec<(&'static str, &'static str, &'static str)> {
+fn of_contact(contact: &Contact, friction: FrictionRule) -> Vec<(&'static str, &'static str, &'static str)> {
     let law = &contact.normal;
     let is_damped = law.lipschitz_in_rate() != Some(0.0);
     let changes = law.at_time(0.0).is_some();
@@ -41,9 +47,12 @@ fn of_contact(contact: &Contact) -> Vec<(&'static str, &'static str, &'static st
     let falls = law.least_slope(&steepest, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
     let heat = contact.foundation_heat.is_some();
     let obstacle = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
-    let function = "a pressure that is a nondecreasing function of the penetration";
+    let function = "a pressure that is a nondecreasing function of the penetration, or a rigid foundation";
+    let is_graph = law.graph() != GraphKind::Function && !law.is_rigid();
+    let wears = friction == FrictionRule::End && contact.wear.is_some();
     let all = [
-        (law.graph() != GraphKind::Function, "normal", "a law that is no function of the penetration", function),
+        (is_graph, "normal", "a graph with a limit within a layer", function),
+        (wears, "wear", "wear with time.friction = \"end\"", "wear with time.friction = \"mean\""),
         (is_damped, "normal", "a law that depends on the rate of the penetration", function),
         (changes, "normal", "a law that changes with time", function),
         (falls, "normal", "a law that softens", function),
@@ -58,14 +67,11 @@ fn of_contact(contact: &Contact) -> Vec<(&'static str, &'static str, &'static st
 /// What of a material the ϑ-scheme does not take.
 fn of_material(material: &Material) -> Vec<(&'static str, &'static str, &'static str)> {
     let varies = !material.heat_capacity.temperatures().is_empty() || !material.conductivity.temperatures().is_empty();
-    let all = [
-        (material.prony.is_some(), "prony", "branches that relax", "none"),
-        (
-            varies,
-            "conductivity",
-            "heat laws that depend on the temperature",
-            "a conductivity and a capacity that do not",
-        ),
-    ];
+    let all = [(
+        varies,
+        "conductivity",
+        "heat laws that depend on the temperature",
+        "a conductivity and a capacity that do not",
+    )];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, key, found, expected)| (key, found, expected)).collect()
 }

@@ -25,6 +25,8 @@ pub struct State {
     pub w: Vec<f64>,
     /// θ_n in K.
     pub theta: Vec<f64>,
+    /// Mean rate of θ in the last step, K/s, if the coupling extrapolates temperatures; else, and at t = 0, empty.
+    pub theta_rate: Vec<f64>,
     /// Friction multipliers at the contact points.
     pub multipliers: Multipliers,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.

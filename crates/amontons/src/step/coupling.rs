@@ -1,7 +1,8 @@
 //! Coupling of the half-steps of one step: [`Coupling`].
 //!
 //! One *pass* solves (4.1) with a given temperature in m and (4.2) with a given displacement in e. The staggered scheme
-//! is one pass with θ_{n−1} and u_{n−1}. That map of (u, θ) to the solution of both half-steps is the operator Φ of
+//! is one pass with θ_{n−1} and u_{n−1}, the extrapolated one a pass with the temperature of the steps before, continued
+//! to the time of the equations, and the displacement found with it. That map of (u, θ) to the solution of both half-steps is the operator Φ of
 //! (3.10), taken within a step: iterating it is the fixed-point coupling, and a root of Φ(θ) − θ by Newton's method,
 //! with the mechanical half-step eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with
 //! θ_n in m and u_n in e.
@@ -68,8 +69,11 @@ impl<'a> Coupled<'a> {
         let (pass, defect, progress) = match coupling {
             Coupling::Staggered => {
                 let pass = self.pass(&self.step.old.theta, self.step.old.deformation(), None)?;
-                let report = CouplingReport { passes: self.passes, ..CouplingReport::default() };
-                return Ok(self.made(pass, report));
+                return Ok(self.made_once(pass));
+            }
+            Coupling::Extrapolated => {
+                let pass = self.pass_in_turn(&self.step.extrapolated(), None)?;
+                return Ok(self.made_once(pass));
             }
             Coupling::FixedPoint => self.fixed_point()?,
             Coupling::Monolithic => self.monolithic()?,
@@ -77,6 +81,10 @@ impl<'a> Coupled<'a> {
         let contraction = if coupling == Coupling::FixedPoint { progress.contraction() } else { None };
         let report = CouplingReport { passes: self.passes, contraction, defect: Some(defect) };
         Ok(self.made(pass, report))
+    }
+
+    fn made_once(&self, pass: Pass) -> Made {
+        self.made(pass, CouplingReport { passes: self.passes, ..CouplingReport::default() })
     }
 
     fn made(&self, pass: Pass, report: CouplingReport) -> Made {

@@ -4,6 +4,6 @@ mod rule;
 mod scheme;
 mod timeline;
 
-pub use rule::Rule;
+pub use rule::{ContactRule, FrictionRule, PressureRule, Rule};
 pub use scheme::TimeScheme;
 pub use timeline::{Instant, Interval, Timeline};

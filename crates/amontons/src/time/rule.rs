@@ -15,26 +15,69 @@ pub struct Rule {
     pub delta: f64,
     /// ϑ: the equations hold at t₀ + ϑk.
     pub level: f64,
+    /// How the laws of contact hold in the step, or `None` if all of them hold at its end.
+    pub contact: Option<ContactRule>,
+}
+
+/// How the laws of contact hold in a step of the ϑ-scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactRule {
+    /// Newton's coefficient of restitution e of rigid foundations, 0 ≤ e ≤ 1.
+    pub restitution: f64,
+    /// The pressure of a layer.
+    pub pressure: PressureRule,
+    /// The slip velocity of the friction law.
+    pub friction: FrictionRule,
+}
+
+/// The pressure of a layer in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PressureRule {
+    /// The mean over the penetrations of the step, whose work at ϑ = ½ is the change of the energy of the layer.
+    #[default]
+    Gradient,
+    /// That of the penetration at t_ϑ.
+    Plain,
+}
+
+/// The slip velocity of the friction law in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionRule {
+    /// That at t_ϑ, the mean of the step: the power of friction is never negative.
+    #[default]
+    Mean,
+    /// That at the end of the step: a point that sticks is at rest there.
+    End,
 }
 
 impl Rule {
     /// The ϑ-scheme with step length k, ½ ≤ ϑ ≤ 1: γ = δ = ϑk. At ϑ = ½ it is of second order and adds no damping; at
     /// ϑ = 1 it is backward Euler.
     #[must_use]
-    pub fn theta(k: f64, theta: f64) -> Rule {
-        Rule { k, gamma: theta * k, delta: theta * k, level: theta }
+    pub fn theta(k: f64, theta: f64, contact: ContactRule) -> Rule {
+        Rule { k, gamma: theta * k, delta: theta * k, level: theta, contact: Some(contact) }
     }
 
     /// Backward Euler with step length k: γ = δ = k, and the equations hold at the end of the step.
     #[must_use]
     pub fn backward_euler(k: f64) -> Rule {
-        Rule::theta(k, 1.0)
+        Rule { k, gamma: k, delta: k, level: 1.0, contact: None }
     }
 
     /// Returns true if the equations hold at the end of the step.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
         self.level >= 1.0
+    }
+
+    /// The slip velocity at the end of the step over x_τ − v_F − b, if friction follows the end of the step: 1/ϑ. Else
+    /// 1.
+    #[must_use]
+    pub fn slip_share(&self) -> f64 {
+        match self.contact {
+            Some(ContactRule { friction: FrictionRule::End, .. }) => self.level.recip(),
+            _ => 1.0,
+        }
     }
 
     /// The time t_ϑ at which the equations hold in a step from `start` to `end`, s.
@@ -63,7 +106,7 @@ mod tests {
     #[test]
     fn the_ends_of_a_step_and_its_level_agree() {
         for theta in [0.5, 0.6, 1.0] {
-            let rule = Rule::theta(0.1, theta);
+            let rule = Rule::theta(0.1, theta, ContactRule::default());
             let at = rule.between([3.0, 7.0]);
             assert!((rule.end([3.0, at]) - 7.0).abs() < 1e-14 && (at - (3.0 + theta * 4.0)).abs() < 1e-14);
         }

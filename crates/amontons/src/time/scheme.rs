@@ -1,6 +1,6 @@
 //! The schemes of a run.
 
-use super::Rule;
+use super::{ContactRule, Rule};
 
 /// A scheme in time: it states the rule of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,16 +9,27 @@ pub enum TimeScheme {
     #[default]
     BackwardEuler,
     /// The ϑ-scheme, ½ ≤ ϑ ≤ 1.
-    Theta(f64),
+    Theta {
+        /// ϑ.
+        level: f64,
+        /// How the laws of contact hold in a step.
+        contact: ContactRule,
+    },
 }
 
 impl TimeScheme {
+    /// The ϑ-scheme with impacts without rebound, pressures that keep the energy of layers, and friction of the mean.
+    #[must_use]
+    pub fn theta(level: f64) -> TimeScheme {
+        TimeScheme::Theta { level, contact: ContactRule::default() }
+    }
+
     /// The rule of a step of length `k` in s.
     #[must_use]
     pub fn rule(&self, k: f64) -> Rule {
         match *self {
             TimeScheme::BackwardEuler => Rule::backward_euler(k),
-            TimeScheme::Theta(theta) => Rule::theta(k, theta),
+            TimeScheme::Theta { level, contact } => Rule::theta(k, level, contact),
         }
     }
 
@@ -27,7 +38,7 @@ impl TimeScheme {
     pub fn name(&self) -> &'static str {
         match self {
             TimeScheme::BackwardEuler => "backward Euler",
-            TimeScheme::Theta(_) => "ϑ-scheme",
+            TimeScheme::Theta { .. } => "ϑ-scheme",
         }
     }
 }

@@ -23,6 +23,9 @@ impl NormalLaw for Bilateral {
     fn graph(&self) -> GraphKind {
         GraphKind::Bilateral
     }
+    fn is_rigid(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

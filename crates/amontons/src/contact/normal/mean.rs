@@ -2,13 +2,15 @@
 
 use super::{GraphKind, NormalLaw, Pressure};
 use crate::tensor::Point;
+use crate::time::PressureRule;
 
 /// The mean pressure of a step of the ϑ-scheme over a law p_ν that is a function of the penetration r alone:
 ///
 /// p = (2 − 2ϑ) [Ψ(r₁) − Ψ(r₀)]/(r₁ − r₀) + (2ϑ − 1) p_ν(r₁), Ψ′ = p_ν,
 ///
 /// with r₀ at the start and r₁ at the end of the step. At ϑ = ½ its work is the change of the energy Ψ of the layer,
-/// whatever the step; for ϑ > ½ a law that does not soften dissipates. At ϑ = 1 it is p_ν(r₁).
+/// whatever the step; for ϑ > ½ a law that does not soften dissipates. At ϑ = 1 it is p_ν(r₁). With
+/// [`PressureRule::Plain`] it is p_ν((1 − ϑ) r₀ + ϑ r₁), which gains or loses energy where the gap closes or opens.
 ///
 /// Source: O. Gonzalez, Comput. Methods Appl. Mech. Engrg. 190 (2000) 1763.
 #[derive(Debug)]
@@ -16,6 +18,7 @@ pub struct MeanPressure<'a> {
     law: &'a dyn NormalLaw,
     start: f64,
     theta: f64,
+    rule: PressureRule,
 }
 
 /// Change of the penetration over its size below which the mean is a sum over points: the difference of the energies
@@ -31,8 +34,8 @@ const GAUSS: [[f64; 2]; 3] = [
 impl<'a> MeanPressure<'a> {
     /// Over a law, from the penetration `start` in m.
     #[must_use]
-    pub fn new(law: &'a dyn NormalLaw, start: f64, theta: f64) -> MeanPressure<'a> {
-        MeanPressure { law, start, theta }
+    pub fn new(law: &'a dyn NormalLaw, start: f64, theta: f64, rule: PressureRule) -> MeanPressure<'a> {
+        MeanPressure { law, start, theta, rule }
     }
 
     /// Mean of p_ν between both penetrations, and its derivative in the second one.
@@ -53,6 +56,10 @@ impl<'a> MeanPressure<'a> {
 
 impl NormalLaw for MeanPressure<'_> {
     fn pressure(&self, x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
+        if self.rule == PressureRule::Plain {
+            let at = self.law.pressure(x, self.start + self.theta * (z - self.start), 0.0, 0.0);
+            return Pressure { value: at.value, slope: self.theta * at.slope, by_rate: 0.0 };
+        }
         let end = self.law.pressure(x, z, 0.0, 0.0);
         let [mean, slope] = self.mean(x, z);
         let [of_mean, of_end] = [2.0 - 2.0 * self.theta, 2.0 * self.theta - 1.0];
@@ -97,7 +104,8 @@ mod tests {
         };
         for [r0, r1] in [[0.2, 0.7], [0.7, 0.2], [-0.3, 0.5], [0.5, -0.3], [-0.1, -0.4], [0.4, 0.4], [0.4, 0.400_1]] {
             for theta in THETAS {
-                let found = MeanPressure::new(&law, r0, theta).pressure(&[0.0; 3], r1, 0.0, 0.0).value;
+                let found =
+                    MeanPressure::new(&law, r0, theta, PressureRule::Gradient).pressure(&[0.0; 3], r1, 0.0, 0.0).value;
                 let end = c * r1.max(0.0);
                 let expected = (2.0 - 2.0 * theta) * known(r0, r1) + (2.0 * theta - 1.0) * end;
                 assert!((found - expected).abs() < 1e-13, "{r0} to {r1}, ϑ = {theta}: {found} and {expected}");
@@ -117,15 +125,16 @@ mod tests {
             }
             for [from, to] in [[0.2, 1.3], [1.3, 0.2], [-0.4, 0.9], [0.9, -0.4], [0.5, 0.500_01]] {
                 let [r0, r1] = [from, to].map(|r| r * typical);
-                let mean = MeanPressure::new(law.as_ref(), r0, 0.5);
+                let mean = MeanPressure::new(law.as_ref(), r0, 0.5, PressureRule::Gradient);
                 let work = mean.pressure(&x, r1, 0.0, 0.0).value * (r1 - r0);
                 let stored = law.potential(&x, r1) - law.potential(&x, r0);
                 let size = law.potential(&x, r1).abs().max(law.potential(&x, r0).abs());
                 assert!((work - stored).abs() <= 1e-9 * size, "{law:?}, {from} to {to}: {work:e} and {stored:e}");
             }
             let (r0, r1, h) = (0.3 * typical, 0.8 * typical, 1e-5 * typical);
-            for theta in THETAS {
-                let mean = MeanPressure::new(law.as_ref(), r0, theta);
+            let rules = [PressureRule::Gradient, PressureRule::Plain];
+            for (theta, rule) in THETAS.into_iter().flat_map(|theta| rules.map(|rule| (theta, rule))) {
+                let mean = MeanPressure::new(law.as_ref(), r0, theta, rule);
                 let [below, here, above] = [r1 - h, r1, r1 + h].map(|r| mean.pressure(&x, r, 0.0, 0.0));
                 let slope = (above.value - below.value) / (2.0 * h);
                 let size = law.lipschitz().unwrap_or(0.0);

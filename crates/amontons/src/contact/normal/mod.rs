@@ -5,6 +5,7 @@ mod bilateral;
 mod compliance;
 mod damped;
 mod formula;
+mod impact;
 mod mean;
 mod power;
 mod signorini;
@@ -23,6 +24,7 @@ pub use bilateral::Bilateral;
 pub use compliance::Compliance;
 pub use damped::{Damped, HuntCrossley};
 pub use formula::{PressureFormula, PressureFormulaFault};
+pub use impact::Impact;
 pub use mean::MeanPressure;
 pub use power::Power;
 pub use signorini::Signorini;
@@ -78,6 +80,10 @@ pub trait NormalLaw: Debug + Send + Sync {
     /// The kind of graph.
     fn graph(&self) -> GraphKind {
         GraphKind::Function
+    }
+    /// True if the foundation is rigid: any pressure at r = 0, none below.
+    fn is_rigid(&self) -> bool {
+        false
     }
 }
 

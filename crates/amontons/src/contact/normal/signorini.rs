@@ -23,6 +23,9 @@ impl NormalLaw for Signorini {
     fn graph(&self) -> GraphKind {
         GraphKind::Multivalued
     }
+    fn is_rigid(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

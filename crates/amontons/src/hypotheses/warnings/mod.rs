@@ -24,7 +24,7 @@
 //! | `no-contact` | no contact point presses in any step | the run |
 //! | `few-points` | a contact that ends within a side is borne by fewer than four points | the run |
 //! | `leak` | a fluid has passed through a contact to points that it should not reach | the run |
-//! | `scheme-share` | the scheme takes more than 5 % of the energy of a motion | the run |
+//! | `scheme-share` | the scheme takes more than 2 % of the energy of a motion | the run |
 //! | `alternation` | velocities change sign from step to step | the run |
 //! | `magnitude` | waves in a material are slower or faster than in any | the material |
 //! | `no-effect` | results do not depend on a datum | the data |

@@ -76,6 +76,7 @@ impl Fields {
             u: self.vector("displacement").unwrap_or_else(zero),
             w: self.vector("velocity").unwrap_or_else(zero),
             theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], <[f64]>::to_vec),
+            theta_rate: Vec::new(),
             step: 0,
             t: 0.0,
             multipliers: Multipliers::default(),

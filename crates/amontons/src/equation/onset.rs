@@ -1,0 +1,64 @@
+//! How the contact points start into a step of the ϑ-scheme: impacts, and slip at the start.
+
+use super::system::Step;
+use crate::contact::{GraphKind, PointOnBoundary};
+use crate::inclusion::{Frame, Onset};
+use crate::linalg::max_abs;
+use crate::tensor::{Point, dot};
+use crate::time::{ContactRule, FrictionRule};
+
+/// Penetration that counts as contact: over the path of the fastest node in a step, and over the largest displacement
+/// or gap of a contact point. It only makes more points bear pressure, which does nothing to one that opens.
+const TOUCHES: [f64; 2] = [1e-9, 1e-12];
+
+impl Step<'_> {
+    /// How the points start into the step; empty if the laws of contact hold at its end.
+    pub fn onsets(&self, frames: &[Frame]) -> Vec<Onset> {
+        let Some(rule) = self.rule.contact else { return Vec::new() };
+        let touches =
+            if self.contacts.iter().any(|contact| contact.normal.is_rigid()) { self.touches(frames) } else { 0.0 };
+        let points = self.boundary.points.iter().zip(frames).enumerate();
+        points.map(|(i, (point, frame))| self.onset(i, point, frame, touches, rule)).collect()
+    }
+
+    /// Penetration at the start that counts as contact, m.
+    fn touches(&self, frames: &[Frame]) -> f64 {
+        let along = |(point, frame): (&PointOnBoundary, &Frame)| self.at(point, &self.old.u, frame).0.abs();
+        let displaced = self.boundary.points.iter().zip(frames).map(along).fold(0.0, f64::max);
+        let gap = frames.iter().map(|frame| frame.gap.abs()).fold(0.0, f64::max);
+        TOUCHES[0] * self.rule.k * max_abs(&self.old.w) + TOUCHES[1] * displaced.max(gap)
+    }
+
+    /// Normal and tangential component of a field at a point.
+    fn at(&self, point: &PointOnBoundary, field: &[f64], frame: &Frame) -> (f64, Point) {
+        let v = self.boundary.vector_at(point, self.discrete.mesh.dim, field);
+        let along = dot(&v, &frame.normal);
+        (along, std::array::from_fn(|c| v[c] - along * frame.normal[c]))
+    }
+
+    /// A point bears pressure in the step if it would touch at the end of it with the velocity of its start, or did in
+    /// the step before: without the latter a point caught before it touched is let go in the next step.
+    fn onset(&self, i: usize, point: &PointOnBoundary, frame: &Frame, touches: f64, rule: ContactRule) -> Onset {
+        let (k, theta) = (self.rule.k, self.rule.level);
+        let (w_nu, w_tau) = self.at(point, &self.old.w, frame);
+        let slip = match rule.friction {
+            FrictionRule::Mean => [0.0; 3],
+            FrictionRule::End => std::array::from_fn(|c| (1.0 - theta) * (w_tau[c] - frame.velocity[c])),
+        };
+        let speed = w_nu - frame.gap_rate;
+        let approach = match self.contacts[point.contact].normal.graph() {
+            GraphKind::Function => 0.0,
+            GraphKind::Bilateral => (1.0 - theta) * speed,
+            GraphKind::Multivalued => {
+                let start = self.at(point, &self.old.u, frame).0 - (frame.gap - k * frame.gap_rate);
+                let pressed = self.old.multipliers.p.get(i).is_some_and(|p| *p > 0.0);
+                if pressed || start + k * speed >= -touches {
+                    (1.0 - theta * (1.0 + rule.restitution)) * speed.max(0.0)
+                } else {
+                    f64::INFINITY
+                }
+            }
+        };
+        Onset { approach, slip }
+    }
+}
