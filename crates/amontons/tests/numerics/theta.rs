@@ -318,6 +318,59 @@ fn wear_is_of_second_order() {
     }
 }
 
+/// A rod with a Maxwell branch that is drawn at the rate a: its spring has the strain a τ (1 − exp(−t/τ)) at every time.
+/// Of order 2 at ϑ = ½ and of order 1 with backward Euler; energy closes with a time that is one for the body, and with
+/// one that varies.
+#[test]
+fn branches_relax_to_second_order() {
+    const DRAWN: &str = r#"
+name = "drawn"
+units = "dimensionless"
+[mesh]
+kind = "interval"
+size = 1.0
+n = 4
+[time]
+end = 2.0
+steps = 20
+inertia = false
+[material]
+elasticity = { law = "isotropic", young = 3.0, poisson = 0.0 }
+prony = [{ ratio = 0.5, time = 0.8 }]
+[[boundary]]
+on = "left"
+displacement = [0]
+[[boundary]]
+on = "right"
+displacement = ["0.3*t"]
+[initial]
+velocity = ["0.3*x"]
+"#;
+    let (a, t, tau) = (0.3, 2.0, 0.8);
+    let exact = a * tau * (1.0 - f64::exp(-t / tau));
+    let end = |steps: usize, more: &[&str]| {
+        let mut overrides = vec![format!("time.steps={steps}")];
+        overrides.extend(more.iter().map(|&more| more.to_owned()));
+        let problem = case::parse(&Source::new("drawn.toml", DRAWN), &overrides);
+        let state = states(&problem.unwrap_or_else(|faults| panic!("{faults}")).problem).states.pop().expect("a state");
+        let ledger = &state.ledger;
+        assert!(ledger.viscous_dissipation > 0.0 && ledger.closing_error.abs() <= 1e-12 * ledger.turned_over);
+        state
+    };
+    let error = |steps: usize, scheme: &str| {
+        let state = end(steps, &[&format!("time.scheme={scheme}")]);
+        (state.branches[0].last().expect("an end") - exact).abs()
+    };
+    for (scheme, order) in [("theta", 2.0), ("euler", 1.0)] {
+        let found = (error(40, scheme) / error(160, scheme)).log2() / 2.0;
+        assert!((found - order).abs() < 0.05, "{scheme}: order {found}");
+    }
+    let varying = "material.prony=[{ ratio = 0.5, time = \"0.8 + 0.3*x\" }]";
+    for theta in ["time.theta=0.5", "time.theta=0.7"] {
+        end(20, &["time.scheme=theta", theta, varying]);
+    }
+}
+
 /// ϑ = 1 is backward Euler to the bit.
 #[test]
 fn at_one_it_is_backward_euler() {
