@@ -14,7 +14,7 @@ use crate::linalg::{
 };
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
-use crate::problem::Problem;
+use crate::problem::{Coupling, Problem};
 use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
@@ -143,6 +143,14 @@ impl Step<'_> {
         let ahead = self.rule.level * self.rule.k;
         let rates = self.old.theta_rate.iter().copied().chain(std::iter::repeat(0.0));
         self.old.theta.iter().zip(rates).map(|(theta, rate)| theta + ahead * rate).collect()
+    }
+
+    /// The mean rate of θ in the step with the temperature `theta` at its end, K/s; empty if no step extrapolates it.
+    pub fn theta_rate(&self, theta: &[f64]) -> Vec<f64> {
+        if self.problem.coupling != Coupling::Extrapolated {
+            return Vec::new();
+        }
+        theta.iter().zip(&self.old.theta).map(|(end, start)| (end - start) / self.rule.k).collect()
     }
 
     /// The values at the end of the step of an unknown that was solved for at the time of the equations.

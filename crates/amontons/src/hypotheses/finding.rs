@@ -103,6 +103,8 @@ findings! {
     PairGap = "pair-gap", Warning, Mechanics;
     /// Sides that are inside an obstacle at the start.
     StartInside = "start-inside", Warning, Mechanics;
+    /// Penetrations of rigid foundations at the start that the scheme keeps.
+    StartKept = "start-kept", Warning, Mechanics;
     /// Obstacles from files whose size is far from that of the body.
     ObstacleSize = "obstacle-size", Warning, Mechanics;
     /// An expansion tensor of the size of α.

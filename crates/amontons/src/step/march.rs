@@ -17,7 +17,7 @@ use crate::equation::systems::Systems;
 use crate::equation::{SetupError, Solvers, StepError, tried};
 use crate::inclusion::{Loose, Multipliers, PointState};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
-use crate::problem::{Coupling, Physics, Problem, with_supports};
+use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
 use crate::state::{Accumulated, Carried, ContactReport, Counts, Ledger, Reactions, State, StepReport};
 use crate::tensor;
@@ -335,10 +335,6 @@ impl Made {
             Physics::Warmed => step.problem.given_temperature(step.t),
             _ => step.end(&old.theta, heat.theta),
         };
-        let theta_rate = match step.problem.coupling {
-            Coupling::Extrapolated => theta.iter().zip(&old.theta).map(|(a, b)| (a - b) / step.rule.k).collect(),
-            _ => Vec::new(),
-        };
         let surface = old.surface.after(step, &mechanics, &heat.exchange);
         let Mechanics { end: Balanced { at, u, states, force, reactions, .. }, whole, branches, is_unique, .. } =
             mechanics;
@@ -351,8 +347,8 @@ impl Made {
             t: step.t,
             u: step.end(&old.u, u),
             w: step.end(&old.w, w),
+            theta_rate: step.theta_rate(&theta),
             theta,
-            theta_rate,
             multipliers: at.multipliers,
             branches: old.branches.iter().zip(branches).map(|(old, branch)| step.end(old, branch)).collect(),
             carried,

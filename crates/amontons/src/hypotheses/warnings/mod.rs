@@ -11,6 +11,7 @@
 //! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep compared with the gap between them | the gap of the mesh |
 //! | `obstacle-size` | an obstacle from a file is far larger or smaller than the body | its extent |
 //! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
+//! | `start-kept` | a scheme that holds velocities keeps a penetration of a rigid foundation at t = 0 | its gap |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
 //! | `mean-dilatation` | the mean dilatation is requested for linear simplices, where it has no effect | the cells |
@@ -35,6 +36,7 @@
 mod effect;
 mod gaps;
 mod jump;
+mod kept;
 mod rigid;
 mod run;
 mod sizes;
@@ -74,6 +76,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(rigid::on_rigid(problem));
     findings.extend(gaps::of_pairs(problem));
     findings.extend(gaps::of_obstacles(problem));
+    findings.extend(kept::at_start(problem));
     findings.extend(sizes::of_obstacles(problem));
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
