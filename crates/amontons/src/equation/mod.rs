@@ -7,6 +7,7 @@ mod fluid;
 pub(crate) mod foundation;
 pub(crate) mod given;
 pub(crate) mod heat;
+mod inputs;
 pub(crate) mod mechanics;
 mod memory;
 mod mixing;
@@ -16,5 +17,6 @@ pub(crate) mod systems;
 
 pub(crate) use error::tried;
 pub use error::{SetupError, StepError};
+pub use inputs::{Along, Inputs};
 pub use system::{ACCEPTED, REFINE};
 pub use systems::Solvers;
