@@ -56,8 +56,8 @@ fn try_with(halves: &mut [Stepping; 2], saved: &[Checkpoint; 2], displacement: f
     right.restore(&saved[1])?;
     right.set_displacement("left", Along::Axis(0), &[displacement])?;
     right.step()?;
-    let force = right.report().and_then(|report| report.reactions.force.first()).copied().unwrap_or_default();
-    left.set_force("right", &[-force])?;
+    let opposite: Vec<f64> = right.reactions("left")?.iter().map(|force| -force).collect();
+    left.set_force("right", &opposite)?;
     Ok(left.step()?.u.last().copied().unwrap_or_default())
 }
 
@@ -72,7 +72,7 @@ pub fn halves() -> Result<Vec<[Vec<f64>; 2]>, Box<dyn std::error::Error>> {
     let (mut all, mut interface) = (Vec::new(), 0.0);
     while !halves[0].is_done() {
         let saved = halves.each_ref().map(Stepping::save);
-        let (mut relaxation, mut before) = (0.5, None);
+        let (mut relaxation, mut before) = (0.5, None::<f64>);
         for iteration in 1.. {
             let difference = try_with(&mut halves, &saved, interface)? - interface;
             if difference.abs() <= ACCEPTED * interface.abs() {

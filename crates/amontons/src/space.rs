@@ -373,6 +373,17 @@ impl Space {
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }
 
+    /// Forces over all degrees of freedom, in components along the axes, from those of the prescribed ones in their
+    /// order.
+    pub(crate) fn nodal(&self, held: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.free.len()];
+        for (&dof, force) in self.held.iter().zip(held) {
+            values[dof as usize] = *force;
+        }
+        self.leave(&mut values);
+        values
+    }
+
     /// Sets the entries of prescribed degrees of freedom to zero; entries of followers must have been gathered.
     pub fn mask(&self, values: &mut [f64]) {
         self.enter(values);

@@ -279,7 +279,7 @@ fn displacement_number(problem: &Problem, on: &str, along: Along) -> Option<usiz
 }
 
 /// The facets of a name.
-fn named<'m>(mesh: &'m Mesh, key: &str, on: &str) -> Result<&'m FacetSet, Fault> {
+pub(crate) fn named<'m>(mesh: &'m Mesh, key: &str, on: &str) -> Result<&'m FacetSet, Fault> {
     mesh.named(on).ok_or_else(|| {
         let known: Vec<String> = mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect();
         unknown(format!("{key} on \"{on}\""), "side", &known)

@@ -6,7 +6,7 @@ use rayon::ThreadPool;
 
 use super::{Clock, RunError, Settings, Timed, beginning, pool, scheme, seen, step_advice, within};
 use crate::discretization::Discretization;
-use crate::equation::{Along, Inputs, SetupError, StepError};
+use crate::equation::{Along, Inputs, SetupError, StepError, named};
 use crate::linalg::Backend;
 use crate::machine::Instant;
 use crate::output::{Checkpoint, CheckpointError, Snapshot, Work};
@@ -171,6 +171,47 @@ impl Stepping {
     #[must_use]
     pub fn report(&self) -> Option<&StepReport> {
         self.report.as_ref()
+    }
+
+    /// Forces that the support exerts at the nodes of a side, N, per unit of thickness in two dimensions: one vector per
+    /// node, nodes ascending. Zero where nothing is prescribed, and NaN at t = 0.
+    ///
+    /// A node of two sides has the force of both, and a node that follows another one has none: it acts at the other.
+    ///
+    /// # Errors
+    /// [`SteppingError::Input`] if the mesh does not have the side.
+    pub fn reactions(&self, on: &str) -> Result<Vec<f64>, SteppingError> {
+        let discrete = self.scheme.discretization();
+        let all = self.report.as_ref().map(|report| discrete.v.nodal(&report.reactions.force));
+        self.at_nodes("reactions", on, all, self.problem.mesh.dim)
+    }
+
+    /// Heat that prescribed temperatures supply at the nodes of a side, W, per unit of thickness in two dimensions, as
+    /// [`Stepping::reactions`].
+    ///
+    /// # Errors
+    /// [`SteppingError::Input`] if the mesh does not have the side.
+    pub fn heat_reactions(&self, on: &str) -> Result<Vec<f64>, SteppingError> {
+        let discrete = self.scheme.discretization();
+        let all = self.report.as_ref().map(|report| discrete.q.nodal(&report.reactions.heat));
+        self.at_nodes("heat_reactions", on, all, 1)
+    }
+
+    /// The values at the nodes of a side; NaN if there are none yet.
+    fn at_nodes(
+        &self,
+        key: &str,
+        on: &str,
+        all: Option<Vec<f64>>,
+        components: usize,
+    ) -> Result<Vec<f64>, SteppingError> {
+        let set = named(&self.problem.mesh, key, on).map_err(SteppingError::Input)?;
+        let dofs = set.node_list().into_iter().flat_map(|node| {
+            let first = node as usize * components;
+            first..first + components
+        });
+        let value = |dof: usize| all.as_ref().map_or(Some(f64::NAN), |all| all.get(dof).copied()).unwrap_or_default();
+        Ok(dofs.map(value).collect())
     }
 
     /// The problem.

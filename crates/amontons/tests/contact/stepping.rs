@@ -250,6 +250,8 @@ fn a_bar_has_the_length_the_temperature_and_the_reactions_of_the_formulas() {
         let reactions = &run.report().expect("a report").reactions;
         near(reactions.force[0], -force);
         near(reactions.heat[0], -heat);
+        assert_eq!(run.reactions("left").expect("the side"), reactions.force);
+        assert_eq!(run.heat_reactions("left").expect("the side"), reactions.heat);
         let read = probes.values(&run.snapshot());
         near(read[0], -force);
         near(read[1], force);
