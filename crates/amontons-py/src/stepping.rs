@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use amontons::equation::{Along, Inputs};
+use amontons::equation::{Along, StepInputs};
 use amontons::output::Checkpoint;
 use amontons::problem::Problem;
 use amontons::run::{Settings, Stepping as Steps, SteppingError};
@@ -195,6 +195,6 @@ impl Stepping {
 
     /// Removes all inputs.
     fn clear(&self, py: Python<'_>) -> PyResult<()> {
-        self.tried(py, |run| run.set_inputs(&Inputs::default()))
+        self.tried(py, |run| run.set_inputs(&StepInputs::default()))
     }
 }

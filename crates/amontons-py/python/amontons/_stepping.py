@@ -119,8 +119,8 @@ class Stepping:
         return self._run.reactions(on, False).reshape(-1, self._run.dimension())
 
     def heat_reactions(self, on: str) -> np.ndarray:
-        """Heat that a prescribed temperature supplies at the nodes of a side in W; zero where nothing is prescribed, and
-        NaN at t = 0."""
+        """Heat that a prescribed temperature supplies at the nodes of a side in W; zero where nothing is prescribed,
+        and NaN at t = 0."""
         return self._run.reactions(on, True)
 
     def set_force(self, on: str, values: Any) -> None:

@@ -14,10 +14,10 @@ use crate::space::{Replacing, Space};
 /// Inputs that hold until they are changed: loads that add to those of the problem, and values that replace those that
 /// the problem prescribes.
 ///
-/// Loads act in the whole step. A displacement or a temperature is reached at the end of the step, in proportion to time
-/// if the step is made in parts. Inputs belong to no state, so neither a checkpoint nor a saved state holds them.
+/// Loads act in the whole step. A displacement or a temperature is reached at the end of the step, in proportion to
+/// time if the step is made in parts. Inputs belong to no state, so neither a checkpoint nor a saved state holds them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Inputs {
+pub struct StepInputs {
     /// Nodal loads by side, "" for those at all nodes: degree of freedom and value, N and W.
     forces_on: BTreeMap<String, Vec<(usize, f64)>>,
     heat_on: BTreeMap<String, Vec<(usize, f64)>>,
@@ -73,7 +73,7 @@ impl LoadKind {
     }
 }
 
-impl Inputs {
+impl StepInputs {
     /// Sets the force on a side, an edge or points, in N: one number per component, which is spread evenly as the
     /// `force` of the case is, or one vector per node, nodes ascending. It replaces the force set there before.
     ///
@@ -94,11 +94,11 @@ impl Inputs {
         Ok(())
     }
 
-    /// Sets forces at all nodes, one vector per node, in N. They add to those on sides and replace those set in this way
-    /// before.
+    /// Sets forces at all nodes, one vector per node, in N. They add to those on sides and replace those set in this
+    /// way before.
     ///
     /// # Errors
-    /// Those of [`Inputs::set_force`], except for the name.
+    /// Those of [`StepInputs::set_force`], except for the name.
     pub(crate) fn set_forces(&mut self, problem: &Problem, values: &[f64]) -> Result<(), Fault> {
         let (size, kind) = (problem.mesh.points.len() * problem.mesh.dim, LoadKind::force(problem));
         kind.check("forces", values, problem.mesh.points.len())?;
@@ -131,11 +131,11 @@ impl Inputs {
         Ok(())
     }
 
-    /// Sets the heat supplied at all nodes, one number per node, in W. It adds to that on sides and replaces the one set
-    /// in this way before.
+    /// Sets the heat supplied at all nodes, one number per node, in W. It adds to that on sides and replaces the one
+    /// set in this way before.
     ///
     /// # Errors
-    /// Those of [`Inputs::set_heat`], except for the name.
+    /// Those of [`StepInputs::set_heat`], except for the name.
     pub(crate) fn set_heats(&mut self, problem: &Problem, values: &[f64]) -> Result<(), Fault> {
         let size = problem.mesh.points.len();
         LoadKind::heat(problem).check("heat", values, size)?;
@@ -164,7 +164,7 @@ impl Inputs {
         };
         let set = named(&problem.mesh, &key, on)?;
         let number = displacement_number(problem, on, along);
-        let prescribed = Prescribed { key: &key, on, set, space: &discrete.v, number };
+        let prescribed = Replaced { key: &key, on, set, space: &discrete.v, number };
         let (number, values) = prescribed.values(values)?;
         self.displacements.insert(number, values);
         Ok(())
@@ -173,7 +173,7 @@ impl Inputs {
     /// Sets the temperature that the problem prescribes on a side, in K: one number, or one per node, nodes ascending.
     ///
     /// # Errors
-    /// Those of [`Inputs::set_displacement`].
+    /// Those of [`StepInputs::set_displacement`].
     pub(crate) fn set_temperature(
         &mut self,
         (problem, discrete): (&Problem, &Discretization),
@@ -184,7 +184,7 @@ impl Inputs {
         let prescribed = problem.boundary.iter().filter(|condition| condition.temperature.is_some());
         let number = prescribed.map(|condition| &condition.on).position(|name| name == on);
         let number = number.filter(|_| problem.physics.has_heat());
-        let (number, values) = Prescribed { key: "temperature", on, set, space: &discrete.q, number }.values(values)?;
+        let (number, values) = Replaced { key: "temperature", on, set, space: &discrete.q, number }.values(values)?;
         self.temperatures.insert(number, values);
         Ok(())
     }
@@ -192,8 +192,8 @@ impl Inputs {
     /// Sets the temperature of the foundation of a contact, in K.
     ///
     /// # Errors
-    /// If no contact has the name, the problem does not prescribe the temperature of its foundation, or the value is not
-    /// finite.
+    /// If no contact has the name, the problem does not prescribe the temperature of its foundation, or the value is
+    /// not finite.
     pub(crate) fn set_foundation_temperature(
         &mut self,
         problem: &Problem,
@@ -223,7 +223,7 @@ impl Inputs {
 }
 
 /// A condition whose values are to be replaced.
-struct Prescribed<'a> {
+struct Replaced<'a> {
     key: &'a str,
     on: &'a str,
     set: &'a FacetSet,
@@ -232,13 +232,13 @@ struct Prescribed<'a> {
     number: Option<usize>,
 }
 
-impl Prescribed<'_> {
+impl Replaced<'_> {
     /// The number of the prescription, and the values in its order.
     fn values(&self, values: &[f64]) -> Result<(usize, Vec<f64>), Fault> {
-        let Prescribed { key, on, set, space, number } = *self;
+        let Replaced { key, on, set, space, number } = *self;
         let path = format!("{key} on \"{on}\"");
         let hint = format!(
-            "give the side a {} in [[boundary]], whose number is replaced: the factors depend on which values are prescribed",
+            "give the side a {} in [[boundary]], which is then replaced: factors depend on what is prescribed",
             key.split('[').next().unwrap_or(key)
         );
         let Some((number, own)) = number.map(|number| (number, space.nodes_of(number))) else {
@@ -346,7 +346,7 @@ impl<'a> Step<'a> {
     }
 
     /// The values that replace prescribed ones at the end of this part of the step.
-    pub fn replacing(&self, of: fn(&Inputs) -> &BTreeMap<usize, Vec<f64>>) -> Replacing<'a> {
+    pub fn replacing(&self, of: fn(&StepInputs) -> &BTreeMap<usize, Vec<f64>>) -> Replacing<'a> {
         let end = self.problem.timeline.time(self.n);
         let share = if self.t < end { (self.t - self.old.t) / (end - self.old.t) } else { 1.0 };
         Replacing { values: of(self.inputs), share }

@@ -18,6 +18,6 @@ pub(crate) mod systems;
 pub(crate) use error::tried;
 pub use error::{SetupError, StepError};
 pub(crate) use inputs::named;
-pub use inputs::{Along, Inputs};
+pub use inputs::{Along, StepInputs};
 pub use system::{ACCEPTED, REFINE};
 pub use systems::Solvers;

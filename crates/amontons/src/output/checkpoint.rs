@@ -355,8 +355,8 @@ impl Checkpoint {
         }
     }
 
-    /// Writes the checkpoint into a file, for [`Checkpoint::read_file`]. `case` says what it belongs to: the identity of
-    /// a case, or the default for a problem without a case file.
+    /// Writes the checkpoint into a file, for [`Checkpoint::read_file`]. `case` says what it belongs to: the identity
+    /// of a case, or the default for a problem without a case file.
     ///
     /// # Errors
     /// If the file cannot be written.

@@ -6,7 +6,7 @@ use rayon::ThreadPool;
 
 use super::{Clock, RunError, Settings, Timed, beginning, pool, scheme, seen, step_advice, within};
 use crate::discretization::Discretization;
-use crate::equation::{Along, Inputs, SetupError, StepError, named};
+use crate::equation::{Along, SetupError, StepError, StepInputs, named};
 use crate::linalg::Backend;
 use crate::machine::Instant;
 use crate::output::{Checkpoint, CheckpointError, Snapshot, Work};
@@ -17,9 +17,9 @@ use crate::step::{Kept, Scheme};
 /// A run whose steps are made one by one. Between them loads and prescribed values can be set, and states saved and
 /// restored.
 ///
-/// Without inputs its states have the same bits as those of [`run`](super::run()). Inputs hold until they are changed; no
-/// state holds them, so whoever restores a state sets them, too, if they were others. The certificate is not evaluated,
-/// and no sink is called: pass [`Stepping::snapshot`] to those you want.
+/// Without inputs its states have the same bits as those of [`run`](super::run()). Inputs hold until they are changed;
+/// no state holds them, so whoever restores a state sets them, too, if they were others. The certificate is not
+/// evaluated, and no sink is called: pass [`Stepping::snapshot`] to those you want.
 ///
 /// ```
 /// use amontons::{case, run::{Settings, Stepping}};
@@ -45,7 +45,7 @@ pub struct Stepping {
     clock: Clock,
     /// Work of the sessions before.
     before: Work,
-    inputs: Arc<Inputs>,
+    inputs: Arc<StepInputs>,
     state: State,
     report: Option<StepReport>,
 }
@@ -136,7 +136,8 @@ impl Stepping {
     /// bits of a first one: change an input and try again.
     ///
     /// # Errors
-    /// [`SteppingError::Step`] if the step is not solved or is interrupted, [`SteppingError::AtEnd`] after the last step.
+    /// [`SteppingError::Step`] if the step is not solved or is interrupted, [`SteppingError::AtEnd`] after the last
+    /// step.
     pub fn step(&mut self) -> Result<&State, SteppingError> {
         if self.is_done() {
             return Err(SteppingError::AtEnd { steps: self.state.step });
@@ -173,8 +174,8 @@ impl Stepping {
         self.report.as_ref()
     }
 
-    /// Forces that the support exerts at the nodes of a side, N, per unit of thickness in two dimensions: one vector per
-    /// node, nodes ascending. Zero where nothing is prescribed, and NaN at t = 0.
+    /// Forces that the support exerts at the nodes of a side, N, per unit of thickness in two dimensions: one vector
+    /// per node, nodes ascending. Zero where nothing is prescribed, and NaN at t = 0.
     ///
     /// A node of two sides has the force of both, and a node that follows another one has none: it acts at the other.
     ///
@@ -262,15 +263,15 @@ impl Stepping {
 
     /// The inputs that are set.
     #[must_use]
-    pub fn inputs(&self) -> &Inputs {
+    pub fn inputs(&self) -> &StepInputs {
         &self.inputs
     }
 
-    /// Sets all inputs at once, to those of [`Stepping::inputs`] at another time; `Inputs::default()` removes all.
+    /// Sets all inputs at once, to those of [`Stepping::inputs`] at another time; `StepInputs::default()` removes all.
     ///
     /// # Errors
     /// [`SteppingError::Scheme`] if the scheme takes no inputs.
-    pub fn set_inputs(&mut self, inputs: &Inputs) -> Result<(), SteppingError> {
+    pub fn set_inputs(&mut self, inputs: &StepInputs) -> Result<(), SteppingError> {
         self.change("inputs", |now, _, _| {
             now.clone_from(inputs);
             Ok(())
@@ -281,9 +282,9 @@ impl Stepping {
     fn change(
         &mut self,
         on: &'static str,
-        change: impl FnOnce(&mut Inputs, &Problem, &Discretization) -> Result<(), Fault>,
+        change: impl FnOnce(&mut StepInputs, &Problem, &Discretization) -> Result<(), Fault>,
     ) -> Result<(), SteppingError> {
-        let mut inputs = Inputs::clone(&self.inputs);
+        let mut inputs = StepInputs::clone(&self.inputs);
         change(&mut inputs, &self.problem, self.scheme.discretization()).map_err(SteppingError::Input)?;
         let inputs = Arc::new(inputs);
         if !self.scheme.take_inputs(&inputs) {
@@ -326,8 +327,8 @@ impl Stepping {
         self.change("heat", |inputs, problem, _| inputs.set_heat(problem, on, values))
     }
 
-    /// Sets the heat supplied at all nodes, one number per node, W. It adds to that on sides and replaces the one set in
-    /// this way before.
+    /// Sets the heat supplied at all nodes, one number per node, W. It adds to that on sides and replaces the one set
+    /// in this way before.
     ///
     /// # Errors
     /// Those of [`Stepping::set_heat`], except for the side.
@@ -344,7 +345,7 @@ impl Stepping {
     /// [`SteppingError::Input`] if the mesh does not have the side, the problem does not prescribe the component there,
     /// the number of values is another, or a value is not finite.
     pub fn set_displacement(&mut self, on: &str, along: Along, values: &[f64]) -> Result<(), SteppingError> {
-        let set = |inputs: &mut Inputs, problem: &Problem, discrete: &Discretization| {
+        let set = |inputs: &mut StepInputs, problem: &Problem, discrete: &Discretization| {
             inputs.set_displacement((problem, discrete), on, along, values)
         };
         self.change("displacement", set)
@@ -356,7 +357,7 @@ impl Stepping {
     /// # Errors
     /// Those of [`Stepping::set_displacement`].
     pub fn set_temperature(&mut self, on: &str, values: &[f64]) -> Result<(), SteppingError> {
-        let set = |inputs: &mut Inputs, problem: &Problem, discrete: &Discretization| {
+        let set = |inputs: &mut StepInputs, problem: &Problem, discrete: &Discretization| {
             inputs.set_temperature((problem, discrete), on, values)
         };
         self.change("temperature", set)
@@ -365,8 +366,8 @@ impl Stepping {
     /// Sets the temperature of the foundation of a contact, K, by the name of the contact in results.
     ///
     /// # Errors
-    /// [`SteppingError::Input`] if no contact has the name, its foundation has no prescribed temperature, or the value is
-    /// not finite.
+    /// [`SteppingError::Input`] if no contact has the name, its foundation has no prescribed temperature, or the value
+    /// is not finite.
     pub fn set_foundation_temperature(&mut self, contact: &str, value: f64) -> Result<(), SteppingError> {
         self.change("foundation_temperature", |inputs, problem, _| {
             inputs.set_foundation_temperature(problem, contact, value)

@@ -16,7 +16,7 @@ use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{HalfStep, Products, Step};
 use crate::equation::systems::Systems;
-use crate::equation::{Inputs, SetupError, Solvers, StepError, tried};
+use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
 use crate::inclusion::{Loose, Multipliers, PointState};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::{Physics, Problem, with_supports};
@@ -60,7 +60,7 @@ pub struct March {
     /// True if a step takes as many iterations as it needs; else it is halved after a limited number.
     is_patient: bool,
     /// Loads and prescribed values set from the outside.
-    inputs: Arc<Inputs>,
+    inputs: Arc<StepInputs>,
 }
 
 impl March {
@@ -572,7 +572,7 @@ impl Scheme for March {
         self.back_to(kept)
     }
 
-    fn take_inputs(&mut self, inputs: &Arc<Inputs>) -> bool {
+    fn take_inputs(&mut self, inputs: &Arc<StepInputs>) -> bool {
         self.inputs = Arc::clone(inputs);
         true
     }

@@ -12,7 +12,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::discretization::Discretization;
-use crate::equation::{Inputs, SetupError, Solvers, StepError};
+use crate::equation::{SetupError, Solvers, StepError, StepInputs};
 use crate::linalg::{Account, Backend, Decided, TangentKey};
 use crate::problem::Problem;
 use crate::pulse::Pulse;
@@ -77,7 +77,7 @@ pub trait Scheme: fmt::Debug + Send + Sync {
         self.recall(kept)
     }
     /// Makes the steps from now on with these inputs. Returns false if the scheme has no use for them.
-    fn take_inputs(&mut self, _inputs: &Arc<Inputs>) -> bool {
+    fn take_inputs(&mut self, _inputs: &Arc<StepInputs>) -> bool {
         false
     }
     /// Reports the progress of each step to `pulse` from now on.

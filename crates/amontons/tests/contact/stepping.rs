@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
-use amontons::equation::{Along, Inputs, SetupError, Solvers, StepError};
+use amontons::equation::{Along, SetupError, Solvers, StepError, StepInputs};
 use amontons::linalg::Backend;
 use amontons::output::{Checkpoint, Identity, Memory, ProbeSet};
 use amontons::problem::{Physics, Problem};
@@ -321,8 +321,8 @@ fn a_run_goes_on_from_the_file_of_a_saved_state() {
     same_bits(&stepped(&mut again, set), &expected);
 }
 
-/// E r = F − p with a stair of 0.2 at r = 0.43 has no solution for 0.43 < F ≤ 0.63. With another force the step is made,
-/// with the bits of a run that never failed.
+/// E r = F − p with a stair of 0.2 at r = 0.43 has no solution for 0.43 < F ≤ 0.63. With another force the step is
+/// made, with the bits of a run that never failed.
 #[test]
 fn a_failed_step_leaves_the_state_and_can_be_tried_again() {
     let problem = stair(&["time.steps=10"], 0.43, 0.2);
@@ -361,7 +361,7 @@ fn an_input_that_does_not_fit_is_refused_with_its_place() {
     let mut told = |set: &dyn Fn(&mut Stepping) -> Result<(), SteppingError>, expected: &str| {
         let error = set(&mut run).expect_err(expected).to_string();
         assert!(error.starts_with(expected), "{error}\nexpected: {expected}");
-        assert_eq!(run.inputs(), &Inputs::default());
+        assert_eq!(run.inputs(), &StepInputs::default());
     };
     let sides = "found no side of this name, expected bottom, left, right, top";
     told(&|run| run.set_force("lid", &[0.0, 1.0]), &format!("force on \"lid\": {sides}"));
