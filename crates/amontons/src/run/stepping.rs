@@ -48,6 +48,8 @@ pub struct Stepping {
     inputs: Arc<StepInputs>,
     state: State,
     report: Option<StepReport>,
+    /// What the scheme has to go back to before it goes on, if a failed step was interrupted on the way back.
+    behind: Option<Kept>,
 }
 
 /// Reason why a run that is made step by step did not go on. Its state is unchanged.
@@ -129,7 +131,7 @@ impl Stepping {
         let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
         clock.seconds.factor += backend.seconds();
         clock.seconds.setup += begin.elapsed().as_secs_f64() - backend.seconds();
-        Ok(Stepping { problem, scheme, pool, clock, before, inputs: Arc::default(), state, report })
+        Ok(Stepping { problem, scheme, pool, clock, before, inputs: Arc::default(), state, report, behind: None })
     }
 
     /// Makes the next step and returns its state. If it fails, the state stays as it is, and a later attempt has the
@@ -142,6 +144,9 @@ impl Stepping {
         if self.is_done() {
             return Err(SteppingError::AtEnd { steps: self.state.step });
         }
+        if let Some(kept) = self.behind.clone() {
+            self.go_back(&kept)?;
+        }
         let Stepping { scheme, pool, state, .. } = self;
         let (kept, begin) = (scheme.kept(), Instant::now());
         let made = within(pool.as_ref(), || scheme.step(state));
@@ -149,7 +154,8 @@ impl Stepping {
         match made {
             Ok((next, report)) => (self.state, self.report) = (next, Some(report)),
             Err(source) => {
-                self.go_back(&kept)?;
+                // An interruption may end this, too; the next step then begins with it.
+                self.behind = self.go_back(&kept).is_err().then_some(kept);
                 return Err(SteppingError::Step { source });
             }
         }
@@ -184,7 +190,7 @@ impl Stepping {
     pub fn reactions(&self, on: &str) -> Result<Vec<f64>, SteppingError> {
         let discrete = self.scheme.discretization();
         let all = self.report.as_ref().map(|report| discrete.v.nodal(&report.reactions.force));
-        self.at_nodes("reactions", on, all, self.problem.mesh.dim)
+        self.at_nodes("reactions", on, all.as_deref(), self.problem.mesh.dim)
     }
 
     /// Heat that prescribed temperatures supply at the nodes of a side, W, per unit of thickness in two dimensions, as
@@ -195,23 +201,17 @@ impl Stepping {
     pub fn heat_reactions(&self, on: &str) -> Result<Vec<f64>, SteppingError> {
         let discrete = self.scheme.discretization();
         let all = self.report.as_ref().map(|report| discrete.q.nodal(&report.reactions.heat));
-        self.at_nodes("heat_reactions", on, all, 1)
+        self.at_nodes("heat_reactions", on, all.as_deref(), 1)
     }
 
     /// The values at the nodes of a side; NaN if there are none yet.
-    fn at_nodes(
-        &self,
-        key: &str,
-        on: &str,
-        all: Option<Vec<f64>>,
-        components: usize,
-    ) -> Result<Vec<f64>, SteppingError> {
+    fn at_nodes(&self, key: &str, on: &str, all: Option<&[f64]>, components: usize) -> Result<Vec<f64>, SteppingError> {
         let set = named(&self.problem.mesh, key, on).map_err(SteppingError::Input)?;
         let dofs = set.node_list().into_iter().flat_map(|node| {
             let first = node as usize * components;
             first..first + components
         });
-        let value = |dof: usize| all.as_ref().map_or(Some(f64::NAN), |all| all.get(dof).copied()).unwrap_or_default();
+        let value = |dof: usize| all.map_or(Some(f64::NAN), |all| all.get(dof).copied()).unwrap_or_default();
         Ok(dofs.map(value).collect())
     }
 
@@ -238,7 +238,7 @@ impl Stepping {
             state: self.state.clone(),
             report: self.report.clone(),
             work: self.work(),
-            kept: self.scheme.kept(),
+            kept: self.behind.clone().unwrap_or_else(|| self.scheme.kept()),
             k: self.problem.timeline.longest(),
             fallback: None,
         }
@@ -258,7 +258,9 @@ impl Stepping {
 
     fn go_back(&mut self, kept: &Kept) -> Result<(), SetupError> {
         let Stepping { scheme, pool, .. } = self;
-        within(pool.as_ref(), || scheme.go_back(kept))
+        within(pool.as_ref(), || scheme.go_back(kept))?;
+        self.behind = None;
+        Ok(())
     }
 
     /// The inputs that are set.
