@@ -8,7 +8,7 @@ use amontons::convergence::StudyError;
 use amontons::output::OutputError;
 use amontons::plot::PlotError;
 use amontons::problem::Faults;
-use amontons::run::RunError;
+use amontons::run::{RunError, SteppingError};
 use amontons::verify::VerifyError;
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -104,6 +104,20 @@ pub fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
         RunError::Unsound(_) => "UnsoundError",
         RunError::Interrupted(_) | RunError::Unstarted { .. } => "Interrupted",
         RunError::Output(_) | RunError::Checkpoint(_) => "ResultsError",
+    };
+    exception(py, class, (error.to_string(), error.advice()))
+}
+
+/// The exception of a run that is made step by step.
+pub fn of_stepping(py: Python<'_>, error: &SteppingError) -> PyErr {
+    let class = match error {
+        SteppingError::Step { source } if source.is_interruption() => "Interrupted",
+        SteppingError::Step { .. } => "StepError",
+        SteppingError::Setup(_) => "SetupError",
+        SteppingError::AtEnd { .. } | SteppingError::Input(_) | SteppingError::Scheme { .. } => {
+            return request(py, &error.to_string());
+        }
+        SteppingError::Checkpoint(_) => return request(py, &format!("the saved state is of another case: {error}")),
     };
     exception(py, class, (error.to_string(), error.advice()))
 }

@@ -5,6 +5,7 @@
 //! | `attend` | work on a thread of its own, while Python answers signals |
 //! | `case` | cases: read, checked, studied, verified |
 //! | `run`, `snapshot` | runs and the data they keep |
+//! | `stepping` | runs that are made step by step |
 //! | `laws` | laws written in Python |
 //! | `picture` | pictures of runs in memory |
 //! | `view` | arrays without copies |
@@ -17,6 +18,7 @@ mod laws;
 mod picture;
 mod run;
 mod snapshot;
+mod stepping;
 mod view;
 
 use pyo3::prelude::*;
@@ -27,6 +29,8 @@ fn _amontons(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<case::Case>()?;
     module.add_class::<run::Run>()?;
     module.add_class::<snapshot::Snapshot>()?;
+    module.add_class::<stepping::Saved>()?;
+    module.add_class::<stepping::Stepping>()?;
     module.add_function(wrap_pyfunction!(case::read, module)?)?;
     module.add_function(wrap_pyfunction!(case::check, module)?)?;
     module.add_function(wrap_pyfunction!(case::converge, module)?)?;

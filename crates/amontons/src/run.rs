@@ -3,6 +3,8 @@
 //! A run ends with a [`Summary`], or with a [`RunError`] that gives the reason. A failed step is never a result; the
 //! results of the steps before it are kept.
 
+mod stepping;
+
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,6 +23,7 @@ use crate::problem::Problem;
 use crate::pulse::Pulse;
 use crate::state::{State, StepReport};
 use crate::step::{Kept, MakeScheme, March, Scheme};
+pub use stepping::{Stepping, SteppingError};
 
 /// Settings of a run. Only the scheme changes results.
 #[derive(Clone, Debug)]
@@ -142,38 +145,45 @@ impl RunError {
     /// An instruction for a failed step or untrustworthy results; `None` for other errors.
     #[must_use]
     pub fn advice(&self) -> Option<String> {
-        let text = match self {
-            RunError::Step { source: StepError::Residual { residual, .. }, .. } if *residual > ROUND_OFF => {
-                "nothing holds the body against the load: it slides or turns without resistance; give it a support, a spring or friction that is strong enough, or a density, with which it moves"
-            }
-            RunError::Step { source: StepError::Residual { .. }, .. } => {
-                "the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
-            }
-            RunError::Step { source: StepError::Data { key, .. }, .. } => return Some(format!("correct {key}")),
-            RunError::Step { source: StepError::Uncovered { found, .. }, .. } => {
-                return Some(format!(
-                    "extend the table of {} to the temperatures that occur, or change the heat load",
-                    found.key
-                ));
-            }
-            RunError::Step { source: StepError::Driven { .. }, .. } => {
-                "give the body a support or a spring along this motion, friction that is strong enough, or a density, with which it moves; or correct the load"
-            }
-            RunError::Step { source: StepError::Unborne { at, .. }, .. } if at.ends_with("obstacle.load") => {
-                "the obstacle meets the body along the direction of its load; the body is held against it; and the force is not that of a pull, which only a law with adhesion bears"
-            }
-            RunError::Step { source: StepError::Unborne { .. }, .. } => {
-                "both parts of the bolt bear on the joint or are held, so that it is stretched as they are drawn together; and the joint bears the force"
-            }
-            RunError::Step { source: StepError::NotConverged { slides: true, .. }, .. } => {
-                "no point of a body that contact alone holds sticks: where the load is more than friction bears, it slides or turns without resistance; give the body a support, a spring, friction that is strong enough or a density, with which it moves; if it is not, try more steps (time.steps)"
-            }
-            RunError::Step { .. } => "try more steps (time.steps), or a finer mesh where the contact changes",
-            RunError::Unsound(_) => "`amontons check` may name the cause in the data",
-            _ => return None,
-        };
-        Some(text.to_owned())
+        match self {
+            RunError::Step { source, .. } => Some(step_advice(source)),
+            RunError::Unsound(_) => Some("`amontons check` may name the cause in the data".to_owned()),
+            _ => None,
+        }
     }
+}
+
+/// An instruction for a failed step.
+fn step_advice(error: &StepError) -> String {
+    let text = match error {
+        StepError::Residual { residual, .. } if *residual > ROUND_OFF => {
+            "nothing holds the body against the load: it slides or turns without resistance; give it a support, a spring or friction that is strong enough, or a density, with which it moves"
+        }
+        StepError::Residual { .. } => {
+            "the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
+        }
+        StepError::Data { key, .. } => return format!("correct {key}"),
+        StepError::Uncovered { found, .. } => {
+            return format!(
+                "extend the table of {} to the temperatures that occur, or change the heat load",
+                found.key
+            );
+        }
+        StepError::Driven { .. } => {
+            "give the body a support or a spring along this motion, friction that is strong enough, or a density, with which it moves; or correct the load"
+        }
+        StepError::Unborne { at, .. } if at.ends_with("obstacle.load") => {
+            "the obstacle meets the body along the direction of its load; the body is held against it; and the force is not that of a pull, which only a law with adhesion bears"
+        }
+        StepError::Unborne { .. } => {
+            "both parts of the bolt bear on the joint or are held, so that it is stretched as they are drawn together; and the joint bears the force"
+        }
+        StepError::NotConverged { slides: true, .. } => {
+            "no point of a body that contact alone holds sticks: where the load is more than friction bears, it slides or turns without resistance; give the body a support, a spring, friction that is strong enough or a density, with which it moves; if it is not, try more steps (time.steps)"
+        }
+        _ => "try more steps (time.steps), or a finer mesh where the contact changes",
+    };
+    text.to_owned()
 }
 
 /// Runs a problem from t = 0.
@@ -423,6 +433,7 @@ fn within<T: Send>(pool: Option<&ThreadPool>, compute: impl FnOnce() -> T + Send
 }
 
 /// Times of a run.
+#[derive(Debug)]
 struct Clock {
     begin: Instant,
     seconds: Seconds,

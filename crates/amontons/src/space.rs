@@ -53,10 +53,20 @@ pub struct Prescription<'a> {
     pub field: &'a Field,
 }
 
+/// Values that replace those of some prescriptions during a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Replacing<'a> {
+    /// By number of the prescription, one value per node at which it gives the value: see [`Space::nodes_of`].
+    pub values: &'a BTreeMap<usize, Vec<f64>>,
+    /// Share of the way from the values at the start of the step to the new ones: less than 1 in a part of a step.
+    pub share: f64,
+}
+
 /// The values given by one prescription.
 #[derive(Clone, Debug)]
 struct Prescribed {
     field: Field,
+    nodes: Vec<u32>,
     points: Vec<Point>,
     dofs: Vec<u32>,
     /// Factor of the field at each of them.
@@ -111,20 +121,22 @@ impl Space {
                 let dof = |c: usize| node as usize * components + c;
                 let x = mesh.points[at as usize];
                 if let Some((body, _)) = rigid_of(&rigid, node) {
-                    part.hold(&mut rigid[body], (node, x), &direction).into_iter().for_each(|new| free[new] = false);
+                    part.hold(&mut rigid[body], (node, at, x), &direction)
+                        .into_iter()
+                        .for_each(|new| free[new] = false);
                 } else if let Some(axes) = axes.get_mut(&node) {
                     if axes.len() < components
                         && let Some((along, rest, scale)) = across(&direction, axes)
                     {
                         let new = dof(axes.len());
                         free[new] = false;
-                        part.push(new, x, 1.0 / scale);
+                        part.push(new, (at, x), 1.0 / scale);
                         part.less.extend((0..).zip(along).map(|(c, along)| (new as u32, dof(c) as u32, along / scale)));
                         axes.push(rest);
                     }
                 } else if let Some((c, sign)) = axis(&direction).filter(|(c, _)| *c < components && free[dof(*c)]) {
                     free[dof(c)] = false;
-                    part.push(dof(c), x, sign);
+                    part.push(dof(c), (at, x), sign);
                 }
             }
             prescribed.push(part);
@@ -232,14 +244,32 @@ impl Space {
 
     /// Writes the prescribed values at time t into a vector over all degrees of freedom.
     pub fn prescribe(&self, t: f64, values: &mut [f64]) {
+        self.prescribe_with(t, &Replacing { values: &BTreeMap::new(), share: 1.0 }, values);
+    }
+
+    /// Nodes at which prescription `number` gives the value, in the order of their values: those of its facet set, less
+    /// those at which an earlier prescription counts.
+    pub(crate) fn nodes_of(&self, number: usize) -> &[u32] {
+        self.prescribed.get(number).map_or(&[], |part| &part.nodes)
+    }
+
+    /// Like [`Space::prescribe`], with values that replace those of some prescriptions. `values` holds those at the
+    /// start of the step.
+    pub(crate) fn prescribe_with(&self, t: f64, replacing: &Replacing, values: &mut [f64]) {
         self.enter(values);
-        for part in &self.prescribed {
-            let given = part.field.values(&part.points, t);
-            for ((&dof, factor), value) in part.dofs.iter().zip(&part.factors).zip(given) {
+        for (number, part) in self.prescribed.iter().enumerate() {
+            let own = replacing.values.get(&number).filter(|own| own.len() == part.dofs.len());
+            let moves_on = own.is_some() && replacing.share < 1.0;
+            let start: Vec<f64> = part.dofs.iter().filter(|_| moves_on).map(|&dof| values[dof as usize]).collect();
+            let given = own.map_or_else(|| Cow::Owned(part.field.values(&part.points, t)), |own| Cow::Borrowed(&**own));
+            for ((&dof, factor), value) in part.dofs.iter().zip(&part.factors).zip(given.iter()) {
                 values[dof as usize] = factor * value;
             }
             for &(dof, other, factor) in &part.less {
                 values[dof as usize] -= factor * values[other as usize];
+            }
+            for (&dof, start) in part.dofs.iter().zip(start) {
+                values[dof as usize] = start + replacing.share * (values[dof as usize] - start);
             }
         }
         self.each_linked(|own, followed| {
@@ -251,9 +281,9 @@ impl Space {
     }
 
     /// Writes the rates (u_D(t) − ū)/k of the prescribed values into velocities; returns true if that changes them.
-    pub fn prescribe_rates(&self, t: f64, k: f64, bar: &[f64], w: &mut [f64]) -> bool {
+    pub(crate) fn prescribe_rates(&self, [t, k]: [f64; 2], replacing: &Replacing, bar: &[f64], w: &mut [f64]) -> bool {
         let (mut values, mut changes) = (bar.to_vec(), false);
-        self.prescribe(t, &mut values);
+        self.prescribe_with(t, replacing, &mut values);
         let (values, bar) = (self.in_frames(&values), self.in_frames(bar));
         self.enter(w);
         for dof in self.held.iter().map(|&dof| dof as usize) {
@@ -343,6 +373,17 @@ impl Space {
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }
 
+    /// Forces over all degrees of freedom, in components along the axes, from those of the prescribed ones in their
+    /// order.
+    pub(crate) fn nodal(&self, held: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.free.len()];
+        for (&dof, force) in self.held.iter().zip(held) {
+            values[dof as usize] = *force;
+        }
+        self.leave(&mut values);
+        values
+    }
+
     /// Sets the entries of prescribed degrees of freedom to zero; entries of followers must have been gathered.
     pub fn mask(&self, values: &mut [f64]) {
         self.enter(values);
@@ -394,23 +435,26 @@ pub(crate) fn leave(frames: &[NodeFrame], rigid: &[RigidNodes], components: usiz
 
 impl Prescribed {
     fn new(field: &Field) -> Prescribed {
-        let (points, dofs, factors, less) = Default::default();
-        Prescribed { field: field.clone(), points, dofs, factors, less }
+        let (nodes, points, dofs, factors, less) = Default::default();
+        Prescribed { field: field.clone(), nodes, points, dofs, factors, less }
     }
 
     /// Prescribes the value of a node of a rigid body in a direction; returns the degree of freedom of the motion
     /// prescribed by it, or `None` if it was prescribed before.
-    fn hold(&mut self, body: &mut RigidNodes, (node, x): (u32, Point), direction: &Point) -> Option<usize> {
+    ///
+    /// The field is evaluated at the node `at`, which may follow `node`.
+    fn hold(&mut self, body: &mut RigidNodes, (node, at, x): (u32, u32, Point), direction: &Point) -> Option<usize> {
         let (number, along, scale) = body.hold(node, direction)?;
         let new = body.dof(number);
-        self.push(new, x, 1.0 / scale);
+        self.push(new, (at, x), 1.0 / scale);
         let less = |(j, along): (usize, f64)| (new as u32, body.dof(j) as u32, along / scale);
         self.less.extend(along.into_iter().enumerate().map(less));
         Some(new)
     }
 
-    fn push(&mut self, dof: usize, x: Point, factor: f64) {
+    fn push(&mut self, dof: usize, (node, x): (u32, Point), factor: f64) {
         self.dofs.push(dof as u32);
+        self.nodes.push(node);
         self.points.push(x);
         self.factors.push(factor);
     }

@@ -35,6 +35,7 @@ from ._laws import (
     tensors,
 )
 from ._result import Cells, Fields, Mesh, Picture, Result, Snapshot
+from ._stepping import Saved, Stepping
 from ._studies import Check, Study, Verification, benchmarks, check, converge, plot, run, verify
 from ._sweep import sweep
 
@@ -60,9 +61,11 @@ __all__ = [
     "Result",
     "ResultsError",
     "RunError",
+    "Saved",
     "SetupError",
     "Snapshot",
     "StepError",
+    "Stepping",
     "Study",
     "StudyError",
     "ThreadsError",

@@ -6,10 +6,14 @@ import math
 import os
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from . import _amontons
 from ._errors import RequestError
+
+if TYPE_CHECKING:
+    from ._laws import Laws
+    from ._stepping import Stepping
 
 CaseLike = Union["Case", Mapping[str, Any], str, "os.PathLike[str]"]
 Overrides = Mapping[str, Any]
@@ -72,6 +76,12 @@ class Case:
     def with_overrides(self, overrides: Optional[Overrides] = None, **keywords: Any) -> Case:
         """The same case with further overrides, applied after those that it has."""
         return Case(self, overrides, **keywords)
+
+    def stepping(self, *, threads: Optional[int] = None, laws: Optional[Laws] = None) -> Stepping:
+        """The case as a run that is made step by step, for loops of your own and for couplings."""
+        from ._stepping import Stepping
+
+        return Stepping(self, threads=threads, laws=laws)
 
     def __repr__(self) -> str:
         return f"<amontons.Case {self.name!r}, {self.steps} steps>"

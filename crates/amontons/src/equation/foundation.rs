@@ -128,7 +128,10 @@ pub(crate) fn temperatures(step: &Step) -> Vec<f64> {
         let points = step.boundary.points.iter().filter(|point| point.contact == side);
         let mut x: Vec<Point> = Vec::with_capacity(step.boundary.points.len());
         x.extend(points.map(|point| point.x));
-        all.extend(contact.foundation_temperature.values(&x, step.level));
+        match step.inputs.foundations.get(&side) {
+            Some(theta) => all.extend(x.iter().map(|_| *theta)),
+            None => all.extend(contact.foundation_temperature.values(&x, step.level)),
+        }
     }
     all
 }

@@ -73,14 +73,14 @@ impl Begun {
             Begun { supply: Arc::clone(&h.supply), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         } else {
             let mut theta = copy(&old.theta);
-            discrete.q.prescribe(t, &mut theta);
+            discrete.q.prescribe_with(t, &step.replacing(|inputs| &inputs.temperatures), &mut theta);
             step.put_at_level(&mut theta);
             let [mass_theta, d_theta] = if theta == bar.theta {
                 [copy(&products.mass_theta), copy(&products.d_theta)]
             } else {
                 discrete.thermal_products(&theta)
             };
-            Begun { supply: discrete.q_h.at(step.level), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
+            Begun { supply: step.supply(), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
         begun.reduced = begun.reduce(step, half)?;
         Ok(begun)

@@ -243,7 +243,7 @@ impl<'a> Equation<'a> {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<Vec<f64>>(), "the foundation")?;
-        let (dry, thermal) = (step.discrete.f.at(step.level), step.discrete.thermal_force(theta));
+        let (dry, thermal) = (step.load(), step.discrete.thermal_force(theta));
         let (load, pools) = (Arc::clone(&dry), Pools::default());
         let mut equation = Equation { step, dry, load, pools, theta, warmed, thermal, given };
         equation.pour(Pools { left: vec![false; wet.len()], wet });
@@ -558,7 +558,7 @@ impl Iterate<'_> {
 fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
     let Step { discrete, old, bar, products, t, rule: Rule { k, gamma, .. }, .. } = *step;
     let mut w = copy(&old.w);
-    let changes = discrete.v.prescribe_rates(t, k, bar.u, &mut w);
+    let changes = discrete.v.prescribe_rates([t, k], &step.replacing(|inputs| &inputs.displacements), bar.u, &mut w);
     let given = Given::new(step, &w);
     let mut multipliers = old.multipliers.clone();
     // A point that no longer faces the other body has lost contact.

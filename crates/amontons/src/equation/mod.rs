@@ -7,6 +7,7 @@ mod fluid;
 pub(crate) mod foundation;
 pub(crate) mod given;
 pub(crate) mod heat;
+mod inputs;
 pub(crate) mod mechanics;
 mod memory;
 mod mixing;
@@ -17,5 +18,7 @@ pub(crate) mod systems;
 
 pub(crate) use error::tried;
 pub use error::{SetupError, StepError};
+pub(crate) use inputs::named;
+pub use inputs::{Along, StepInputs};
 pub use system::{ACCEPTED, REFINE};
 pub use systems::Solvers;

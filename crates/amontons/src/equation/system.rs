@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::StepError;
 use super::bodies::Apart;
+use super::inputs::StepInputs;
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::discretization::Discretization;
 use crate::inclusion::residual::{Residual, grown, is_small};
@@ -57,6 +58,8 @@ pub(crate) struct Step<'a> {
     pub may_be_halved: bool,
     /// The rigid motions of the parts that are supported by contact only.
     pub loose: &'a Arc<Loose>,
+    /// Loads and prescribed values set from the outside.
+    pub inputs: &'a StepInputs,
 }
 
 /// Values to which the rule in time adds: with backward Euler the previous state.

@@ -84,6 +84,34 @@ impl Systems {
         Ok(())
     }
 
+    /// Makes the matrices those of these temperatures, one per half-step; an empty one stands for `start`.
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    pub(crate) fn go_back<'a>(
+        &mut self,
+        discrete: &Discretization,
+        start: &[f64],
+        mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
+    ) -> Result<(), (&'static str, SolveError)> {
+        let rest = vec![0.0; discrete.v.free.len()];
+        let at = |wanted: &'a [f64]| if wanted.is_empty() { start.to_vec() } else { wanted.to_vec() };
+        if let Some(half) = &mut self.mechanics
+            && let Some(wanted) = temperatures.next().filter(|wanted| **wanted != half.at)
+        {
+            let theta = at(wanted);
+            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, &discrete.warmed(&theta));
+            half.replace(tangent, wanted).map_err(|source| ("mechanical", source))?;
+        }
+        if let Some(half) = &mut self.heat
+            && let Some(wanted) = temperatures.next().filter(|wanted| **wanted != half.at)
+        {
+            let tangent = discrete.thermal_tangent(self.rule, &at(wanted));
+            half.replace(tangent, wanted).map_err(|source| ("heat", source))?;
+        }
+        Ok(())
+    }
+
     /// Factorizations of the matrices so far, and of contact systems.
     pub(crate) fn factorizations(&self) -> [usize; 2] {
         self.all().fold([0; 2], |[matrices, contacts], system| {

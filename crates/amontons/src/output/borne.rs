@@ -54,6 +54,12 @@ impl Borne {
             let of_support = support.iter().flat_map(|form| form.apply(moved));
             forces.iter_mut().zip(of_support).for_each(|(force, more)| *force -= more);
         }
+        // Forces set from the outside count at each node of the set, whatever the side that they were set on.
+        for &node in &self.nodes {
+            let of_node = node as usize * n..(node as usize + 1) * n;
+            let set = report.forces.get(of_node.clone()).unwrap_or_default();
+            forces.get_mut(of_node).into_iter().flatten().zip(set).for_each(|(force, more)| *force += more);
+        }
         self.add_contact(now, report, &mut forces);
         let mut sum = self.held.resultant(now);
         for (node, force) in (0u32..).zip(forces.chunks_exact(n)) {

@@ -183,52 +183,54 @@ struct ReportPoint {
 
 const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
+impl Report {
+    fn of(report: &StepReport) -> Report {
+        let contact = &report.contact;
+        let temperatures = contact.temperature.iter().zip(&contact.opposite);
+        let of_heat = temperatures.zip(contact.flux.iter().zip(&contact.rubbed));
+        let at_points = contact.states.iter().zip(of_heat).zip(&contact.weights);
+        let points = at_points.map(|((state, ((&temperature, &opposite), (flux, &rubbed))), &weight)| ReportPoint {
+            normal: state.normal,
+            penetration: state.penetration,
+            pressure: state.pressure,
+            bound: state.bound,
+            q: state.q,
+            slip: state.slip,
+            wear: state.wear,
+            opened: state.opened,
+            status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
+            temperature,
+            opposite,
+            flux: flux.value,
+            flux_by_temperature: flux.by_temperature,
+            rubbed,
+            weight,
+        });
+        Report {
+            newton_mechanics: report.newton_mechanics,
+            newton_heat: report.newton_heat,
+            parts: report.parts,
+            is_ambiguous: report.is_ambiguous,
+            residual: report.residual,
+            coupling: report.coupling,
+            loose: report.loose.clone(),
+            force: contact.force,
+            moments: contact.moments.clone(),
+            heat_flow: contact.heat_flow,
+            reactions: report.reactions.clone(),
+            points: points.collect(),
+        }
+    }
+}
+
 impl CheckpointBody {
     fn new(case: &Identity, now: &Snapshot) -> CheckpointBody {
-        let report = now.report.map(|report| {
-            let contact = &report.contact;
-            let temperatures = contact.temperature.iter().zip(&contact.opposite);
-            let of_heat = temperatures.zip(contact.flux.iter().zip(&contact.rubbed));
-            let at_points = contact.states.iter().zip(of_heat).zip(&contact.weights);
-            let points =
-                at_points.map(|((state, ((&temperature, &opposite), (flux, &rubbed))), &weight)| ReportPoint {
-                    normal: state.normal,
-                    penetration: state.penetration,
-                    pressure: state.pressure,
-                    bound: state.bound,
-                    q: state.q,
-                    slip: state.slip,
-                    wear: state.wear,
-                    opened: state.opened,
-                    status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
-                    temperature,
-                    opposite,
-                    flux: flux.value,
-                    flux_by_temperature: flux.by_temperature,
-                    rubbed,
-                    weight,
-                });
-            Report {
-                newton_mechanics: report.newton_mechanics,
-                newton_heat: report.newton_heat,
-                parts: report.parts,
-                is_ambiguous: report.is_ambiguous,
-                residual: report.residual,
-                coupling: report.coupling,
-                loose: report.loose.clone(),
-                force: contact.force,
-                moments: contact.moments.clone(),
-                heat_flow: contact.heat_flow,
-                reactions: report.reactions.clone(),
-                points: points.collect(),
-            }
-        });
         CheckpointBody {
             case: case.clone(),
             k: now.problem.timeline.longest(),
             work: now.work,
             kept: now.scheme.map(Scheme::kept).unwrap_or_default(),
-            report,
+            report: now.report.map(Report::of),
             ..CheckpointBody::of_state(now.state)
         }
     }
@@ -269,6 +271,7 @@ impl CheckpointBody {
             coupling: report.coupling,
             loose: report.loose,
             reactions: report.reactions,
+            forces: Vec::new(),
             contact: ContactReport {
                 boundary: None,
                 weights: report.points.iter().map(|p| p.weight).collect(),
@@ -355,6 +358,34 @@ impl Checkpoint {
         }
     }
 
+    /// Writes the checkpoint into a file, for [`Checkpoint::read_file`]. `case` says what it belongs to: the identity
+    /// of a case, or the default for a problem without a case file.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path, case: &Identity) -> Result<(), OutputError> {
+        let body = CheckpointBody {
+            case: case.clone(),
+            k: self.k,
+            work: self.work,
+            kept: self.kept.clone(),
+            report: self.report.as_ref().map(Report::of),
+            ..CheckpointBody::of_state(&self.state)
+        };
+        let bytes = encoded(path, case, &body)?;
+        write_atomically(path, |out| out.write_all(&bytes)).map(|_| ())
+    }
+
+    /// Reads a checkpoint that [`Checkpoint::write`] wrote for the same case.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is damaged, has another format or belongs to another case.
+    pub fn read_file(path: &Path, case: &Identity) -> Result<Checkpoint, CheckpointError> {
+        let bytes =
+            machine::read(path, LONGEST).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
+        of_case(path, &bytes, case)
+    }
+
     /// Checks that the checkpoint fits a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         // Lengths computed as quotients may differ in their last bits.
@@ -414,9 +445,7 @@ impl Checkpoint {
 /// Writes a checkpoint into a results folder. If `keeps` is true, the newest one there becomes the previous one.
 pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
     let path = folder.join(CHECKPOINT);
-    let body = postcard::to_stdvec(&CheckpointBody::new(case, now))
-        .map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
-    let bytes = seal(&case.hash(), &body);
+    let bytes = encoded(&path, case, &CheckpointBody::new(case, now))?;
     let newer = folder.join(NEWER_CHECKPOINT);
     write_atomically(&newer, |out| out.write_all(&bytes))?;
     // A crash between the two moves leaves the previous checkpoint, which is then read.
@@ -425,6 +454,13 @@ pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool)
     }
     move_file(&newer, &path)?;
     sync_folder(path.parent()).map_err(OutputError::io("write", &path))
+}
+
+/// The bytes of a checkpoint.
+fn encoded(path: &Path, case: &Identity, body: &CheckpointBody) -> Result<Vec<u8>, OutputError> {
+    let body = postcard::to_stdvec(body)
+        .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
+    Ok(seal(&case.hash(), &body))
 }
 
 /// The files of the checkpoints as they are on the disk.

@@ -26,6 +26,9 @@ pub struct StepReport {
     pub loose: Vec<String>,
     /// Reactions at the prescribed displacements and temperatures.
     pub reactions: Reactions,
+    /// Nodal forces set from the outside, N, one per degree of freedom of the displacement; empty if none are set or
+    /// the step was made before a break.
+    pub forces: Vec<f64>,
     /// The contact points.
     pub contact: ContactReport,
 }
@@ -49,6 +52,7 @@ impl StepReport {
             },
             loose: self.loose,
             reactions: self.reactions,
+            forces: self.forces,
             contact: self.contact,
         }
     }

@@ -1,5 +1,7 @@
 //! Backward Euler for Problem 4.1.
 
+mod back;
+
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -14,7 +16,7 @@ use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{HalfStep, Products, Step};
 use crate::equation::systems::Systems;
-use crate::equation::{SetupError, Solvers, StepError, tried};
+use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
 use crate::inclusion::{Loose, Multipliers, PointState};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::{Physics, Problem, with_supports};
@@ -57,6 +59,8 @@ pub struct March {
     pulse: Pulse,
     /// True if a step takes as many iterations as it needs; else it is halved after a limited number.
     is_patient: bool,
+    /// Loads and prescribed values set from the outside.
+    inputs: Arc<StepInputs>,
 }
 
 impl March {
@@ -109,6 +113,7 @@ impl March {
             bodies: OnceLock::new(),
             pulse: Pulse::default(),
             is_patient: false,
+            inputs: Arc::default(),
         })
     }
 
@@ -210,6 +215,7 @@ impl March {
             may_be_halved: false,
             pulse: &self.pulse,
             loose: &self.loose,
+            inputs: &self.inputs,
         };
         Mechanics::is_unique(&now, mechanics, end)
     }
@@ -251,7 +257,7 @@ impl March {
             .take()
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
-        let Self { problem, discrete, systems, halved, bodies, loose, pulse, is_patient, .. } = self;
+        let Self { problem, discrete, systems, halved, bodies, loose, pulse, is_patient, inputs, .. } = self;
         let is_patient = *is_patient;
         pulse.begin_part();
         let Systems { rule, mechanics, heat } =
@@ -279,6 +285,7 @@ impl March {
             may_be_halved: halvings < HALVINGS && !is_patient,
             pulse,
             loose,
+            inputs,
         };
         let before = krylov_iterations(mechanics.as_ref(), heat.as_ref());
         let made = match (&mut *mechanics, &mut *heat) {
@@ -366,6 +373,7 @@ impl Made {
             coupling,
             loose: step.motions(&at.hold.loose),
             reactions: Reactions { force: reactions, heat: heat.reactions },
+            forces: step.inputs.forces.clone(),
             contact: ContactReport {
                 moments: step.moments(&states),
                 boundary: None,
@@ -509,10 +517,7 @@ impl Scheme for March {
         if report.parts > 1 {
             state.counts.halved_steps += 1;
         } else {
-            for systems in self.halved.drain(..) {
-                let [matrices, contacts] = systems.factorizations();
-                self.given_up = [self.given_up[0] + matrices, self.given_up[1] + contacts];
-            }
+            self.discard_halved(0);
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
@@ -563,6 +568,15 @@ impl Scheme for March {
             kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
         }
         Ok(())
+    }
+
+    fn go_back(&mut self, kept: &Kept) -> Result<(), SetupError> {
+        self.back_to(kept)
+    }
+
+    fn take_inputs(&mut self, inputs: &Arc<StepInputs>) -> bool {
+        self.inputs = Arc::clone(inputs);
+        true
     }
 
     fn watched_by(&mut self, pulse: &Pulse) {

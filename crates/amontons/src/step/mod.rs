@@ -12,7 +12,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::discretization::Discretization;
-use crate::equation::{SetupError, Solvers, StepError};
+use crate::equation::{SetupError, Solvers, StepError, StepInputs};
 use crate::linalg::{Account, Backend, Decided, TangentKey};
 use crate::problem::Problem;
 use crate::pulse::Pulse;
@@ -67,6 +67,18 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     /// If a matrix cannot be factorized.
     fn recall(&mut self, _kept: &Kept) -> Result<(), SetupError> {
         Ok(())
+    }
+    /// Goes back to what it kept at an earlier state of this run, so that the next step from that state has the bits
+    /// that it had then. Called after a failed step, too.
+    ///
+    /// # Errors
+    /// If a matrix cannot be factorized.
+    fn go_back(&mut self, kept: &Kept) -> Result<(), SetupError> {
+        self.recall(kept)
+    }
+    /// Makes the steps from now on with these inputs. Returns false if the scheme has no use for them.
+    fn take_inputs(&mut self, _inputs: &Arc<StepInputs>) -> bool {
+        false
     }
     /// Reports the progress of each step to `pulse` from now on.
     fn watched_by(&mut self, _pulse: &Pulse) {}

@@ -49,7 +49,7 @@ impl NormalLaw for Broken {
     }
 }
 
-fn stair(overrides: &[&str], at: f64, height: f64) -> Problem {
+pub fn stair(overrides: &[&str], at: f64, height: f64) -> Problem {
     let problem = rod(&[&["boundary[0].displacement=[0]"], overrides].concat());
     changed(&problem, |data| data.contacts[0].normal = Broken(Stair { at, height }).into())
 }

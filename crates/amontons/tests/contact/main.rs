@@ -26,5 +26,6 @@ mod shapes;
 mod sliding_out;
 mod snapping;
 mod softening;
+mod stepping;
 mod stuck_indentation;
 mod tools;

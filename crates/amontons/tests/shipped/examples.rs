@@ -5,6 +5,8 @@
 mod body;
 #[path = "../../examples/contact_law.rs"]
 mod contact_law;
+#[path = "../../examples/coupled.rs"]
+mod coupled;
 #[path = "../../examples/scheme.rs"]
 mod scheme;
 #[path = "../../examples/sink.rs"]
@@ -19,6 +21,7 @@ fn the_examples_run() {
     let examples = [
         ("body", body::main as fn() -> _),
         ("contact_law", contact_law::main),
+        ("coupled", coupled::main),
         ("scheme", scheme::main),
         ("sink", sink::main),
     ];
@@ -69,4 +72,18 @@ fn a_scheme_of_one_s_own_makes_the_steps_of_a_run() {
     }
     let thrown = |states: &[amontons::state::State]| states.last().and_then(|s| s.w.last().copied()).expect("a state");
     assert!(thrown(&coarse) < 0.0, "{}", thrown(&coarse));
+}
+
+/// Two bars that exchange force and displacement move as the bar made of both, whose interface is node 8.
+#[test]
+fn two_coupled_runs_are_the_run_of_the_whole() {
+    let (halves, whole) = (coupled::halves().expect("a run"), coupled::whole().expect("a run"));
+    assert_eq!((halves.len(), whole.len()), (20, 20));
+    for ([left, right], whole) in halves.iter().zip(&whole) {
+        let size = whole.iter().fold(0.0f64, |most, u| most.max(u.abs()));
+        assert!(size > 1e-6, "nothing moves");
+        for (found, expected) in left.iter().chain(&right[1..]).zip(whole) {
+            assert!((found - expected).abs() <= 1e-9 * size, "{found:e}, expected {expected:e}");
+        }
+    }
 }
