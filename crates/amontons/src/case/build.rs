@@ -7,6 +7,7 @@ use std::time::Duration;
 use super::files::{Files, Loader};
 use super::nearest::meant;
 use super::path::{Doubtful, Path, Segment};
+use super::phases::timeline;
 use super::physics::physics;
 use super::place::{At, PathFault};
 use super::raw;
@@ -50,10 +51,10 @@ pub(super) fn problem(
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         solver: raw.solver.solver,
-        timeline: Timeline::equal(raw.time.end, raw.time.steps),
+        timeline: timeline(&raw),
         inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
         densities: BTreeMap::new(),
-        has_other_end,
+        has_other_end: has_other_end || raw.phase.is_empty() && raw.time.end.is_none(),
     };
     build.head(&raw);
     let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
@@ -71,7 +72,7 @@ pub(super) fn problem(
         name: raw.name,
         system: system(raw.units),
         temperature_scale: notes.scale,
-        timeline: build.timeline,
+        timeline: build.timeline.clone(),
         scheme: time_scheme(&raw.time),
         physics,
         materials,
@@ -297,7 +298,7 @@ impl Build<'_> {
     }
 
     fn is_doubtful(&self, path: &Path) -> bool {
-        if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
+        if self.no_mesh && !["mesh", "name", "time", "phase"].iter().any(|table| path.is_in(table)) {
             return true;
         }
         // If a side could not be found, its placeholder is no side of the case.
@@ -320,7 +321,8 @@ impl Build<'_> {
     /// The name and the steps.
     fn head(&mut self, raw: &raw::Case) {
         self.name(&raw.name);
-        self.step(&raw.time);
+        self.instants(raw);
+        self.scheme_keys(&raw.time);
     }
 
     /// Checks the name, which also names a folder.
@@ -359,8 +361,8 @@ impl Build<'_> {
         self.note("thickness", At::Value, found, "one of a plane body", Some("remove it"));
     }
 
-    /// Checks that steps are long enough to divide by, and that a level belongs to a scheme.
-    fn step(&mut self, time: &raw::Time) {
+    /// Checks that the keys of a scheme stand beside it.
+    fn scheme_keys(&mut self, time: &raw::Time) {
         if time.scheme == raw::TimeScheme::Euler {
             let given = [
                 ("theta", time.theta.map(|theta| format!("{theta:?}"))),
@@ -373,16 +375,6 @@ impl Build<'_> {
                 let found = format!("{found} with the scheme \"euler\"");
                 self.note(&path, At::Value, found, "a key of the scheme \"theta\"", Some(&hint));
             }
-        }
-        let k = Timeline::equal(time.end, time.steps).longest();
-        if !(k.is_normal() && k.recip().is_finite()) {
-            self.note(
-                "time.end",
-                At::Value,
-                format!("steps of {k:?} s"),
-                "a step length that is a normal number",
-                None,
-            );
         }
     }
 

@@ -18,4 +18,4 @@ pub(crate) mod systems;
 pub(crate) use error::tried;
 pub use error::{SetupError, StepError};
 pub use system::{ACCEPTED, REFINE};
-pub use systems::Solvers;
+pub use systems::{Kept, KeptRule, Solvers};

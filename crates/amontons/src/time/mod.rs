@@ -1,9 +1,11 @@
 //! Time: the instants of a run, and the rule by which a step goes from one to the next.
 
+mod phase;
 mod rule;
 mod scheme;
 mod timeline;
 
+pub use phase::{Analysis, TimePhase};
 pub use rule::{ContactRule, FrictionRule, PressureRule, Rule};
 pub use scheme::TimeScheme;
-pub use timeline::{Instant, Interval, Timeline};
+pub use timeline::{HALVINGS, Instant, Interval, Timeline};
