@@ -54,7 +54,7 @@ pub(super) fn problem(
         timeline: timeline(&raw),
         inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
         densities: BTreeMap::new(),
-        has_other_end: has_other_end || raw.phase.is_empty() && raw.time.end.is_none(),
+        has_other_end,
     };
     build.head(&raw);
     let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
@@ -122,7 +122,7 @@ fn workload(problem: &ProblemData) -> Workload {
     let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
     let joins = |contact: &Contact| contact.pair.is_some() || contact.quadrature != Quadrature::Nodal;
     Workload {
-        factorizations: if is_linear { 1.0 } else { 3.0 * steps },
+        factorizations: if is_linear { problem.timeline.lengths() as f64 } else { 3.0 * steps },
         steps,
         rubs: problem.contacts.iter().any(|contact| !contact.friction.is_frictionless()),
         joins: problem.contacts.iter().any(joins),

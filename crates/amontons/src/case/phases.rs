@@ -5,7 +5,7 @@ use super::place::At;
 use super::raw;
 use crate::time::{Analysis, TimePhase, Timeline};
 
-/// The timeline of a case. Missing keys have stand-ins, which [`Build::instants`] reports.
+/// The timeline of a case. A case without phases has both keys of `[time]`.
 pub(super) fn timeline(raw: &raw::Case) -> Timeline {
     if raw.phase.is_empty() {
         return Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
@@ -28,17 +28,7 @@ impl Build<'_> {
     pub(super) fn instants(&mut self, raw: &raw::Case) {
         let (end, steps) = (raw.time.end, raw.time.steps);
         if raw.phase.is_empty() {
-            let wanted = [
-                ("time.end", end.is_none(), "a number > 0 (end of the time interval in s)"),
-                ("time.steps", steps.is_none(), "an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)"),
-            ];
-            for (path, _, expected) in wanted.into_iter().filter(|(_, is_missing, _)| *is_missing) {
-                self.note(path, At::Missing, "no such key", expected, None);
-            }
-            if end.is_some() && steps.is_some() {
-                self.step_length("time.end", self.timeline.longest());
-            }
-            return;
+            return self.step_length("time.end", self.timeline.longest());
         }
         let given = [("end", end.map(|end| format!("{end:?}"))), ("steps", steps.map(|steps| steps.to_string()))];
         for (key, found) in given.into_iter().filter_map(|(key, found)| Some((key, found?))) {

@@ -245,6 +245,9 @@ impl<'a> FreeBody<'a> {
         if let Some(springs) = &discrete.springs {
             a.add_scaled(1.0, springs);
         }
+        if !problem.timeline.is_equal() || problem.timeline.is_quasistatic_somewhere() {
+            return Ok(Err(("the bound is known for steps of one length, with the same inertia in all of them", "phase")));
+        }
         if !holds_the_body(problem, discrete, &a)? {
             return Ok(Err(("no displacement and no spring holds the body", "boundary")));
         }

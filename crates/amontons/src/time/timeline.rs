@@ -132,6 +132,13 @@ impl Timeline {
         self.spans.iter().any(|span| n > 0 && n == span.first + span.phase.steps)
     }
 
+    /// The last step of each phase; empty in a run without phases.
+    #[must_use]
+    pub fn phase_ends(&self) -> Vec<usize> {
+        let spans: &[Span] = if self.has_phases { &self.spans } else { &[] };
+        spans.iter().map(|span| span.first + span.phase.steps).collect()
+    }
+
     /// The phase of step n with its index. Steps after the end belong to the last one.
     fn span(&self, n: usize) -> Option<(usize, &Span)> {
         let is_in = |(_, span): &(usize, &Span)| n <= span.first + span.phase.steps;
@@ -179,6 +186,35 @@ impl Timeline {
     #[must_use]
     pub fn longest(&self) -> f64 {
         self.spans.iter().map(|span| span.k).reduce(f64::max).unwrap_or(0.0)
+    }
+
+    /// The last step of a phase with the longest steps, for each analysis of the run in the order of the phases.
+    #[must_use]
+    pub fn longest_steps(&self) -> Vec<Instant> {
+        let mut all: Vec<Instant> = Vec::new();
+        for end in self.ends_from(0) {
+            match all.iter_mut().find(|other| other.analysis == end.analysis) {
+                Some(other) if end.k > other.k => *other = end,
+                Some(_) => {}
+                None => all.push(end),
+            }
+        }
+        all
+    }
+
+    /// Number of step lengths with their analyses, each of which has its own systems.
+    #[must_use]
+    pub fn lengths(&self) -> usize {
+        let mut all: Vec<(u64, Analysis)> = self.ends_from(0).map(|end| (end.k.to_bits(), end.analysis)).collect();
+        all.sort_by_key(|(k, analysis)| (*k, analysis.name()));
+        all.dedup();
+        all.len()
+    }
+
+    /// True if inertia does not act in some phase.
+    #[must_use]
+    pub fn is_quasistatic_somewhere(&self) -> bool {
+        self.phases().any(|phase| phase.analysis == Analysis::Quasistatic)
     }
 
     /// Length of the shortest step, s.

@@ -65,6 +65,7 @@ pub(in crate::case) struct Case {
     pub side: Vec<Side>,
     /// The time interval (0, end) and its steps.
     #[serde(default)]
+    #[schemars(extend("x-required-without-phases" = true))]
     pub time: Time,
     /// Phases of the run, one after the other, one entry per phase; `[time]` then has neither `end` nor `steps`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -135,14 +136,12 @@ pub(in crate::case) enum Units {
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Time {
     /// End of the time interval in s.
-    ///
-    /// Required in a case without phases.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-required-without-phases" = true))]
     pub end: Option<f64>,
     /// Number of equal time steps.
-    ///
-    /// Required in a case without phases.
-    #[schemars(range(min = 1, max = 1_000_000_000))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("x-required-without-phases" = true))]
     pub steps: Option<usize>,
     /// Whether inertia acts, ρü of (2.3).
     ///
@@ -154,15 +153,19 @@ pub(in crate::case) struct Time {
     #[serde(default)]
     pub scheme: TimeScheme,
     /// Level ϑ of the scheme `theta`: 0.5, the default, is of second order and adds no damping; 1 is backward Euler.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.5, max = 1.0))]
     pub theta: Option<f64>,
     /// Coefficient of restitution e of rigid foundations in the scheme `theta`: 0, the default, for impacts without
     /// rebound, at most (1 − ϑ)/ϑ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub restitution: Option<f64>,
     /// The pressure of a layer in a step of the scheme `theta`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<PressureRule>,
     /// The slip velocity that friction follows in a step of the scheme `theta`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRule>,
 }
 
