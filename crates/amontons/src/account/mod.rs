@@ -51,6 +51,7 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         modulus_work: before.modulus_work + energy.modulus_work,
         scheme_dissipation: before.scheme_dissipation + energy.scheme,
         wear_dissipation: before.wear_dissipation + energy.worn,
+        impact_dissipation: before.impact_dissipation + energy.impact,
         closing_error: before.closing_error + error,
         turned_over: before.turned_over + turned_over,
         heat_content,
@@ -73,10 +74,11 @@ struct Energy {
     kinetic: f64,
     elastic: f64,
     contact: f64,
-    /// Dissipated in it: by viscosity, friction, wear and the scheme.
+    /// Dissipated in it: by viscosity, friction, wear, impacts and the scheme.
     viscous: f64,
     friction: f64,
     worn: f64,
+    impact: f64,
     scheme: f64,
     /// Work of the loads, the supports and the foundation; of heat; and of moduli and stiffnesses that change.
     load_work: f64,
@@ -93,9 +95,12 @@ impl Energy {
         let stored = stored(step, m, theta);
         let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.end.powers;
         let contact = contact(step, m, k * work + m.end.support_work);
-        let compliance =
-            contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
-                + contact.stiffening;
+        let compliance = contact.pressing
+            - contact.damping
+            - contact.worn
+            - contact.impact
+            - (contact.energy - old.ledger.contact_energy)
+            + contact.stiffening;
         Energy {
             kinetic: 0.5 * rho * kinetic,
             elastic: stored.elastic,
@@ -103,6 +108,7 @@ impl Energy {
             viscous: k * viscous + stored.relaxed + contact.damping,
             friction: contact.friction,
             worn: contact.worn,
+            impact: contact.impact,
             scheme: (step.rule.level - 0.5) * rho * inertial + stored.scheme + compliance + dropped,
             load_work: contact.load_work,
             thermal_work: k * thermal_work,
@@ -118,6 +124,7 @@ impl Energy {
             + self.viscous
             + self.friction
             + self.worn
+            + self.impact
             + self.scheme
             - self.load_work
             - self.thermal_work
@@ -134,9 +141,10 @@ struct OnContact {
     friction: f64,
     /// Work of the pressure along the change of the penetration, wear included.
     pressing: f64,
-    /// Shares of this work: dissipated by damped layers, and lost with wear.
+    /// Shares of this work: dissipated by damped layers, lost with wear, and taken by impacts on rigid foundations.
     damping: f64,
     worn: f64,
+    impact: f64,
     /// Work of the loads, the supports and a moving foundation.
     load_work: f64,
 }
@@ -168,6 +176,9 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         sum.energy += point.weight * energy;
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
         sum.worn += point.weight * state.pressure * state.opened;
+        if step.rule.contact.is_some() && normal.is_rigid() {
+            sum.impact += state.pressure * (weight * (w_nu - frame.gap_rate) - point.weight * state.opened);
+        }
         if let Some(at_rest) = at_rest {
             // The pressure in excess of the pressure at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] the
             // whole pressure is lost with wear.

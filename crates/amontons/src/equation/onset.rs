@@ -4,11 +4,12 @@ use super::system::Step;
 use crate::contact::{GraphKind, PointOnBoundary};
 use crate::inclusion::{Frame, Onset};
 use crate::linalg::max_abs;
-use crate::tensor::{Point, dot};
+use crate::tensor::{Point, dot, length};
 use crate::time::{ContactRule, FrictionRule};
 
-/// Penetration that counts as contact: over the path of the fastest node in a step, and over the largest displacement
-/// or gap of a contact point. It only makes more points bear pressure, which does nothing to one that opens.
+/// Gap that counts as contact: over the path of the fastest node in a step, and over the largest displacement or gap of
+/// a contact point; besides, the last bits of the positions of nodes, so that the round-off of a body at rest does not
+/// open its contact. More points may bear pressure by it, which does nothing to one that opens.
 const TOUCHES: [f64; 2] = [1e-9, 1e-12];
 
 impl Step<'_> {
@@ -21,12 +22,16 @@ impl Step<'_> {
         points.map(|(i, (point, frame))| self.onset(i, point, frame, touches, rule)).collect()
     }
 
-    /// Penetration at the start that counts as contact, m.
+    /// Gap that counts as contact, m.
     fn touches(&self, frames: &[Frame]) -> f64 {
         let along = |(point, frame): (&PointOnBoundary, &Frame)| self.at(point, &self.old.u, frame).0.abs();
         let displaced = self.boundary.points.iter().zip(frames).map(along).fold(0.0, f64::max);
         let gap = frames.iter().map(|frame| frame.gap.abs()).fold(0.0, f64::max);
-        TOUCHES[0] * self.rule.k * max_abs(&self.old.w) + TOUCHES[1] * displaced.max(gap)
+        let nodes = &self.discrete.mesh.points;
+        let from = |x: &Point| nodes.first().map_or(0.0, |first| length(&std::array::from_fn(|c| x[c] - first[c])));
+        let extent = nodes.iter().map(from).fold(0.0, f64::max);
+        let moved = TOUCHES[0] * self.rule.k * max_abs(&self.old.w) + TOUCHES[1] * displaced.max(gap);
+        moved + f64::EPSILON * extent
     }
 
     /// Normal and tangential component of a field at a point.

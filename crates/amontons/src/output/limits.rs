@@ -36,6 +36,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         few: few(last),
         leak: leak(last),
         scheme: [state.ledger.scheme_dissipation, state.ledger.kinetic, state.ledger.turned_over],
+        impacts: state.ledger.impact_dissipation,
         von_mises: cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).fold(0.0, f64::max),
         recovered: recovered(last),
         stiff: strain * stiffness(problem),

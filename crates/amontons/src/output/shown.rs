@@ -206,7 +206,7 @@ pub(super) fn placed(key: &str, text: &str) -> String {
 }
 
 /// Meanings of values by their names without components; for the summary by the last part of the key.
-const MEANINGS: [(&str, &str); 86] = [
+const MEANINGS: [(&str, &str); 87] = [
     ("step", "number of the step"),
     ("t", "time"),
     ("kinetic", "kinetic energy at t"),
@@ -241,6 +241,7 @@ const MEANINGS: [(&str, &str); 86] = [
     ("wear_max", "largest depth worn off"),
     ("wear_volume", "volume worn off"),
     ("wear_dissipation", "energy of what has worn off"),
+    ("impact_dissipation", "energy that impacts on rigid foundations took since the start, in the ϑ-scheme"),
     ("heat_friction", "heat of friction in the body since the start"),
     ("heat_foundation", "heat of foundations with a heat capacity at t"),
     ("heat_surroundings", "heat that foundations have given to their surroundings"),

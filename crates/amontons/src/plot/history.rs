@@ -77,6 +77,7 @@ pub(super) fn chart_list(run: &DrawnRun, units: Units) -> Vec<Chart> {
         (columns::VISCOUS_DISSIPATION.name, "viscous"),
         (columns::FRICTION_DISSIPATION.name, "friction"),
         (columns::SCHEME_DISSIPATION.name, "time scheme"),
+        (columns::IMPACT_DISSIPATION.name, "impacts"),
     ];
     let energies = [
         (columns::KINETIC.name, "kinetic"),

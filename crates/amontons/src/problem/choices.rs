@@ -91,7 +91,7 @@ impl ProblemData {
         let TimeScheme::Theta { contact, .. } = self.scheme else { return None };
         let value = format!("restitution {}", contact.restitution);
         let why = "on a rigid foundation a point leaves an impact with this share of its velocity of approach";
-        self.contacts.iter().any(|contact| contact.normal.is_rigid()).then(|| Choice::new("impacts", value, why))
+        self.has_impacts().then(|| Choice::new("impacts", value, why))
     }
 
     fn choice_of_dilatation(&self) -> Option<Choice> {

@@ -6,6 +6,12 @@ use crate::material::Material;
 use crate::time::{FrictionRule, TimeScheme};
 
 impl ProblemData {
+    /// True if bodies hit rigid foundations by a law of impact, as the ϑ-scheme does.
+    #[must_use]
+    pub fn has_impacts(&self) -> bool {
+        matches!(self.scheme, TimeScheme::Theta { .. }) && self.contacts.iter().any(|contact| contact.normal.is_rigid())
+    }
+
     /// Checks that the scheme can take all laws of the problem. Backward Euler takes every law.
     pub(super) fn check_scheme(&self, faults: &mut Vec<Fault>) {
         let TimeScheme::Theta { level, contact: rule } = self.scheme else { return };

@@ -117,6 +117,30 @@ impl Rule {
 mod tests {
     use super::*;
 
+    /// ü + u = 0 in 100 steps of 0.1: amplitude and frequency over those of the motion, from the eigenvalues
+    /// 1/(1 + iϑk) · (1 − i(1 − ϑ)k) of a step.
+    #[test]
+    fn an_oscillator_has_the_amplitude_and_frequency_of_its_rule() {
+        let known = [
+            (1.0, 0.608_038_824_7, 0.996_686_524_9),
+            (0.75, 0.779_407_159_8, 0.998_546_413_3),
+            (0.6, 0.905_072_066_2, 0.999_068_422_4),
+            (0.5, 1.0, 0.999_167_914_4),
+        ];
+        for (theta, amplitude, frequency) in known {
+            let (rule, mut u, mut w, mut angle) =
+                (Rule::theta(0.1, theta, ContactRule::default()), 1.0f64, 0.0f64, 0.0);
+            for _ in 0..100 {
+                let before = f64::atan2(-w, u);
+                let x = (w - rule.delta * u) / (1.0 + rule.delta * rule.gamma);
+                (u, w) = (u + rule.k * x, rule.end([w, x]));
+                angle += (f64::atan2(-w, u) - before).rem_euclid(std::f64::consts::TAU);
+            }
+            assert!((u.hypot(w) - amplitude).abs() < 1e-9, "ϑ = {theta}: amplitude {}", u.hypot(w));
+            assert!((angle / 10.0 - frequency).abs() < 1e-9, "ϑ = {theta}: frequency {}", angle / 10.0);
+        }
+    }
+
     #[test]
     fn the_ends_of_a_step_and_its_level_agree() {
         for theta in [0.5, 0.6, 1.0] {

@@ -121,6 +121,7 @@ fn steps_that_take_many_systems() {
             leak: None,
             few: None,
             scheme: [0.0; 3],
+            impacts: 0.0,
             von_mises: 0.0,
             recovered: None,
             stiff: 0.0,

@@ -62,6 +62,8 @@ pub struct Figures {
     pub leak: Option<(usize, Leak, Point)>,
     /// Energy dissipated by the scheme, kinetic energy at the last step, and all energy turned over.
     pub scheme: [f64; 3],
+    /// Energy that impacts on rigid foundations took in the ϑ-scheme, J.
+    pub impacts: f64,
     /// Largest von Mises stress at the centre of a cell, Pa.
     pub von_mises: f64,
     /// Largest von Mises stress recovered at a node, Pa, and its position; `None` if not known.
@@ -264,6 +266,9 @@ fn leak(problem: &Problem, figures: &Figures) -> Option<Finding> {
 /// scheme is a sum over steps of work, and the state at their end is right.
 fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let [taken, kinetic, turned_over] = figures.scheme;
+    // What a rigid part loses is its own energy, by its coefficient of restitution.
+    let impacts = if problem.rigid.is_empty() { figures.impacts } else { 0.0 };
+    let taken = taken + impacts;
     let is_thrown = problem.initial.velocity.iter().any(|velocity| !velocity.is_zero());
     if taken <= SCHEME * turned_over || !(is_thrown || kinetic > MOVES * turned_over) {
         return None;

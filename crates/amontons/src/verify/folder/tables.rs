@@ -74,10 +74,13 @@ pub(super) fn audit(history: &NumberTable) -> Audit {
         columns::SCHEME_DISSIPATION.name,
     ];
     let minus = [columns::LOAD_WORK.name, columns::THERMAL_WORK.name, columns::CLOSING_ERROR.name];
-    // Older results do not have it.
-    let moduli = Some(columns::MODULUS_WORK.name).filter(|name| history.value(0, name).is_some());
+    // Older results do not have the one, cases without impacts the other.
+    let there = |name: &&str| history.value(0, name).is_some();
+    let moduli = Some(columns::MODULUS_WORK.name).filter(there);
+    let impacts = Some(columns::IMPACT_DISSIPATION.name).filter(there);
     let terms: Vec<(f64, Vec<f64>)> = plus
         .iter()
+        .chain(&impacts)
         .map(|name| (1.0, history.column(name)))
         .chain(minus.iter().chain(&moduli).map(|name| (-1.0, history.column(name))))
         .collect();
