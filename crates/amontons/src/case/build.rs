@@ -7,7 +7,6 @@ use std::time::Duration;
 use super::files::{Files, Loader};
 use super::nearest::meant;
 use super::path::{Doubtful, Path, Segment};
-use super::phases::timeline;
 use super::physics::physics;
 use super::place::{At, PathFault};
 use super::raw;
@@ -25,7 +24,7 @@ use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
-use crate::time::{ContactRule, FrictionRule, PressureRule, TimeScheme, Timeline};
+use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimePhase, TimeScheme, Timeline};
 use crate::units::{TemperatureScale, UnitSystem};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
@@ -98,6 +97,24 @@ pub(super) fn problem(
     let (inputs, references) = build.loader.copies();
     let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped: build.of_file.skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
+}
+
+/// The timeline of a case. A case without phases has both keys of `[time]`.
+fn timeline(raw: &raw::Case) -> Timeline {
+    if raw.phase.is_empty() {
+        return Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
+    }
+    let analysis = |raw: raw::PhaseAnalysis| match raw {
+        raw::PhaseAnalysis::Dynamic => Analysis::Dynamic,
+        raw::PhaseAnalysis::Quasistatic => Analysis::Quasistatic,
+    };
+    let of = |raw: &raw::RunPhase| TimePhase {
+        name: raw.name.clone(),
+        end: raw.end,
+        steps: raw.steps,
+        analysis: analysis(raw.analysis),
+    };
+    Timeline::in_phases(raw.phase.iter().map(of).collect())
 }
 
 fn system(raw: raw::Units) -> UnitSystem {

@@ -3,25 +3,6 @@
 use super::build::Build;
 use super::place::At;
 use super::raw;
-use crate::time::{Analysis, TimePhase, Timeline};
-
-/// The timeline of a case. A case without phases has both keys of `[time]`.
-pub(super) fn timeline(raw: &raw::Case) -> Timeline {
-    if raw.phase.is_empty() {
-        return Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
-    }
-    let analysis = |raw: raw::PhaseAnalysis| match raw {
-        raw::PhaseAnalysis::Dynamic => Analysis::Dynamic,
-        raw::PhaseAnalysis::Quasistatic => Analysis::Quasistatic,
-    };
-    let of = |raw: &raw::RunPhase| TimePhase {
-        name: raw.name.clone(),
-        end: raw.end,
-        steps: raw.steps,
-        analysis: analysis(raw.analysis),
-    };
-    Timeline::in_phases(raw.phase.iter().map(of).collect())
-}
 
 impl Build<'_> {
     /// Checks that the case says each instant once: by phases, or by the end and the number of equal steps.
@@ -47,7 +28,13 @@ impl Build<'_> {
                 let expected = "a letter, then letters, digits, `-` and `_`, at most 40";
                 self.note(&path("name"), At::Value, &quoted, expected, Some("the name is used in files and in --set"));
             } else if phases.iter().take(i).any(|other| other.name == phase.name) {
-                self.note(&path("name"), At::Value, format!("{quoted} again"), "a name of its own for each phase", None);
+                self.note(
+                    &path("name"),
+                    At::Value,
+                    format!("{quoted} again"),
+                    "a name of its own for each phase",
+                    None,
+                );
             }
             if i > 0 && phase.end <= before {
                 let expected = format!("more than {before:?}, the end of the phase before");

@@ -218,6 +218,9 @@ impl<'a> FreeBody<'a> {
         if !m.elasticity.is_linear() {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
+        if !problem.timeline.is_equal() || problem.timeline.is_quasistatic_somewhere() {
+            return Some(("steps have several lengths, or inertia acts in some of them only", "phase".to_owned()));
+        }
         let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;
         if heat_acts && let Some(given) = problem.temperature.first() {
             return Some(("a temperature that is given expands the body", given.key.clone()));
@@ -244,9 +247,6 @@ impl<'a> FreeBody<'a> {
         let (mut a, mass) = (discrete.a.clone(), &discrete.mass);
         if let Some(springs) = &discrete.springs {
             a.add_scaled(1.0, springs);
-        }
-        if !problem.timeline.is_equal() || problem.timeline.is_quasistatic_somewhere() {
-            return Ok(Err(("the bound is known for steps of one length, with the same inertia in all of them", "phase")));
         }
         if !holds_the_body(problem, discrete, &a)? {
             return Ok(Err(("no displacement and no spring holds the body", "boundary")));

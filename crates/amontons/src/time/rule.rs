@@ -1,6 +1,6 @@
 //! The rule in time: the unknown of a step, and how it enters displacements and accelerations.
 
-use super::Analysis;
+use super::analysis::Analysis;
 
 /// The rule of a step from t₀ to t₁ = t₀ + k. Its unknown x is the velocity at t_ϑ = t₀ + ϑk:
 ///

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Analysis, TimePhase};
+use super::analysis::Analysis;
+use super::phase::TimePhase;
 
 /// Difference of two step lengths, relative to one of them, that counts as round-off.
 const SAME: f64 = 4.0 * f64::EPSILON;
@@ -25,13 +26,13 @@ pub const HALVINGS: u32 = 5;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timeline {
-    spans: Arc<[Span]>,
+    spans: Arc<[PhaseSpan]>,
     has_phases: bool,
 }
 
 /// A phase in its run.
 #[derive(Clone, Debug, PartialEq)]
-struct Span {
+struct PhaseSpan {
     phase: TimePhase,
     /// Time at its start, s, and number of steps before.
     start: f64,
@@ -66,7 +67,7 @@ pub struct Interval {
     pub level: f64,
 }
 
-impl Span {
+impl PhaseSpan {
     fn time(&self, n: usize) -> f64 {
         let share = n.saturating_sub(self.first) as f64 / self.phase.steps as f64;
         // The end is hit to the last bit.
@@ -75,6 +76,11 @@ impl Span {
 
     fn length(&self) -> f64 {
         self.phase.end - self.start
+    }
+
+    /// Time at the end over the number of steps, whose round-off is that of the step length.
+    fn mean(&self) -> f64 {
+        self.phase.end / self.phase.steps as f64
     }
 
     fn instant(&self, n: usize, phase: usize) -> Instant {
@@ -97,12 +103,14 @@ impl Timeline {
     }
 
     fn of(phases: Vec<TimePhase>, has_phases: bool) -> Timeline {
-        let mut spans: Vec<Span> = Vec::with_capacity(phases.len());
+        let mut spans: Vec<PhaseSpan> = Vec::with_capacity(phases.len());
         for phase in phases {
             let (start, first) = spans.last().map_or((0.0, 0), |span| (span.phase.end, span.first + span.phase.steps));
             let k = (phase.end - start) / phase.steps as f64;
-            let k = spans.iter().map(|span| span.k).find(|same| is_same(*same, k)).unwrap_or(k);
-            spans.push(Span { phase, start, first, k });
+            let mut span = PhaseSpan { phase, start, first, k };
+            let same = spans.iter().find(|other| (other.k - k).abs() <= SAME * other.mean().max(span.mean()));
+            span.k = same.map_or(k, |other| other.k);
+            spans.push(span);
         }
         Timeline { spans: spans.into(), has_phases }
     }
@@ -135,13 +143,13 @@ impl Timeline {
     /// The last step of each phase; empty in a run without phases.
     #[must_use]
     pub fn phase_ends(&self) -> Vec<usize> {
-        let spans: &[Span] = if self.has_phases { &self.spans } else { &[] };
+        let spans: &[PhaseSpan] = if self.has_phases { &self.spans } else { &[] };
         spans.iter().map(|span| span.first + span.phase.steps).collect()
     }
 
     /// The phase of step n with its index. Steps after the end belong to the last one.
-    fn span(&self, n: usize) -> Option<(usize, &Span)> {
-        let is_in = |(_, span): &(usize, &Span)| n <= span.first + span.phase.steps;
+    fn span(&self, n: usize) -> Option<(usize, &PhaseSpan)> {
+        let is_in = |(_, span): &(usize, &PhaseSpan)| n <= span.first + span.phase.steps;
         self.spans.iter().enumerate().find(is_in).or_else(|| self.spans.iter().enumerate().next_back())
     }
 
@@ -241,7 +249,7 @@ impl Timeline {
     #[must_use]
     pub fn parts_of(&self, coarse: &Timeline) -> Option<usize> {
         let parts = self.steps().checked_div(coarse.steps()).filter(|parts| *parts > 0)?;
-        let is_nested = |(fine, coarse): (&Span, &Span)| {
+        let is_nested = |(fine, coarse): (&PhaseSpan, &PhaseSpan)| {
             fine.phase.steps == parts * coarse.phase.steps && is_same(fine.phase.end, coarse.phase.end)
         };
         let same = self.spans.len() == coarse.spans.len() && self.spans.iter().zip(&*coarse.spans).all(is_nested);
@@ -253,7 +261,7 @@ impl Timeline {
     #[must_use]
     pub fn spread(&self, most: usize) -> Vec<f64> {
         let share = (most / self.spans.len().max(1)).max(1);
-        let of = |span: &Span| {
+        let of = |span: &PhaseSpan| {
             let every = span.phase.steps.div_ceil(share).max(1);
             let (from, to) = (span.first, span.first + span.phase.steps);
             (from..to).step_by(every).collect::<Vec<usize>>()
@@ -264,7 +272,8 @@ impl Timeline {
     /// The length of a step, or of a step halved a few times, that is `k` to round-off, or `k` if none is.
     #[must_use]
     pub fn snapped(&self, k: f64) -> f64 {
-        let halves = |span: &Span| (0..=HALVINGS).map(|halvings| span.k / f64::from(1u32 << halvings)).collect::<Vec<_>>();
+        let halves =
+            |span: &PhaseSpan| (0..=HALVINGS).map(|halvings| span.k / f64::from(1u32 << halvings)).collect::<Vec<_>>();
         self.spans.iter().flat_map(halves).find(|own| is_same(*own, k)).unwrap_or(k)
     }
 
@@ -331,9 +340,18 @@ mod tests {
             before = t;
         }
         assert_eq!((timeline.longest(), timeline.is_equal()), (2.5, false));
-        // 0.1/3 and 0.6/18 differ in their last bits.
-        assert_eq!(timeline.instant(1).k.to_bits(), timeline.instant(4).k.to_bits());
-        assert_ne!((0.1f64 / 3.0).to_bits(), ((0.7f64 - 0.1) / 18.0).to_bits());
+        // 0.1 and (0.7 − 0.1)/6 differ in their last bits.
+        let same = Timeline::in_phases(vec![TimePhase::dynamic("a", 0.1, 1), TimePhase::dynamic("b", 0.7, 6)]);
+        assert_eq!(same.instant(2).k.to_bits(), 0.1f64.to_bits());
+        assert_ne!(((0.7f64 - 0.1) / 6.0).to_bits(), 0.1f64.to_bits());
+        // Far from t = 0 the round-off of a step length is that of the times.
+        let far = Timeline::in_phases(vec![
+            TimePhase::dynamic("a", 1000.0, 100_000),
+            TimePhase::dynamic("b", 1000.1, 10),
+            TimePhase::dynamic("c", 1000.2, 20),
+        ]);
+        assert_eq!([1, 100_001].map(|n| far.instant(n).k.to_bits()), [0.01f64.to_bits(); 2]);
+        assert!((far.instant(100_011).k - 0.005).abs() < 1e-12);
     }
 
     #[test]
@@ -341,7 +359,8 @@ mod tests {
         let (coarse, fine) = (three(), three().refined(4));
         assert_eq!((fine.steps(), fine.parts_of(&coarse), coarse.parts_of(&fine)), (100, Some(4), None));
         assert_eq!(fine.time(84).to_bits(), 0.7f64.to_bits());
-        let other = Timeline::in_phases(vec![TimePhase::dynamic("press", 0.1, 6), TimePhase::dynamic("spin", 10.7, 94)]);
+        let other =
+            Timeline::in_phases(vec![TimePhase::dynamic("press", 0.1, 6), TimePhase::dynamic("spin", 10.7, 94)]);
         assert_eq!(other.parts_of(&coarse), None);
         let spread = coarse.spread(3);
         assert_eq!(spread, [0.0, 0.1, 0.7, 10.7]);

@@ -104,8 +104,7 @@ fn a_factor_is_made_once_per_step_length_and_analysis() {
     assert_eq!(made(&equal), [(2, 1); 8]);
     // The step length 1/12 with and without inertia has two matrices K_u, and as many K_θ.
     let same = changed(&three, |data| {
-        data.timeline =
-            Timeline::in_phases(vec![TimePhase::quasistatic("a", 0.5, 2), TimePhase::dynamic("b", 1.0, 2)]);
+        data.timeline = Timeline::in_phases(vec![TimePhase::quasistatic("a", 0.5, 2), TimePhase::dynamic("b", 1.0, 2)]);
     });
     assert_eq!(made(&same), [(2, 1), (2, 1), (4, 1), (4, 1)]);
 }
@@ -236,6 +235,7 @@ fn a_study_refines_each_phase_by_the_same_factor() {
     assert!((order - 1.1).abs() < 0.2, "{order}");
     let odd = StudyRequest { levels: vec![27], ..request };
     let told = case::study(&source, &[], &odd).map(|_| ()).expect_err("27 steps of two phases").to_string();
-    let expected = "level 27 of phases of which one has 4 of 104 steps, expected 4 · (level / 104) to be a whole number of steps";
+    let expected =
+        "level 27 of phases of which one has 4 of 104 steps, expected 4 · (level / 104) to be a whole number of steps";
     assert_eq!(told, expected);
 }
