@@ -9,6 +9,7 @@ use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::mesh::Skipped;
 use amontons::model::Model;
 use amontons::output::Summary;
+use amontons::time::{Instant, TimePhase};
 use amontons::units::Measure;
 use serde_json::{Value, json};
 
@@ -84,12 +85,13 @@ pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) 
         ),
         row(
             "time",
-            &format!(
-                "{} steps of {} to {}",
-                problem.timeline.steps(),
-                write(problem.timeline.longest(), Measure::Time),
-                write(problem.timeline.end(), Measure::Time)
-            ),
+            &if problem.timeline.has_phases() {
+                let [steps, end] = [problem.timeline.steps().to_string(), write(problem.timeline.end(), Measure::Time)];
+                format!("{steps} steps in {} phases to {end}", problem.timeline.phases().len())
+            } else {
+                let [k, end] = [problem.timeline.longest(), problem.timeline.end()].map(|t| write(t, Measure::Time));
+                format!("{} steps of {k} to {end}", problem.timeline.steps())
+            },
         ),
     ];
     if problem.physics.has_mechanics() {
@@ -122,6 +124,17 @@ fn verdict(finding: &Finding, width: usize) -> Vec<String> {
     lines
 }
 
+/// The phases of a run with their steps.
+fn phases(problem: &Problem) -> Vec<Value> {
+    let all = problem.timeline.phases().zip(problem.timeline.ends_from(0));
+    let one = |(phase, end): (&TimePhase, Instant)| {
+        json!({
+            "name": phase.name, "end": end.t, "steps": phase.steps, "k": end.k, "analysis": end.analysis.name(),
+        })
+    };
+    all.map(one).collect()
+}
+
 /// Sizes of a valid case and the verdicts on it, as JSON.
 pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Value {
     let problem = &case.problem;
@@ -138,6 +151,7 @@ pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Valu
         "choices": problem.choices(),
         "k": problem.timeline.longest(),
         "time": problem.timeline.end(),
+        "phases": problem.timeline.has_phases().then(|| phases(problem)),
         // A name, or an array of the names of several contacts.
         "contact": match sides.as_slice() { [] => Value::Null, [one] => json!(one), several => json!(several) },
         "model": model,

@@ -54,6 +54,8 @@ struct ProgressPlace {
     first: usize,
     steps: usize,
     t: Option<f64>,
+    /// The phase of the case in which the step was made; empty in a case without phases.
+    of_case: String,
     /// Unit of the time.
     units: Units,
     /// Iterations and parts reported by the current step.
@@ -100,7 +102,8 @@ impl ProgressPlace {
             format!("; contact: {open} open, {stick} stick, {slip} slip")
         });
         let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
-        format!("{part}step {} of {}{}{time}{contact}; {gone} gone{left}", self.step, self.steps, self.within())
+        let (of_case, within) = (self.of_case(), self.within());
+        format!("{part}step {} of {}{of_case}{within}{time}{contact}; {gone} gone{left}", self.step, self.steps)
     }
 
     /// A text that fits next to a bar in 80 columns, the most important first: `step 12 of 64, about 9 min left; 3
@@ -117,7 +120,13 @@ impl ProgressPlace {
         let contact = self
             .contact
             .map_or_else(String::new, |[open, stick, slip]| format!("; {open} open, {stick} stick, {slip} slip"));
-        format!("{part}step {} of {}{}{left}{contact}", self.step, self.steps, self.within())
+        let (of_case, within) = (self.of_case(), self.within());
+        format!("{part}step {} of {}{of_case}{within}{left}{contact}", self.step, self.steps)
+    }
+
+    /// The phase of the case behind a number of steps: ` (spin)`.
+    fn of_case(&self) -> String {
+        if self.of_case.is_empty() { String::new() } else { format!(" ({})", self.of_case) }
     }
 
     fn json(&self) -> Value {
@@ -132,6 +141,9 @@ impl ProgressPlace {
             value["iteration"] = json!(self.pulse.iterations());
             value["attempts"] = json!(self.pulse.parts());
             value["t"] = json!(self.t);
+            if !self.of_case.is_empty() {
+                value["phase_of_case"] = json!(self.of_case);
+            }
             value["contact"] = self
                 .contact
                 .map_or(Value::Null, |[open, stick, slip]| json!({ "open": open, "stick": stick, "slip": slip }));
@@ -235,6 +247,7 @@ impl Progress {
             first: 0,
             steps: 0,
             t: None,
+            of_case: String::new(),
             units: Units::default(),
             pulse: Pulse::default(),
             contact: None,
@@ -356,6 +369,11 @@ fn draw(bar: &ProgressBar, place: &ProgressPlace) {
     bar.set_message(place.short());
 }
 
+/// The name of the phase of the last step; empty in a case without phases.
+fn phase_of_case(now: &Snapshot) -> String {
+    now.problem.timeline.phase_of(now.state.step).map_or_else(String::new, |phase| phase.name.clone())
+}
+
 /// Notes the steps of a run.
 pub struct StepSink<'a>(pub &'a Progress);
 
@@ -365,6 +383,7 @@ impl Sink for StepSink<'_> {
         (place.step, place.steps, place.t) =
             (start.from.state.step, start.from.problem.timeline.steps(), Some(start.from.state.t));
         place.units = start.from.problem.units();
+        place.of_case = phase_of_case(&start.from);
         Ok(())
     }
 
@@ -372,6 +391,7 @@ impl Sink for StepSink<'_> {
         let states = now.report.map(|report| &report.contact.states).filter(|states| !states.is_empty());
         let count = |status| states.map_or(0, |states| states.iter().filter(|state| state.status == status).count());
         let contact = states.map(|_| [Status::Open, Status::Stick, Status::Slip].map(count));
+        self.0.shared.place().of_case = phase_of_case(now);
         self.0.shared.step(now.state.step, Some(now.state.t), contact);
         Ok(())
     }

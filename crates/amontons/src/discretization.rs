@@ -256,7 +256,8 @@ impl Discretization {
         let Rule { gamma, delta, .. } = rule;
         let mut matrix = self.b.clone();
         let (rho, inertia) = self.inertia();
-        let boundary = [(gamma, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (rho / delta, Some(inertia))];
+        let inertia = (rule.inertia(rho) / delta, Some(inertia));
+        let boundary = [(gamma, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), inertia];
         for (factor, form) in [(gamma, Some(&self.a))].into_iter().chain(boundary) {
             if let Some(form) = form {
                 matrix.add_scaled(factor, form);

@@ -325,7 +325,7 @@ fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -
             report: None,
             work: Work::default(),
             kept: Kept::default(),
-            k: problem.timeline.longest(),
+            k: problem.timeline.instant(1).k,
             fallback: None,
         });
     };

@@ -10,7 +10,7 @@ use crate::equation::system::{Step, difference};
 use crate::linalg::dot;
 use crate::state::Ledger;
 use crate::tensor;
-use crate::time::Rule;
+use crate::time::{Analysis, Rule};
 
 /// Closing error, relative to the energy or heat turned over, above which the round-off of the terms is examined.
 const TELLING: f64 = 1e-11;
@@ -88,8 +88,10 @@ struct Energy {
 
 impl Energy {
     fn of(step: &Step, m: &Mechanics, theta: &[f64]) -> Energy {
-        let Step { discrete, old, rule: Rule { k, .. }, .. } = *step;
-        let rho = discrete.inertia().0;
+        let Step { old, rule: Rule { k, analysis, .. }, .. } = *step;
+        let rho = step.inertia();
+        // A quasistatic step drops the kinetic energy of the steps before.
+        let dropped = if analysis == Analysis::Quasistatic { old.ledger.kinetic } else { 0.0 };
         let stored = stored(step, m, theta);
         let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.end.powers;
         let contact = contact(step, m, k * work + m.end.support_work);
@@ -107,7 +109,7 @@ impl Energy {
             friction: contact.friction,
             worn: contact.worn,
             impact: contact.impact,
-            scheme: (step.rule.level - 0.5) * rho * inertial + stored.scheme + compliance,
+            scheme: (step.rule.level - 0.5) * rho * inertial + stored.scheme + compliance + dropped,
             load_work: contact.load_work,
             thermal_work: k * thermal_work,
             modulus_work: stored.modulus + contact.stiffening,

@@ -36,7 +36,7 @@ impl Build<'_> {
                 raw::Check::Probe { time, .. } => self.check_time(&path, Some(*time), 0.0),
                 raw::Check::History { column, time, .. } => {
                     self.check_column(&path, column, problem);
-                    self.check_time(&path, *time, problem.timeline.longest());
+                    self.check_time(&path, *time, problem.timeline.time(1));
                 }
                 raw::Check::Order { .. } | raw::Check::Error { .. } if !has_exact => {
                     self.note(

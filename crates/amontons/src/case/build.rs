@@ -24,7 +24,7 @@ use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
-use crate::time::{ContactRule, FrictionRule, PressureRule, TimeScheme, Timeline};
+use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimePhase, TimeScheme, Timeline};
 use crate::units::{TemperatureScale, UnitSystem};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
@@ -50,7 +50,7 @@ pub(super) fn problem(
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         solver: raw.solver.solver,
-        timeline: Timeline::equal(raw.time.end, raw.time.steps),
+        timeline: timeline(&raw),
         inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
         densities: BTreeMap::new(),
         has_other_end,
@@ -71,7 +71,7 @@ pub(super) fn problem(
         name: raw.name,
         system: system(raw.units),
         temperature_scale: notes.scale,
-        timeline: build.timeline,
+        timeline: build.timeline.clone(),
         scheme: time_scheme(&raw.time),
         physics,
         materials,
@@ -99,6 +99,24 @@ pub(super) fn problem(
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
+/// The timeline of a case. A case without phases has both keys of `[time]`.
+fn timeline(raw: &raw::Case) -> Timeline {
+    if raw.phase.is_empty() {
+        return Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
+    }
+    let analysis = |raw: raw::PhaseAnalysis| match raw {
+        raw::PhaseAnalysis::Dynamic => Analysis::Dynamic,
+        raw::PhaseAnalysis::Quasistatic => Analysis::Quasistatic,
+    };
+    let of = |raw: &raw::RunPhase| TimePhase {
+        name: raw.name.clone(),
+        end: raw.end,
+        steps: raw.steps,
+        analysis: analysis(raw.analysis),
+    };
+    Timeline::in_phases(raw.phase.iter().map(of).collect())
+}
+
 fn system(raw: raw::Units) -> UnitSystem {
     match raw {
         raw::Units::Si => UnitSystem::Si,
@@ -121,7 +139,7 @@ fn workload(problem: &ProblemData) -> Workload {
     let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
     let joins = |contact: &Contact| contact.pair.is_some() || contact.quadrature != Quadrature::Nodal;
     Workload {
-        factorizations: if is_linear { 1.0 } else { 3.0 * steps },
+        factorizations: if is_linear { problem.timeline.lengths() as f64 } else { 3.0 * steps },
         steps,
         rubs: problem.contacts.iter().any(|contact| !contact.friction.is_frictionless()),
         joins: problem.contacts.iter().any(joins),
@@ -297,7 +315,7 @@ impl Build<'_> {
     }
 
     fn is_doubtful(&self, path: &Path) -> bool {
-        if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
+        if self.no_mesh && !["mesh", "name", "time", "phase"].iter().any(|table| path.is_in(table)) {
             return true;
         }
         // If a side could not be found, its placeholder is no side of the case.
@@ -320,7 +338,8 @@ impl Build<'_> {
     /// The name and the steps.
     fn head(&mut self, raw: &raw::Case) {
         self.name(&raw.name);
-        self.step(&raw.time);
+        self.instants(raw);
+        self.scheme_keys(&raw.time);
     }
 
     /// Checks the name, which also names a folder.
@@ -359,8 +378,8 @@ impl Build<'_> {
         self.note("thickness", At::Value, found, "one of a plane body", Some("remove it"));
     }
 
-    /// Checks that steps are long enough to divide by, and that a level belongs to a scheme.
-    fn step(&mut self, time: &raw::Time) {
+    /// Checks that the keys of a scheme stand beside it.
+    fn scheme_keys(&mut self, time: &raw::Time) {
         if time.scheme == raw::TimeScheme::Euler {
             let given = [
                 ("theta", time.theta.map(|theta| format!("{theta:?}"))),
@@ -373,16 +392,6 @@ impl Build<'_> {
                 let found = format!("{found} with the scheme \"euler\"");
                 self.note(&path, At::Value, found, "a key of the scheme \"theta\"", Some(&hint));
             }
-        }
-        let k = Timeline::equal(time.end, time.steps).longest();
-        if !(k.is_normal() && k.recip().is_finite()) {
-            self.note(
-                "time.end",
-                At::Value,
-                format!("steps of {k:?} s"),
-                "a step length that is a normal number",
-                None,
-            );
         }
     }
 

@@ -33,12 +33,14 @@ pub(super) struct Checked {
 /// Walks a document along a schema.
 pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
     let units = document.get("units").and_then(|units| units.get_ref().as_str());
+    let phases = document.get("phase").and_then(|phases| phases.get_ref().as_array());
     let mut walk = Walk {
         all: SchemaView::new(schema),
         findings: Vec::new(),
         doubtful: Vec::new(),
         limits: Vec::new(),
         has_units: units != Some("dimensionless"),
+        has_phases: phases.is_some_and(|phases| !phases.is_empty()),
         has_thickness: document.contains_key("thickness"),
         is_told: false,
         scales: [None, None],
@@ -55,6 +57,8 @@ struct Walk<'s> {
     limits: Vec<(Path, Limits)>,
     /// True if numbers may have units.
     has_units: bool,
+    /// True if the case has phases, which say its end and its steps.
+    has_phases: bool,
     /// True if forces and the like are those of a whole plane body, and never per metre of its thickness.
     has_thickness: bool,
     /// True if the use of two temperature scales has been reported.
@@ -249,6 +253,9 @@ impl<'s> Walk<'s> {
                 continue;
             }
             let (Some(property), at) = (schema.property(key), path.key(key)) else { continue };
+            if self.has_phases && property.is_replaced_by_phases() {
+                continue;
+            }
             if !meant.contains(&key) {
                 self.findings.push(PathFault::new(at.clone(), At::Missing, "no such key", property.expected()));
             }

@@ -40,6 +40,7 @@ mod overrides;
 mod pair;
 mod parse;
 mod path;
+mod phases;
 mod physics;
 mod place;
 mod points;

@@ -157,6 +157,19 @@ impl<'d> TomlPlace<'d> {
         }
     }
 
+    /// The names of the entries of an array of tables, for those that have one.
+    fn names(&self) -> Vec<(usize, String)> {
+        let name = |entry: &dyn TableLike| Some(entry.get("name")?.as_str()?.to_owned());
+        let all: Vec<Option<String>> = match self {
+            TomlPlace::Item(Item::ArrayOfTables(array)) => array.iter().map(|entry| name(entry)).collect(),
+            TomlPlace::Item(Item::Value(Value::Array(array))) | TomlPlace::Value(Value::Array(array)) => {
+                array.iter().map(|entry| entry.as_inline_table().and_then(|entry| name(entry))).collect()
+            }
+            _ => Vec::new(),
+        };
+        all.into_iter().enumerate().filter_map(|(i, name)| Some((i, name?))).collect()
+    }
+
     /// Entry of an array of any notation.
     fn into_entry(self, index: usize) -> Option<TomlPlace<'d>> {
         match self {
@@ -209,8 +222,9 @@ fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Ov
             let Some(item) = table.get_mut(key) else { return Err(lost()) };
             node = TomlPlace::Item(item);
         } else if let Some(count) = node.array_len() {
-            let index =
-                array_index(segment, count).map_err(|(found, expected)| OverrideRefusal::new(path, found, expected))?;
+            let names = node.names();
+            let index = array_index(segment, count, &names)
+                .map_err(|(found, expected)| OverrideRefusal::new(path, found, expected))?;
             at = at.index(index);
             let Some(entry) = node.into_entry(index) else { return Err(lost()) };
             node = entry;
@@ -238,15 +252,20 @@ fn new_table(inline: bool) -> Item {
     Item::Table(table)
 }
 
-/// The array index named by a segment: `[1]` or `.1`.
-fn array_index(segment: &Segment, count: usize) -> Result<usize, (String, String)> {
-    let expected = match count {
+/// The array index named by a segment: `[1]` or `.1`, or the name of the entry: `.press`.
+fn array_index(segment: &Segment, count: usize, names: &[(usize, String)]) -> Result<usize, (String, String)> {
+    let mut expected = match count {
         0 => "no index: the array is empty".to_owned(),
         _ => format!("an index from 0 to {}", count - 1),
     };
+    let words: Vec<String> = names.iter().map(|(_, name)| format!("`{name}`")).collect();
+    if !words.is_empty() {
+        expected += &format!(", or a name: {}", words.join(", "));
+    }
+    let named = |key: &String| names.iter().find(|(_, name)| name == key).map(|(index, _)| *index);
     let index = match segment {
         Segment::Index(index) => Some(*index),
-        Segment::Key(key) => key.parse().ok(),
+        Segment::Key(key) => named(key).or_else(|| key.parse().ok()),
     };
     match (index, segment) {
         (Some(index), _) if index < count => Ok(index),

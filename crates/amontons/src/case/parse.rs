@@ -132,7 +132,8 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     let Applied { text, set, mut faults } = applied;
     let origin = CaseOrigin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &set };
     // An override may end the run before the times of checks in the file; `verify` reports those that it lacks.
-    let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
+    let has_other_end =
+        set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end") || path.is_in("phase"));
     let (case, findings) = match DeTable::parse(&text) {
         Ok(changed) => build_case(changed.get_ref(), &source.files, has_other_end),
         Err(error) => (None, vec![whole(error.message())]),

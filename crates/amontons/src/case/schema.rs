@@ -88,6 +88,9 @@ impl Transform for Implied {
     }
 }
 
+/// Mark of a key that is required in a case without phases.
+const WITHOUT_PHASES: &str = "x-required-without-phases";
+
 /// Gives the tag of a table, such as `law = "coulomb"`, the description of the table that it selects.
 struct LawTags;
 
@@ -213,9 +216,16 @@ impl<'s> SchemaView<'s> {
         self.properties().into_iter().flat_map(Map::keys).map(String::as_str).collect()
     }
 
-    /// The keys that a table must have.
+    /// The keys that a table must have, those among them that a case with phases may leave out.
     pub fn required(&self) -> Vec<&'s str> {
-        self.list("required").filter_map(Value::as_str).collect()
+        let is_required = |property: &Value| property.get(WITHOUT_PHASES).and_then(Value::as_bool) == Some(true);
+        let more = self.properties().into_iter().flatten().filter(|(_, property)| is_required(property));
+        self.list("required").filter_map(Value::as_str).chain(more.map(|(key, _)| key.as_str())).collect()
+    }
+
+    /// True for a key that is required in a case without phases only.
+    pub fn is_replaced_by_phases(&self) -> bool {
+        self.node.get(WITHOUT_PHASES).is_some()
     }
 
     /// The schema of a key of a table, or of any key of a table with free keys.

@@ -71,6 +71,15 @@ fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {
     Ok(())
 }
 
+/// The steps of a phase with `own` of all the steps of a case, in a level of as many steps.
+fn share(level: usize, own: usize, all: usize) -> Result<usize, StudyRequestError> {
+    if (level * own).is_multiple_of(all) {
+        return Ok(level * own / all);
+    }
+    let found = format!("level {level} of phases of which one has {own} of {all} steps");
+    refuse(found, format!("{own} · (level / {all}) to be a whole number of steps"))
+}
+
 /// The overrides that make a level of a case.
 fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<String>, StudyRequestError> {
     // The cells along the first side; those of other sides and blocks are multiplied as these.
@@ -116,12 +125,18 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
             all => Ok(vec![format!("mesh.n={}", cells(all)?)]),
         }
     };
-    let steps = |steps: usize| format!("time.steps={steps}");
-    Ok(match vary {
-        Vary::Both => {
-            mesh()?.into_iter().chain([steps(scaled("steps", case.problem.timeline.steps(), power)?)]).collect()
+    let timeline = &case.problem.timeline;
+    // Each phase is refined by the same factor, so that the times of levels nest.
+    let steps = |of: &dyn Fn(usize) -> Result<usize, StudyRequestError>| -> Result<Vec<String>, StudyRequestError> {
+        if !timeline.has_phases() {
+            return Ok(vec![format!("time.steps={}", of(timeline.steps())?)]);
         }
+        let phases = timeline.phases().enumerate();
+        phases.map(|(i, phase)| Ok(format!("phase[{i}].steps={}", of(phase.steps)?))).collect()
+    };
+    Ok(match vary {
+        Vary::Both => mesh()?.into_iter().chain(steps(&|own| scaled("steps", own, power))?).collect(),
         Vary::Space => mesh()?,
-        Vary::Time => vec![steps(level)],
+        Vary::Time => steps(&|own| share(level, own, timeline.steps()))?,
     })
 }

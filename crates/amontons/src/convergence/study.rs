@@ -220,7 +220,7 @@ impl Study {
     fn against(&self, reference: &StudyLevel, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         let steps = reference.problem.timeline.steps();
         for level in &self.levels {
-            if !steps.is_multiple_of(level.problem.timeline.steps()) {
+            if reference.problem.timeline.parts_of(&level.problem.timeline).is_none() {
                 return Err(StudyError::Times {
                     level: level.level,
                     steps: level.problem.timeline.steps(),

@@ -67,7 +67,8 @@ impl Step<'_> {
     /// if no point sticks.
     pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> Vec<Rigid> {
         let (rho, form) = self.discrete.inertia();
-        let (Some(apart), factor, [load, contact]) = (self.apart, rho / self.rule.delta, forces) else {
+        let (Some(apart), factor, [load, contact]) = (self.apart, self.rule.inertia(rho) / self.rule.delta, forces)
+        else {
             return rigid.to_vec();
         };
         if factor == 0.0 {

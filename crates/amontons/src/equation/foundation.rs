@@ -96,6 +96,7 @@ impl Step<'_> {
             let at = |all: &[f64]| all.get(contact).copied().unwrap_or(0.0);
             let surface = &self.old.surface;
             let rate = (at(advance) - at(&surface.advance)) / k - at(&surface.advance_rate);
+            let mass = self.rule.inertia(*mass);
             let inertia = [mass * rate / k, mass / (k * k)];
             Some(Drive { contact, direction: Some(*direction), force: force.value(&[0.0; 3], self.t), inertia })
         };

@@ -260,7 +260,7 @@ impl<'a> Equation<'a> {
 
     /// The scale ρ/δ of the inertia term.
     fn inertia(&self) -> f64 {
-        self.step.discrete.inertia().0 / self.step.rule.delta
+        self.step.inertia() / self.step.rule.delta
     }
 
     /// The terms of (4.1) at an iterate that [`right_hand_side`] sums: all but those of contact and of the branches.

@@ -21,4 +21,4 @@ pub use error::{SetupError, StepError};
 pub(crate) use inputs::named;
 pub use inputs::{Along, StepInputs};
 pub use system::{ACCEPTED, REFINE};
-pub use systems::Solvers;
+pub use systems::{Kept, KeptRule, Solvers};

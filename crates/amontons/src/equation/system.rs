@@ -127,6 +127,11 @@ impl Step<'_> {
         sum
     }
 
+    /// The scale of the inertia that acts in the step, as [`Discretization::inertia`] has it.
+    pub fn inertia(&self) -> f64 {
+        self.rule.inertia(self.discrete.inertia().0)
+    }
+
     /// The times of the step.
     pub fn interval(&self) -> Interval {
         Interval { start: self.old.t, end: self.t, level: self.level }
@@ -251,7 +256,7 @@ impl Step<'_> {
 
     /// True if no point sticks at the last iterate of a body without inertia that is supported by contact only.
     fn slides(&self, why: &NotConverged) -> bool {
-        if why.states.is_empty() || self.discrete.inertia().0 != 0.0 {
+        if why.states.is_empty() || self.inertia() != 0.0 {
             return false;
         }
         let stuck = self.boundary.points.iter().zip(&why.states).filter(|(_, status)| **status == Status::Stick);

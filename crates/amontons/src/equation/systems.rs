@@ -1,35 +1,43 @@
-//! The systems K(rule) of both half-steps, for one step length.
+//! The systems K(rule) of both half-steps, and the store of them by rule.
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::system::HalfStep;
 use crate::discretization::Discretization;
-use crate::linalg::{Backend, Choice, SolveError, System};
+use crate::inclusion::Loose;
+use crate::linalg::{Account, Backend, Choice, Decided, SolveError, System, TangentKey};
 use crate::problem::Problem;
-use crate::time::Rule;
+use crate::time::{Analysis, Rule};
 
-/// The systems of the half-steps that a problem has, for one step length.
+/// The name of a system that cannot be factorized, and the error.
+pub(crate) type SystemError = (&'static str, SolveError);
+
+/// The systems of the half-steps that a problem has, for one rule.
 #[derive(Debug)]
 pub(crate) struct Systems {
     pub rule: Rule,
     pub mechanics: Option<HalfStep>,
     pub heat: Option<HalfStep>,
+    /// Rigid motions of the parts that are supported by contact only.
+    pub loose: Arc<Loose>,
 }
 
 impl Systems {
-    /// Factorizes K_u and K_θ for step length `k`, at the temperature `theta`. For nonlinear laws K_u is the tangent at
-    /// rest; each step replaces it.
+    /// Factorizes K_u and K_θ for a rule, at the temperature `theta`. For nonlinear laws K_u is the tangent at rest;
+    /// each step replaces it.
     ///
     /// # Errors
     /// The name of the system that cannot be factorized, and the error.
-    pub(crate) fn factorize(
+    fn factorize(
         problem: &Problem,
         discrete: &Discretization,
-        (k, theta): (f64, &[f64]),
+        rule: Rule,
+        theta: &[f64],
         backend: &Arc<dyn Backend>,
-    ) -> Result<Systems, (&'static str, SolveError)> {
+    ) -> Result<Systems, SystemError> {
         let rest = vec![0.0; discrete.v.free.len()];
-        let rule = problem.scheme.rule(k);
         let mechanics = || {
             HalfStep::new(
                 discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
@@ -44,31 +52,33 @@ impl Systems {
             || physics.has_mechanics().then(mechanics).transpose(),
             || physics.has_heat().then(heat).transpose(),
         );
-        Ok(Systems {
-            rule,
-            mechanics: mechanics.map_err(|source| ("mechanical", source))?,
-            heat: heat.map_err(|source| ("heat", source))?,
-        })
+        let mechanics = mechanics.map_err(|source| ("mechanical", source))?;
+        let loose = match (&mechanics, rule.analysis) {
+            (None, _) => Loose::default(),
+            (Some(half), Analysis::Dynamic) => half.motions(problem, discrete),
+            (Some(half), Analysis::Quasistatic) => half.motions(&problem.without_inertia(), discrete),
+        };
+        Ok(Systems { rule, mechanics, heat: heat.map_err(|source| ("heat", source))?, loose: Arc::new(loose) })
     }
 
-    pub(crate) fn all(&self) -> impl Iterator<Item = &System> {
+    fn all(&self) -> impl Iterator<Item = &System> {
         self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
     }
 
-    pub(crate) fn halves(&self) -> impl Iterator<Item = &HalfStep> {
+    fn halves(&self) -> impl Iterator<Item = &HalfStep> {
         self.mechanics.iter().chain(&self.heat)
     }
 
-    pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
         self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
     }
 
     /// Factorizes the matrices at these temperatures, one per half-step; an empty one leaves the matrix as it is.
-    pub(crate) fn recall<'a>(
+    fn recall<'a>(
         &mut self,
         discrete: &Discretization,
         mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
-    ) -> Result<(), (&'static str, SolveError)> {
+    ) -> Result<(), SystemError> {
         let rest = vec![0.0; discrete.v.free.len()];
         if let Some(half) = &mut self.mechanics
             && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
@@ -88,12 +98,12 @@ impl Systems {
     ///
     /// # Errors
     /// Those of [`Systems::factorize`].
-    pub(crate) fn go_back<'a>(
+    fn go_back<'a>(
         &mut self,
         discrete: &Discretization,
         start: &[f64],
         mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
-    ) -> Result<(), (&'static str, SolveError)> {
+    ) -> Result<(), SystemError> {
         let rest = vec![0.0; discrete.v.free.len()];
         let at = |wanted: &'a [f64]| if wanted.is_empty() { start.to_vec() } else { wanted.to_vec() };
         if let Some(half) = &mut self.mechanics
@@ -113,7 +123,7 @@ impl Systems {
     }
 
     /// Factorizations of the matrices so far, and of contact systems.
-    pub(crate) fn factorizations(&self) -> [usize; 2] {
+    fn factorizations(&self) -> [usize; 2] {
         self.all().fold([0; 2], |[matrices, contacts], system| {
             let (matrix, contact) = system.factorizations();
             [matrices + matrix, contacts + contact]
@@ -121,7 +131,7 @@ impl Systems {
     }
 
     /// What the systems say of themselves.
-    pub(crate) fn solvers(&self) -> Solvers {
+    fn solvers(&self) -> Solvers {
         let [mechanics, heat] =
             [&self.mechanics, &self.heat].map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
         let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
@@ -140,8 +150,193 @@ impl Systems {
     }
 }
 
+/// The systems of a run by their rules. Each is made once, when a step first needs it, and kept until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Cache {
+    backend: Arc<dyn Backend>,
+    /// Temperature at which matrices are factorized first.
+    start: Vec<f64>,
+    all: Vec<Systems>,
+    /// What the systems that were dropped last said of themselves, with the factorizations of all dropped ones.
+    dropped: Solvers,
+}
+
+impl Cache {
+    pub(crate) fn new(backend: &Arc<dyn Backend>, start: Vec<f64>) -> Cache {
+        Cache { backend: Arc::clone(backend), start, all: Vec::new(), dropped: Solvers::default() }
+    }
+
+    /// The systems of a rule, factorized if they are not there.
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    pub(crate) fn systems(
+        &mut self,
+        problem: &Problem,
+        discrete: &Discretization,
+        rule: Rule,
+    ) -> Result<&mut Systems, SystemError> {
+        let place = match self.all.iter().position(|systems| systems.rule == rule) {
+            Some(place) => place,
+            None => {
+                self.all.push(Systems::factorize(problem, discrete, rule, &self.start, &self.backend)?);
+                self.all.len() - 1
+            }
+        };
+        Ok(&mut self.all[place])
+    }
+
+    /// Drops the systems of all other rules.
+    pub(crate) fn keep_only(&mut self, is_needed: impl Fn(&Rule) -> bool) {
+        let (kept, dropped) = std::mem::take(&mut self.all).into_iter().partition(|systems| is_needed(&systems.rule));
+        self.all = kept;
+        for systems in Vec::into_iter(dropped) {
+            let [matrices, contacts] = self.dropped.factorizations;
+            let solvers = Systems::solvers(&systems);
+            let factorizations = [matrices + solvers.factorizations[0], contacts + solvers.factorizations[1]];
+            self.dropped = Solvers { factorizations, ..solvers };
+        }
+    }
+
+    /// Numbers stored by the factors of all systems.
+    pub(crate) fn stored(&self) -> usize {
+        self.all.iter().flat_map(Systems::all).map(System::stored).sum()
+    }
+
+    /// The solvers, with the factorizations of all systems so far.
+    pub(crate) fn solvers(&self) -> Solvers {
+        let made = self.all.iter().map(Systems::factorizations);
+        let factorizations = made.fold(self.dropped.factorizations, |[matrices, contacts], [matrix, contact]| {
+            [matrices + matrix, contacts + contact]
+        });
+        let own = self.all.first().map_or_else(|| self.dropped.clone(), Systems::solvers);
+        Solvers { factorizations, ..own }
+    }
+
+    /// Systems that a resumed run has to factorize again, as [`Kept`] has them.
+    pub(crate) fn kept(&self, dim: usize) -> Kept {
+        let all = || self.all.iter().flat_map(Systems::all);
+        let of = |half: &Option<HalfStep>, components: usize| {
+            let choice = half.as_ref()?.system.choice()?;
+            let Choice { why, may_change, .. } = choice.clone();
+            Some(Decided { components, direct: choice.is_direct(), why, may_change })
+        };
+        let first = self.all.first().map(|Systems { mechanics, heat, .. }| [of(mechanics, dim), of(heat, 1)]);
+        Kept {
+            rules: self.all.iter().map(|systems| KeptRule::of(&systems.rule)).collect(),
+            temperatures: self.all.iter().flat_map(Systems::halves).map(|half| half.at.clone()).collect(),
+            tangents: all().map(|system| system.condensed().kept()).collect(),
+            solvers: first.into_iter().flatten().flatten().collect(),
+            accounts: all().map(|system| system.condensed().account()).collect(),
+        }
+    }
+
+    /// Makes the systems of a run before, and drops others.
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    pub(crate) fn recall(
+        &mut self,
+        problem: &Problem,
+        discrete: &Discretization,
+        kept: &Kept,
+    ) -> Result<(), SystemError> {
+        let rules: Vec<Rule> = kept.rules.iter().map(|rule| rule.in_problem(problem)).collect();
+        self.keep_only(|rule| rules.contains(rule));
+        rules.iter().try_for_each(|rule| self.systems(problem, discrete, *rule).map(|_| ()))?;
+        let place = |systems: &Systems| rules.iter().position(|rule| *rule == systems.rule);
+        self.all.sort_by_key(place);
+        let mut temperatures = kept.temperatures.iter();
+        self.all.iter_mut().try_for_each(|systems| systems.recall(discrete, &mut temperatures))?;
+        for (i, system) in self.all.iter_mut().flat_map(Systems::all_mut).enumerate() {
+            let condensed = system.condensed_mut();
+            kept.tangents.get(i).into_iter().for_each(|kept| condensed.recall(kept));
+            kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
+        }
+        Ok(())
+    }
+
+    /// Goes back to the systems of an earlier state of this run.
+    ///
+    /// Factors of tangents on Γ_C are found by the tangent and stay. Matrices are factorized again only if they were
+    /// refactorized at another temperature since, or dropped, or if a factor has replaced an iteration.
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    pub(crate) fn go_back(
+        &mut self,
+        problem: &Problem,
+        discrete: &Discretization,
+        kept: &Kept,
+    ) -> Result<(), SystemError> {
+        let rules: Vec<Rule> = kept.rules.iter().map(|rule| rule.in_problem(problem)).collect();
+        let each = usize::from(problem.physics.has_mechanics()) + usize::from(problem.physics.has_heat());
+        let is_left = |(rule, then): &(&Rule, &[Account])| {
+            let now = self.all.iter().find(|systems| systems.rule == **rule);
+            let changed = |(system, then): (&System, &Account)| system.condensed().account().is_left != then.is_left;
+            now.is_some_and(|systems| systems.all().zip(*then).any(changed))
+        };
+        let known = rules.iter().zip(kept.accounts.chunks(each.max(1)));
+        let left: Vec<Rule> = known.filter(is_left).map(|(rule, _)| *rule).collect();
+        self.keep_only(|rule| rules.contains(rule) && !left.contains(rule));
+        let stay: Vec<Rule> = self.all.iter().map(|systems| systems.rule).collect();
+        rules.iter().try_for_each(|rule| self.systems(problem, discrete, *rule).map(|_| ()))?;
+        self.all.sort_by_key(|systems| rules.iter().position(|rule| *rule == systems.rule));
+        let mut temperatures = kept.temperatures.iter();
+        self.all.iter_mut().try_for_each(|systems| systems.go_back(discrete, &self.start, &mut temperatures))?;
+        let mut numbers = 0..;
+        for systems in &mut self.all {
+            let is_new = !stay.contains(&systems.rule);
+            for (system, i) in systems.all_mut().zip(numbers.by_ref()) {
+                let condensed = system.condensed_mut();
+                kept.tangents.get(i).into_iter().filter(|_| is_new).for_each(|kept| condensed.recall(kept));
+                kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Factorizations that a scheme keeps between steps, and the chosen solvers, so that a resumed run has the same bits
+/// and counts as one without a break.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    /// Rules that have matrices.
+    pub rules: Vec<KeptRule>,
+    /// Temperature of each system whose matrix was refactorized for it; empty for others.
+    #[serde(default)]
+    pub temperatures: Vec<Vec<f64>>,
+    /// The tangents on Γ_C of each system.
+    pub tangents: Vec<Vec<TangentKey>>,
+    /// Solvers of the systems that the program has chosen.
+    pub solvers: Vec<Decided>,
+    /// The work of the iteration of each system.
+    #[serde(default)]
+    pub accounts: Vec<Account>,
+}
+
+/// What tells the rules of a run apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptRule {
+    /// Length k of the step, s.
+    pub k: f64,
+    /// Whether inertia acts.
+    pub analysis: Analysis,
+}
+
+impl KeptRule {
+    /// The rule of a problem, whose step lengths may differ from the kept one by round-off.
+    fn in_problem(self, problem: &Problem) -> Rule {
+        self.analysis.rule(problem.scheme, problem.timeline.snapped(self.k))
+    }
+
+    fn of(rule: &Rule) -> KeptRule {
+        KeptRule { k: rule.k, analysis: rule.analysis }
+    }
+}
+
 /// The systems of a scheme, and the work done with them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Solvers {
     /// Factorizations of the matrices so far, and of contact systems.
     pub factorizations: [usize; 2],

@@ -218,6 +218,9 @@ impl<'a> FreeBody<'a> {
         if !m.elasticity.is_linear() {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
+        if !problem.timeline.is_equal() || problem.timeline.is_quasistatic_somewhere() {
+            return Some(("steps have several lengths, or inertia acts in some of them only", "phase".to_owned()));
+        }
         let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;
         if heat_acts && let Some(given) = problem.temperature.first() {
             return Some(("a temperature that is given expands the body", given.key.clone()));

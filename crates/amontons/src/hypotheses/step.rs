@@ -35,6 +35,7 @@ use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor;
+use crate::time::{Analysis, Instant};
 use crate::units::{Measure, Units};
 
 /// Fraction of the diagonal by which a matrix must be positive definite: far above the round-off of a factor.
@@ -140,19 +141,25 @@ impl<'a> StepOperator<'a> {
         StepOperator { problem, discrete, loss, with_speed, weights, shares }
     }
 
-    /// K_u = ρM/k + B + kA at step length k.
-    fn at(&self, k: f64) -> StepMatrix<'_> {
-        let rule = self.problem.scheme.rule(k);
+    /// K_u = ρM/k + B + kA of an analysis at step length k.
+    fn at(&self, analysis: Analysis, k: f64) -> StepMatrix<'_> {
+        let rule = analysis.rule(self.problem.scheme, k);
         let matrix = self.discrete.mechanical_matrix(rule);
         StepMatrix { step: self, gamma: rule.gamma, less: Arc::new(less_margin(matrix)), system: None }
     }
 
-    /// True if the heat equation of a step has one solution: C/k + D is positive definite.
-    fn heat_is_definite(&self, k: f64) -> Result<bool, SolveError> {
+    /// True if the heat equation of each step has one solution: C/k + D is positive definite for the longest steps.
+    fn heat_is_definite(&self) -> Result<bool, SolveError> {
         if !self.problem.physics.has_heat() {
             return Ok(true);
         }
-        is_positive_definite(self.problem, &self.discrete.q, self.discrete.thermal_matrix(self.problem.scheme.rule(k)))
+        for Instant { k, analysis, .. } in self.problem.timeline.longest_steps() {
+            let matrix = self.discrete.thermal_matrix(analysis.rule(self.problem.scheme, k));
+            if !is_positive_definite(self.problem, &self.discrete.q, matrix)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// W times a factor, as a tangent on the contact unknowns.
@@ -365,7 +372,7 @@ fn prepare<'a>(
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material")));
     }
     let step = StepOperator::new(problem, discrete, &losses);
-    match step.heat_is_definite(problem.timeline.longest()) {
+    match step.heat_is_definite() {
         Ok(true) => Ok(step),
         Ok(false) => {
             let message = "the heat equation of a step is not positive definite, and the theory does not say how many solutions it has";
@@ -417,10 +424,35 @@ pub(super) fn unique(problem: &Problem, discrete: &Arc<Discretization>) -> Findi
         .map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
+/// The condition for the longest steps with and without inertia, the first that does not hold if there is one: λ_min/k
+/// does not decrease with decreasing k.
 fn judge(step: &StepOperator, id: FindingId) -> Result<Finding, SolveError> {
-    let k = step.problem.timeline.longest();
+    let timeline = &step.problem.timeline;
+    let mut found: Option<Finding> = None;
+    for longest in timeline.longest_steps() {
+        let mut finding = judge_steps(step, &longest, id)?;
+        if let Some(phase) = timeline.phase_of(longest.n) {
+            let Instant { k, analysis, phase: number, .. } = longest;
+            let (name, unit) = (analysis.name(), suffix(step.problem.units(), Measure::Time));
+            finding.message +=
+                &format!("; judged for the longest {name} steps, {k:.6e}{unit}, of the phase \"{}\"", phase.name);
+            if finding.place == "time.steps" {
+                finding.place = format!("phase[{number}].steps");
+            }
+        }
+        let margin = |finding: &Finding| finding.value.unwrap_or(0.0) / finding.needed.unwrap_or(0.0);
+        let is_worse = |before: &Finding| before.holds() && !(finding.holds() && margin(before) <= margin(&finding));
+        if found.as_ref().is_none_or(is_worse) {
+            found = Some(finding);
+        }
+    }
+    Ok(found.unwrap_or_else(|| not_held(id)))
+}
+
+fn judge_steps(step: &StepOperator, longest: &Instant, id: FindingId) -> Result<Finding, SolveError> {
+    let k = longest.k;
     let needed = step.loss * k;
-    let mut at = step.at(k);
+    let mut at = step.at(longest.analysis, k);
     let holds = at.dominates(step.loss)?;
     if !holds && !at.dominates(0.0)? {
         return Ok(not_held(id));
@@ -481,6 +513,17 @@ pub(super) fn time_step(
 fn enough(problem: &Problem, steps: f64) -> Finding {
     let is_enough = steps <= problem.timeline.steps() as f64;
     let (k, unit) = (problem.timeline.end() / steps, suffix(problem.units(), Measure::Time));
+    if problem.timeline.has_phases() {
+        let times = steps / problem.timeline.steps() as f64;
+        let message = if is_enough {
+            "with the steps of the phases each step has one solution".to_owned()
+        } else {
+            format!("with {times} times as many steps in each phase, or more, each step has one solution")
+        };
+        return Finding::new(FindingId::TimeStep, FindingStatus::of(is_enough), message, "phase")
+            .numbers(Some(problem.timeline.steps() as f64), Some(steps))
+            .repair(format!("{times} times the `steps` of each [[phase]]"));
+    }
     let message = if is_enough {
         format!("with {steps} steps, k = {k:.6e}{unit}, each step has one solution")
     } else {
@@ -494,21 +537,34 @@ fn enough(problem: &Problem, steps: f64) -> Finding {
         .repair(format!("time.steps = {steps}"))
 }
 
+/// The worst of the searches for the longest steps with and without inertia.
 fn search(step: &StepOperator) -> Result<Finding, SolveError> {
-    let (id, problem) = (FindingId::TimeStep, step.problem);
+    let mut found: Option<Finding> = None;
+    for longest in step.problem.timeline.longest_steps() {
+        let finding = search_from(step, &longest)?;
+        let steps = |finding: &Finding| finding.needed.unwrap_or(f64::INFINITY);
+        if found.as_ref().is_none_or(|before| steps(&finding) > steps(before)) {
+            found = Some(finding);
+        }
+    }
+    Ok(found.unwrap_or_else(|| not_held(FindingId::TimeStep)))
+}
+
+fn search_from(step: &StepOperator, longest: &Instant) -> Result<Finding, SolveError> {
+    let (id, problem, analysis) = (FindingId::TimeStep, step.problem, longest.analysis);
     let steps = |doubling: u32| problem.timeline.steps() as f64 * f64::from(1u32 << doubling);
-    let k = |doubling: u32| problem.timeline.end() / steps(doubling);
+    let k = |doubling: u32| longest.k / f64::from(1u32 << doubling);
     let mut doubling = 0;
-    let mut at = step.at(k(0));
+    let mut at = step.at(analysis, k(0));
     let mut found = at.dominates(step.loss)?;
     if !found && !at.dominates(0.0)? {
         return Ok(not_held(id));
     }
     // λ_min/k does not decrease with decreasing k: if the shortest step of the search fails, all do.
-    if !found && step.at(k(DOUBLINGS)).least()?.above > step.loss * k(DOUBLINGS) {
+    if !found && step.at(analysis, k(DOUBLINGS)).least()?.above > step.loss * k(DOUBLINGS) {
         while !found && doubling < DOUBLINGS {
             doubling += 1;
-            at = step.at(k(doubling));
+            at = step.at(analysis, k(doubling));
             found = at.dominates(step.loss)?;
         }
     }

@@ -137,7 +137,10 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
         let all: Vec<bool> = problem.values_of(of).iter().map(|sample| sample.value == 0.0).collect();
         (all.iter().any(|zero| *zero), all.iter().all(|zero| *zero))
     };
-    let (density, capacity) = (zeros(|m| &m.density), zeros(|m| &m.heat_capacity));
+    let (mut density, capacity) = (zeros(|m| &m.density), zeros(|m| &m.heat_capacity));
+    if problem.timeline.is_quasistatic_somewhere() {
+        density = (true, true);
+    }
     let place = |key: &str| format!("material.{key}");
     match (density, capacity) {
         ((true, false), _) => Some(("a density that is zero in a part of the body only", place("density"))),

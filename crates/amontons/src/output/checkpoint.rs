@@ -32,7 +32,7 @@ use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 19;
+const VERSION: u32 = 20;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -47,7 +47,7 @@ pub struct Checkpoint {
     pub work: Work,
     /// The factors that the run has to make again.
     pub kept: Kept,
-    /// Step length k of the run, s.
+    /// Length k of the step that led to the state, or of the first step at t = 0, s.
     pub k: f64,
     /// Reason why it is the previous checkpoint of its folder, or `None` if it is the newest.
     pub fallback: Option<String>,
@@ -227,7 +227,7 @@ impl CheckpointBody {
     fn new(case: &Identity, now: &Snapshot) -> CheckpointBody {
         CheckpointBody {
             case: case.clone(),
-            k: now.problem.timeline.longest(),
+            k: now.problem.timeline.instant(now.state.step.max(1)).k,
             work: now.work,
             kept: now.scheme.map(Scheme::kept).unwrap_or_default(),
             report: now.report.map(Report::of),
@@ -389,8 +389,9 @@ impl Checkpoint {
     /// Checks that the checkpoint fits a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         // Lengths computed as quotients may differ in their last bits.
-        if !problem.timeline.has_length(self.k) {
-            return Err(CheckpointError::StepLength { found: self.k, expected: problem.timeline.longest() });
+        let made = problem.timeline.instant(self.state.step.max(1));
+        if !problem.timeline.has_length(made.n, self.k) {
+            return Err(CheckpointError::StepLength { found: self.k, expected: made.k });
         }
         let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
         let same = |what, found, expected| {

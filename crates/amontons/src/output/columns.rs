@@ -2,6 +2,7 @@
 //!
 //! Writers, readers, pictures and the guide take names and units from here.
 
+use super::csv::join;
 use super::shown::{Lives, ResultTable, Shown};
 use super::{ContactSummary, Snapshot};
 use crate::contact::{PointOnBoundary, Quadrature, names, names_of_points};
@@ -125,6 +126,9 @@ pub struct StepRow<'a> {
     report: &'a StepReport,
     step: usize,
     t: f64,
+    /// Length and phase of the step.
+    k: f64,
+    phase: &'a str,
     contact: ContactSummary,
     foundation: Option<f64>,
 }
@@ -134,7 +138,10 @@ impl<'a> StepRow<'a> {
         let state = now.state;
         let foundation = side.and_then(|side| state.surface.foundation.get(side).copied().flatten());
         let contact = ContactSummary::new(now, &report.contact, side);
-        StepRow { ledger: &state.ledger, report, step: state.step, t: state.t, contact, foundation }
+        let timeline = &now.problem.timeline;
+        let phase = timeline.phase_of(state.step).map_or("", |phase| &phase.name);
+        let k = timeline.instant(state.step).k;
+        StepRow { ledger: &state.ledger, report, step: state.step, t: state.t, k, phase, contact, foundation }
     }
 }
 
@@ -200,6 +207,8 @@ columns! { History:
     HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
     HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
     PRESSURE_MAX = largest("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
+    STEP_LENGTH = number("k", Measure::Time, |row| row.k);
+    PHASE = text("phase", |row| row.phase.to_owned());
 }
 
 /// The columns of `history.csv` in their order, except those of each contact.
@@ -287,10 +296,24 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
     foundation.into_iter().chain(moved).chain(if several { OF_SIDE } else { &[] }.iter().copied()).chain(turning)
 }
 
-/// Names of the columns of `history.csv` with the quantities they measure. Each of several contacts has its own
-/// columns, ending with `@` and its name, or the name of its side if it has none.
+/// Columns of a run with phases, after all others.
+const OF_PHASE: &[&Column<History>] = &[&STEP_LENGTH, &PHASE];
+
+/// The columns of the phase of a step; none in a run without phases.
+fn of_phase(problem: &ProblemData) -> impl Iterator<Item = &'static Column<History>> + use<> {
+    let columns = if problem.timeline.has_phases() { OF_PHASE } else { &[] };
+    columns.iter().copied()
+}
+
+/// Names of the columns of `history.csv` that hold numbers, with the quantities they measure. Each of several contacts
+/// has its own columns, ending with `@` and its name, or the name of its side if it has none.
 #[must_use]
 pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
+    history_names(problem).into_iter().filter_map(|(name, measure)| Some((name, measure?))).collect()
+}
+
+/// Names of all columns of `history.csv`, with the quantities they measure.
+fn history_names(problem: &ProblemData) -> Vec<(String, Option<Measure>)> {
     let n = [problem.mesh.dim, problem.components_of_force()];
     let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(n)).collect();
     for (side, name) in names(&problem.contacts).iter().enumerate() {
@@ -298,16 +321,17 @@ pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
         let columns = of_side(problem, side).flat_map(|column| column.named(n));
         all.extend(columns.map(|(name, measure)| (name + &end, measure)));
     }
-    all.into_iter().map(|(name, measure)| (name, measure.unwrap_or(Measure::Number))).collect()
+    all.extend(of_phase(problem).flat_map(|column| column.named(n)));
+    all
 }
 
 /// Names of the columns of `history.csv`.
 #[must_use]
 pub fn history_columns(problem: &ProblemData) -> Vec<String> {
-    history_measures(problem).into_iter().map(|(name, _)| name).collect()
+    history_names(problem).into_iter().map(|(name, _)| name).collect()
 }
 
-/// The row of a step, in the order of [`history_columns`], or `None` at t = 0.
+/// The row of a step, in the order of [`history_columns`], or `None` at t = 0. A column of words has NaN.
 #[must_use]
 pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     let report = now.report?;
@@ -333,7 +357,16 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
             }
         }
     }
+    of_phase(now.problem).for_each(|column| add(column, &all));
     Some(values)
+}
+
+/// The row of a step as it is written: numbers, and behind them the name of the phase.
+pub(super) fn history_row(now: &Snapshot) -> Option<String> {
+    let mut values = history_values(now)?;
+    let Some(phase) = now.problem.timeline.phase_of(now.state.step) else { return Some(join(&values)) };
+    values.pop();
+    Some(join(&values) + "," + &phase.name)
 }
 
 /// Data of a row of `contact.csv`: a contact point after a step.
@@ -473,8 +506,8 @@ pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
     let line = |row: &PointRow| {
         let cell = |column: &&Column<ContactColumns>| match column.value {
             ColumnValue::Number(value) => format!("{:?}", value(row)),
-            ColumnValue::Vector(value) => super::csv::join(&value(row)[..dim]),
-            ColumnValue::OnContact(value) => super::csv::join(&value(row)[..on_contact]),
+            ColumnValue::Vector(value) => join(&value(row)[..dim]),
+            ColumnValue::OnContact(value) => join(&value(row)[..on_contact]),
             ColumnValue::Optional(value) => value(row).map_or_else(String::new, |value| format!("{value:?}")),
             ColumnValue::Text(value) => quoted(&value(row)),
         };
@@ -504,6 +537,8 @@ pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
         &CONTACT_MOMENTS,
         &FOUNDATION_TEMPERATURE,
         &OBSTACLE_DISPLACEMENT,
+        &STEP_LENGTH,
+        &PHASE,
     ]);
     all.into_iter().flat_map(|column| column.shown(ResultTable::History))
 }

@@ -73,7 +73,12 @@ impl StepTable {
 
     /// Adds the row of a step in one piece.
     pub fn push(&mut self, values: &[f64]) -> Result<(), OutputError> {
-        let row = join(values) + "\n";
+        self.push_row(&join(values))
+    }
+
+    /// Adds a row that is written already.
+    pub fn push_row(&mut self, row: &str) -> Result<(), OutputError> {
+        let row = format!("{row}\n");
         self.file.write_all(row.as_bytes()).map_err(OutputError::io("write", &self.path))?;
         self.bytes += row.len() as u64;
         self.hash.update(&row);

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::columns::{contact_measures, history_columns, history_measures, history_values};
+use super::columns::{contact_measures, history_columns, history_measures, history_row};
 use super::csv::StepTable;
 use super::earlier::write_certificate;
 use super::files::{LONGEST, WrittenFile, create_folder, remove_file, remove_folder, write_atomically, write_json};
@@ -126,6 +126,8 @@ pub struct Folder {
     /// Step and time of the field snapshots; time and file of the sides of contact.
     snapshots: Vec<(usize, f64)>,
     surfaces: Vec<(f64, String)>,
+    /// Last step of each phase.
+    phase_ends: Vec<usize>,
     last_checkpoint: LastCheckpoint,
     /// Notes for the user about the contents found in the folder.
     notes: Vec<String>,
@@ -235,6 +237,7 @@ impl Folder {
             recovery: None,
             snapshots: Vec::new(),
             surfaces: Vec::new(),
+            phase_ends: Vec::new(),
             last_checkpoint: LastCheckpoint { step: None, at: Instant::now(), took: Duration::ZERO, first: 0 },
             notes: Vec::new(),
             _lock: lock,
@@ -276,7 +279,7 @@ impl Folder {
     }
 
     fn is_due(&self, step: usize) -> bool {
-        is_due(self.options.every, step)
+        is_due(self.options.every, &self.phase_ends, step)
     }
 
     fn write_checkpoint(&mut self, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
@@ -453,6 +456,7 @@ impl Folder {
 impl Sink for Folder {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         self.recovery = None;
+        self.phase_ends = start.from.problem.timeline.phase_ends();
         self.check_room(start)?;
         if start.resumed {
             self.go_on(start)?;
@@ -483,8 +487,8 @@ impl Sink for Folder {
 
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         self.replace()?;
-        if let Some((history, values)) = self.history.as_mut().zip(history_values(now)) {
-            history.push(&values)?;
+        if let Some((history, row)) = self.history.as_mut().zip(history_row(now)) {
+            history.push_row(&row)?;
         }
         if let Some((set, rows)) = &mut self.probes {
             let mut values = vec![now.state.step as f64, now.state.t];

@@ -206,7 +206,7 @@ pub(super) fn placed(key: &str, text: &str) -> String {
 }
 
 /// Meanings of values by their names without components; for the summary by the last part of the key.
-const MEANINGS: [(&str, &str); 85] = [
+const MEANINGS: [(&str, &str); 87] = [
     ("step", "number of the step"),
     ("t", "time"),
     ("kinetic", "kinetic energy at t"),
@@ -249,6 +249,8 @@ const MEANINGS: [(&str, &str); 85] = [
     ("contact_center", "where the pressure acts, Σ ω p x/Σ ω p"),
     ("obstacle_displacement", "δ, by which an obstacle has moved along its load"),
     ("foundation_temperature", "θ_F of a foundation with a heat capacity"),
+    ("k", "length of the step"),
+    ("phase", "name of the phase of the step"),
     ("modulus_work", "work of moduli and contact stiffnesses that change with time or temperature"),
     ("heat_pairs", "heat that has crossed pairs since the start"),
     ("heat_flow", "∫ q·ν over a side"),

@@ -53,6 +53,9 @@ pub struct Summary {
     pub time: f64,
     /// Number of good steps.
     pub steps: usize,
+    /// Name of the phase of the last good step, or `None` in a run without phases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
     /// Numbers of unknowns.
     pub unknowns: UnknownCounts,
     /// The last good step.
@@ -511,6 +514,7 @@ impl Summary {
             units: problem.units(),
             time: state.t,
             steps: state.step,
+            phase: problem.timeline.phase_of(state.step).map(|phase| phase.name.clone()),
             unknowns,
             last: Final::new(last, &figures),
             choices: problem.choices(),

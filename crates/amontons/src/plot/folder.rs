@@ -238,5 +238,6 @@ fn array<'a>(data: &'a NamedArrays, name: &str, components: usize) -> Result<&'a
 
 fn history(table: &CsvTable) -> Result<HistoryColumns, PlotError> {
     table.numbers(columns::TIME.name)?;
-    table.names().iter().map(|name| Ok((name.clone(), table.numbers(name)?))).collect()
+    let numbers = table.names().iter().filter(|name| *name != columns::PHASE.name);
+    numbers.map(|name| Ok((name.clone(), table.numbers(name)?))).collect()
 }

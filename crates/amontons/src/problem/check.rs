@@ -4,6 +4,7 @@ use super::{Fault, Faults, MaterialSample, Problem, ProblemData, Support};
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
+use crate::time::Analysis;
 
 impl ProblemData {
     /// Checks the data and makes them a problem, which does not change any more.
@@ -38,11 +39,20 @@ impl ProblemData {
     }
 
     fn check_time(&self, faults: &mut Vec<Fault>) {
-        if !(self.timeline.end().is_finite() && self.timeline.end() > 0.0) {
-            faults.push(Fault::new("time.end", self.timeline.end().to_string(), "a positive time in s"));
+        let mut start = 0.0;
+        for (i, phase) in self.timeline.phases().enumerate() {
+            let path = if self.timeline.has_phases() { format!("phase[{i}]") } else { "time".to_owned() };
+            if !(phase.end.is_finite() && phase.end > start) {
+                let expected = if i == 0 { "a positive time in s".to_owned() } else { format!("a time after {start}") };
+                faults.push(Fault::new(format!("{path}.end"), phase.end.to_string(), expected));
+            }
+            if phase.steps == 0 {
+                faults.push(Fault::new(format!("{path}.steps"), "0", "at least one step"));
+            }
+            start = phase.end;
         }
-        if self.timeline.steps() == 0 {
-            faults.push(Fault::new("time.steps", "0", "at least one step"));
+        if self.timeline.phases().len() == 0 {
+            faults.push(Fault::new("phase", "no phase", "at least one"));
         }
     }
 
@@ -69,6 +79,14 @@ impl ProblemData {
         }
     }
 
+    /// What is missing if nothing holds a part of the body in a quasistatic phase, with a hint; `None` if there is no
+    /// such phase.
+    fn without_inertia_in(&self) -> Option<(String, &'static str)> {
+        let phase = self.timeline.phases().find(|phase| phase.analysis == Analysis::Quasistatic)?;
+        let found = format!("no displacement prescribed and no inertia in the quasistatic phase \"{}\"", phase.name);
+        Some((found, "give `displacement` on a side, or `analysis = \"dynamic\"` for this phase"))
+    }
+
     /// Checks that each part of the body with a cell of zero density has a support.
     ///
     /// Likewise a part with a cell of zero heat capacity must have a held temperature. Parts of a pair share supports.
@@ -80,6 +98,7 @@ impl ProblemData {
                 part_of[node as usize] = number;
             }
         }
+        let is_quasistatic = self.without_inertia_in().is_some();
         // Per part: displacement held, temperature held; ρ or c missing.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
@@ -106,16 +125,16 @@ impl ProblemData {
                 let is_zero = |of: &Coefficient<f64>| {
                     cell.iter().all(|&node| self.mesh.points.get(node as usize).is_some_and(|x| of.at(x) == 0.0))
                 };
-                *part = [part[0] || is_zero(&m.density), part[1] || is_zero(&m.heat_capacity)];
+                let is_light = is_quasistatic || is_zero(&m.density);
+                *part = [part[0] || is_light, part[1] || is_zero(&m.heat_capacity)];
             }
         }
+        let (no_support, support) = self.without_inertia_in().unwrap_or_else(|| {
+            let hint = "give `displacement` on a side, or a positive material.density";
+            ("no displacement prescribed and density 0".to_owned(), hint)
+        });
         for (what, found, expected, hint) in [
-            (
-                0,
-                "no displacement prescribed and density 0",
-                "a part Γ_D that holds the body",
-                "give `displacement` on a side, or a positive material.density",
-            ),
+            (0, &*no_support, "a part Γ_D that holds the body", support),
             (
                 1,
                 "no temperature prescribed and heat_capacity 0",

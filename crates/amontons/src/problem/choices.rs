@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::{Coupling, ProblemData};
 use crate::contact::{Contact, Quadrature};
 use crate::material::Dilatation;
-use crate::time::TimeScheme;
+use crate::time::{Instant, TimePhase, TimeScheme};
+use crate::units::Measure;
 
 /// A choice: its subject, the value taken, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,6 +42,7 @@ impl ProblemData {
             }
         };
         let mut all = vec![scheme];
+        all.extend(self.choice_of_phases());
         all.extend(self.choice_of_impacts());
         all.extend(self.chosen.iter().cloned());
         if self.physics.has_mechanics() && self.physics.has_heat() {
@@ -69,6 +71,19 @@ impl ProblemData {
             all.push(Choice::new("quadrature", value, why));
         }
         all
+    }
+
+    /// The phases with their steps, if the run has them.
+    fn choice_of_phases(&self) -> Option<Choice> {
+        let timeline = &self.timeline;
+        let write = |t: f64| self.units().write(t, Measure::Time);
+        let of = |(phase, end): (&TimePhase, Instant)| {
+            let TimePhase { name, steps, analysis, .. } = phase;
+            format!("{name}: {steps} {} steps of {} to {}", analysis.name(), write(end.k), write(end.t))
+        };
+        let names: Vec<&str> = timeline.phases().map(|phase| phase.name.as_str()).collect();
+        let all: Vec<String> = timeline.phases().zip(timeline.ends_from(0)).map(of).collect();
+        timeline.has_phases().then(|| Choice::new("phases", names.join(", "), all.join("; ")))
     }
 
     /// How impacts on rigid foundations rebound, if the scheme has them.

@@ -253,8 +253,13 @@ impl Problem {
         Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
     }
 
-    /// Returns the problem with each material replaced. The new ones must have laws on the same strains and the same
-    /// densities.
+    /// Returns the problem with all densities zero, as a quasistatic phase has it; loads stay.
+    pub(crate) fn without_inertia(&self) -> Problem {
+        self.with_materials(|material| Material { density: 0.0.into(), ..material.clone() })
+    }
+
+    /// Returns the problem with each material replaced. The new ones must have laws on the same strains, and the same
+    /// densities or none.
     pub(crate) fn with_materials(&self, other: impl Fn(&Material) -> Material) -> Problem {
         let materials = self.materials.iter().map(other).collect();
         Problem(ProblemData { materials, ..self.0.clone() })

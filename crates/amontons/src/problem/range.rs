@@ -78,7 +78,7 @@ impl ProblemData {
     /// overflow nor underflow.
     pub(super) fn check_range(&self, faults: &mut Vec<Fault>) {
         // Steps without length are reported elsewhere.
-        if !self.timeline.longest().is_normal() {
+        if ![self.timeline.shortest(), self.timeline.longest()].iter().all(|k| k.is_normal()) {
             return;
         }
         let Scales { stress, displacement, velocity, temperature, flux, energy, matrices } = self.scales();
@@ -204,7 +204,7 @@ impl ProblemData {
 
     /// The orders of magnitude of a run: the response of the body to its loads and prescribed values.
     fn scales(&self) -> Scales {
-        let (mesh, k) = (&*self.mesh, self.timeline.longest());
+        let (mesh, k) = (&*self.mesh, [self.timeline.shortest(), self.timeline.longest()]);
         let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
         let of =
             |role: DatumRole| largest(data.iter().filter(|datum| datum.role == role).map(|datum| self.scale_of(datum)));
@@ -256,22 +256,24 @@ impl ProblemData {
     }
 }
 
-/// The largest entries of K_u with ρ, 𝓥, 𝓔 and the stiffness of contact, and of K_θ with c, 𝓚 and the conductance.
+/// The largest entries of K_u with ρ, 𝓥, 𝓔 and the stiffness of contact, and of K_θ with c, 𝓚 and the conductance, for
+/// the shortest and the longest step.
 fn entries(
     mesh: &Mesh,
-    k: f64,
+    steps: [f64; 2],
     of_u: [Option<KeyMagnitude>; 4],
     of_theta: [Option<KeyMagnitude>; 3],
 ) -> [Option<KeyMagnitude>; 2] {
     let ([density, viscous, elastic, contact], [capacity, conductivity, conductance]) = (of_u, of_theta);
-    let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
+    let h = power(mesh.spacing()).unwrap_or(0.0);
+    let [shortest, k] = steps.map(|k| power(k).unwrap_or(0.0));
     let dim = mesh.tensor_dim() as f64;
     let [volume, side, edge] = [dim, dim - 1.0, dim - 2.0].map(|d| d * h);
-    let (inertia, stiffness) = (density.map(|s| s.times(volume - k)), elastic.map(|s| s.times(edge + k)));
+    let (inertia, stiffness) = (density.map(|s| s.times(volume - shortest)), elastic.map(|s| s.times(edge + k)));
     [
         largest([inertia, viscous.map(|s| s.times(edge)), stiffness, contact.map(|s| s.times(side + k))]),
         largest([
-            capacity.map(|s| s.times(volume - k)),
+            capacity.map(|s| s.times(volume - shortest)),
             conductivity.map(|s| s.times(edge)),
             conductance.map(|s| s.times(side)),
         ]),

@@ -1,7 +1,5 @@
 //! Backward Euler for Problem 4.1.
 
-mod back;
-
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -15,18 +13,16 @@ use crate::equation::bodies::{Apart, Bodies};
 use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{HalfStep, Products, Step};
-use crate::equation::systems::Systems;
+use crate::equation::systems::{Cache, SystemError, Systems};
 use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
-use crate::inclusion::{Loose, Multipliers, PointState};
-use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
+use crate::inclusion::{Multipliers, PointState};
+use crate::linalg::{Backend, dot};
 use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
 use crate::state::{Accumulated, Carried, ContactReport, Counts, Ledger, Reactions, State, StepReport};
 use crate::tensor;
-use crate::time::Interval;
+use crate::time::{Analysis, HALVINGS, Instant, Interval, Rule};
 
-/// Largest number of halvings of a step that does not converge or may have several solutions.
-const HALVINGS: usize = 5;
 /// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
 /// Motion in a step, relative to the displacement, below which its sense does not matter.
@@ -41,16 +37,9 @@ const MOVES: f64 = 1e-6;
 pub struct March {
     problem: Problem,
     discrete: Arc<Discretization>,
-    backend: Arc<dyn Backend>,
-    /// Temperature at which matrices are factorized first.
-    start: Vec<f64>,
-    systems: Systems,
-    /// Rigid motions of the parts that are supported by contact only.
-    loose: Arc<Loose>,
-    /// Systems of halved steps: k/2, k/4 and so on, kept while steps are halved.
-    halved: Vec<Systems>,
-    /// Factorizations of discarded systems: of the matrices and of contact systems.
-    given_up: [usize; 2],
+    /// The systems of the phases that have begun and are not over, or that a later phase has, too, and those of halved
+    /// steps, k/2, k/4 and so on, while steps are halved.
+    cache: Cache,
     /// Products that one step computes and the next one needs, with the state they belong to.
     products: Option<Products>,
     /// Bodies whose rigid motions are split off, made at first use, or `None` if they cannot be.
@@ -64,8 +53,9 @@ pub struct March {
 }
 
 impl March {
-    /// Assembles and factorizes. No other factorization is made in a run if all laws of the body are linear and no step
-    /// is halved.
+    /// Assembles, and factorizes for the first phase. A later phase makes its matrices when it begins, if no phase
+    /// before had its step length and analysis. No other factorization is made in a run if all laws of the body are
+    /// linear and no step is halved.
     ///
     /// # Errors
     /// If a system is singular or does not fit into memory.
@@ -95,20 +85,13 @@ impl March {
         discrete: &Arc<Discretization>,
         backend: &Arc<dyn Backend>,
     ) -> Result<March, SetupError> {
-        let (k, start) = (problem.timeline.longest(), first_temperature(problem, discrete));
-        let systems = Systems::factorize(problem, discrete, (k, &start), backend)
-            .map_err(|(part, source)| SetupError::Factor { part, source })?;
+        let mut cache = Cache::new(backend, first_temperature(problem, discrete));
+        let made = cache.systems(problem, discrete, rule_of(problem, &problem.timeline.instant(1)));
+        made.map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(March {
             problem: problem.clone(),
             discrete: Arc::clone(discrete),
-            backend: Arc::clone(backend),
-            start,
-            loose: Arc::new(
-                systems.mechanics.as_ref().map_or_else(Loose::default, |half| half.motions(problem, discrete)),
-            ),
-            systems,
-            halved: Vec::new(),
-            given_up: [0; 2],
+            cache,
             products: None,
             bodies: OnceLock::new(),
             pulse: Pulse::default(),
@@ -117,14 +100,14 @@ impl March {
         })
     }
 
-    /// Numbers stored by both factors.
+    /// Numbers stored by all factors.
     #[must_use]
     pub fn stored(&self) -> usize {
-        self.systems.all().map(System::stored).sum()
+        self.cache.stored()
     }
 
     /// Advances a state to t, a part 2^−halvings of the step n, in halves if necessary.
-    fn advance(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
+    fn advance(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
         let made = self.attempt(old, n, t, halvings);
         self.refine(made, old, n, t, halvings)
     }
@@ -138,7 +121,7 @@ impl March {
         old: &State,
         n: usize,
         t: f64,
-        halvings: usize,
+        halvings: u32,
     ) -> Result<(State, StepReport), StepError> {
         let again = match &made {
             Ok((_, report)) => report.is_ambiguous,
@@ -180,22 +163,59 @@ impl March {
         made
     }
 
-    /// Factorizes for parts of 2^−halvings of a step.
+    /// The rule of a part 2^−halvings of step n.
+    fn rule(&self, n: usize, halvings: u32) -> Rule {
+        let now = self.problem.timeline.instant(n);
+        now.analysis.rule(self.problem.scheme, now.k / f64::from(1u32 << halvings))
+    }
+
+    /// Factorizes for step n and for its parts of ½ … 2^−halvings.
     ///
     /// # Errors
-    /// Those of [`Systems::factorize`].
-    fn halve(&mut self, halvings: usize) -> Result<(), (&'static str, SolveError)> {
-        while self.halved.len() < halvings {
-            let k = self.halved.last().unwrap_or(&self.systems).rule.k / 2.0;
-            self.halved.push(Systems::factorize(&self.problem, &self.discrete, (k, &self.start), &self.backend)?);
+    /// Those of [`Cache::systems`].
+    fn halve(&mut self, n: usize, halvings: u32) -> Result<(), SystemError> {
+        for rule in (0..=halvings).map(|halvings| self.rule(n, halvings)).collect::<Vec<_>>() {
+            self.cache.systems(&self.problem, &self.discrete, rule)?;
         }
         Ok(())
     }
 
+    /// Drops the systems that neither the phase of a step nor a later one needs, among them those of halved steps.
+    fn drop_others(&mut self, now: &Instant) {
+        let rules: Vec<Rule> =
+            self.problem.timeline.ends_from(now.phase).map(|end| rule_of(&self.problem, &end)).collect();
+        self.cache.keep_only(|rule| rules.contains(rule));
+    }
+
+    /// The state from which a step starts: that at the end of the step before, at rest if a quasistatic phase ended
+    /// there and a dynamic one begins.
+    fn begun<'s>(&mut self, old: &'s State, now: &Instant) -> Cow<'s, State> {
+        let is_quasistatic = |n: usize| self.problem.timeline.instant(n).analysis == Analysis::Quasistatic;
+        let rests = old.step > 0 && is_quasistatic(old.step) && now.analysis == Analysis::Dynamic;
+        // Only backward Euler splits off rigid motions.
+        let is_split = !old.carried.rigid.is_empty() && !rule_of(&self.problem, now).is_at_end();
+        if !rests && !is_split {
+            return Cow::Borrowed(old);
+        }
+        let mut begun = old.clone();
+        if rests {
+            begun.w.fill(0.0);
+            begun.surface.advance_rate.fill(0.0);
+        }
+        if is_split {
+            begun.carried = Carried::default();
+        }
+        self.products = None;
+        Cow::Owned(begun)
+    }
+
     /// True if the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
-        self.halve(HALVINGS).map_err(|(_, source)| StepError::Singular { step: n, t: end.t, source })?;
-        let Some(Systems { rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
+        let singular = |(_, source)| StepError::Singular { step: n, t: end.t, source };
+        self.halve(n, HALVINGS).map_err(singular)?;
+        let rule = self.rule(n, HALVINGS);
+        let made = self.cache.systems(&self.problem, &self.discrete, rule).map_err(singular)?;
+        let Systems { mechanics: Some(mechanics), loose, .. } = made else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, rule.time([old.t, end.t]));
         let boundary = boundary_at(&self.discrete, &self.problem, old);
@@ -210,11 +230,11 @@ impl March {
             n,
             t: end.t,
             level: rule.time([old.t, end.t]),
-            rule: *rule,
+            rule,
             apart: None,
             may_be_halved: false,
             pulse: &self.pulse,
-            loose: &self.loose,
+            loose,
             inputs: &self.inputs,
         };
         Mechanics::is_unique(&now, mechanics, end)
@@ -222,7 +242,7 @@ impl March {
 
     /// Makes a step, or a part of it, as a whole. If round-off of the displacement may have caused a failure, the rigid
     /// motions of bodies are split off from their deformation, in this and all later steps.
-    fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
+    fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
         let is_noise = |error: &StepError| match error {
             StepError::Residual { part, .. } => *part == "mechanics",
             StepError::NotConverged { part, why, .. } => *part == "mechanics" && why.residual < NOISE,
@@ -233,7 +253,7 @@ impl March {
         }
         let made = self.make_step(old, n, t, halvings);
         let Err(error) = made else { return made };
-        if !old.carried.rigid.is_empty() || !self.systems.rule.is_at_end() || !is_noise(&error) {
+        if !old.carried.rigid.is_empty() || !self.rule(n, halvings).is_at_end() || !is_noise(&error) {
             return Err(error);
         }
         let is_axisymmetric = self.discrete.mesh.axisymmetric;
@@ -250,18 +270,19 @@ impl March {
     }
 
     /// Makes a step, or a part of it, as a whole.
-    fn make_step(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
-        self.halve(halvings).map_err(|(_, source)| StepError::Singular { step: n, t, source })?;
+    fn make_step(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
+        let singular = |(_, source)| StepError::Singular { step: n, t, source };
+        self.halve(n, halvings).map_err(singular)?;
+        let rule = self.rule(n, halvings);
         let products = self
             .products
             .take()
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
-        let Self { problem, discrete, systems, halved, bodies, loose, pulse, is_patient, inputs, .. } = self;
+        let Self { problem, discrete, cache, bodies, pulse, is_patient, inputs, .. } = self;
         let is_patient = *is_patient;
         pulse.begin_part();
-        let Systems { rule, mechanics, heat } =
-            halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
+        let Systems { mechanics, heat, loose, .. } = cache.systems(problem, discrete, rule).map_err(singular)?;
         let level = rule.time([old.t, t]);
         let contacts = contacts_at(problem, level);
         let boundary = boundary_at(discrete, problem, old);
@@ -276,7 +297,7 @@ impl March {
             n,
             t,
             level,
-            rule: *rule,
+            rule,
             apart: bodies
                 .get()
                 .and_then(Option::as_ref)
@@ -408,6 +429,11 @@ fn is_reversed(start: &State, end: &State) -> bool {
     moves && product < 0.0 && before + 2.0 * product + after < 0.25 * before.max(after)
 }
 
+/// The rule of a step.
+fn rule_of(problem: &Problem, now: &Instant) -> Rule {
+    now.analysis.rule(problem.scheme, now.k)
+}
+
 /// θ₀ at the nodes: the initial data, or the prescribed temperature.
 fn first_temperature(problem: &Problem, discrete: &Discretization) -> Vec<f64> {
     match problem.physics {
@@ -509,15 +535,18 @@ impl Scheme for March {
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
-        let n = old.step + 1;
+        let now = self.problem.timeline.instant(old.step + 1);
         self.pulse.begin_step();
-        let (mut state, report) = self
-            .advance(old, n, self.problem.timeline.time(n), 0)
-            .map_err(|error| datum::named(&self.problem, old, error))?;
+        if self.problem.timeline.ends_phase(old.step) {
+            self.drop_others(&now);
+        }
+        let old = &*self.begun(old, &now);
+        let made = self.advance(old, now.n, now.t, 0);
+        let (mut state, report) = made.map_err(|error| datum::named(&self.problem, old, error))?;
         if report.parts > 1 {
             state.counts.halved_steps += 1;
         } else {
-            self.discard_halved(0);
+            self.drop_others(&now);
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
@@ -527,51 +556,26 @@ impl Scheme for March {
     }
 
     fn solvers(&self) -> Solvers {
-        let halved = self.halved.iter().map(Systems::factorizations);
-        let factorizations = halved
-            .fold(self.given_up, |[matrices, contacts], [matrix, contact]| [matrices + matrix, contacts + contact]);
-        let own = self.systems.solvers();
-        Solvers { factorizations: std::array::from_fn(|i| own.factorizations[i] + factorizations[i]), ..own }
+        self.cache.solvers()
     }
 
     fn kept(&self) -> Kept {
-        let all = || std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
-        let halves = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::halves);
-        let of = |half: &Option<HalfStep>, components: usize| {
-            let choice = half.as_ref()?.system.choice()?;
-            let Choice { why, may_change, .. } = choice.clone();
-            Some(Decided { components, direct: choice.is_direct(), why, may_change })
-        };
-        let Systems { mechanics, heat, .. } = &self.systems;
-        let solvers = [of(mechanics, self.discrete.mesh.dim), of(heat, 1)].into_iter().flatten().collect();
-        Kept {
-            halvings: self.halved.len(),
-            temperatures: halves.map(|half| half.at.clone()).collect(),
-            tangents: all().map(|system| system.condensed().kept()).collect(),
-            solvers,
-            accounts: all().map(|system| system.condensed().account()).collect(),
-        }
+        self.cache.kept(self.discrete.mesh.dim)
     }
 
     fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
-        self.halve(kept.halvings.min(HALVINGS)).map_err(|(part, source)| SetupError::Factor { part, source })?;
-        let mut temperatures = kept.temperatures.iter();
-        for systems in std::iter::once(&mut self.systems).chain(&mut self.halved) {
-            let recalled = systems.recall(&self.discrete, &mut temperatures);
-            recalled.map_err(|(part, source)| SetupError::Factor { part, source })?;
+        // At t = 0 nothing is kept.
+        if kept.rules.is_empty() {
+            return Ok(());
         }
-        for (i, system) in
-            std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut).enumerate()
-        {
-            let condensed = system.condensed_mut();
-            kept.tangents.get(i).into_iter().for_each(|kept| condensed.recall(kept));
-            kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
-        }
-        Ok(())
+        let made = self.cache.recall(&self.problem, &self.discrete, kept);
+        made.map_err(|(part, source)| SetupError::Factor { part, source })
     }
 
     fn go_back(&mut self, kept: &Kept) -> Result<(), SetupError> {
-        self.back_to(kept)
+        self.products = None;
+        let made = self.cache.go_back(&self.problem, &self.discrete, kept);
+        made.map_err(|(part, source)| SetupError::Factor { part, source })
     }
 
     fn take_inputs(&mut self, inputs: &Arc<StepInputs>) -> bool {

@@ -6,6 +6,7 @@ mod datum;
 mod linearised;
 mod march;
 
+pub use crate::equation::{Kept, KeptRule};
 pub use march::March;
 
 use std::fmt;
@@ -13,28 +14,10 @@ use std::sync::Arc;
 
 use crate::discretization::Discretization;
 use crate::equation::{SetupError, Solvers, StepError, StepInputs};
-use crate::linalg::{Account, Backend, Decided, TangentKey};
+use crate::linalg::Backend;
 use crate::problem::Problem;
 use crate::pulse::Pulse;
 use crate::state::{State, StepReport};
-
-/// Factorizations that a scheme keeps between steps, and the chosen solvers, so that a resumed run has the same bits
-/// and counts as one without a break.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Kept {
-    /// Number of step lengths k/2, k/4, … that have matrices.
-    pub halvings: usize,
-    /// Temperature of each system whose matrix was refactorized for it; empty for others.
-    #[serde(default)]
-    pub temperatures: Vec<Vec<f64>>,
-    /// The tangents on Γ_C of each system.
-    pub tangents: Vec<Vec<TangentKey>>,
-    /// Solvers of the systems that the program has chosen.
-    pub solvers: Vec<Decided>,
-    /// The work of the iteration of each system.
-    #[serde(default)]
-    pub accounts: Vec<Account>,
-}
 
 /// Makes the scheme that steps a problem with these forms through time, with the backend that solves its linear
 /// systems: the setting of runs and studies, [`March::make`] by default.

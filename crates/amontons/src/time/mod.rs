@@ -1,9 +1,13 @@
 //! Time: the instants of a run, and the rule by which a step goes from one to the next.
 
+mod analysis;
+mod phase;
 mod rule;
 mod scheme;
 mod timeline;
 
+pub use analysis::Analysis;
+pub use phase::TimePhase;
 pub use rule::{ContactRule, FrictionRule, PressureRule, Rule};
 pub use scheme::TimeScheme;
-pub use timeline::{Instant, Interval, Timeline};
+pub use timeline::{HALVINGS, Instant, Interval, Timeline};

@@ -1,5 +1,7 @@
 //! The rule in time: the unknown of a step, and how it enters displacements and accelerations.
 
+use super::analysis::Analysis;
+
 /// The rule of a step from t₀ to t₁ = t₀ + k. Its unknown x is the velocity at t_ϑ = t₀ + ϑk:
 ///
 /// u_ϑ = u₀ + γ x and ẇ = (x − w₀)/δ, so that the step solves M (x − w₀)/δ + B x + A (u₀ + γ x) + … = f(t_ϑ).
@@ -17,6 +19,8 @@ pub struct Rule {
     pub level: f64,
     /// How the laws of contact hold in the step, or `None` if all of them hold at its end.
     pub contact: Option<ContactRule>,
+    /// Whether inertia acts.
+    pub analysis: Analysis,
 }
 
 /// How the laws of contact hold in a step of the ϑ-scheme.
@@ -55,13 +59,23 @@ impl Rule {
     /// ϑ = 1 it is backward Euler.
     #[must_use]
     pub fn theta(k: f64, theta: f64, contact: ContactRule) -> Rule {
-        Rule { k, gamma: theta * k, delta: theta * k, level: theta, contact: Some(contact) }
+        let (gamma, delta) = (theta * k, theta * k);
+        Rule { k, gamma, delta, level: theta, contact: Some(contact), analysis: Analysis::Dynamic }
     }
 
     /// Backward Euler with step length k: γ = δ = k, and the equations hold at the end of the step.
     #[must_use]
     pub fn backward_euler(k: f64) -> Rule {
-        Rule { k, gamma: k, delta: k, level: 1.0, contact: None }
+        Rule { k, gamma: k, delta: k, level: 1.0, contact: None, analysis: Analysis::Dynamic }
+    }
+
+    /// The density that acts in the step: 0 if inertia does not act.
+    #[must_use]
+    pub fn inertia(&self, rho: f64) -> f64 {
+        match self.analysis {
+            Analysis::Dynamic => rho,
+            Analysis::Quasistatic => 0.0,
+        }
     }
 
     /// Returns true if the equations hold at the end of the step.

@@ -1,6 +1,7 @@
 //! The schemes of a run.
 
-use super::{ContactRule, Rule};
+use super::analysis::Analysis;
+use super::rule::{ContactRule, Rule};
 
 /// A scheme in time: it states the rule of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +40,18 @@ impl TimeScheme {
         match self {
             TimeScheme::BackwardEuler => "backward Euler",
             TimeScheme::Theta { .. } => "ϑ-scheme",
+        }
+    }
+}
+
+impl Analysis {
+    /// The rule of a step of length `k` in s: that of the scheme, or backward Euler without inertia. Without inertia
+    /// the ϑ-scheme with ϑ < 1 would keep every deviation from balance, with the other sign after each step.
+    #[must_use]
+    pub fn rule(self, scheme: TimeScheme, k: f64) -> Rule {
+        match self {
+            Analysis::Dynamic => scheme.rule(k),
+            Analysis::Quasistatic => Rule { analysis: self, ..Rule::backward_euler(k) },
         }
     }
 }

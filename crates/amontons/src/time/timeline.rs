@@ -1,20 +1,44 @@
 //! The instants t_0 = 0 < t_1 < … < t_N = T of a run.
 
-/// The instants of a run: N equal steps from 0 to T.
+use std::sync::Arc;
+
+use super::analysis::Analysis;
+use super::phase::TimePhase;
+
+/// Difference of two step lengths, relative to one of them, that counts as round-off.
+const SAME: f64 = 4.0 * f64::EPSILON;
+/// Largest number of halvings of a step.
+pub const HALVINGS: u32 = 5;
+
+/// The instants of a run: phases, one after the other, each with equal steps.
 ///
-/// All other modules take the start and length of a step from here, so that only this type knows that steps are equal.
+/// All other modules take the start and length of a step from here, so that only this type knows which steps are equal.
 ///
 /// ```
-/// use amontons::time::Timeline;
+/// use amontons::time::{TimePhase, Timeline};
 ///
 /// let timeline = Timeline::equal(2.0, 8);
 /// assert_eq!(timeline.time(8), 2.0);
 /// assert_eq!(timeline.instants().map(|now| now.k).sum::<f64>(), timeline.end());
+///
+/// let phases = Timeline::in_phases(vec![TimePhase::quasistatic("press", 1.0, 2), TimePhase::dynamic("spin", 1.5, 50)]);
+/// assert_eq!((phases.steps(), phases.time(2), phases.instant(3).k), (52, 1.0, 0.01));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Timeline {
-    end: f64,
-    steps: usize,
+    spans: Arc<[PhaseSpan]>,
+    has_phases: bool,
+}
+
+/// A phase in its run.
+#[derive(Clone, Debug, PartialEq)]
+struct PhaseSpan {
+    phase: TimePhase,
+    /// Time at its start, s, and number of steps before.
+    start: f64,
+    first: usize,
+    /// Length of its steps, s.
+    k: f64,
 }
 
 /// The end of a step.
@@ -24,8 +48,12 @@ pub struct Instant {
     pub n: usize,
     /// t_n in s.
     pub t: f64,
-    /// Length t_n − t_{n−1} of the step, s.
+    /// Length of the step, s: t_n − t_{n−1} to round-off.
     pub k: f64,
+    /// Index of the phase of the step.
+    pub phase: usize,
+    /// Whether inertia acts in the step.
+    pub analysis: Analysis,
 }
 
 /// The times of a step, s.
@@ -39,67 +67,226 @@ pub struct Interval {
     pub level: f64,
 }
 
+impl PhaseSpan {
+    fn time(&self, n: usize) -> f64 {
+        let share = n.saturating_sub(self.first) as f64 / self.phase.steps as f64;
+        // The end is hit to the last bit.
+        if n == self.first + self.phase.steps { self.phase.end } else { self.start + self.length() * share }
+    }
+
+    fn length(&self) -> f64 {
+        self.phase.end - self.start
+    }
+
+    /// Time at the end over the number of steps, whose round-off is that of the step length.
+    fn mean(&self) -> f64 {
+        self.phase.end / self.phase.steps as f64
+    }
+
+    fn instant(&self, n: usize, phase: usize) -> Instant {
+        Instant { n, t: self.time(n), k: self.k, phase, analysis: self.phase.analysis }
+    }
+}
+
 impl Timeline {
     /// N equal steps to T, in s.
     #[must_use]
     pub fn equal(end: f64, steps: usize) -> Timeline {
-        Timeline { end, steps }
+        Timeline::of(vec![TimePhase::dynamic("", end, steps)], false)
+    }
+
+    /// Phases, one after the other. Steps of phases whose lengths differ by round-off have the same length to the bit,
+    /// so that they share their systems.
+    #[must_use]
+    pub fn in_phases(phases: Vec<TimePhase>) -> Timeline {
+        Timeline::of(phases, true)
+    }
+
+    fn of(phases: Vec<TimePhase>, has_phases: bool) -> Timeline {
+        let mut spans: Vec<PhaseSpan> = Vec::with_capacity(phases.len());
+        for phase in phases {
+            let (start, first) = spans.last().map_or((0.0, 0), |span| (span.phase.end, span.first + span.phase.steps));
+            let k = (phase.end - start) / phase.steps as f64;
+            let mut span = PhaseSpan { phase, start, first, k };
+            let same = spans.iter().find(|other| (other.k - k).abs() <= SAME * other.mean().max(span.mean()));
+            span.k = same.map_or(k, |other| other.k);
+            spans.push(span);
+        }
+        Timeline { spans: spans.into(), has_phases }
+    }
+
+    /// The phases; one without a name if the run has none.
+    pub fn phases(&self) -> impl DoubleEndedIterator<Item = &TimePhase> + ExactSizeIterator {
+        self.spans.iter().map(|span| &span.phase)
+    }
+
+    /// True if the run is made of phases that have names.
+    #[must_use]
+    pub fn has_phases(&self) -> bool {
+        self.has_phases
+    }
+
+    /// The phase in which step n is made, or `None` in a run without phases. The state at t = 0 counts to the first
+    /// one.
+    #[must_use]
+    pub fn phase_of(&self, n: usize) -> Option<&TimePhase> {
+        let (_, span) = self.span(n)?;
+        self.has_phases.then_some(&span.phase)
+    }
+
+    /// True if a phase ends with step n.
+    #[must_use]
+    pub fn ends_phase(&self, n: usize) -> bool {
+        self.spans.iter().any(|span| n > 0 && n == span.first + span.phase.steps)
+    }
+
+    /// The last step of each phase; empty in a run without phases.
+    #[must_use]
+    pub fn phase_ends(&self) -> Vec<usize> {
+        let spans: &[PhaseSpan] = if self.has_phases { &self.spans } else { &[] };
+        spans.iter().map(|span| span.first + span.phase.steps).collect()
+    }
+
+    /// The phase of step n with its index. Steps after the end belong to the last one.
+    fn span(&self, n: usize) -> Option<(usize, &PhaseSpan)> {
+        let is_in = |(_, span): &(usize, &PhaseSpan)| n <= span.first + span.phase.steps;
+        self.spans.iter().enumerate().find(is_in).or_else(|| self.spans.iter().enumerate().next_back())
     }
 
     /// T in s.
     #[must_use]
     pub fn end(&self) -> f64 {
-        self.end
+        self.spans.last().map_or(0.0, |span| span.phase.end)
     }
 
     /// Number N of steps.
     #[must_use]
     pub fn steps(&self) -> usize {
-        self.steps
+        self.spans.last().map_or(0, |span| span.first + span.phase.steps)
     }
 
-    /// t_n in s, with t_N = T to the last bit.
+    /// t_n in s, with the ends of all phases to the last bit.
     #[must_use]
     pub fn time(&self, n: usize) -> f64 {
-        if n == 0 { 0.0 } else { self.end * (n as f64 / self.steps as f64) }
+        if n == 0 { 0.0 } else { self.span(n).map_or(0.0, |(_, span)| span.time(n)) }
     }
 
     /// The end of step n.
     #[must_use]
     pub fn instant(&self, n: usize) -> Instant {
-        Instant { n, t: self.time(n), k: self.longest() }
+        let none = Instant { n, t: 0.0, k: 0.0, phase: 0, analysis: Analysis::Dynamic };
+        self.span(n).map_or(none, |(phase, span)| span.instant(n, phase))
     }
 
     /// The ends of all steps.
     pub fn instants(&self) -> impl Iterator<Item = Instant> {
-        let timeline = *self;
-        (1..=self.steps).map(move |n| timeline.instant(n))
+        let timeline = self.clone();
+        (1..=self.steps()).map(move |n| timeline.instant(n))
+    }
+
+    /// The last step of each phase from the given one on, whose `k` and `analysis` are those of all steps of the phase.
+    pub fn ends_from(&self, phase: usize) -> impl Iterator<Item = Instant> {
+        let spans = self.spans.iter().enumerate().skip(phase);
+        spans.map(|(phase, span)| span.instant(span.first + span.phase.steps, phase))
     }
 
     /// Length of the longest step, s.
     #[must_use]
     pub fn longest(&self) -> f64 {
-        self.end / self.steps as f64
+        self.spans.iter().map(|span| span.k).reduce(f64::max).unwrap_or(0.0)
+    }
+
+    /// The last step of a phase with the longest steps, for each analysis of the run in the order of the phases.
+    #[must_use]
+    pub fn longest_steps(&self) -> Vec<Instant> {
+        let mut all: Vec<Instant> = Vec::new();
+        for end in self.ends_from(0) {
+            match all.iter_mut().find(|other| other.analysis == end.analysis) {
+                Some(other) if end.k > other.k => *other = end,
+                Some(_) => {}
+                None => all.push(end),
+            }
+        }
+        all
+    }
+
+    /// Number of step lengths with their analyses, each of which has its own systems.
+    #[must_use]
+    pub fn lengths(&self) -> usize {
+        let mut all: Vec<(u64, Analysis)> = self.ends_from(0).map(|end| (end.k.to_bits(), end.analysis)).collect();
+        all.sort_by_key(|(k, analysis)| (*k, analysis.name()));
+        all.dedup();
+        all.len()
+    }
+
+    /// True if inertia does not act in some phase.
+    #[must_use]
+    pub fn is_quasistatic_somewhere(&self) -> bool {
+        self.phases().any(|phase| phase.analysis == Analysis::Quasistatic)
+    }
+
+    /// Length of the shortest step, s.
+    #[must_use]
+    pub fn shortest(&self) -> f64 {
+        self.spans.iter().map(|span| span.k).reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// True if all steps have one length.
+    #[must_use]
+    pub fn is_equal(&self) -> bool {
+        self.spans.iter().all(|span| is_same(span.k, self.longest()))
     }
 
     /// The timeline with each step divided into `parts` equal steps.
     #[must_use]
     pub fn refined(&self, parts: usize) -> Timeline {
-        Timeline::equal(self.end, self.steps * parts)
+        let phases = self.phases().map(|phase| TimePhase { steps: phase.steps * parts, ..phase.clone() });
+        Timeline::of(phases.collect(), self.has_phases)
     }
 
-    /// At most `most` instants that are spread over the run, and its end; t_0 is the first of them.
+    /// Number of equal parts into which each step of this timeline divides the steps of `coarse`, or `None` if their
+    /// steps do not nest.
+    #[must_use]
+    pub fn parts_of(&self, coarse: &Timeline) -> Option<usize> {
+        let parts = self.steps().checked_div(coarse.steps()).filter(|parts| *parts > 0)?;
+        let is_nested = |(fine, coarse): (&PhaseSpan, &PhaseSpan)| {
+            fine.phase.steps == parts * coarse.phase.steps && is_same(fine.phase.end, coarse.phase.end)
+        };
+        let same = self.spans.len() == coarse.spans.len() && self.spans.iter().zip(&*coarse.spans).all(is_nested);
+        same.then_some(parts)
+    }
+
+    /// At most `most` instants that are spread over the run, and its end; t_0 is the first of them. In a run of phases
+    /// each phase has its share of `most`, and all ends of phases are among them.
     #[must_use]
     pub fn spread(&self, most: usize) -> Vec<f64> {
-        let every = self.steps.div_ceil(most.max(1)).max(1);
-        (0..self.steps).step_by(every).chain([self.steps]).map(|n| self.time(n)).collect()
+        let share = (most / self.spans.len().max(1)).max(1);
+        let of = |span: &PhaseSpan| {
+            let every = span.phase.steps.div_ceil(share).max(1);
+            let (from, to) = (span.first, span.first + span.phase.steps);
+            (from..to).step_by(every).collect::<Vec<usize>>()
+        };
+        self.spans.iter().flat_map(of).chain([self.steps()]).map(|n| self.time(n)).collect()
     }
 
-    /// Returns true if the steps have this length, to round-off.
+    /// The length of a step, or of a step halved a few times, that is `k` to round-off, or `k` if none is.
     #[must_use]
-    pub fn has_length(&self, k: f64) -> bool {
-        (self.longest() - k).abs() <= 4.0 * f64::EPSILON * self.longest()
+    pub fn snapped(&self, k: f64) -> f64 {
+        let halves =
+            |span: &PhaseSpan| (0..=HALVINGS).map(|halvings| span.k / f64::from(1u32 << halvings)).collect::<Vec<_>>();
+        self.spans.iter().flat_map(halves).find(|own| is_same(*own, k)).unwrap_or(k)
     }
+
+    /// Returns true if step n has this length, to round-off.
+    #[must_use]
+    pub fn has_length(&self, n: usize, k: f64) -> bool {
+        is_same(self.instant(n).k, k)
+    }
+}
+
+/// True if two positive numbers are the same to round-off.
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a
 }
 
 #[cfg(test)]
@@ -113,8 +300,9 @@ mod tests {
             assert_eq!(timeline.time(0).to_bits(), 0.0f64.to_bits());
             assert_eq!(timeline.time(steps).to_bits(), end.to_bits());
             let mut before = 0.0;
-            for Instant { t, k, .. } in timeline.instants() {
+            for Instant { n, t, k, .. } in timeline.instants() {
                 assert!((t - before - k).abs() <= 4.0 * f64::EPSILON * end, "{t} after {before}");
+                assert_eq!(t.to_bits(), (end * (n as f64 / steps as f64)).to_bits());
                 before = t;
             }
         }
@@ -126,5 +314,55 @@ mod tests {
         assert_eq!(timeline.spread(100).len(), 11);
         assert_eq!(timeline.spread(3), [0.0, 0.4, 0.8, 1.0]);
         assert_eq!(timeline.spread(1), [0.0, 1.0]);
+    }
+
+    fn three() -> Timeline {
+        let all = vec![
+            TimePhase::quasistatic("press", 0.1, 3),
+            TimePhase::dynamic("spin", 0.7, 18),
+            TimePhase::dynamic("cool", 10.7, 4),
+        ];
+        Timeline::in_phases(all)
+    }
+
+    #[test]
+    fn ends_of_phases_are_hit_to_the_bit() {
+        let timeline = three();
+        for (n, end) in [(0, 0.0f64), (3, 0.1), (21, 0.7), (25, 10.7)] {
+            assert_eq!(timeline.time(n).to_bits(), end.to_bits());
+            assert_eq!(timeline.ends_phase(n), n > 0);
+        }
+        let mut before = 0.0;
+        for Instant { n, t, k, phase, analysis } in timeline.instants() {
+            assert!((t - before - k).abs() <= 1e-15 * t && t > before, "{t} after {before}: {k}");
+            let expected = if n <= 3 { 0 } else { 1 + usize::from(n > 21) };
+            assert_eq!((phase, analysis == Analysis::Quasistatic), (expected, n <= 3));
+            before = t;
+        }
+        assert_eq!((timeline.longest(), timeline.is_equal()), (2.5, false));
+        // 0.1 and (0.7 − 0.1)/6 differ in their last bits.
+        let same = Timeline::in_phases(vec![TimePhase::dynamic("a", 0.1, 1), TimePhase::dynamic("b", 0.7, 6)]);
+        assert_eq!(same.instant(2).k.to_bits(), 0.1f64.to_bits());
+        assert_ne!(((0.7f64 - 0.1) / 6.0).to_bits(), 0.1f64.to_bits());
+        // Far from t = 0 the round-off of a step length is that of the times.
+        let far = Timeline::in_phases(vec![
+            TimePhase::dynamic("a", 1000.0, 100_000),
+            TimePhase::dynamic("b", 1000.1, 10),
+            TimePhase::dynamic("c", 1000.2, 20),
+        ]);
+        assert_eq!([1, 100_001].map(|n| far.instant(n).k.to_bits()), [0.01f64.to_bits(); 2]);
+        assert!((far.instant(100_011).k - 0.005).abs() < 1e-12);
+    }
+
+    #[test]
+    fn phases_are_refined_and_spread_each_for_itself() {
+        let (coarse, fine) = (three(), three().refined(4));
+        assert_eq!((fine.steps(), fine.parts_of(&coarse), coarse.parts_of(&fine)), (100, Some(4), None));
+        assert_eq!(fine.time(84).to_bits(), 0.7f64.to_bits());
+        let other =
+            Timeline::in_phases(vec![TimePhase::dynamic("press", 0.1, 6), TimePhase::dynamic("spin", 10.7, 94)]);
+        assert_eq!(other.parts_of(&coarse), None);
+        let spread = coarse.spread(3);
+        assert_eq!(spread, [0.0, 0.1, 0.7, 10.7]);
     }
 }

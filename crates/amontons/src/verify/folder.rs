@@ -279,7 +279,9 @@ impl ResultFiles<'_> {
         if let (Some(history), Some(values)) = (history, history_values(&now)) {
             let last = history.rows.last().map_or(&[][..], Vec::as_slice);
             let pairs = values.iter().zip(last);
-            let same = pairs.filter(|(a, b)| (*a - *b).abs() <= ROUND_OFF * a.abs()).count();
+            // Words are NaN.
+            let is_same = |(a, b): &(&f64, &f64)| (*a - *b).abs() <= ROUND_OFF * a.abs() || a.is_nan() && b.is_nan();
+            let same = pairs.filter(is_same).count();
             found.compare(name, "last row of history.csv against the checkpoint", same as f64, values.len() as f64);
         }
         let text = machine::read_text(&self.folder.join(CONTACT), LONGEST).unwrap_or_default();

@@ -10,6 +10,7 @@ mod faults;
 mod files;
 mod graded_faults;
 mod materials;
+mod phases;
 mod quantities;
 mod reference;
 mod sides;

@@ -309,7 +309,7 @@ const UNITS: &[(&str, &str)] = &[
     ),
     (
         "s",
-        "Branch.time, Check probe.time, Check history.time, Checkpoint.seconds, Preload.until, TableData.time, \
+        "Branch.time, Check probe.time, Check history.time, Checkpoint.seconds, Preload.until, RunPhase.end, TableData.time, \
           TableData.times, Time.end, Viscosity carreau.time",
     ),
     ("s/m", "Normal hunt-crossley.damping"),

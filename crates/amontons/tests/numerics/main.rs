@@ -15,6 +15,7 @@ mod forms;
 mod iterations;
 mod manufactured;
 mod newton;
+mod phases;
 mod pyramids;
 mod refinement;
 mod revolution;

@@ -12,6 +12,7 @@ mod data;
 mod material;
 mod mesh;
 mod obstacle;
+mod phase;
 mod probe;
 mod rigid;
 mod side;
@@ -32,6 +33,7 @@ pub(in crate::case) use material::{
 };
 pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh, Turn};
 pub(in crate::case) use obstacle::{Geometry, Obstacle, ObstacleLoad, Turning};
+pub(in crate::case) use phase::{PhaseAnalysis, RunPhase};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use rigid::Rigid;
 pub(in crate::case) use side::{Locus, Side};
@@ -62,7 +64,12 @@ pub(in crate::case) struct Case {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub side: Vec<Side>,
     /// The time interval (0, end) and its steps.
+    #[serde(default)]
+    #[schemars(extend("x-required-without-phases" = true))]
     pub time: Time,
+    /// Phases of the run, one after the other, one entry per phase; `[time]` then has neither `end` nor `steps`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phase: Vec<RunPhase>,
     /// Material of the body, except in regions with their own.
     pub material: Material,
     /// Regions of the mesh with their own material, one entry per region.
@@ -129,11 +136,13 @@ pub(in crate::case) enum Units {
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Time {
     /// End of the time interval in s.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub end: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-required-without-phases" = true))]
+    pub end: Option<f64>,
     /// Number of equal time steps.
-    #[schemars(range(min = 1, max = 1_000_000_000))]
-    pub steps: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("x-required-without-phases" = true))]
+    pub steps: Option<usize>,
     /// Whether inertia acts, ρü of (2.3).
     ///
     /// With `false` the body is in balance at every time, and the density of no material counts, which may then be
@@ -144,16 +153,35 @@ pub(in crate::case) struct Time {
     #[serde(default)]
     pub scheme: TimeScheme,
     /// Level ϑ of the scheme `theta`: 0.5, the default, is of second order and adds no damping; 1 is backward Euler.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.5, max = 1.0))]
     pub theta: Option<f64>,
     /// Coefficient of restitution e of rigid foundations in the scheme `theta`: 0, the default, for impacts without
     /// rebound, at most (1 − ϑ)/ϑ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub restitution: Option<f64>,
     /// The pressure of a layer in a step of the scheme `theta`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<PressureRule>,
     /// The slip velocity that friction follows in a step of the scheme `theta`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRule>,
+}
+
+impl Default for Time {
+    fn default() -> Time {
+        Time {
+            end: None,
+            steps: None,
+            inertia: true,
+            scheme: TimeScheme::default(),
+            theta: None,
+            restitution: None,
+            pressure: None,
+            friction: None,
+        }
+    }
 }
 
 /// The pressure of a layer in a step of the ϑ-scheme.

@@ -138,7 +138,7 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
          sudden change, and the consistent mass matrix undershoots there",
         units.write(extreme, Measure::Temperature),
         units.write(by, Measure::TemperatureDifference),
-        units.write(problem.timeline.longest(), Measure::Time)
+        units.write(problem.timeline.shortest(), Measure::Time)
     );
     let repair = format!(
         "use finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
@@ -152,7 +152,7 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
             }
             format!(
                 " = {}",
-                units.write((6.0 * problem.timeline.longest() * conductivity / capacity).sqrt(), Measure::Length)
+                units.write((6.0 * problem.timeline.shortest() * conductivity / capacity).sqrt(), Measure::Length)
             )
         })
     );

@@ -17,7 +17,12 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
     let layers = thermal_layers(problem);
     let layer = layers.into_iter().max_by(|a, b| (a.cell / a.end).total_cmp(&(b.cell / b.end)))?;
     // The layer is as deep as a cell after n = (h/δ)² steps.
-    let unresolved = (layer.cell / layer.step).powi(2);
+    let unresolved = if problem.timeline.is_equal() {
+        (layer.cell / layer.step).powi(2)
+    } else {
+        let until = (layer.cell / layer.end).powi(2) * problem.timeline.end();
+        problem.timeline.instants().take_while(|now| now.t < until).count() as f64
+    };
     if unresolved <= SHARE * problem.timeline.steps() as f64 {
         return None;
     }

@@ -15,9 +15,9 @@ use super::super::{OutputError, Snapshot, StressRecovery, owned, surface};
 use super::Folder;
 use crate::problem::Problem;
 
-/// True if a snapshot is due at a step.
-pub(super) fn is_due(every: usize, step: usize) -> bool {
-    every > 0 && step.is_multiple_of(every)
+/// True if a snapshot is due at a step: every so many steps, and at the end of each phase.
+pub(super) fn is_due(every: usize, ends: &[usize], step: usize) -> bool {
+    every > 0 && step.is_multiple_of(every) || ends.contains(&step)
 }
 
 /// Writes the contact points, one row per point.
@@ -76,10 +76,11 @@ impl Folder {
     /// Snapshots that were due or are listed as written are kept, but not one written only because the run ended.
     pub(super) fn keep_snapshots(&mut self, problem: &Problem, step: usize) -> Result<(), OutputError> {
         let (every, passing) = (self.manifest.settings().every, self.manifest.passing());
-        let before = self.manifest.clone();
+        let (before, ends) = (self.manifest.clone(), self.phase_ends.clone());
         let listed: Vec<(&str, Option<&WrittenFile>)> = before.outputs();
         let counts = |n: usize, name: &str| {
-            n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
+            let is_kept = || is_due(every, &ends, n) || listed.iter().any(|(other, _)| *other == name);
+            n <= step && passing != Some(n) && is_kept()
         };
         // A run killed while packing has not listed the packed file with a hash.
         let is_packed = listed.iter().any(|(name, written)| *name == PACKED && written.is_some());
@@ -109,7 +110,7 @@ impl Folder {
                 self.surfaces.push((problem.timeline.time(n), name));
             }
         }
-        let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n));
+        let due = (0..=step).filter(|&n| is_due(every, &ends, n) && passing != Some(n));
         for n in due.filter(|n| !self.snapshots.iter().any(|(other, _)| other == n)) {
             let name = fields_file(n);
             self.notes.push(format!("{name} of the run before is gone; {FIELDS} leaves it out"));

@@ -1,0 +1,85 @@
+//! Phases in the case file: one thing spoiled each, with the exact message; overrides by name.
+
+use crate::common::{spoil, told};
+use amontons::case::{self, Source};
+use amontons::time::{Analysis, TimePhase, Timeline};
+
+const BAR: &str = r#"name = "bar"
+[mesh]
+kind = "interval"
+size = 1.0
+n = 2
+[material]
+density = 1.0
+elasticity = { law = "isotropic", young = 1.0, poisson = 0.0 }
+[[boundary]]
+on = "left"
+displacement = [0]
+[[phase]]
+name = "press"
+end = 1.0
+steps = 4
+analysis = "quasistatic"
+[[phase]]
+name = "spin"
+end = 3.0
+steps = 10
+"#;
+
+/// A test each: `name: "old" => "new" set "KEY=VALUE" "line of the message"… ;`
+macro_rules! spoiled {
+    ($($name:ident: $old:literal => $new:literal $(set $set:literal)* $($line:literal)+;)*) => {
+        $(#[test]
+        fn $name() {
+            let found = told(&Source::new("bar.toml", spoil(BAR, $old, $new)), &[$($set),*]);
+            assert_eq!(found, [$($line),+].join("\n"));
+        })*
+    };
+}
+
+spoiled! {
+    a_time_beside_phases: "[material]" => "[time]\nend = 3.0\nsteps = 12\n[material]"
+        "bar.toml:7:7: time.end: found 3.0 beside phases, expected no such key; remove it: each [[phase]] has its `end`"
+        "bar.toml:8:9: time.steps: found 12 beside phases, expected no such key; remove it: each [[phase]] has its `steps`";
+    an_end_before_the_start: "end = 3.0" => "end = 0.5"
+        "bar.toml:19:7: phase[1].end: found 0.5, expected more than 1.0, the end of the phase before; `end` is a time, not a duration; phases stand in their order";
+    an_end_that_is_the_start: "end = 3.0" => "end = 1.0"
+        "bar.toml:19:7: phase[1].end: found 1.0, expected more than 1.0, the end of the phase before; `end` is a time, not a duration; phases stand in their order";
+    a_name_twice: "\"spin\"" => "\"press\""
+        "bar.toml:18:8: phase[1].name: found \"press\" again, expected a name of its own for each phase";
+    a_name_with_a_comma: "\"spin\"" => "\"spin, fast\""
+        "bar.toml:18:8: phase[1].name: found \"spin, fast\", expected a letter, then letters, digits, `-` and `_`, at most 40; the name is used in files and in --set";
+    a_name_that_is_a_number: "\"spin\"" => "\"1\""
+        "bar.toml:18:8: phase[1].name: found \"1\", expected a letter, then letters, digits, `-` and `_`, at most 40; the name is used in files and in --set";
+    no_steps: "steps = 10" => "steps = 0"
+        "bar.toml:20:9: phase[1].steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps of the phase)";
+    steps_missing: "steps = 10\n" => ""
+        "bar.toml:17:1: phase[1].steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps of the phase)";
+    steps_too_short: "end = 1.0" => "end = 1e-320"
+        "bar.toml:14:7: phase[0].end: found steps of 2.5e-321 s, expected a step length that is a normal number";
+    an_analysis_that_is_unknown: "\"quasistatic\"" => "\"quasi-static\""
+        "bar.toml:16:12: phase[0].analysis: found \"quasi-static\", expected \"dynamic\" or \"quasistatic\" (whether inertia acts in the phase); did you mean \"quasistatic\"?";
+    inertia_left_out_twice: "[material]" => "[time]\ninertia = false\n[material]"
+        "bar.toml:18:12: phase[0].analysis: found \"quasistatic\" with time.inertia = false, expected one of both; remove time.inertia, and say of each phase what acts";
+    a_free_body: "displacement = [0]" => "traction = [1]"
+        "bar.toml:9:3: boundary: found no displacement prescribed and no inertia in the quasistatic phase \"press\", expected a part Γ_D that holds the body; give `displacement` on a side, or `analysis = \"dynamic\"` for this phase";
+    no_phase_of_this_name: "n = 2" => "n = 2" set "phase.brake.steps=3"
+        "--set phase.brake.steps=3: phase.brake.steps: found the key `brake` in an array, expected an index from 0 to 1, or a name: `press`, `spin`";
+    no_time_and_no_phase: "[[phase]]\nname = \"press\"\nend = 1.0\nsteps = 4\nanalysis = \"quasistatic\"\n[[phase]]\nname = \"spin\"\nend = 3.0\nsteps = 10\n" => ""
+        "bar.toml: time: found no such key, expected a table (the time interval (0, end) and its steps)";
+}
+
+#[test]
+fn phases_are_read_and_set_by_name() {
+    let timeline = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|set| (*set).to_owned()).collect();
+        let case = case::parse(&Source::new("bar.toml", BAR), &overrides).unwrap_or_else(|error| panic!("{error}"));
+        case.problem.timeline.clone()
+    };
+    let expected = [TimePhase::quasistatic("press", 1.0, 4), TimePhase::dynamic("spin", 3.0, 10)];
+    assert_eq!(timeline(&[]), Timeline::in_phases(expected.to_vec()));
+    let set = timeline(&["phase.press.steps=20", "phase[1].end=5", "phase.press.analysis=dynamic"]);
+    let expected = [TimePhase::dynamic("press", 1.0, 20), TimePhase::dynamic("spin", 5.0, 10)];
+    assert_eq!(set, Timeline::in_phases(expected.to_vec()));
+    assert_eq!(set.instant(1).analysis, Analysis::Dynamic);
+}
