@@ -248,14 +248,12 @@ impl<'s> Walk<'s> {
         }
         // A key under a wrong name is not a missing key.
         self.doubtful.extend(meant.iter().map(|key| path.key(key)));
-        for key in schema.required() {
+        let required = if self.has_phases { schema.required_with_phases().collect() } else { schema.required() };
+        for key in required {
             if entries.contains_key(key) {
                 continue;
             }
             let (Some(property), at) = (schema.property(key), path.key(key)) else { continue };
-            if self.has_phases && property.is_replaced_by_phases() {
-                continue;
-            }
             if !meant.contains(&key) {
                 self.findings.push(PathFault::new(at.clone(), At::Missing, "no such key", property.expected()));
             }

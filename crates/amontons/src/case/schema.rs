@@ -216,16 +216,16 @@ impl<'s> SchemaView<'s> {
         self.properties().into_iter().flat_map(Map::keys).map(String::as_str).collect()
     }
 
-    /// The keys that a table must have, those among them that a case with phases may leave out.
+    /// The keys that a table must have in a case without phases.
     pub fn required(&self) -> Vec<&'s str> {
         let is_required = |property: &Value| property.get(WITHOUT_PHASES).and_then(Value::as_bool) == Some(true);
         let more = self.properties().into_iter().flatten().filter(|(_, property)| is_required(property));
-        self.list("required").filter_map(Value::as_str).chain(more.map(|(key, _)| key.as_str())).collect()
+        self.required_with_phases().chain(more.map(|(key, _)| key.as_str())).collect()
     }
 
-    /// True for a key that is required in a case without phases only.
-    pub fn is_replaced_by_phases(&self) -> bool {
-        self.node.get(WITHOUT_PHASES).is_some()
+    /// The keys that a table must have in every case.
+    pub fn required_with_phases(&self) -> impl Iterator<Item = &'s str> {
+        self.list("required").filter_map(Value::as_str)
     }
 
     /// The schema of a key of a table, or of any key of a table with free keys.

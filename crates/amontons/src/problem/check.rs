@@ -43,8 +43,14 @@ impl ProblemData {
         for (i, phase) in self.timeline.phases().enumerate() {
             let path = if self.timeline.has_phases() { format!("phase[{i}]") } else { "time".to_owned() };
             if !(phase.end.is_finite() && phase.end > start) {
-                let expected = if i == 0 { "a positive time in s".to_owned() } else { format!("a time after {start}") };
-                faults.push(Fault::new(format!("{path}.end"), phase.end.to_string(), expected));
+                let path = format!("{path}.end");
+                faults.push(if i == 0 {
+                    Fault::new(path, phase.end.to_string(), "a positive time in s")
+                } else {
+                    let expected = format!("more than {start:?}, the end of the phase before");
+                    let hint = "`end` is a time, not a duration; phases stand in their order";
+                    Fault::new(path, format!("{:?}", phase.end), expected).hint(hint)
+                });
             }
             if phase.steps == 0 {
                 faults.push(Fault::new(format!("{path}.steps"), "0", "at least one step"));

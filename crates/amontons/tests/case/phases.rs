@@ -62,7 +62,7 @@ spoiled! {
     inertia_left_out_twice: "[material]" => "[time]\ninertia = false\n[material]"
         "bar.toml:18:12: phase[0].analysis: found \"quasistatic\" with time.inertia = false, expected one of both; remove time.inertia, and say of each phase what acts";
     a_free_body: "displacement = [0]" => "traction = [1]"
-        "bar.toml:9:3: boundary: found no displacement prescribed and no inertia in the quasistatic phase \"press\", expected a part Γ_D that holds the body; give `displacement` on a side, or `analysis = \"dynamic\"` for this phase";
+        "bar.toml:9:1: boundary: found no displacement prescribed and no inertia in the quasistatic phase \"press\", expected a part Γ_D that holds the body; give `displacement` on a side, or `analysis = \"dynamic\"` for this phase";
     no_phase_of_this_name: "n = 2" => "n = 2" set "phase.brake.steps=3"
         "--set phase.brake.steps=3: phase.brake.steps: found the key `brake` in an array, expected an index from 0 to 1, or a name: `press`, `spin`";
     no_time_and_no_phase: "[[phase]]\nname = \"press\"\nend = 1.0\nsteps = 4\nanalysis = \"quasistatic\"\n[[phase]]\nname = \"spin\"\nend = 3.0\nsteps = 10\n" => ""
