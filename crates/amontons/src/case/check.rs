@@ -34,13 +34,14 @@ pub(super) struct Checked {
 pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
     let units = document.get("units").and_then(|units| units.get_ref().as_str());
     let phases = document.get("phase").and_then(|phases| phases.get_ref().as_array());
+    let has_phases = phases.is_some_and(|phases| !phases.is_empty());
     let mut walk = Walk {
         all: SchemaView::new(schema),
         findings: Vec::new(),
         doubtful: Vec::new(),
         limits: Vec::new(),
         has_units: units != Some("dimensionless"),
-        has_phases: phases.is_some_and(|phases| !phases.is_empty()),
+        required: if has_phases { SchemaView::required_with_phases } else { SchemaView::required },
         has_thickness: document.contains_key("thickness"),
         is_told: false,
         scales: [None, None],
@@ -57,8 +58,8 @@ struct Walk<'s> {
     limits: Vec<(Path, Limits)>,
     /// True if numbers may have units.
     has_units: bool,
-    /// True if the case has phases, which say its end and its steps.
-    has_phases: bool,
+    /// The keys that a table must have: without those of the end and the steps if the case has phases.
+    required: fn(&SchemaView<'s>) -> Vec<&'s str>,
     /// True if forces and the like are those of a whole plane body, and never per metre of its thickness.
     has_thickness: bool,
     /// True if the use of two temperature scales has been reported.
@@ -248,8 +249,7 @@ impl<'s> Walk<'s> {
         }
         // A key under a wrong name is not a missing key.
         self.doubtful.extend(meant.iter().map(|key| path.key(key)));
-        let required = if self.has_phases { schema.required_with_phases().collect() } else { schema.required() };
-        for key in required {
+        for key in (self.required)(&schema) {
             if entries.contains_key(key) {
                 continue;
             }

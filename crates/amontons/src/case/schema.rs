@@ -220,12 +220,12 @@ impl<'s> SchemaView<'s> {
     pub fn required(&self) -> Vec<&'s str> {
         let is_required = |property: &Value| property.get(WITHOUT_PHASES).and_then(Value::as_bool) == Some(true);
         let more = self.properties().into_iter().flatten().filter(|(_, property)| is_required(property));
-        self.required_with_phases().chain(more.map(|(key, _)| key.as_str())).collect()
+        self.required_with_phases().into_iter().chain(more.map(|(key, _)| key.as_str())).collect()
     }
 
     /// The keys that a table must have in every case.
-    pub fn required_with_phases(&self) -> impl Iterator<Item = &'s str> {
-        self.list("required").filter_map(Value::as_str)
+    pub fn required_with_phases(&self) -> Vec<&'s str> {
+        self.list("required").filter_map(Value::as_str).collect()
     }
 
     /// The schema of a key of a table, or of any key of a table with free keys.

@@ -15,7 +15,7 @@ use crate::linalg::{
 };
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
-use crate::problem::{Coupling, Problem};
+use crate::problem::{Coupling, Physics, Problem};
 use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
@@ -151,6 +151,14 @@ impl Step<'_> {
         let ahead = self.rule.level * self.rule.k;
         let rates = self.old.theta_rate.iter().copied().chain(std::iter::repeat(0.0));
         self.old.theta.iter().zip(rates).map(|(theta, rate)| theta + ahead * rate).collect()
+    }
+
+    /// The temperature at the end of the step, given or solved for.
+    pub fn theta_at_end(&self, at_level: Vec<f64>) -> Vec<f64> {
+        match self.problem.physics {
+            Physics::Warmed => self.problem.given_temperature(self.t),
+            _ => self.end(&self.old.theta, at_level),
+        }
     }
 
     /// The mean rate of θ in the step with the temperature `theta` at its end, K/s; empty if no step extrapolates it.

@@ -176,12 +176,11 @@ impl Cache {
         discrete: &Discretization,
         rule: Rule,
     ) -> Result<&mut Systems, SystemError> {
-        let place = match self.all.iter().position(|systems| systems.rule == rule) {
-            Some(place) => place,
-            None => {
-                self.all.push(Systems::factorize(problem, discrete, rule, &self.start, &self.backend)?);
-                self.all.len() - 1
-            }
+        let place = if let Some(place) = self.all.iter().position(|systems| systems.rule == rule) {
+            place
+        } else {
+            self.all.push(Systems::factorize(problem, discrete, rule, &self.start, &self.backend)?);
+            self.all.len() - 1
         };
         Ok(&mut self.all[place])
     }

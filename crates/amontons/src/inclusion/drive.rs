@@ -17,7 +17,8 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
+use super::mechanical::{Mechanical, MechanicalStep};
+use super::multipliers::Multipliers;
 use super::{Failure, Frame, Solved};
 use crate::linalg::Condensed;
 use crate::tensor::{Point, dot};

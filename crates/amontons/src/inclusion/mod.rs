@@ -19,6 +19,7 @@
 //! | `interface` | the rows of N with the basis of each contact point: jump, Nᵀ f, entries of Nᵀ T N |
 //! | `normal`, `friction`, `point` | (2.8), (2.9) and wear at a point, linearised |
 //! | `mechanical`, `heat` | the terms of both half-steps |
+//! | `multipliers` | pressure and friction of the points, which a step starts from and ends with |
 //! | `passed` | heat that passes a contact, by what it passes by |
 //! | `newton` | the semismooth Newton iteration over a term |
 //! | `solve`, `descent` | what is done where it does not end |
@@ -32,6 +33,7 @@ mod heat;
 mod interface;
 mod loose;
 mod mechanical;
+mod multipliers;
 mod newton;
 mod normal;
 mod passed;
@@ -46,7 +48,8 @@ pub use frame::{Frame, Onset, PointDerivative, PointState, PointTangent};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use loose::{Loose, Undetermined};
-pub use mechanical::{Mechanical, MechanicalStep, Multipliers};
+pub use mechanical::{Mechanical, MechanicalStep};
+pub use multipliers::Multipliers;
 pub use passed::Passed;
 
 use crate::contact::Status;

@@ -1,7 +1,8 @@
 //! Solution of the mechanical step on Γ_C: Newton's method, and the alternatives if it does not converge.
 
 use super::friction::Slip;
-use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
+use super::mechanical::{Mechanical, MechanicalStep};
+use super::multipliers::Multipliers;
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;

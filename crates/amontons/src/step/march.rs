@@ -359,13 +359,10 @@ impl Made {
     fn end(self, step: &Step, ledger: Ledger) -> (State, StepReport, Products) {
         let (old, residual, counts) = (step.old, self.residual(), self.counts(&step.old.counts));
         let Made { mechanics, heat, report: coupling, iterations, .. } = self;
-        let theta = match step.problem.physics {
-            Physics::Warmed => step.problem.given_temperature(step.t),
-            _ => step.end(&old.theta, heat.theta),
-        };
+        let theta = step.theta_at_end(heat.theta);
         let surface = old.surface.after(step, &mechanics, &heat.exchange);
-        let Mechanics { end: Balanced { at, u, states, force, reactions, .. }, whole, branches, is_unique, .. } =
-            mechanics;
+        let Mechanics { end, whole, branches, is_unique, .. } = mechanics;
+        let Balanced { at, u, states, force, reactions, .. } = end;
         let (u, w, carried) = match whole {
             None => (u, at.w, Carried::default()),
             Some(Whole { u, w, carried, .. }) => (u, w, carried),
