@@ -9,6 +9,7 @@ use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::mesh::Skipped;
 use amontons::model::Model;
 use amontons::output::Summary;
+use amontons::problem::Problem;
 use amontons::time::{Instant, TimePhase};
 use amontons::units::Measure;
 use serde_json::{Value, json};
