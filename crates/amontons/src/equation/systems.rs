@@ -241,10 +241,7 @@ impl Cache {
         kept: &Kept,
     ) -> Result<(), SystemError> {
         let rules: Vec<Rule> = kept.rules.iter().map(|rule| rule.in_problem(problem)).collect();
-        self.keep_only(|rule| rules.contains(rule));
-        rules.iter().try_for_each(|rule| self.systems(problem, discrete, *rule).map(|_| ()))?;
-        let place = |systems: &Systems| rules.iter().position(|rule| *rule == systems.rule);
-        self.all.sort_by_key(place);
+        self.arrange(problem, discrete, &rules)?;
         let mut temperatures = kept.temperatures.iter();
         self.all.iter_mut().try_for_each(|systems| systems.recall(discrete, &mut temperatures))?;
         for (i, system) in self.all.iter_mut().flat_map(Systems::all_mut).enumerate() {
@@ -252,6 +249,17 @@ impl Cache {
             kept.tangents.get(i).into_iter().for_each(|kept| condensed.recall(kept));
             kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
         }
+        Ok(())
+    }
+
+    /// Makes exactly the systems of these rules, in their order.
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    fn arrange(&mut self, problem: &Problem, discrete: &Discretization, rules: &[Rule]) -> Result<(), SystemError> {
+        self.keep_only(|rule| rules.contains(rule));
+        rules.iter().try_for_each(|rule| self.systems(problem, discrete, *rule).map(|_| ()))?;
+        self.all.sort_by_key(|systems| rules.iter().position(|rule| *rule == systems.rule));
         Ok(())
     }
 
@@ -269,28 +277,22 @@ impl Cache {
         kept: &Kept,
     ) -> Result<(), SystemError> {
         let rules: Vec<Rule> = kept.rules.iter().map(|rule| rule.in_problem(problem)).collect();
-        let each = usize::from(problem.physics.has_mechanics()) + usize::from(problem.physics.has_heat());
-        let is_left = |(rule, then): &(&Rule, &[Account])| {
-            let now = self.all.iter().find(|systems| systems.rule == **rule);
-            let changed = |(system, then): (&System, &Account)| system.condensed().account().is_left != then.is_left;
-            now.is_some_and(|systems| systems.all().zip(*then).any(changed))
-        };
-        let known = rules.iter().zip(kept.accounts.chunks(each.max(1)));
-        let left: Vec<Rule> = known.filter(is_left).map(|(rule, _)| *rule).collect();
-        self.keep_only(|rule| rules.contains(rule) && !left.contains(rule));
-        let stay: Vec<Rule> = self.all.iter().map(|systems| systems.rule).collect();
-        rules.iter().try_for_each(|rule| self.systems(problem, discrete, *rule).map(|_| ()))?;
-        self.all.sort_by_key(|systems| rules.iter().position(|rule| *rule == systems.rule));
+        let is_there = |rule: &Rule| self.all.iter().any(|systems| systems.rule == *rule);
+        if !rules.iter().all(is_there) {
+            self.keep_only(|_| false);
+            return self.recall(problem, discrete, kept);
+        }
+        self.arrange(problem, discrete, &rules)?;
+        let now = self.all.iter().flat_map(Systems::all).map(|system| system.condensed().account().is_left);
+        // A factor has replaced an iteration since.
+        if now.zip(&kept.accounts).any(|(now, then)| now != then.is_left) {
+            self.keep_only(|_| false);
+            return self.recall(problem, discrete, kept);
+        }
         let mut temperatures = kept.temperatures.iter();
         self.all.iter_mut().try_for_each(|systems| systems.go_back(discrete, &self.start, &mut temperatures))?;
-        let mut numbers = 0..;
-        for systems in &mut self.all {
-            let is_new = !stay.contains(&systems.rule);
-            for (system, i) in systems.all_mut().zip(numbers.by_ref()) {
-                let condensed = system.condensed_mut();
-                kept.tangents.get(i).into_iter().filter(|_| is_new).for_each(|kept| condensed.recall(kept));
-                kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
-            }
+        for (system, account) in self.all.iter_mut().flat_map(Systems::all_mut).zip(&kept.accounts) {
+            system.condensed_mut().go_on_from(*account);
         }
         Ok(())
     }

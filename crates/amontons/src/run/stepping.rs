@@ -239,7 +239,7 @@ impl Stepping {
             report: self.report.clone(),
             work: self.work(),
             kept: self.behind.clone().unwrap_or_else(|| self.scheme.kept()),
-            k: self.problem.timeline.longest(),
+            k: self.problem.timeline.instant(self.state.step.max(1)).k,
             fallback: None,
         }
     }

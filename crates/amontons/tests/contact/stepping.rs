@@ -12,6 +12,7 @@ use amontons::problem::{Physics, Problem};
 use amontons::run::{self, Settings, Stepping, SteppingError};
 use amontons::state::{State, StepReport};
 use amontons::step::{March, Scheme};
+use amontons::time::{TimePhase, Timeline};
 
 use super::halved_steps::stair;
 use super::softening::rod;
@@ -295,6 +296,32 @@ fn steps_from_a_restored_state_have_the_same_bits() {
             let again = stepped(&mut run, set);
             same_bits(&again, &expected[from..]);
         }
+    }
+}
+
+/// Over the ends of phases, too, whose systems are dropped on the way: those that are missing are made again.
+#[test]
+fn a_run_of_phases_goes_back_over_their_ends() {
+    let mut data = (*bare(&["time.end=0.2"])).clone();
+    data.timeline = Timeline::in_phases(vec![
+        TimePhase::quasistatic("press", 0.05, 2),
+        TimePhase::dynamic("slide", 0.1, 5),
+        TimePhase::dynamic("rest", 0.2, 2),
+    ]);
+    let problem = data.check().unwrap_or_else(|faults| panic!("{faults}"));
+    let expected = stepped(&mut stepping(&problem), |_, _| Ok(()));
+    same_bits(&expected, &states(&problem));
+    let mut run = stepping(&problem);
+    let mut saved = vec![run.save()];
+    while !run.is_done() {
+        run.step().unwrap_or_else(|error| panic!("{error}"));
+        saved.push(run.save());
+    }
+    for from in [8, 1, 7, 0, 6, 2, 5] {
+        run.restore(&saved[from]).expect("the state of this run");
+        same_bits(&stepped(&mut run, |_, _| Ok(())), &expected[from..]);
+        let mut other = Stepping::resume(&problem, saved[from].clone(), &Settings::default()).expect("a state");
+        same_bits(&stepped(&mut other, |_, _| Ok(())), &expected[from..]);
     }
 }
 

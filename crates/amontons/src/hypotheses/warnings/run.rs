@@ -7,7 +7,6 @@ use crate::contact::Leak;
 use crate::linalg::PATTERNS;
 use crate::problem::Problem;
 use crate::tensor::Point;
-use crate::time::TimeScheme;
 use crate::units::Measure;
 
 /// Strain above which the error of small-strain theory exceeds the same fraction: 5 %.
@@ -278,14 +277,13 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
         "the time-stepping scheme itself took {:.0} % of the energy turned over: oscillations and rebounds are computed weaker than they are, by as much",
         100.0 * share
     );
-    let repair = match problem.scheme {
-        TimeScheme::BackwardEuler => {
-            "set time.scheme = \"theta\", which keeps the energy but for impacts on rigid foundations, or use more steps (time.steps): the share falls with the step, across an impact with its square root"
-        }
-        TimeScheme::Theta { level, .. } if level > 0.5 => "lower time.theta to 0.5, or use more steps (time.steps)",
-        TimeScheme::Theta { .. } => {
-            "a point that hits a rigid foundation loses the energy of its own mass: refine the mesh there, or use a compliance, which loses none; or more steps (time.steps)"
-        }
+    let rule = problem.scheme.rule(problem.timeline.longest());
+    let repair = if rule.contact.is_none() {
+        "set time.scheme = \"theta\", which keeps the energy but for impacts on rigid foundations, or use more steps (time.steps): the share falls with the step, across an impact with its square root"
+    } else if rule.level > 0.5 {
+        "lower time.theta to 0.5, or use more steps (time.steps)"
+    } else {
+        "a point that hits a rigid foundation loses the energy of its own mass: refine the mesh there, or use a compliance, which loses none; or more steps (time.steps)"
     };
     Some(warning(FindingId::SchemeShare, "time.steps", [share, SCHEME], message, repair))
 }
