@@ -105,6 +105,40 @@ fn states_agree_with_an_independent_program() {
     }
 }
 
+/// The orders of the couplings at ϑ = ½, and of backward Euler, with contact that is closed and slips, friction and
+/// heat: u and θ at the end against steps that are much shorter.
+#[test]
+fn extrapolated_temperatures_are_of_second_order() {
+    let file = common::file("crates/amontons/tests/reference/time/thermo-extrapolated.toml");
+    let end = |steps: usize, keys: [&str; 2]| {
+        let overrides = [format!("time.steps={steps}"), keys[0].to_owned(), format!("scheme.coupling={}", keys[1])];
+        let problem = case::read(&file, &overrides).unwrap_or_else(|error| panic!("{error}")).problem;
+        let state = states(&problem).states.pop().expect("a state");
+        let ledger = &state.ledger;
+        assert!(ledger.closing_error.abs() <= 1e-11 * ledger.turned_over, "{keys:?}, {steps} steps");
+        assert!(ledger.heat_closing_error.abs() <= 1e-11 * ledger.heat_turned_over, "{keys:?}, {steps} steps");
+        [state.u, state.theta]
+    };
+    let half = "time.theta=0.5";
+    let exact = end(2560, [half, "monolithic"]);
+    for (keys, order) in [
+        ([half, "extrapolated"], 2.0),
+        ([half, "monolithic"], 2.0),
+        ([half, "staggered"], 1.0),
+        (["time.theta=0.6", "extrapolated"], 1.0),
+        (["time.theta=1.0", "extrapolated"], 1.0),
+    ] {
+        let errors = [80, 320].map(|steps| {
+            let found = end(steps, keys);
+            [0, 1].map(|i| found[i].iter().zip(&exact[i]).fold(0.0f64, |most, (a, b)| most.max((a - b).abs())))
+        });
+        for i in [0, 1] {
+            let found = (errors[0][i] / errors[1][i]).log2() / 2.0;
+            assert!((found - order).abs() < 0.25, "{keys:?}: order {found} of {}", ["u", "θ"][i]);
+        }
+    }
+}
+
 /// A rod that opens and closes on a layer.
 const ROD: &str = r#"
 name = "rod"
