@@ -1,15 +1,13 @@
 //! Inputs of a step that are set from the outside: loads, and values in place of those that the case prescribes.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use super::system::Step;
 use crate::contact::names;
 use crate::discretization::Discretization;
 use crate::forms;
 use crate::mesh::{FacetSet, Mesh};
 use crate::problem::{BoundaryCondition, Fault, Problem};
-use crate::space::{Replacing, Space};
+use crate::space::Space;
 
 /// Inputs that hold until they are changed: loads that add to those of the problem, and values that replace those that
 /// the problem prescribes.
@@ -327,28 +325,4 @@ fn sum(of: &BTreeMap<String, Vec<(usize, f64)>>, size: usize) -> Vec<f64> {
         sum.get_mut(*dof).into_iter().for_each(|sum| *sum += value);
     }
     sum
-}
-
-/// A load with the one set from the outside, which is empty if nothing is set.
-fn with(load: Arc<Vec<f64>>, set: &[f64]) -> Arc<Vec<f64>> {
-    if set.is_empty() { load } else { Arc::new(load.iter().zip(set).map(|(load, set)| load + set).collect()) }
-}
-
-impl<'a> Step<'a> {
-    /// The load of (4.1), N.
-    pub fn load(&self) -> Arc<Vec<f64>> {
-        with(self.discrete.f.at(self.level), &self.inputs.forces)
-    }
-
-    /// The load of (4.2), W.
-    pub fn supply(&self) -> Arc<Vec<f64>> {
-        with(self.discrete.q_h.at(self.level), &self.inputs.heat)
-    }
-
-    /// The values that replace prescribed ones at the end of this part of the step.
-    pub fn replacing(&self, of: fn(&StepInputs) -> &BTreeMap<usize, Vec<f64>>) -> Replacing<'a> {
-        let end = self.problem.timeline.time(self.n);
-        let share = if self.t < end { (self.t - self.old.t) / (end - self.old.t) } else { 1.0 };
-        Replacing { values: of(self.inputs), share }
-    }
 }

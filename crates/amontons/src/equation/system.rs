@@ -145,8 +145,8 @@ impl Step<'_> {
         }
     }
 
-    /// θ₀ + ϑk θ̇, with the mean rate θ̇ of the step before: the temperature at the time of the equations, extrapolated.
-    /// In the first step it is θ₀.
+    /// The temperature at the time of the equations, extrapolated: θ₀ + ϑk θ̇ with the mean rate θ̇ of the step before;
+    /// in the first step θ₀.
     pub fn extrapolated(&self) -> Vec<f64> {
         let ahead = self.rule.level * self.rule.k;
         let rates = self.old.theta_rate.iter().copied().chain(std::iter::repeat(0.0));

@@ -537,6 +537,7 @@ pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
         &CONTACT_MOMENTS,
         &FOUNDATION_TEMPERATURE,
         &OBSTACLE_DISPLACEMENT,
+        &IMPACT_DISSIPATION,
         &STEP_LENGTH,
         &PHASE,
     ]);

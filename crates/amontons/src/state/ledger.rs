@@ -43,7 +43,7 @@ pub struct Ledger {
     /// Σ k Σ ω p ḣ, the energy lost with the worn material.
     #[serde(default)]
     pub wear_dissipation: f64,
-    /// Σ k Σ ω p (x_ν − v_g) on rigid foundations in the ϑ-scheme: energy that impacts take, that of the mass that hits.
+    /// Σ k Σ ω p (x_ν − v_g) on rigid foundations in the ϑ-scheme, which impacts take: energy of the mass that hits.
     #[serde(default)]
     pub impact_dissipation: f64,
     /// Left minus right side of the identity, accumulated.

@@ -21,7 +21,8 @@ pub const HALVINGS: u32 = 5;
 /// assert_eq!(timeline.time(8), 2.0);
 /// assert_eq!(timeline.instants().map(|now| now.k).sum::<f64>(), timeline.end());
 ///
-/// let phases = Timeline::in_phases(vec![TimePhase::quasistatic("press", 1.0, 2), TimePhase::dynamic("spin", 1.5, 50)]);
+/// let all = vec![TimePhase::quasistatic("press", 1.0, 2), TimePhase::dynamic("spin", 1.5, 50)];
+/// let phases = Timeline::in_phases(all);
 /// assert_eq!((phases.steps(), phases.time(2), phases.instant(3).k), (52, 1.0, 0.01));
 /// ```
 #[derive(Clone, Debug, PartialEq)]

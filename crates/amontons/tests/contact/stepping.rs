@@ -302,7 +302,7 @@ fn steps_from_a_restored_state_have_the_same_bits() {
 /// Over the ends of phases, too, whose systems are dropped on the way: those that are missing are made again.
 #[test]
 fn a_run_of_phases_goes_back_over_their_ends() {
-    let mut data = (*bare(&["time.end=0.2"])).clone();
+    let mut data = (*loaded(&[])).clone();
     data.timeline = Timeline::in_phases(vec![
         TimePhase::quasistatic("press", 0.05, 2),
         TimePhase::dynamic("slide", 0.1, 5),

@@ -221,7 +221,8 @@ fn a_run_that_goes_on_has_the_same_bits() {
     }
 }
 
-/// Errors against 1664 steps fall as 1/104 − 1/1664 and 1/208 − 1/1664 of a scheme of first order: by 2^1.1. Each phase has its own share of the steps, and the reference has all times of the levels.
+/// Errors against 1664 steps fall as 1/104 − 1/1664 and 1/208 − 1/1664 of a scheme of first order: by 2^1.1. Each phase
+/// has its own share of the steps, and the reference has all times of the levels.
 #[test]
 fn a_study_refines_each_phase_by_the_same_factor() {
     let source = Source::new("bar.toml", BAR);
