@@ -72,8 +72,8 @@ struct SupernodalFactor {
     condensed: Arc<Mat<f64>>,
     /// First unknown per contact node.
     nodes: Vec<usize>,
-    /// Kept unknowns that are rigid motions, each with the stiffness of its body.
-    rigid: Vec<(usize, f64)>,
+    /// Stiffness of kept unknowns where S has none: the diagonal of K, and of a rigid motion the mean over its body.
+    stiffness: Vec<(usize, f64)>,
     stop: StopFlag,
 }
 
@@ -91,7 +91,7 @@ impl SupernodalFactor {
                 interior,
                 condensed: Arc::new(Mat::new()),
                 nodes: Vec::new(),
-                rigid: Vec::new(),
+                stiffness: Vec::new(),
                 stop: stop.clone(),
             });
         }
@@ -108,20 +108,21 @@ impl SupernodalFactor {
         let supernodes = Supernodes::new(symbolic, interior);
         supernodes.factorize(&lower, &mut values, stop)?;
         let s = supernodes.condensed(&values);
-        let diagonal = (interior..size).filter_map(|j| lower.column(j).next());
-        let shift = diagonal.map(|(_, value)| value).sum::<f64>() / (size - interior).max(1) as f64;
-        let rigid: Vec<(usize, f64)> = unknowns
-            .rigid_stiffness(matrix)
-            .into_iter()
-            .filter_map(|(at, value)| Some((at.checked_sub(interior)?, value)))
-            .collect();
+        let diagonal: Vec<f64> =
+            (interior..size).map(|j| lower.column(j).next().map_or(0.0, |(_, value)| value)).collect();
+        let shift = diagonal.iter().sum::<f64>() / (size - interior).max(1) as f64;
+        let nodes = unknowns.kept_nodes(matrix.block_shape().0);
+        let rigid = unknowns.rigid_stiffness(matrix).into_iter();
+        let rigid: Vec<(usize, f64)> =
+            rigid.filter_map(|(at, value)| Some((at.checked_sub(interior)?, value))).collect();
         let shift = rigid.iter().fold(shift, |shift, (_, value)| shift.max(*value));
+        let stiffness = [of_nodes(&diagonal, &nodes), rigid].concat();
         has_factor(s.as_ref(), shift, stop).map_err(|error| error.of(interior, size))?;
         let mut root = SupernodeTree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         let values = values.first(stored);
-        let nodes = unknowns.kept_nodes(matrix.block_shape().0);
-        Ok(SupernodalFactor { values, root, size, interior, condensed: Arc::new(s), nodes, rigid, stop: stop.clone() })
+        let (condensed, stop) = (Arc::new(s), stop.clone());
+        Ok(SupernodalFactor { values, root, size, interior, condensed, nodes, stiffness, stop })
     }
 }
 
@@ -179,12 +180,24 @@ impl Factor for SupernodalFactor {
     }
     fn condensed(&self) -> Box<dyn Condensed> {
         let made = Schur::new(Arc::clone(&self.condensed), self.nodes.clone(), self.stop.clone());
-        Box::new(made.with_scale(&self.rigid))
+        Box::new(made.with_scale(&self.stiffness))
     }
     fn stored(&self) -> usize {
         debug_assert!(self.size >= self.interior);
         self.values.len()
     }
+}
+
+/// The mean of the diagonal of K over each contact node, for its unknowns. It counts where a body that nothing but
+/// contact holds touches with one node alone, whose S is the round-off of that diagonal.
+fn of_nodes(diagonal: &[f64], nodes: &[usize]) -> Vec<(usize, f64)> {
+    let ends = nodes.iter().skip(1).copied().chain([diagonal.len()]);
+    let of = |(first, end): (&usize, usize)| {
+        let own = diagonal.get(*first..end).unwrap_or_default();
+        let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+        (*first..end).map(move |i| (i, mean))
+    };
+    nodes.iter().zip(ends).flat_map(of).collect()
 }
 
 /// Tree of the supernodes of a factor, for cutting it into tasks.

@@ -138,7 +138,6 @@ fn extrapolated_temperatures_are_of_second_order() {
         ([half, "monolithic"], 2.0),
         ([half, "staggered"], 1.0),
         (["time.theta=0.6", "extrapolated"], 1.0),
-        (["time.theta=1.0", "extrapolated"], 1.0),
     ] {
         let errors = [80, 320].map(|steps| {
             let found = end(steps, keys);

@@ -36,6 +36,38 @@ fn last(memory: &Memory, problem: &Problem, side: usize) -> (usize, f64, Vec<Str
     (iterations, force, report.loose.clone())
 }
 
+/// A rod without density that nothing but a wall holds, by one node, stands at the wall when it is pressed on it, with
+/// the pressure of the load: the stiffness of that node, condensed, is round-off, and tells nothing of the size of the
+/// gap.
+#[test]
+fn a_loose_rod_stands_at_the_wall_that_it_is_pressed_on() {
+    for (young, force, length) in [(1e3, 1.0, 1.0), (2e11, 3e4, 0.07), (1e-4, 1e-9, 50.0)] {
+        for n in [1, 2, 7, 40] {
+            for side in ["left", "right"] {
+                let other = if side == "left" { "right" } else { "left" };
+                let sign = if side == "left" { -1.0 } else { 1.0 };
+                let text = format!(
+                    "name = \"rod\"\nmesh = {{ kind = \"interval\", size = {length:?}, n = {n} }}\n\
+                     time = {{ end = 1.0, steps = 2 }}\n[material]\ndensity = 0\n\
+                     elasticity = {{ law = \"isotropic\", young = {young:?}, poisson = 0.0 }}\n\
+                     [[boundary]]\non = \"{other}\"\nforce = [{:?}]\n\
+                     [contact]\non = \"{side}\"\nnormal = {{ law = \"signorini\" }}\n",
+                    sign * force
+                );
+                let problem = problem(&text);
+                let memory = tried(&problem).unwrap_or_else(|error| panic!("{error}\n{text}"));
+                let (state, report) = (&memory.states[2], memory.reports.last().expect("a step"));
+                let at = |end: &str| if end == "left" { state.u[0] } else { state.u[n] };
+                let shortened = force * length / young;
+                assert!(at(side).abs() <= 1e-9 * shortened, "{text}\n{:e} at the wall", at(side));
+                assert!((at(other) - sign * shortened).abs() <= 1e-9 * shortened, "{text}\n{:e}", at(other));
+                let p = report.contact.states[0].pressure;
+                assert!((p - force).abs() <= 1e-9 * force, "{text}\np = {p:e}");
+            }
+        }
+    }
+}
+
 /// A lining tied to its plate, pressed on a plane by 1 MPa: a tie is linear. Without friction the upper edge comes down
 /// by p (1 − ν²) h/E in plane strain and by p h/E in space and revolution.
 #[test]
