@@ -2,10 +2,10 @@
 //!
 //! One *pass* solves (4.1) with a given temperature in m and (4.2) with a given displacement in e. The staggered scheme
 //! is one pass with θ_{n−1} and u_{n−1}, the extrapolated one a pass with the temperature of the steps before,
-//! continued to the time of the equations, and the displacement found with it. The map of (u, θ) to the solution of both
-//! half-steps is the operator Φ of (3.10), taken within a step: iterating it is the fixed-point coupling, and a root of
-//! Φ(θ) − θ by Newton's method, with the mechanical half-step eliminated exactly, is the monolithic one. Both end where
-//! (4.1) and (4.2) hold with θ_n in m and u_n in e.
+//! continued to the time of the equations, and the displacement found with it. The map of (u, θ) to the solution of
+//! both half-steps is the operator Φ of (3.10), taken within a step: iterating it is the fixed-point coupling, and a
+//! root of Φ(θ) − θ by Newton's method, with the mechanical half-step eliminated exactly, is the monolithic one. Both
+//! end where (4.1) and (4.2) hold with θ_n in m and u_n in e.
 
 use super::linearised::Linearised;
 use crate::equation::heat::{self, Heat};
