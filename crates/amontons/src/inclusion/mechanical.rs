@@ -110,7 +110,9 @@ impl<'a> Mechanical<'a> {
             step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
         let foundation = interface.rows.iter().zip(step.frames).enumerate();
         let foundation = foundation.map(|(i, (row, frame))| {
-            let [v, b] = [row.local(&frame.velocity), row.local(&step.onset(i).slip)].map(tail);
+            let v = tail(row.local(&frame.velocity));
+            let Some(onset) = step.onsets.get(i) else { return v };
+            let b = tail(row.local(&onset.slip));
             [v[0] + b[0], v[1] + b[1]]
         });
         let foundation = foundation.collect();
@@ -319,8 +321,9 @@ impl Mechanical<'_> {
         let of = |i: usize| {
             let laws = self.laws_found(i, &w, &local[i]);
             let mut state = laws.state(&self.interface.rows[i]);
-            let b = self.step.onset(i).slip;
-            state.slip = std::array::from_fn(|c| state.slip[c] + b[c]);
+            if let Some(Onset { slip: b, .. }) = self.step.onsets.get(i) {
+                state.slip = std::array::from_fn(|c| state.slip[c] + b[c]);
+            }
             if state.bound > 0.0 {
                 // At the bound to round-off, and moving: slip.
                 let at_bound = laws.friction.size() >= state.bound * (1.0 - 1e-9);
