@@ -384,8 +384,8 @@ impl Build<'_> {
             let given = [
                 ("theta", time.theta.map(|theta| format!("{theta:?}"))),
                 ("restitution", time.restitution.map(|e| format!("{e:?}"))),
-                ("pressure", time.pressure.map(|_| "a rule".to_owned())),
-                ("friction", time.friction.map(|_| "a rule".to_owned())),
+                ("pressure", time.pressure.map(|word| word.quoted().to_owned())),
+                ("friction", time.friction.map(|word| word.quoted().to_owned())),
             ];
             for (key, found) in given.iter().filter_map(|(key, found)| Some((*key, found.as_ref()?))) {
                 let (path, hint) = (format!("time.{key}"), format!("add `scheme = \"theta\"`, or remove `{key}`"));

@@ -151,7 +151,8 @@ impl StepInputs {
     /// another, or a value is not finite.
     pub(crate) fn set_displacement(
         &mut self,
-        (problem, discrete): (&Problem, &Discretization),
+        problem: &Problem,
+        discrete: &Discretization,
         on: &str,
         along: Along,
         values: &[f64],
@@ -174,7 +175,8 @@ impl StepInputs {
     /// Those of [`StepInputs::set_displacement`].
     pub(crate) fn set_temperature(
         &mut self,
-        (problem, discrete): (&Problem, &Discretization),
+        problem: &Problem,
+        discrete: &Discretization,
         on: &str,
         values: &[f64],
     ) -> Result<(), Fault> {

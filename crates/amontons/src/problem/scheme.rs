@@ -57,7 +57,7 @@ fn of_contact(contact: &Contact, friction: FrictionRule) -> Vec<(&'static str, &
     let is_graph = law.graph() != GraphKind::Function && !law.is_rigid();
     let wears = friction == FrictionRule::End && contact.wear.is_some();
     let all = [
-        (is_graph, "normal", "a graph with a limit within a layer", function),
+        (is_graph, "normal", "a law with a rigid stop behind a layer", function),
         (wears, "wear", "wear with time.friction = \"end\"", "wear with time.friction = \"mean\""),
         (is_damped, "normal", "a law that depends on the rate of the penetration", function),
         (changes, "normal", "a law that changes with time", function),

@@ -348,7 +348,7 @@ impl Stepping {
     /// the number of values is another, or a value is not finite.
     pub fn set_displacement(&mut self, on: &str, along: Along, values: &[f64]) -> Result<(), SteppingError> {
         let set = |inputs: &mut StepInputs, problem: &Problem, discrete: &Discretization| {
-            inputs.set_displacement((problem, discrete), on, along, values)
+            inputs.set_displacement(problem, discrete, on, along, values)
         };
         self.change("displacement", set)
     }
@@ -360,7 +360,7 @@ impl Stepping {
     /// Those of [`Stepping::set_displacement`].
     pub fn set_temperature(&mut self, on: &str, values: &[f64]) -> Result<(), SteppingError> {
         let set = |inputs: &mut StepInputs, problem: &Problem, discrete: &Discretization| {
-            inputs.set_temperature((problem, discrete), on, values)
+            inputs.set_temperature(problem, discrete, on, values)
         };
         self.change("temperature", set)
     }

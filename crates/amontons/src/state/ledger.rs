@@ -38,7 +38,7 @@ pub struct Ledger {
     /// energy gain of body and layer at fixed strain and penetration.
     #[serde(default)]
     pub modulus_work: f64,
-    /// Dissipation of backward Euler: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ; negative only if ψ is.
+    /// Dissipation of the scheme, Σ (ϑ − ½)(ρ‖Δw‖² + a(Δu, Δu)) + ψ, ψ that of the layers; negative only if ψ is.
     pub scheme_dissipation: f64,
     /// Σ k Σ ω p ḣ, the energy lost with the worn material.
     #[serde(default)]

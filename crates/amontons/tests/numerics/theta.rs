@@ -5,17 +5,9 @@ use amontons::case::{self, Source};
 use amontons::hypotheses::{self, FindingId};
 use amontons::output::Memory;
 use amontons::problem::Problem;
-use amontons::run::{self, Settings};
 use serde_json::Value;
 
-use crate::common;
-
-/// A run without a certificate.
-fn states(problem: &Problem) -> Memory {
-    let mut memory = Memory::new().states_every(1).reports();
-    run::run(problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).expect("a run");
-    memory
-}
+use crate::common::{self, solve};
 
 /// The numbers of a list of records under a key, one after the other.
 fn numbers(records: &Value, key: &str) -> Vec<f64> {
@@ -64,7 +56,7 @@ fn states_agree_with_an_independent_program() {
         let problem = case::read(&at("toml"), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
         let text = std::fs::read_to_string(at("json")).expect("the reference numbers");
         let expected: Value = serde_json::from_str(&text).expect("records");
-        let memory = states(&problem);
+        let memory = solve(&problem);
         let (state, report) = (memory.states.last().expect("a state"), memory.reports.last().expect("a report"));
         agree(&format!("{name}: u"), &state.u, &numbers(&expected["nodes"], "displacement"), tolerance);
         agree(&format!("{name}: w"), &state.w, &numbers(&expected["nodes"], "velocity"), tolerance);
@@ -124,7 +116,7 @@ fn extrapolated_temperatures_are_of_second_order() {
         let own = [format!("time.steps={steps}"), keys[0].to_owned(), format!("scheme.coupling={}", keys[1])];
         let overrides = [&pressed.map(str::to_owned)[..], &own].concat();
         let problem = case::read(&file, &overrides).unwrap_or_else(|error| panic!("{error}")).problem;
-        let state = states(&problem).states.pop().expect("a state");
+        let state = solve(&problem).states.pop().expect("a state");
         let ledger = &state.ledger;
         assert!(ledger.friction_dissipation > 0.1 * ledger.turned_over, "it rubs");
         assert!(ledger.closing_error.abs() <= 1e-11 * ledger.turned_over, "{keys:?}, {steps} steps");
@@ -185,7 +177,7 @@ fn a_rod_bounces_without_loss_and_to_second_order() {
     let end = |steps: usize, more: &[&str]| {
         let mut overrides = vec![format!("time.steps={steps}")];
         overrides.extend(more.iter().map(|&more| more.to_owned()));
-        states(&rod(&overrides)).states.pop().expect("a state")
+        solve(&rod(&overrides)).states.pop().expect("a state")
     };
     let reference = end(40_960, &[]).u;
     let error = |steps: usize, more: &[&str]| {
@@ -259,7 +251,7 @@ fn a_distance_at_the_start_is_kept_and_told() {
     let kept = "initial.displacement=[-0.0031]".to_owned();
     assert!(told("signorini", "0", &[kept]).is_some_and(|distance| (distance - 0.0031).abs() < 1e-12));
     let still = ["initial.velocity=[0]", "contact.gap=-0.01", "contact.normal={ law = \"signorini\" }"];
-    let end = states(&rod(&still.map(str::to_owned))).states.pop().expect("a state");
+    let end = solve(&rod(&still.map(str::to_owned))).states.pop().expect("a state");
     assert!(end.u.iter().all(|u| u.abs() < 1e-15), "it is kept");
 }
 
@@ -269,7 +261,7 @@ fn two_bars_that_collide_do_what_a_bar_and_a_wall_do() {
     for theta in [0.5, 0.7, 1.0] {
         let overrides = [format!("time.theta={theta}")];
         let pair = case::parse(&Source::new("pair.toml", PAIR), &overrides).unwrap_or_else(|faults| panic!("{faults}"));
-        let (pair, alone) = (states(&pair.problem), states(&rod(&overrides)));
+        let (pair, alone) = (solve(&pair.problem), solve(&rod(&overrides)));
         assert!(alone.reports.iter().any(|report| report.contact.states[0].pressure > 1.0), "nothing touches");
         let size = |values: &[f64]| values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         let fastest = alone.states.iter().map(|state| size(&state.w)).fold(0.0, f64::max);
@@ -324,7 +316,7 @@ friction = { law = "coulomb", coefficient = 0.2 }
             let overrides = keys.clone().map(|key| format!("time.{key}"));
             let problem = case::parse(&Source::new("thrown.toml", THROWN), &overrides);
             let problem = problem.unwrap_or_else(|faults| panic!("{faults}")).problem;
-            let state = states(&problem).states.pop().expect("a state");
+            let state = solve(&problem).states.pop().expect("a state");
             let expected = [1.0 - 0.2 * (1.0 + e), e];
             for (w, expected) in state.w.iter().zip(expected.iter().cycle()) {
                 assert!((w - expected).abs() < 1e-12, "{keys:?}: {w}, expected {expected}");
@@ -342,11 +334,57 @@ friction = { law = "coulomb", coefficient = 0.2 }
     }
 }
 
+/// With `friction = "end"` a coefficient that depends on the slip speed is that of the speed at the end of the step:
+/// the velocity of a rigid block that slides under its weight loses k g μ(w₁) in a step, exactly.
+#[test]
+fn friction_at_the_end_sees_the_speed_at_the_end() {
+    const SLIDING: &str = r#"
+name = "sliding"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [1.0, 0.5]
+n = [2, 1]
+[time]
+end = 0.4
+steps = 8
+scheme = "theta"
+friction = "end"
+[material]
+density = 2.0
+elasticity = { law = "isotropic", young = 100.0, poisson = 0.3, stress_state = "plane-strain" }
+[[rigid]]
+on = "body"
+guided = true
+[load]
+body_force = [0, -6.0]
+[initial]
+velocity = [1.0, 0.0]
+[contact]
+on = "bottom"
+normal = { law = "signorini" }
+friction = { law = "slip-rate", speed = [0, 0.2, 2.0], coefficient = [0.1, 0.2, 0.5] }
+"#;
+    let (k, g) = (0.05, 3.0);
+    let mu = |v: f64| if v < 0.2 { 0.1 + 0.5 * v } else { 0.2 + (v - 0.2) / 6.0 };
+    for theta in [0.5, 0.8] {
+        let overrides = [format!("time.theta={theta}")];
+        let problem = case::parse(&Source::new("sliding.toml", SLIDING), &overrides);
+        let states = solve(&problem.unwrap_or_else(|faults| panic!("{faults}")).problem).states;
+        for pair in states.windows(2) {
+            let [before, after] = [pair[0].w[0], pair[1].w[0]];
+            let lost = k * g * mu(after);
+            assert!((before - after - lost).abs() < 1e-12, "ϑ = {theta}: {before} to {after}, expected {lost} less");
+        }
+        assert!(states[8].w[0] < 0.7, "it slows down");
+    }
+}
+
 /// A rod on a wall and two like it that meet halfway do the same on rigid foundations, whichever side is named first.
 #[test]
 fn impacts_of_pairs_are_those_of_walls() {
     let wall = ["contact.normal={ law = \"signorini\" }".to_owned()];
-    let alone = states(&rod(&wall)).states.pop().expect("a state");
+    let alone = solve(&rod(&wall)).states.pop().expect("a state");
     let pair = |swapped: bool| {
         let mut text = PAIR.replace(COMPLIANT, "normal = { law = \"signorini\" }");
         if swapped {
@@ -356,7 +394,7 @@ fn impacts_of_pairs_are_those_of_walls() {
             );
         }
         let problem = case::parse(&Source::new("pair.toml", &text), &[]).unwrap_or_else(|faults| panic!("{faults}"));
-        states(&problem.problem).states.pop().expect("a state")
+        solve(&problem.problem).states.pop().expect("a state")
     };
     for swapped in [false, true] {
         let pair = pair(swapped);
@@ -380,7 +418,7 @@ fn wear_is_of_second_order() {
         let gap = format!("contact.gap=\"-{a}*t\"");
         let overrides = [format!("time.steps={steps}"), format!("time.scheme={scheme}"), gap];
         let problem = case::read(&file, &overrides).unwrap_or_else(|error| panic!("{error}")).problem;
-        let state = states(&problem).states.pop().expect("a state");
+        let state = solve(&problem).states.pop().expect("a state");
         let ledger = &state.ledger;
         assert!(ledger.wear_dissipation > 0.0 && ledger.closing_error.abs() <= 1e-12 * ledger.turned_over, "{scheme}");
         state.surface.wear.iter().fold(0.0f64, |most, depth| most.max((depth - exact).abs()))
@@ -425,7 +463,7 @@ velocity = ["0.3*x"]
         let mut overrides = vec![format!("time.steps={steps}")];
         overrides.extend(more.iter().map(|&more| more.to_owned()));
         let problem = case::parse(&Source::new("drawn.toml", DRAWN), &overrides);
-        let state = states(&problem.unwrap_or_else(|faults| panic!("{faults}")).problem).states.pop().expect("a state");
+        let state = solve(&problem.unwrap_or_else(|faults| panic!("{faults}")).problem).states.pop().expect("a state");
         let ledger = &state.ledger;
         assert!(ledger.viscous_dissipation > 0.0 && ledger.closing_error.abs() <= 1e-12 * ledger.turned_over);
         state
@@ -450,7 +488,7 @@ fn at_one_it_is_backward_euler() {
     for overrides in [&["mesh.n=8", "time.steps=8"][..], &["mesh.n=8", "time.steps=8", "scheme.coupling=monolithic"]] {
         let run = |more: &[&str]| {
             let problem = common::paper(&[overrides, more].concat()).problem;
-            states(&problem).states.pop().expect("a state")
+            solve(&problem).states.pop().expect("a state")
         };
         let (euler, theta) = (run(&[]), run(&["time.scheme=theta", "time.theta=1.0"]));
         assert!(euler == theta, "{overrides:?}");
@@ -469,7 +507,7 @@ fn laws_that_it_does_not_take_are_refused() {
     };
     let expected = "expected a pressure that is a nondecreasing function of the penetration";
     for (law, found) in [
-        ("{ law = \"stop\", stiffness = 500.0, depth = 0.1 }", "a graph with a limit within a layer"),
+        ("{ law = \"stop\", stiffness = 500.0, depth = 0.1 }", "a law with a rigid stop behind a layer"),
         ("{ law = \"damped\", stiffness = 500.0, damping = 1.0 }", "a law that depends on the rate"),
         ("{ law = \"damped\", stiffness = \"500 + x\", damping = 1.0 }", "a law that depends on the rate"),
         ("{ law = \"softening\", stiffness = 1000, peak = 1, softening = 200 }", "a law that softens"),
@@ -481,7 +519,9 @@ fn laws_that_it_does_not_take_are_refused() {
     }
     let told = refused(&["time.theta=0.4"]);
     assert!(told.contains("time.theta: found 0.4, expected a number"), "{told}");
-    for (key, found) in [("theta=0.6", "0.6"), ("restitution=0.5", "0.5"), ("pressure=plain", "a rule")] {
+    for (key, found) in
+        [("theta=0.6", "0.6"), ("restitution=0.5", "0.5"), ("pressure=plain", "\"plain\""), ("friction=end", "\"end\"")]
+    {
         let told = refused(&["time.scheme=euler", &format!("time.{key}")]);
         let name = key.split('=').next().unwrap_or_default();
         let expected = format!("time.{name}: found {found} with the scheme \"euler\", expected a key of the scheme");

@@ -194,6 +194,16 @@ pub(in crate::case) enum PressureRule {
     Plain,
 }
 
+impl PressureRule {
+    /// The word of the case, in quotes.
+    pub fn quoted(self) -> &'static str {
+        match self {
+            PressureRule::Gradient => "\"gradient\"",
+            PressureRule::Plain => "\"plain\"",
+        }
+    }
+}
+
 /// The slip velocity that friction follows in a step of the ϑ-scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -202,6 +212,16 @@ pub(in crate::case) enum FrictionRule {
     Mean,
     /// That at the end of the step: a point that sticks is at rest there.
     End,
+}
+
+impl FrictionRule {
+    /// The word of the case, in quotes.
+    pub fn quoted(self) -> &'static str {
+        match self {
+            FrictionRule::Mean => "\"mean\"",
+            FrictionRule::End => "\"end\"",
+        }
+    }
 }
 
 /// Scheme in time.

@@ -23,16 +23,11 @@ pub(super) fn at_start(problem: &Problem) -> Vec<Finding> {
     let u = space.interpolate(&problem.mesh, &problem.initial.displacement, 0.0);
     let least = ROUND_OFF * problem.mesh.points.iter().map(length).fold(0.0, f64::max);
     let contacts = problem.contacts.iter().enumerate().filter(|(_, contact)| contact.normal.is_rigid());
-    contacts.filter_map(|(number, contact)| of_contact(problem, &boundary, &u, (number, contact), least)).collect()
+    contacts.filter_map(|(number, _)| of_contact(problem, &boundary, &u, number, least)).collect()
 }
 
-fn of_contact(
-    problem: &Problem,
-    boundary: &ContactBoundary,
-    u: &[f64],
-    (number, contact): (usize, &Contact),
-    least: f64,
-) -> Option<Finding> {
+fn of_contact(problem: &Problem, boundary: &ContactBoundary, u: &[f64], number: usize, least: f64) -> Option<Finding> {
+    let contact = problem.contacts.get(number)?;
     let points = boundary.points.iter().filter(|point| point.contact == number && point.weight > 0.0);
     let apart = |point: &PointOnBoundary| {
         let r = penetration(problem, boundary, u, contact, point);
@@ -41,9 +36,9 @@ fn of_contact(
     let (point, depth) =
         points.map(|point| (point, apart(point))).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, r)| *r > least)?;
     let message = format!(
-        "at t = 0 \"{}\" is {} from its rigid foundation by up to {}, at {}: the scheme holds velocities there and keeps that distance",
+        "at t = 0 \"{}\" is {} its rigid foundation by up to {}, at {}: the ϑ-scheme holds velocities there, so that this distance stays",
         contact.on,
-        if penetration(problem, boundary, u, contact, point) > 0.0 { "inside, and so" } else { "apart" },
+        if penetration(problem, boundary, u, contact, point) > 0.0 { "inside" } else { "apart from" },
         problem.units().write(depth, Measure::Length),
         at(&point.x)
     );
