@@ -10,7 +10,7 @@ use crate::equation::system::{Step, difference};
 use crate::linalg::dot;
 use crate::state::Ledger;
 use crate::tensor;
-use crate::time::{Analysis, Rule};
+use crate::time::{Analysis, Rule, Start};
 
 /// Closing error, relative to the energy or heat turned over, above which the round-off of the terms is examined.
 const TELLING: f64 = 1e-11;
@@ -32,8 +32,9 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
 
     let heat_content = step.discrete.storage().0 * heat.amounts.stored;
     let Amounts { supplied, coupling, contact, rubbed, prescribed, .. } = heat.amounts;
+    let scheme = step.discrete.storage().0 * heat.amounts.scheme;
     let foundations = foundations(step, m, heat);
-    let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling - rubbed;
+    let body = (heat_content - before.heat_content) + scheme + contact + prescribed - supplied - coupling - rubbed;
     let heat_error = body + foundations.error;
     let mut heat_moved =
         contact.abs() + prescribed.abs() + supplied.abs() + coupling.abs() + rubbed.abs() + foundations.moved;
@@ -61,6 +62,7 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_coupling: before.heat_coupling + coupling,
         heat_friction: before.heat_friction + if step.problem.physics.has_heat() { energy.friction } else { 0.0 },
         heat_pairs: before.heat_pairs + rubbed,
+        heat_scheme: before.heat_scheme + scheme,
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
@@ -101,15 +103,20 @@ impl Energy {
             - contact.impact
             - (contact.energy - old.ledger.contact_energy)
             + contact.stiffening;
+        let kinetic = 0.5 * rho * kinetic;
+        let of_inertia = match step.rule.start {
+            Start::State => (step.rule.level - 0.5) * rho * inertial,
+            Start::TwoStates => k / step.rule.delta * rho * inertial - (kinetic - old.ledger.kinetic),
+        };
         Energy {
-            kinetic: 0.5 * rho * kinetic,
+            kinetic,
             elastic: stored.elastic,
             contact: contact.energy,
             viscous: k * viscous + stored.relaxed + contact.damping,
             friction: contact.friction,
             worn: contact.worn,
             impact: contact.impact,
-            scheme: (step.rule.level - 0.5) * rho * inertial + stored.scheme + compliance + dropped,
+            scheme: of_inertia + stored.scheme + compliance + dropped,
             load_work: contact.load_work,
             thermal_work: k * thermal_work,
             modulus_work: stored.modulus + contact.stiffening,
@@ -228,31 +235,40 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let Step { discrete, old, .. } = *step;
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
-        Stored {
-            elastic: 0.5 * m.end.powers.elastic,
-            relaxed: 0.0,
-            scheme: (step.rule.level - 0.5) * m.end.powers.strained,
-            modulus: 0.0,
-        }
+        let (elastic, strained) = (0.5 * m.end.powers.elastic, m.end.powers.strained);
+        let scheme = match step.rule.start {
+            Start::State => (step.rule.level - 0.5) * strained,
+            Start::TwoStates => step.rule.k * strained - (elastic - before(step)),
+        };
+        Stored { elastic, relaxed: 0.0, scheme, modulus: 0.0 }
     } else if let Some(sum) = softening(step, m, theta) {
         sum
     } else {
         // The stress work in excess of the change of the potential is dissipated by the scheme. Without a potential the
         // work is treated as stored.
         let end = step.end(&old.u, m.u().to_vec());
-        let work = dot(&difference(&end, &old.u), &m.end.at.a_u);
+        let work = dot(&moved(step, m, &end), &m.end.at.a_u);
         let before = before(step);
         let elastic = discrete.stored_energy(&end, &m.theta).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }
     };
-    for ((branch, at_level), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
-        let Relaxed { stored, dissipated, scheme } = branch.balance(step.rule, old, at_level);
+    let starts = old.branches.iter().zip(step.bar.branches);
+    for ((branch, at_level), (old, bar)) in discrete.branches.iter().zip(&m.branches).zip(starts) {
+        let Relaxed { stored, dissipated, scheme } = branch.balance(step.rule, [old, bar], at_level);
         branches += stored;
         sum.relaxed += dissipated;
         sum.scheme += scheme;
     }
     sum.elastic += branches;
     sum
+}
+
+/// The displacement along which the stress of a step works: its change, or k w of a step that adds to two states.
+fn moved(step: &Step, m: &Mechanics, end: &[f64]) -> Vec<f64> {
+    match step.rule.start {
+        Start::State => difference(end, &step.old.u),
+        Start::TwoStates => m.w().iter().map(|w| step.rule.k * w).collect(),
+    }
 }
 
 /// Energy of the body at the start of a step, without the branches.
@@ -275,8 +291,8 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
     let end = step.end(&old.u, m.u().to_vec());
     let [to, elastic] = [energy(&end, &m.theta)?, energy(&end, theta)?];
     let from = if m.theta == old.theta { before(step) } else { energy(&old.u, &m.theta)? };
-    let change = difference(&end, &old.u);
-    let scheme = if discrete.is_linearly_elastic() {
+    let change = moved(step, m, &end);
+    let scheme = if discrete.is_linearly_elastic() && step.rule.start == Start::State {
         (step.rule.level - 0.5) * dot(&change, &discrete.apply_a(&change, &m.theta))
     } else {
         dot(&change, &m.end.at.a_u) - (to - from)

@@ -151,6 +151,7 @@ fn workload(problem: &ProblemData) -> Workload {
 fn time_scheme(raw: &raw::Time) -> TimeScheme {
     match raw.scheme {
         raw::TimeScheme::Euler => TimeScheme::BackwardEuler,
+        raw::TimeScheme::Bdf2 => TimeScheme::Bdf2,
         raw::TimeScheme::Theta => {
             let contact = ContactRule {
                 restitution: raw.restitution.unwrap_or(0.0),
@@ -380,7 +381,7 @@ impl Build<'_> {
 
     /// Checks that the keys of a scheme stand beside it.
     fn scheme_keys(&mut self, time: &raw::Time) {
-        if time.scheme == raw::TimeScheme::Euler {
+        if time.scheme != raw::TimeScheme::Theta {
             let given = [
                 ("theta", time.theta.map(|theta| format!("{theta:?}"))),
                 ("restitution", time.restitution.map(|e| format!("{e:?}"))),
@@ -389,7 +390,7 @@ impl Build<'_> {
             ];
             for (key, found) in given.iter().filter_map(|(key, found)| Some((*key, found.as_ref()?))) {
                 let (path, hint) = (format!("time.{key}"), format!("add `scheme = \"theta\"`, or remove `{key}`"));
-                let found = format!("{found} with the scheme \"euler\"");
+                let found = format!("{found} with the scheme {}", time.scheme.quoted());
                 self.note(&path, At::Value, found, "a key of the scheme \"theta\"", Some(&hint));
             }
         }

@@ -10,7 +10,7 @@ use crate::linalg::{BlockMatrix, Graph, dot};
 use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
-use crate::time::Rule;
+use crate::time::{Rule, Start};
 
 /// Maxwell branches of the body that share one state.
 ///
@@ -136,13 +136,22 @@ impl Relaxation {
         }
     }
 
-    /// Energies over a step with the state at t_ϑ, the terms of q_ϑ:(ε₁ − ε₀) = [½ e:𝓖e] + (k/τ) e_ϑ:𝓖e_ϑ +
-    /// (ϑ − ½) Δe:𝓖Δe.
-    pub(crate) fn balance(&self, rule: Rule, old: &[f64], at_level: &[f64]) -> Relaxed {
+    /// Energies over a step with the state at t_ϑ, from e₀ and ē: the terms of q_ϑ:(ε₁ − ε₀) = [½ e:𝓖e] +
+    /// (k/τ) e_ϑ:𝓖e_ϑ + (ϑ − ½) Δe:𝓖Δe, or of a step that adds to two states k/γ (e₁ − ē):𝓖e₁ − [½ e:𝓖e] in the place
+    /// of the last one.
+    pub(crate) fn balance(&self, rule: Rule, [old, bar]: [&[f64]; 2], at_level: &[f64]) -> Relaxed {
         let (k, share) = (rule.k, rule.level - 0.5);
         let end = || at_level.iter().zip(old).map(|(at, old)| rule.end([*old, *at])).collect::<Vec<f64>>();
         let new: Cow<[f64]> = if rule.is_at_end() { Cow::Borrowed(at_level) } else { Cow::Owned(end()) };
-        let change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+        let from = if rule.start == Start::State { old } else { bar };
+        let change: Vec<f64> = new.iter().zip(from).map(|(new, old)| new - old).collect();
+        if rule.start == Start::TwoStates {
+            let sum: Vec<f64> = at_level.iter().zip(&change).map(|(at, change)| at + change).collect();
+            // By polarisation, 2 a:𝓖b of the state and its change.
+            let [[now, rate], [changed, _], [both, _]] = [at_level, &change, &sum].map(|e| self.energies(e));
+            let (stored, worked) = (0.5 * now, 0.5 * k / rule.gamma * (both - now - changed));
+            return Relaxed { stored, dissipated: k * rate, scheme: worked - (stored - self.energy(old)) };
+        }
         match &self.0 {
             BranchKind::Same { time, form } => {
                 let product = dot(at_level, &form.apply(at_level));
@@ -155,6 +164,17 @@ impl Relaxation {
                 let stored = if rule.is_at_end() { product } else { self.products(&new)[0] };
                 Relaxed { stored: 0.5 * stored, dissipated: k * rate, scheme }
             }
+        }
+    }
+
+    /// ∫ e:𝓖e and ∫ e:𝓖e/τ of a state.
+    fn energies(&self, state: &[f64]) -> [f64; 2] {
+        match &self.0 {
+            BranchKind::Same { time, form } => {
+                let product = dot(state, &form.apply(state));
+                [product, product / time]
+            }
+            BranchKind::Varying { .. } => self.products(state),
         }
     }
 

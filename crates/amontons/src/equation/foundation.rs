@@ -15,34 +15,35 @@ use crate::time::Interval;
 /// n at the nearest point of its surface to x, or to x + u_{n−1} if it is followed: with ν = −n,
 /// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` holds the depth worn off at each point
 /// and the opening of the gap per depth worn off; `advance` holds δ of each contact at the start and at the end of the
-/// step. They are empty if nothing wears or δ is zero.
+/// step. They are empty if nothing wears or δ is zero. Rates are those of the rule of the step.
 pub(crate) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
     u: &[f64],
     (worn, advance): (&[[f64; 2]], [&[f64]; 2]),
-    Interval { start: from, end: to, level }: Interval,
+    interval: Interval,
 ) -> Vec<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
     let mut frames = Vec::with_capacity(all.len());
-    let rate = |change: f64| if to > from { change / (to - from) } else { 0.0 };
+    let Interval { start: from, end: to, level, before } = interval;
     for (side, contact) in problem.contacts.iter().enumerate() {
         let first = frames.len();
         let points: &[PointOnBoundary] = all.get(first..).unwrap_or_default();
         let points = &points[..points.iter().take_while(|point| point.contact == side).count()];
         let x: Vec<Point> = points.iter().map(|point| point.x).collect();
-        let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
+        let gap_at = |t: f64| contact.gap.values(&x, t);
+        let ([gap_from, gap], gap_before) = ([from, to].map(gap_at), before.map(gap_at));
         let velocity = velocities(contact, &x, level);
         // If the side `with` has the contact points, the slip is its own motion.
         let sign = contact.sign();
-        let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| rate(of(to) - of(from))));
+        let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| interval.rate(of)));
         let [start, end] = advance.map(|all| all.get(side).copied().unwrap_or(0.0));
         for (i, point) in points.iter().enumerate() {
             let [depth, opening] = worn.get(first + i).copied().unwrap_or([0.0, 1.0]);
             let mut frame = Frame {
                 normal: point.normal,
                 gap: gap[i],
-                gap_rate: rate(gap[i] - gap_from[i]),
+                gap_rate: interval.rate_of(gap_before.as_ref().map(|gap| gap[i]), [gap_from[i], gap[i]]),
                 velocity: velocity.get(i).map_or([0.0; 3], |v| v.map(|v| sign * v)),
                 opening,
             };
@@ -52,18 +53,20 @@ pub(crate) fn frames(
             if let Some(obstacle) = &contact.obstacle {
                 let u = if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
-                let [before, now] = [(from, start), (to, end)].map(|(t, by)| obstacle.nearest_moved(&at, t, by));
+                let nearest = |t: f64, by: f64| obstacle.nearest_moved(&at, t, by);
+                let (first, now) = (nearest(from, start), nearest(to, end));
+                let earlier = before.map(|t| nearest(t, start).distance);
                 frame.normal = now.normal.map(|c| -c);
                 frame.gap += now.distance + dot(&u, &frame.normal);
-                frame.gap_rate += rate(now.distance - before.distance);
+                frame.gap_rate += interval.rate_of(earlier, [first.distance, now.distance]);
                 let along = obstacle.direction();
                 let foot: Point = std::array::from_fn(|c| at[c] - now.distance * now.normal[c] - end * along[c]);
                 let moves = moves.map_or([0.0; 3], |motion| motion.at(&foot));
-                let advances = rate(end - start);
+                let advances = interval.rate_of(None, [start, end]);
                 frame.velocity = std::array::from_fn(|c| frame.velocity[c] + moves[c] + advances * along[c]);
             } else {
                 frame.gap += end;
-                frame.gap_rate += rate(end - start);
+                frame.gap_rate += interval.rate_of(None, [start, end]);
             }
             frame.gap += depth;
             let along = dot(&frame.velocity, &frame.normal);

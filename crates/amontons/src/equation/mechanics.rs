@@ -17,7 +17,7 @@ use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, Point
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::state::{Rigid, State};
 use crate::tensor::Point;
-use crate::time::Rule;
+use crate::time::{Rule, Start};
 
 /// A solved mechanical half-step.
 pub(crate) struct Mechanics {
@@ -265,7 +265,7 @@ impl<'a> Equation<'a> {
 
     /// The terms of (4.1) at an iterate that [`right_hand_side`] sums: all but those of contact and of the branches.
     fn terms<'t>(&'t self, at: &'t Iterate) -> [&'t [f64]; 6] {
-        [&self.load, &self.thermal, &at.mass_w, &self.step.products.mass_w, &at.b_w, &at.a_u]
+        [&self.load, &self.thermal, &at.mass_w, self.step.bar.mass_w, &at.b_w, &at.a_u]
     }
 
     /// The right-hand side for the increment over the velocity of an iterate, without contact.
@@ -347,7 +347,7 @@ impl<'a> Equation<'a> {
         let (inertia, mut rest) = (self.inertia(), zeros(v.len()));
         // Per block of the terms: the residual of (4.1), the largest entries, and the sums of the audit.
         let of_block = |first: usize, [mass_w, a_u, b_w]: [&[f64]; 3], rest: &mut [f64]| {
-            let [load, thermal, bar, force] = [&*self.load, &self.thermal, &self.step.products.mass_w, &contact_force]
+            let [load, thermal, bar, force] = [&*self.load, &self.thermal, self.step.bar.mass_w, &contact_force]
                 .map(|v| &v[first..first + mass_w.len()]);
             let [u, w, v] = [&*u, w, &*v].map(|v| &v[first..first + mass_w.len()]);
             let largest = map_block([force, load, thermal, mass_w, bar, b_w, a_u], rest, |[force, terms @ ..]| {
@@ -553,12 +553,13 @@ impl Iterate<'_> {
     }
 }
 
-/// Data of the contact points and the iterate at the start of a half-step: at w_{n−1}, and at (u_D(t_n) − ū)/γ if the
+/// Data of the contact points and the iterate at the start of a half-step: at w_{n−1}, and at (u_D(t_n) − ū)/σ if the
 /// displacement is prescribed.
 fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
-    let Step { discrete, old, bar, products, t, rule: Rule { k, gamma, .. }, .. } = *step;
+    let Step { discrete, old, bar, products, t, rule, .. } = *step;
     let mut w = copy(&old.w);
-    let changes = discrete.v.prescribe_rates([t, k], &step.replacing(|inputs| &inputs.displacements), bar.u, &mut w);
+    let replacing = step.replacing(|inputs| &inputs.displacements);
+    let changes = discrete.v.prescribe_rates([t, rule.span], &replacing, bar.u, &mut w);
     let given = Given::new(step, &w);
     let mut multipliers = old.multipliers.clone();
     // A point that no longer faces the other body has lost contact.
@@ -569,9 +570,9 @@ fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
     let now = if step.apart.is_some() {
         let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
         Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
-    } else if discrete.is_linear() && !changes {
+    } else if discrete.is_linear() && !changes && rule.start == Start::State {
         // a(ū + γ w̄, ·) is obtained without another product.
-        let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
+        let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + rule.gamma * a_w));
         let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
         let relaxing = step.relaxing(&w);
         Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }

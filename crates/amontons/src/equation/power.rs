@@ -2,11 +2,13 @@
 
 use super::system::Step;
 use crate::linalg::sum_block;
+use crate::time::Start;
 
 /// Products of the vectors of the mechanical half-step, summed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Powers {
-    /// w·M w at the end of the step, and the same product of the change of w in the step.
+    /// w·M w at the end of the step, and the same product of the change of w in the step; of a step that adds to two
+    /// states w·M (w − w̄).
     pub kinetic: f64,
     pub inertial: f64,
     /// b(w, w).
@@ -14,7 +16,8 @@ pub(crate) struct Powers {
     /// Powers of m(θ, ·) and of the load.
     pub thermal: f64,
     pub load: f64,
-    /// a(u, u) at the end of the step, and the same product of the change of u in the step; zero if a is not linear.
+    /// a(u, u) at the end of the step, and the same product of the change of u in the step, zero if a is not linear; of
+    /// a step that adds to two states a(u, w).
     pub elastic: f64,
     pub strained: f64,
 }
@@ -36,17 +39,21 @@ pub(crate) struct PowerTerms<'a> {
 impl Powers {
     /// The sums over a block. The sums of all blocks are passed to [`Powers::new`].
     pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
-        let Step { discrete, old, products, rule, .. } = *step;
+        let Step { discrete, old, products, bar, rule, .. } = *step;
         let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;
-        let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
+        let is_of_one_step = rule.start == Start::State;
+        let before: [&[f64]; 2] = if is_of_one_step { [&old.w, &products.mass_w] } else { [bar.w, bar.mass_w] };
+        let [w_old, mass_old] = before.map(|v| &v[first..first + w.len()]);
         let [kinetic, inertial, viscous, thermal, load] =
             sum_block([w, w_old, v, mass_w, mass_old, b_w, thermal, load], |entries| {
                 let [w, w_old, v, mass_w, mass_old, b_w, thermal, load] = entries;
                 let (w_end, mass_end) = (rule.end([w_old, w]), rule.end([mass_old, mass_w]));
-                let change = (w_end - w_old) * (mass_end - mass_old);
+                let change = if is_of_one_step { w_end - w_old } else { w } * (mass_end - mass_old);
                 [w_end * mass_end, change, v * b_w, v * thermal, w * load]
             });
-        let [elastic, strained] = if discrete.is_linear() {
+        let [elastic, strained] = if !is_of_one_step {
+            sum_block([u, v, a_u], |[u, v, a_u]| [u * a_u, v * a_u])
+        } else if discrete.is_linear() {
             let [u_old, a_old] = [step.deformation_before(), &products.a_u].map(|v| &v[first..first + u.len()]);
             sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| {
                 let (u, a_u) = (rule.end([u_old, u]), rule.end([a_old, a_u]));

@@ -19,9 +19,9 @@ use crate::problem::{Coupling, Physics, Problem};
 use crate::pulse::Pulse;
 use crate::rigid::{described, floating};
 use crate::space::Space;
-use crate::state::State;
+use crate::state::{Earlier, State};
 use crate::tensor::Point;
-use crate::time::{Interval, Rule};
+use crate::time::{Interval, Rule, Start};
 
 /// Largest accepted relative residual of a step.
 pub const ACCEPTED: f64 = 1e-10;
@@ -41,7 +41,7 @@ pub(crate) struct Step<'a> {
     pub boundary: &'a ContactBoundary,
     /// The state that the step starts from.
     pub old: &'a State,
-    /// ū, θ̄ and z̄, and products of w̄, ū and θ̄ with the forms.
+    /// ū, w̄, θ̄ and z̄ with their products, and the products of the state that the step starts from.
     pub bar: Bar<'a>,
     pub products: &'a Products,
     /// n.
@@ -62,18 +62,49 @@ pub(crate) struct Step<'a> {
     pub inputs: &'a StepInputs,
 }
 
-/// Values to which the rule in time adds: with backward Euler the previous state.
+/// Values to which the rule in time adds, [`Start`](crate::time::Start).
 #[derive(Clone, Copy)]
 pub(crate) struct Bar<'a> {
     pub u: &'a [f64],
     pub w: &'a [f64],
     pub theta: &'a [f64],
     pub branches: &'a [Vec<f64>],
+    /// Products of w̄ and θ̄ with the forms of inertia and storage, as in [`Products`].
+    pub mass_w: &'a [f64],
+    pub mass_theta: &'a [f64],
 }
 
-impl<'a> From<&'a State> for Bar<'a> {
-    fn from(state: &'a State) -> Bar<'a> {
-        Bar { u: &state.u, w: &state.w, theta: &state.theta, branches: &state.branches }
+impl<'a> Bar<'a> {
+    /// The state that the step starts from.
+    pub fn of(state: &'a State, products: &'a Products) -> Bar<'a> {
+        let State { u, w, theta, branches, .. } = state;
+        Bar { u, w, theta, branches, mass_w: &products.mass_w, mass_theta: &products.mass_theta }
+    }
+}
+
+/// (4 v₀ − v₋₁)/3 of the vectors of two states.
+pub(crate) struct Mixed {
+    u: Vec<f64>,
+    w: Vec<f64>,
+    theta: Vec<f64>,
+    branches: Vec<Vec<f64>>,
+    mass_w: Vec<f64>,
+    mass_theta: Vec<f64>,
+}
+
+impl Mixed {
+    pub fn new(discrete: &Discretization, state: &State, earlier: &Earlier) -> Mixed {
+        let mix = |now: &[f64], before: &[f64]| map([now, before], |[now, before]| (4.0 * now - before) / 3.0);
+        let branches = state.branches.iter().zip(&earlier.branches);
+        let [u, w, theta] =
+            [(&state.u, &earlier.u), (&state.w, &earlier.w), (&state.theta, &earlier.theta)].map(|(a, b)| mix(a, b));
+        let (mass_w, mass_theta) = (discrete.inertia().1.apply(&w), discrete.storage().1.apply(&theta));
+        Mixed { branches: branches.map(|(now, before)| mix(now, before)).collect(), u, w, theta, mass_w, mass_theta }
+    }
+
+    pub fn bar(&self) -> Bar<'_> {
+        let Mixed { u, w, theta, branches, mass_w, mass_theta } = self;
+        Bar { u, w, theta, branches, mass_w, mass_theta }
     }
 }
 
@@ -134,7 +165,11 @@ impl Step<'_> {
 
     /// The times of the step.
     pub fn interval(&self) -> Interval {
-        Interval { start: self.old.t, end: self.t, level: self.level }
+        let before = match self.rule.start {
+            Start::State => None,
+            Start::TwoStates => Some(self.old.t - self.rule.k),
+        };
+        Interval { start: self.old.t, end: self.t, level: self.level, before }
     }
 
     /// Interpolates temperatures at the end of the step to the time of its equations.

@@ -9,7 +9,7 @@ use crate::discretization::Discretization;
 use crate::inclusion::Loose;
 use crate::linalg::{Account, Backend, Choice, Decided, SolveError, System, TangentKey};
 use crate::problem::Problem;
-use crate::time::{Analysis, Rule};
+use crate::time::{Analysis, Rule, Start};
 
 /// The name of a system that cannot be factorized, and the error.
 pub(crate) type SystemError = (&'static str, SolveError);
@@ -323,16 +323,23 @@ pub struct KeptRule {
     pub k: f64,
     /// Whether inertia acts.
     pub analysis: Analysis,
+    /// Whether the step adds to two states.
+    #[serde(default)]
+    pub has_two_states: bool,
 }
 
 impl KeptRule {
     /// The rule of a problem, whose step lengths may differ from the kept one by round-off.
     fn in_problem(self, problem: &Problem) -> Rule {
-        self.analysis.rule(problem.scheme, problem.timeline.snapped(self.k))
+        let k = problem.timeline.snapped(self.k);
+        match self.has_two_states {
+            true => self.analysis.rule(problem.scheme, k),
+            false => self.analysis.starting_rule(problem.scheme, k),
+        }
     }
 
     fn of(rule: &Rule) -> KeptRule {
-        KeptRule { k: rule.k, analysis: rule.analysis }
+        KeptRule { k: rule.k, analysis: rule.analysis, has_two_states: rule.start == Start::TwoStates }
     }
 }
 

@@ -67,7 +67,7 @@ impl Mechanical<'_> {
         (0..self.interface.len()).any(|i| match (soft, self.response[i]) {
             (Some(share), Response::Multiplier { lambda }) => {
                 let law = &self.contact(i).normal;
-                let stiffness = law.lipschitz().zip(law.lipschitz_in_rate()).map(|(c, d)| c + d / self.step.rule.k);
+                let stiffness = law.lipschitz().zip(law.lipschitz_in_rate()).map(|(c, d)| c + d / self.step.rule.span);
                 stiffness.is_none_or(|c| c * lambda * share > 1.0)
             }
             _ => false,

@@ -108,7 +108,7 @@ impl Mechanical<'_> {
         let of = |drive: &Drive| {
             let points = boundary.points.iter().zip(&self.rho);
             let own = points.filter(|(point, _)| point.contact == drive.contact);
-            drive.inertia[1] + own.map(|(point, rho)| point.weight * rho / rule.k).sum::<f64>()
+            drive.inertia[1] + own.map(|(point, rho)| point.weight * rho / rule.span).sum::<f64>()
         };
         drives.iter().map(of).collect()
     }

@@ -102,7 +102,7 @@ impl<'a> Mechanical<'a> {
         );
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
             false => Response::Function,
-            true if rho > 0.0 => Response::Multiplier { lambda: step.rule.k / rho },
+            true if rho > 0.0 => Response::Multiplier { lambda: step.rule.span / rho },
             true => Response::Given,
         });
         let response = response.collect();
@@ -147,12 +147,12 @@ impl<'a> Mechanical<'a> {
 
     fn kinematics(&self, i: usize, w: &[f64]) -> Kinematics {
         let [w_nu, t1, t2] = self.interface.jump(i, w);
-        let (frame, k) = (&self.step.frames[i], self.step.rule.k);
-        // r = ū_ν + k w_ν − g, at the end of the step.
-        let penetration = self.opening[i][0] + k * w_nu;
+        let (frame, span) = (&self.step.frames[i], self.step.rule.span);
+        // r = ū_ν + σ w_ν − g, at the end of the step.
+        let penetration = self.opening[i][0] + span * w_nu;
         let rate = w_nu - frame.gap_rate;
         // Rate of r₊ if r > 0, so that the pressure does not jump if the gap closes within the step.
-        let rate = rate.min(penetration / k);
+        let rate = rate.min(penetration / span);
         let [v1, v2] = self.foundation[i];
         let [first, second] = self.held(i);
         let slip = [if first { 0.0 } else { t1 - v1 }, if second { 0.0 } else { t2 - v2 }];
@@ -166,10 +166,10 @@ impl<'a> Mechanical<'a> {
     /// The laws at a point, its pressure found in a way of its own.
     pub(super) fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
         let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
-        let start = self.opening(i) + rule.k * frame.gap_rate;
+        let start = self.opening(i) + rule.span * frame.gap_rate;
         let law = contact.normal.as_ref();
         let mean = MeanPressure::new(law, start, rule.level, rule.contact.unwrap_or_default().pressure);
-        let impact = Impact::new(law, start + rule.k * self.step.onset(i).approach);
+        let impact = Impact::new(law, start + rule.span * self.step.onset(i).approach);
         let normal: &dyn NormalLaw = match law.graph() {
             _ if rule.contact.is_none() => law,
             GraphKind::Function if rule.is_at_end() => law,
@@ -229,7 +229,7 @@ impl<'a> Mechanical<'a> {
             return given;
         }
         let found = self.laws_with(i, w, multiplier, Response::Function);
-        let is_soft = lambda * found.normal.slope <= SHARPEST * self.step.rule.k;
+        let is_soft = lambda * found.normal.slope <= SHARPEST * self.step.rule.span;
         let p = found.normal.pressed;
         if is_soft && (p - multiplier.p).abs() <= JUMP * p.abs().max(multiplier.p.abs()) { found } else { given }
     }
@@ -412,8 +412,8 @@ impl Mechanical<'_> {
         let (point, frame, contact) = (&self.step.boundary.points[i], &self.step.frames[i], self.contact(i));
         let [before, after] = [from, to].map(|w| self.laws_at(i, w, multiplier));
         // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
-        let start = before.penetration - self.step.rule.k * (self.interface.jump(i, from)[0] - frame.gap_rate);
-        let normal = self.step.rule.k
+        let start = before.penetration - self.step.rule.span * (self.interface.jump(i, from)[0] - frame.gap_rate);
+        let normal = self.step.rule.span
             * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
         // The larger of the pressures of both ends: a fall with the slip speed grows with it.
         let at_end = after.normal.pressed;
@@ -464,14 +464,14 @@ impl Term for Mechanical<'_> {
 
     fn round_off(&self, x: &[f64], laws: &Vec<Laws>) -> f64 {
         let mut sizes = vec![0.0; x.len()];
-        let k = self.step.rule.k;
+        let span = self.step.rule.span;
         for (i, laws) in laws.iter().enumerate() {
             let [w_nu, t1, t2] = self.interface.sizes(i, x);
-            let size = self.opening[i][1] + k * w_nu;
+            let size = self.opening[i][1] + span * w_nu;
             // The slip of a point that sticks is a difference of larger numbers; to one that slips it is a direction.
             let [v1, v2] = self.foundation[i];
             let [s1, s2] = if laws.sticks { [t1 + v1.abs(), t2 + v2.abs()].map(|v| self.rho[i] * v) } else { [0.0; 2] };
-            self.interface.scatter_sizes(i, &[laws.normal.slope / k * size, s1, s2], &mut sizes);
+            self.interface.scatter_sizes(i, &[laws.normal.slope / span * size, s1, s2], &mut sizes);
         }
         max_abs(&sizes)
     }
@@ -479,8 +479,8 @@ impl Term for Mechanical<'_> {
     fn is_sharp(&self, x: &[f64], laws: &Vec<Laws>, tolerance: f64) -> bool {
         laws.iter().enumerate().all(|(i, laws)| {
             let (normal, weight) = (&laws.normal, self.interface.rows[i].weight);
-            let size = self.opening[i][1] + self.step.rule.k * self.interface.sizes(i, x)[0];
-            let round_off = 16.0 * f64::EPSILON * normal.stiffness() / self.step.rule.k * size;
+            let size = self.opening[i][1] + self.step.rule.span * self.interface.sizes(i, x)[0];
+            let round_off = 16.0 * f64::EPSILON * normal.stiffness() / self.step.rule.span * size;
             let error = (normal.pressed - normal.pressure).abs() / normal.yielding;
             normal.yielding * SHARPEST < 1.0 || weight * error <= tolerance.max(weight * round_off)
         })

@@ -128,15 +128,15 @@ impl Laws {
             ..ContactPoint::default()
         };
         let wear = contact.wear.as_ref().map_or_else(Wear::default, |law| {
-            let depth = site.rule.k * law.coefficient(&seen);
-            let by_temperature = site.opening * site.rule.k * law.by_temperature(&seen);
+            let depth = site.rule.span * law.coefficient(&seen);
+            let by_temperature = site.opening * site.rule.span * law.by_temperature(&seen);
             Wear { depth, rate: site.opening * depth, by_temperature }
         });
         let by_wear = wear.rate * speed;
         let approach = Approach {
             law: site.normal,
             x: &site.x,
-            length: site.rule.k,
+            length: site.rule.span,
             response: site.response,
             penetration: at.penetration,
             rate: at.rate,
@@ -172,7 +172,7 @@ impl Laws {
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); the bound follows p + δp.
         let follows = sign * s.by_pressure;
         let slopes = Slopes {
-            bound_by_normal: site.rule.k * s.by_penetration + follows * normal.stiffness(),
+            bound_by_normal: site.rule.span * s.by_penetration + follows * normal.stiffness(),
             bound_by_speed: site.slip_share * s.by_slip_speed,
             bound_change: follows * (normal.pressed - normal.pressure) * (normal.yielding.recip() - 1.0),
             pressure_by_speed: wear.rate * by_depth,

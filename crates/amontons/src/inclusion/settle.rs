@@ -183,7 +183,7 @@ impl Mechanical<'_> {
     pub(super) fn far(&self) -> f64 {
         let Some(holds) = &self.holds else { return f64::INFINITY };
         let gap = (0..self.interface.len()).map(|i| self.opening(i).abs()).fold(0.0, f64::max);
-        FAR * (holds.jumps.extent() + gap) / self.step.rule.k
+        FAR * (holds.jumps.extent() + gap) / self.step.rule.span
     }
 
     /// The rigid motion that drives the parts of the body apart without end: that of the loads, if it closes no point,

@@ -27,12 +27,12 @@ use crate::inclusion::{Multipliers, PointState};
 use crate::machine;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
-use crate::state::{Accumulated, Carried, ContactReport, Counts, CouplingReport, Ledger, Reactions, State, StepReport};
+use crate::state::{Accumulated, Carried, ContactReport, Counts, Earlier, CouplingReport, Ledger, Reactions, State, StepReport};
 use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 20;
+const VERSION: u32 = 21;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -132,6 +132,7 @@ struct CheckpointBody {
     w: Vec<f64>,
     theta: Vec<f64>,
     theta_rate: Vec<f64>,
+    earlier: Option<Earlier>,
     p: Vec<f64>,
     q: Vec<Point>,
     sticks: Vec<bool>,
@@ -246,6 +247,7 @@ impl CheckpointBody {
             w: state.w,
             theta: state.theta,
             theta_rate: state.theta_rate,
+            earlier: state.earlier,
             p: state.multipliers.p,
             q: state.multipliers.q,
             sticks: state.multipliers.sticks,
@@ -311,6 +313,7 @@ impl CheckpointBody {
             w: self.w,
             theta: self.theta,
             theta_rate: self.theta_rate,
+            earlier: self.earlier,
             multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
             carried: self.carried,
@@ -407,6 +410,11 @@ impl Checkpoint {
         same("temperatures", self.state.theta.len(), nodes)?;
         if !self.state.theta_rate.is_empty() {
             same("rates of the temperature", self.state.theta_rate.len(), nodes)?;
+        }
+        if let Some(earlier) = &self.state.earlier {
+            same("earlier displacements", earlier.u.len(), nodes * dim)?;
+            same("earlier velocities", earlier.w.len(), nodes * dim)?;
+            same("earlier temperatures", earlier.theta.len(), nodes)?;
         }
         same("branches", self.state.branches.len(), discretization.branches.len())?;
         for (kept, branch) in self.state.branches.iter().zip(&discretization.branches) {

@@ -40,6 +40,9 @@ impl ProblemData {
                 let why = "of second order at ϑ = 0.5; pressures and friction are means of the step";
                 Choice::new("scheme", format!("ϑ-scheme, ϑ = {level}"), why)
             }
+            TimeScheme::Bdf2 => {
+                Choice::new("scheme", "BDF2", "of second order; it damps what oscillates within few steps")
+            }
         };
         let mut all = vec![scheme];
         all.extend(self.choice_of_phases());

@@ -3,7 +3,7 @@
 use super::{Fault, ProblemData};
 use crate::contact::{Contact, GraphKind};
 use crate::material::Material;
-use crate::time::{FrictionRule, TimeScheme};
+use crate::time::{ContactRule, FrictionRule, TimeScheme};
 
 impl ProblemData {
     /// True if bodies hit rigid foundations by a law of impact, as the ϑ-scheme does.
@@ -14,7 +14,33 @@ impl ProblemData {
 
     /// Checks that the scheme can take all laws of the problem. Backward Euler takes every law.
     pub(super) fn check_scheme(&self, faults: &mut Vec<Fault>) {
-        let TimeScheme::Theta { level, contact: rule } = self.scheme else { return };
+        let word = match self.scheme {
+            TimeScheme::BackwardEuler => return,
+            TimeScheme::Theta { level, contact } => {
+                Self::check_theta(level, contact, faults);
+                "theta"
+            }
+            TimeScheme::Bdf2 => "bdf2",
+        };
+        let mut refuse = |path: String, found: &str, expected: &str| {
+            let found = format!("{found}, with time.scheme = \"{word}\"");
+            faults.push(Fault::new(path, found, expected).hint("use time.scheme = \"euler\""));
+        };
+        for (side, contact) in self.contacts.iter().enumerate() {
+            let path = self.contact_path(side);
+            for (key, found, expected) in of_contact(contact, self.scheme) {
+                refuse(format!("{path}.{key}"), found, expected);
+            }
+        }
+        for material in &self.materials {
+            for (key, found, expected) in of_material(material) {
+                refuse(format!("material.{key}"), found, expected);
+            }
+        }
+    }
+
+    /// Checks the numbers of the ϑ-scheme.
+    fn check_theta(level: f64, rule: ContactRule, faults: &mut Vec<Fault>) {
         if !(0.5..=1.0).contains(&level) {
             let fault = Fault::new("time.theta", format!("{level:?}"), "a number from 0.5 to 1");
             faults.push(fault.hint("0.5 is of second order and adds no damping; 1 is backward Euler"));
@@ -25,26 +51,16 @@ impl ProblemData {
             let fault = Fault::new("time.restitution", found, format!("a number from 0 to {most:?}, (1 − ϑ)/ϑ"));
             faults.push(fault.hint("with more an impact would give energy"));
         }
-        let mut refuse = |path: String, found: &str, expected: &str| {
-            let found = format!("{found}, with time.scheme = \"theta\"");
-            faults.push(Fault::new(path, found, expected).hint("use time.scheme = \"euler\""));
-        };
-        for (side, contact) in self.contacts.iter().enumerate() {
-            let path = self.contact_path(side);
-            for (key, found, expected) in of_contact(contact, rule.friction) {
-                refuse(format!("{path}.{key}"), found, expected);
-            }
-        }
-        for material in &self.materials {
-            for (key, found, expected) in of_material(material) {
-                refuse(format!("material.{key}"), found, expected);
-            }
-        }
     }
 }
 
-/// What of a contact the ϑ-scheme does not take: key, what was found, what was expected.
-fn of_contact(contact: &Contact, friction: FrictionRule) -> Vec<(&'static str, &'static str, &'static str)> {
+/// What of a contact a scheme other than backward Euler does not take: key, what was found, what was expected.
+fn of_contact(contact: &Contact, scheme: TimeScheme) -> Vec<(&'static str, &'static str, &'static str)> {
+    let rule = match scheme {
+        TimeScheme::Theta { contact, .. } => Some(contact),
+        _ => None,
+    };
+    let is_mean = rule.is_some();
     let law = &contact.normal;
     let is_damped = law.lipschitz_in_rate() != Some(0.0);
     let changes = law.at_time(0.0).is_some();
@@ -55,13 +71,15 @@ fn of_contact(contact: &Contact, friction: FrictionRule) -> Vec<(&'static str, &
     let obstacle = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
     let function = "a pressure that is a nondecreasing function of the penetration, or a rigid foundation";
     let is_graph = law.graph() != GraphKind::Function && !law.is_rigid();
-    let wears = friction == FrictionRule::End && contact.wear.is_some();
+    let wears = contact.wear.is_some();
+    let wears_at_end = wears && rule.is_some_and(|rule| rule.friction == FrictionRule::End);
     let all = [
-        (is_graph, "normal", "a law with a rigid stop behind a layer", function),
-        (wears, "wear", "wear with time.friction = \"end\"", "wear with time.friction = \"mean\""),
-        (is_damped, "normal", "a law that depends on the rate of the penetration", function),
+        (is_mean && is_graph, "normal", "a law with a rigid stop behind a layer", function),
+        (wears_at_end, "wear", "wear with time.friction = \"end\"", "wear with time.friction = \"mean\""),
+        (wears && !is_mean, "wear", "wear, whose depth is a sum over steps of first order", "none"),
+        (is_mean && is_damped, "normal", "a law that depends on the rate of the penetration", function),
         (changes, "normal", "a law that changes with time", function),
-        (falls, "normal", "a law that softens", function),
+        (is_mean && falls, "normal", "a law that softens", function),
         (contact.preload.is_some(), "preload", "a preload", "none"),
         (contact.fluid.is_some(), "fluid", "a fluid", "none"),
         (heat, "heat", "a foundation that warms up", "a foundation of a given temperature"),
@@ -70,7 +88,7 @@ fn of_contact(contact: &Contact, friction: FrictionRule) -> Vec<(&'static str, &
     all.into_iter().filter(|(is, ..)| *is).map(|(_, key, found, expected)| (key, found, expected)).collect()
 }
 
-/// What of a material the ϑ-scheme does not take.
+/// What of a material a scheme other than backward Euler does not take.
 fn of_material(material: &Material) -> Vec<(&'static str, &'static str, &'static str)> {
     let varies = !material.heat_capacity.temperatures().is_empty() || !material.conductivity.temperatures().is_empty();
     let all = [(

@@ -10,6 +10,8 @@ pub use ledger::Ledger;
 pub use report::{ContactReport, Contraction, CouplingReport, Reactions, StepReport};
 pub use surface::Accumulated;
 
+use serde::{Deserialize, Serialize};
+
 use crate::inclusion::Multipliers;
 
 /// State at a time t_n, from which the next step starts.
@@ -29,6 +31,8 @@ pub struct State {
     pub theta_rate: Vec<f64>,
     /// Friction multipliers at the contact points.
     pub multipliers: Multipliers,
+    /// The state one step before, if the next step adds to both.
+    pub earlier: Option<Earlier>,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: Vec<Vec<f64>>,
     /// u with the rigid motions of far-moved bodies split off; empty if no body has moved far.
@@ -43,8 +47,32 @@ pub struct State {
     pub temperatures: [f64; 2],
 }
 
+/// What a scheme of two steps keeps of the state one step before.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Earlier {
+    /// Length of the step since, s.
+    pub k: f64,
+    /// u in m, node-major.
+    pub u: Vec<f64>,
+    /// w in m/s, node-major.
+    pub w: Vec<f64>,
+    /// θ, K.
+    pub theta: Vec<f64>,
+    /// State of the branches that relax.
+    pub branches: Vec<Vec<f64>>,
+}
+
+impl Earlier {
+    /// Keeps a state from which a step of length `k` in s is made.
+    #[must_use]
+    pub fn of(state: &State, k: f64) -> Earlier {
+        let State { u, w, theta, branches, .. } = state.clone();
+        Earlier { k, u, w, theta, branches }
+    }
+}
+
 /// Counted work since the start of a run.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Newton iterations of mechanical steps.
     pub newton_mechanics_total: usize,

@@ -12,16 +12,16 @@ use crate::equation::apart::Whole;
 use crate::equation::bodies::{Apart, Bodies};
 use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::{Balanced, Mechanics};
-use crate::equation::system::{HalfStep, Products, Step};
+use crate::equation::system::{Bar, HalfStep, Mixed, Products, Step};
 use crate::equation::systems::{Cache, SystemError, Systems};
 use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
 use crate::inclusion::{Multipliers, PointState};
 use crate::linalg::{Backend, dot};
 use crate::problem::{Physics, Problem, with_supports};
 use crate::pulse::Pulse;
-use crate::state::{Accumulated, Carried, ContactReport, Counts, Ledger, Reactions, State, StepReport};
+use crate::state::{Accumulated, Carried, ContactReport, Counts, Earlier, Ledger, Reactions, State, StepReport};
 use crate::tensor;
-use crate::time::{Analysis, HALVINGS, Instant, Interval, Rule};
+use crate::time::{Analysis, HALVINGS, Instant, Interval, Rule, Start};
 
 /// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
@@ -86,7 +86,8 @@ impl March {
         backend: &Arc<dyn Backend>,
     ) -> Result<March, SetupError> {
         let mut cache = Cache::new(backend, first_temperature(problem, discrete));
-        let made = cache.systems(problem, discrete, rule_of(problem, &problem.timeline.instant(1)));
+        let first = problem.timeline.instant(1);
+        let made = cache.systems(problem, discrete, first.analysis.starting_rule(problem.scheme, first.k));
         made.map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(March {
             problem: problem.clone(),
@@ -163,27 +164,34 @@ impl March {
         made
     }
 
-    /// The rule of a part 2^−halvings of step n.
-    fn rule(&self, n: usize, halvings: u32) -> Rule {
-        let now = self.problem.timeline.instant(n);
-        now.analysis.rule(self.problem.scheme, now.k / f64::from(1u32 << halvings))
+    /// The rule of a part 2^−halvings of step n, made from a state. A part of a step has no step of its length before
+    /// it.
+    fn rule(&self, old: &State, n: usize, halvings: u32) -> Rule {
+        let (now, scheme) = (self.problem.timeline.instant(n), self.problem.scheme);
+        let follows = old.earlier.as_ref().is_some_and(|earlier| earlier.k.to_bits() == now.k.to_bits());
+        if halvings == 0 && follows {
+            return now.analysis.rule(scheme, now.k);
+        }
+        now.analysis.starting_rule(scheme, now.k / f64::from(1u32 << halvings))
     }
 
-    /// Factorizes for step n and for its parts of ½ … 2^−halvings.
+    /// Factorizes for step n, made from a state, and for its parts of ½ … 2^−halvings.
     ///
     /// # Errors
     /// Those of [`Cache::systems`].
-    fn halve(&mut self, n: usize, halvings: u32) -> Result<(), SystemError> {
-        for rule in (0..=halvings).map(|halvings| self.rule(n, halvings)).collect::<Vec<_>>() {
+    fn halve(&mut self, old: &State, n: usize, halvings: u32) -> Result<(), SystemError> {
+        for rule in (0..=halvings).map(|halvings| self.rule(old, n, halvings)).collect::<Vec<_>>() {
             self.cache.systems(&self.problem, &self.discrete, rule)?;
         }
         Ok(())
     }
 
-    /// Drops the systems that neither the phase of a step nor a later one needs, among them those of halved steps.
-    fn drop_others(&mut self, now: &Instant) {
-        let rules: Vec<Rule> =
-            self.problem.timeline.ends_from(now.phase).map(|end| rule_of(&self.problem, &end)).collect();
+    /// Drops the systems that neither the step made last from a state nor a later step of its phase or of later ones
+    /// needs, among them those of halved steps.
+    fn drop_others(&mut self, old: &State, now: &Instant) {
+        let ends = self.problem.timeline.ends_from(now.phase);
+        let mut rules: Vec<Rule> = ends.map(|end| rule_of(&self.problem, &end)).collect();
+        rules.push(self.rule(old, now.n, 0));
         self.cache.keep_only(|rule| rules.contains(rule));
     }
 
@@ -193,7 +201,7 @@ impl March {
         let is_quasistatic = |n: usize| self.problem.timeline.instant(n).analysis == Analysis::Quasistatic;
         let rests = old.step > 0 && is_quasistatic(old.step) && now.analysis == Analysis::Dynamic;
         // Only backward Euler splits off rigid motions.
-        let is_split = !old.carried.rigid.is_empty() && !rule_of(&self.problem, now).is_at_end();
+        let is_split = !old.carried.rigid.is_empty() && !rule_of(&self.problem, now).is_backward_euler();
         if !rests && !is_split {
             return Cow::Borrowed(old);
         }
@@ -205,6 +213,7 @@ impl March {
         if is_split {
             begun.carried = Carried::default();
         }
+        begun.earlier = begun.earlier.filter(|_| !rests);
         self.products = None;
         Cow::Owned(begun)
     }
@@ -212,8 +221,8 @@ impl March {
     /// True if the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
         let singular = |(_, source)| StepError::Singular { step: n, t: end.t, source };
-        self.halve(n, HALVINGS).map_err(singular)?;
-        let rule = self.rule(n, HALVINGS);
+        self.halve(old, n, HALVINGS).map_err(singular)?;
+        let rule = self.rule(old, n, HALVINGS);
         let made = self.cache.systems(&self.problem, &self.discrete, rule).map_err(singular)?;
         let Systems { mechanics: Some(mechanics), loose, .. } = made else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
@@ -225,7 +234,7 @@ impl March {
             discrete: &self.discrete,
             boundary: &boundary,
             old,
-            bar: old.into(),
+            bar: Bar::of(old, &products),
             products: &products,
             n,
             t: end.t,
@@ -253,7 +262,7 @@ impl March {
         }
         let made = self.make_step(old, n, t, halvings);
         let Err(error) = made else { return made };
-        if !old.carried.rigid.is_empty() || !self.rule(n, halvings).is_at_end() || !is_noise(&error) {
+        if !old.carried.rigid.is_empty() || !self.rule(old, n, halvings).is_backward_euler() || !is_noise(&error) {
             return Err(error);
         }
         let is_axisymmetric = self.discrete.mesh.axisymmetric;
@@ -272,8 +281,8 @@ impl March {
     /// Makes a step, or a part of it, as a whole.
     fn make_step(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
         let singular = |(_, source)| StepError::Singular { step: n, t, source };
-        self.halve(n, halvings).map_err(singular)?;
-        let rule = self.rule(n, halvings);
+        self.halve(old, n, halvings).map_err(singular)?;
+        let rule = self.rule(old, n, halvings);
         let products = self
             .products
             .take()
@@ -284,6 +293,8 @@ impl March {
         pulse.begin_part();
         let Systems { mechanics, heat, loose, .. } = cache.systems(problem, discrete, rule).map_err(singular)?;
         let level = rule.time([old.t, t]);
+        let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
+        let mixed = earlier.map(|earlier| Mixed::new(discrete, old, earlier));
         let contacts = contacts_at(problem, level);
         let boundary = boundary_at(discrete, problem, old);
         let now = Step {
@@ -292,7 +303,7 @@ impl March {
             discrete,
             boundary: &boundary,
             old,
-            bar: old.into(),
+            bar: mixed.as_ref().map_or_else(|| Bar::of(old, &products), Mixed::bar),
             products: &products,
             n,
             t,
@@ -373,6 +384,7 @@ impl Made {
             u: step.end(&old.u, u),
             w: step.end(&old.w, w),
             theta_rate: step.theta_rate(&theta),
+            earlier: None,
             theta,
             multipliers: at.multipliers,
             branches: old.branches.iter().zip(branches).map(|(old, branch)| step.end(old, branch)).collect(),
@@ -426,7 +438,7 @@ fn is_reversed(start: &State, end: &State) -> bool {
     moves && product < 0.0 && before + 2.0 * product + after < 0.25 * before.max(after)
 }
 
-/// The rule of a step.
+/// The rule of a step that follows on one of the same length.
 fn rule_of(problem: &Problem, now: &Instant) -> Rule {
     now.analysis.rule(problem.scheme, now.k)
 }
@@ -521,6 +533,7 @@ impl Scheme for March {
             w,
             theta,
             theta_rate: Vec::new(),
+            earlier: None,
             multipliers,
             branches,
             carried: Carried::default(),
@@ -534,17 +547,19 @@ impl Scheme for March {
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let now = self.problem.timeline.instant(old.step + 1);
         self.pulse.begin_step();
-        if self.problem.timeline.ends_phase(old.step) {
-            self.drop_others(&now);
-        }
         let old = &*self.begun(old, &now);
+        if self.problem.timeline.ends_phase(old.step) {
+            self.drop_others(old, &now);
+        }
         let made = self.advance(old, now.n, now.t, 0);
         let (mut state, report) = made.map_err(|error| datum::named(&self.problem, old, error))?;
         if report.parts > 1 {
             state.counts.halved_steps += 1;
         } else {
-            self.drop_others(&now);
+            self.drop_others(old, &now);
         }
+        let adds_to_both = rule_of(&self.problem, &now).start == Start::TwoStates;
+        state.earlier = adds_to_both.then(|| Earlier::of(old, now.k));
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
         state.counts.reversed_steps += usize::from(is_reversed(old, &state));

@@ -8,6 +8,6 @@ mod timeline;
 
 pub use analysis::Analysis;
 pub use phase::TimePhase;
-pub use rule::{ContactRule, FrictionRule, PressureRule, Rule};
+pub use rule::{ContactRule, FrictionRule, PressureRule, Rule, Start};
 pub use scheme::TimeScheme;
 pub use timeline::{HALVINGS, Instant, Interval, Timeline};

@@ -4,9 +4,10 @@ use super::analysis::Analysis;
 
 /// The rule of a step from t₀ to t₁ = t₀ + k. Its unknown x is the velocity at t_ϑ = t₀ + ϑk:
 ///
-/// u_ϑ = u₀ + γ x and ẇ = (x − w₀)/δ, so that the step solves M (x − w₀)/δ + B x + A (u₀ + γ x) + … = f(t_ϑ).
+/// u_ϑ = ū + γ x and ẇ = (x − w̄)/δ, so that the step solves M (x − w̄)/δ + B x + A (ū + γ x) + … = f(t_ϑ).
 ///
-/// At its end u₁ = u₀ + k x, and any other unknown v, of which the step finds v_ϑ, is v₁ = v₀ + (v_ϑ − v₀)/ϑ.
+/// ū, w̄ and so on are the state at t₀, or those of [`Start`]. At the end of the step u₁ = ū + σ x, and any other
+/// unknown v, of which the step finds v_ϑ, is v₁ = v₀ + (v_ϑ − v₀)/ϑ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// Length k of the step, s.
@@ -15,12 +16,26 @@ pub struct Rule {
     pub gamma: f64,
     /// δ in s.
     pub delta: f64,
+    /// σ in s: k in schemes of one step.
+    pub span: f64,
     /// ϑ: the equations hold at t₀ + ϑk.
     pub level: f64,
+    /// What the step adds to.
+    pub start: Start,
     /// How the laws of contact hold in the step, or `None` if all of them hold at its end.
     pub contact: Option<ContactRule>,
     /// Whether inertia acts.
     pub analysis: Analysis,
+}
+
+/// The values ū, w̄, θ̄ that a step adds to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Start {
+    /// Those of the state at its start.
+    #[default]
+    State,
+    /// (4 v₀ − v₋₁)/3 of the states at its start and one step of the same length before.
+    TwoStates,
 }
 
 /// How the laws of contact hold in a step of the ϑ-scheme.
@@ -60,13 +75,22 @@ impl Rule {
     #[must_use]
     pub fn theta(k: f64, theta: f64, contact: ContactRule) -> Rule {
         let (gamma, delta) = (theta * k, theta * k);
-        Rule { k, gamma, delta, level: theta, contact: Some(contact), analysis: Analysis::Dynamic }
+        Rule { gamma, delta, level: theta, contact: Some(contact), ..Rule::backward_euler(k) }
+    }
+
+    /// The backward differentiation formula of second order, BDF2, with step length k: v̇ = (3 v₁ − 4 v₀ + v₋₁)/(2k) =
+    /// (v₁ − v̄)/δ with γ = δ = σ = 2k/3, and the equations hold at the end of the step.
+    #[must_use]
+    pub fn bdf2(k: f64) -> Rule {
+        let span = 2.0 * k / 3.0;
+        Rule { gamma: span, delta: span, span, start: Start::TwoStates, ..Rule::backward_euler(k) }
     }
 
     /// Backward Euler with step length k: γ = δ = k, and the equations hold at the end of the step.
     #[must_use]
     pub fn backward_euler(k: f64) -> Rule {
-        Rule { k, gamma: k, delta: k, level: 1.0, contact: None, analysis: Analysis::Dynamic }
+        let (contact, analysis) = (None, Analysis::Dynamic);
+        Rule { k, gamma: k, delta: k, span: k, level: 1.0, start: Start::State, contact, analysis }
     }
 
     /// The density that acts in the step: 0 if inertia does not act.
@@ -76,6 +100,12 @@ impl Rule {
             Analysis::Dynamic => rho,
             Analysis::Quasistatic => 0.0,
         }
+    }
+
+    /// Returns true if this is backward Euler.
+    #[must_use]
+    pub fn is_backward_euler(&self) -> bool {
+        self.is_at_end() && self.start == Start::State
     }
 
     /// Returns true if the equations hold at the end of the step.

@@ -1,7 +1,7 @@
 //! The schemes of a run.
 
 use super::analysis::Analysis;
-use super::rule::{ContactRule, Rule};
+use super::rule::{ContactRule, Rule, Start};
 
 /// A scheme in time: it states the rule of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,6 +16,8 @@ pub enum TimeScheme {
         /// How the laws of contact hold in a step.
         contact: ContactRule,
     },
+    /// BDF2, of second order, which damps what oscillates within few steps. It starts with a step of backward Euler.
+    Bdf2,
 }
 
 impl TimeScheme {
@@ -25,12 +27,23 @@ impl TimeScheme {
         TimeScheme::Theta { level, contact: ContactRule::default() }
     }
 
-    /// The rule of a step of length `k` in s.
+    /// The rule of a step of length `k` in s that follows on one of the same length.
     #[must_use]
     pub fn rule(&self, k: f64) -> Rule {
         match *self {
             TimeScheme::BackwardEuler => Rule::backward_euler(k),
             TimeScheme::Theta { level, contact } => Rule::theta(k, level, contact),
+            TimeScheme::Bdf2 => Rule::bdf2(k),
+        }
+    }
+
+    /// The rule of a step of length `k` in s with no step of the same length before it.
+    #[must_use]
+    pub fn starting_rule(&self, k: f64) -> Rule {
+        let rule = self.rule(k);
+        match rule.start {
+            Start::State => rule,
+            Start::TwoStates => Rule::backward_euler(k),
         }
     }
 
@@ -40,18 +53,29 @@ impl TimeScheme {
         match self {
             TimeScheme::BackwardEuler => "backward Euler",
             TimeScheme::Theta { .. } => "ϑ-scheme",
+            TimeScheme::Bdf2 => "BDF2",
         }
     }
 }
 
 impl Analysis {
-    /// The rule of a step of length `k` in s: that of the scheme, or backward Euler without inertia. Without inertia
-    /// the ϑ-scheme with ϑ < 1 would keep every deviation from balance, with the other sign after each step.
+    /// The rule of a step of length `k` in s that follows on one of the same length: that of the scheme, or backward
+    /// Euler without inertia. Without inertia the ϑ-scheme with ϑ < 1 would keep every deviation from balance, with the
+    /// other sign after each step.
     #[must_use]
     pub fn rule(self, scheme: TimeScheme, k: f64) -> Rule {
         match self {
             Analysis::Dynamic => scheme.rule(k),
             Analysis::Quasistatic => Rule { analysis: self, ..Rule::backward_euler(k) },
+        }
+    }
+
+    /// The rule of a step of length `k` in s with no step of the same length before it.
+    #[must_use]
+    pub fn starting_rule(self, scheme: TimeScheme, k: f64) -> Rule {
+        match self {
+            Analysis::Dynamic => scheme.starting_rule(k),
+            Analysis::Quasistatic => self.rule(scheme, k),
         }
     }
 }

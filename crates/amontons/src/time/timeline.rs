@@ -66,6 +66,27 @@ pub struct Interval {
     pub end: f64,
     /// t_ϑ, at which the equations hold.
     pub level: f64,
+    /// t₋₁, if the step adds to two states.
+    pub before: Option<f64>,
+}
+
+impl Interval {
+    /// The rate of a function of time in the step: the mean rate, or that of BDF2; 0 in an interval of no length.
+    #[must_use]
+    pub fn rate(&self, of: &dyn Fn(f64) -> f64) -> f64 {
+        self.rate_of(self.before.map(of), [of(self.start), of(self.end)])
+    }
+
+    /// The rate of a quantity by its values at t₋₁, and at t₀ and t₁.
+    #[must_use]
+    pub fn rate_of(&self, before: Option<f64>, [start, end]: [f64; 2]) -> f64 {
+        let (change, length) = (end - start, self.end - self.start);
+        match before {
+            _ if length <= 0.0 => 0.0,
+            None => change / length,
+            Some(before) => (1.5 * change - 0.5 * (start - before)) / length,
+        }
+    }
 }
 
 impl PhaseSpan {

@@ -48,33 +48,40 @@ const CASES: [(&str, f64); 16] = [
     ("paper-8-midpoint-10", 1e-9),
 ];
 
-/// u, w, θ at all nodes, p, q, slip and r at all contact points, and the ledger.
+/// Runs a case of the reference and asserts its u, w and θ at all nodes and its p, q, slip and r at all contact points.
+pub(crate) fn run_as_expected(name: &str, tolerance: f64) -> (Memory, Value) {
+    let at = |end: &str| common::file(&format!("crates/amontons/tests/reference/time/{name}.{end}"));
+    let problem = case::read(&at("toml"), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
+    let text = std::fs::read_to_string(at("json")).expect("the reference numbers");
+    let expected: Value = serde_json::from_str(&text).expect("records");
+    let memory = solve(&problem);
+    let (state, report) = (memory.states.last().expect("a state"), memory.reports.last().expect("a report"));
+    agree(&format!("{name}: u"), &state.u, &numbers(&expected["nodes"], "displacement"), tolerance);
+    agree(&format!("{name}: w"), &state.w, &numbers(&expected["nodes"], "velocity"), tolerance);
+    let theta = numbers(&expected["nodes"], "temperature");
+    if !theta.is_empty() {
+        agree(&format!("{name}: temperature"), &state.theta, &theta, tolerance);
+    }
+    let points = &report.contact.states;
+    let of =
+        |value: &dyn Fn(&amontons::inclusion::PointState) -> f64| points.iter().map(value).collect::<Vec<f64>>();
+    let contact = &expected["contact"];
+    agree(&format!("{name}: p"), &of(&|s| s.pressure), &numbers(contact, "pressure"), tolerance);
+    agree(&format!("{name}: r"), &of(&|s| s.penetration), &numbers(contact, "penetration"), tolerance);
+    let friction = numbers(contact, "friction");
+    if !friction.is_empty() {
+        agree(&format!("{name}: q"), &of(&|s| s.q[0]), &friction, 1e-8);
+        agree(&format!("{name}: slip"), &of(&|s| s.slip[0]), &numbers(contact, "slip_velocity"), 1e-8);
+    }
+    (memory, expected)
+}
+
+/// The states and ledgers of all cases.
 #[test]
 fn states_agree_with_an_independent_program() {
     for (name, tolerance) in CASES {
-        let at = |end: &str| common::file(&format!("crates/amontons/tests/reference/time/{name}.{end}"));
-        let problem = case::read(&at("toml"), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
-        let text = std::fs::read_to_string(at("json")).expect("the reference numbers");
-        let expected: Value = serde_json::from_str(&text).expect("records");
-        let memory = solve(&problem);
-        let (state, report) = (memory.states.last().expect("a state"), memory.reports.last().expect("a report"));
-        agree(&format!("{name}: u"), &state.u, &numbers(&expected["nodes"], "displacement"), tolerance);
-        agree(&format!("{name}: w"), &state.w, &numbers(&expected["nodes"], "velocity"), tolerance);
-        let theta = numbers(&expected["nodes"], "temperature");
-        if !theta.is_empty() {
-            agree(&format!("{name}: temperature"), &state.theta, &theta, tolerance);
-        }
-        let points = &report.contact.states;
-        let of =
-            |value: &dyn Fn(&amontons::inclusion::PointState) -> f64| points.iter().map(value).collect::<Vec<f64>>();
-        let contact = &expected["contact"];
-        agree(&format!("{name}: p"), &of(&|s| s.pressure), &numbers(contact, "pressure"), tolerance);
-        agree(&format!("{name}: r"), &of(&|s| s.penetration), &numbers(contact, "penetration"), tolerance);
-        let friction = numbers(contact, "friction");
-        if !friction.is_empty() {
-            agree(&format!("{name}: q"), &of(&|s| s.q[0]), &friction, 1e-8);
-            agree(&format!("{name}: slip"), &of(&|s| s.slip[0]), &numbers(contact, "slip_velocity"), 1e-8);
-        }
+        let (memory, expected) = run_as_expected(name, tolerance);
+        let state = memory.states.last().expect("a state");
         let ledger = &expected["ledger"];
         let start = &memory.states[0].ledger;
         for (key, found) in [

@@ -234,6 +234,20 @@ pub(in crate::case) enum TimeScheme {
     /// The ϑ-scheme: of second order at ϑ = 0.5, where it keeps the energy of contact layers; impacts on rigid
     /// foundations by Newton's law.
     Theta,
+    /// BDF2, the backward differentiation formula of second order, for smooth motions and heat: it damps vibrations
+    /// that no step resolves, and little of others.
+    Bdf2,
+}
+
+impl TimeScheme {
+    /// The word of the case, in quotes.
+    pub fn quoted(self) -> &'static str {
+        match self {
+            TimeScheme::Euler => "\"euler\"",
+            TimeScheme::Theta => "\"theta\"",
+            TimeScheme::Bdf2 => "\"bdf2\"",
+        }
+    }
 }
 
 fn yes() -> bool {

@@ -278,7 +278,9 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
         100.0 * share
     );
     let rule = problem.scheme.rule(problem.timeline.longest());
-    let repair = if rule.contact.is_none() {
+    let repair = if !rule.is_backward_euler() && rule.contact.is_none() {
+        "use more steps (time.steps): the share falls with the square of the step; or set time.scheme = \"theta\""
+    } else if rule.contact.is_none() {
         "set time.scheme = \"theta\", which keeps the energy but for impacts on rigid foundations, or use more steps (time.steps): the share falls with the step, across an impact with its square root"
     } else if rule.level > 0.5 {
         "lower time.theta to 0.5, or use more steps (time.steps)"

@@ -77,6 +77,7 @@ impl Fields {
             w: self.vector("velocity").unwrap_or_else(zero),
             theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], <[f64]>::to_vec),
             theta_rate: Vec::new(),
+            earlier: None,
             step: 0,
             t: 0.0,
             multipliers: Multipliers::default(),
