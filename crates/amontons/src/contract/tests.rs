@@ -24,6 +24,7 @@ fn every_scheme_keeps_its_contract() {
     assert_scheme(March::make, TimeScheme::BackwardEuler, 1.0);
     assert_scheme(March::make, TimeScheme::theta(0.6), 1.0);
     assert_scheme(March::make, TimeScheme::theta(0.5), 2.0);
+    assert_scheme(March::make, TimeScheme::Bdf2, 2.0);
 }
 
 /// Backward Euler is not of second order.

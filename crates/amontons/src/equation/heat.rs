@@ -96,8 +96,7 @@ impl Begun {
     /// The right-hand side for the increment over the current θ.
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
         let storage = step.discrete.storage().0 / step.rule.delta;
-        let terms: [&[f64]; 5] =
-            [&self.supply, &self.coupling, &self.mass_theta, step.bar.mass_theta, &self.d_theta];
+        let terms: [&[f64]; 5] = [&self.supply, &self.coupling, &self.mass_theta, step.bar.mass_theta, &self.d_theta];
         let right = map(terms, |[supply, coupling, mass_theta, bar, d_theta]| {
             supply + coupling - storage * (mass_theta - bar) - d_theta
         });
@@ -249,7 +248,9 @@ impl Begun {
         let start = step.products.mass_theta.iter().sum();
         let scheme = match step.rule.start {
             Start::State => 0.0,
-            Start::TwoStates => k / step.rule.delta * (stored - step.bar.mass_theta.iter().sum::<f64>()) - (stored - start),
+            Start::TwoStates => {
+                k / step.rule.delta * (stored - step.bar.mass_theta.iter().sum::<f64>()) - (stored - start)
+            }
         };
         let amounts = Amounts {
             stored: step.rule.end([start, stored]),

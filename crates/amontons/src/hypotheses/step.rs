@@ -143,7 +143,7 @@ impl<'a> StepOperator<'a> {
 
     /// K_u = ρM/k + B + kA of an analysis at step length k.
     fn at(&self, analysis: Analysis, k: f64) -> StepMatrix<'_> {
-        let rule = analysis.rule(self.problem.scheme, k);
+        let rule = analysis.starting_rule(self.problem.scheme, k);
         let matrix = self.discrete.mechanical_matrix(rule);
         StepMatrix { step: self, gamma: rule.gamma, less: Arc::new(less_margin(matrix)), system: None }
     }
@@ -154,7 +154,7 @@ impl<'a> StepOperator<'a> {
             return Ok(true);
         }
         for Instant { k, analysis, .. } in self.problem.timeline.longest_steps() {
-            let matrix = self.discrete.thermal_matrix(analysis.rule(self.problem.scheme, k));
+            let matrix = self.discrete.thermal_matrix(analysis.starting_rule(self.problem.scheme, k));
             if !is_positive_definite(self.problem, &self.discrete.q, matrix)? {
                 return Ok(false);
             }

@@ -27,7 +27,9 @@ use crate::inclusion::{Multipliers, PointState};
 use crate::machine;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
-use crate::state::{Accumulated, Carried, ContactReport, Counts, Earlier, CouplingReport, Ledger, Reactions, State, StepReport};
+use crate::state::{
+    Accumulated, Carried, ContactReport, Counts, CouplingReport, Earlier, Ledger, Reactions, State, StepReport,
+};
 use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 

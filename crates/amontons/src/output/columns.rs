@@ -195,6 +195,7 @@ columns! { History:
     WEAR_VOLUME = number("wear_volume", Measure::Volume, |row| row.contact.wear_volume);
     WEAR_DISSIPATION = number("wear_dissipation", Measure::Energy, |row| row.ledger.wear_dissipation);
     IMPACT_DISSIPATION = number("impact_dissipation", Measure::Energy, |row| row.ledger.impact_dissipation);
+    HEAT_SCHEME = number("heat_scheme", Measure::Energy, |row| row.ledger.heat_scheme);
     HEAT_FRICTION = number("heat_friction", Measure::Energy, |row| row.ledger.heat_friction);
     HEAT_FOUNDATION = number("heat_foundation", Measure::Energy, |row| row.ledger.heat_foundation);
     HEAT_SURROUNDINGS = number("heat_surroundings", Measure::Energy, |row| row.ledger.heat_surroundings);
@@ -274,7 +275,8 @@ fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<Histor
     let has_pairs = problem.contacts.iter().any(|contact| contact.pair.is_some());
     let more = usize::from(has_pairs) * if problem.contacts.len() > 1 { 1 } else { OF_PAIRS.len() };
     let impacts = problem.has_impacts().then_some(&IMPACT_DISSIPATION as &'static Column<History>);
-    OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(impacts).chain(turning(problem))
+    let stored = problem.adds_to_two_states().then_some(&HEAT_SCHEME as &'static Column<History>);
+    OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(impacts).chain(stored).chain(turning(problem))
 }
 
 /// The moment column: about the axis for a body of revolution with a turning foundation, about the origin for a body in

@@ -206,7 +206,7 @@ pub(super) fn placed(key: &str, text: &str) -> String {
 }
 
 /// Meanings of values by their names without components; for the summary by the last part of the key.
-const MEANINGS: [(&str, &str); 87] = [
+const MEANINGS: [(&str, &str); 88] = [
     ("step", "number of the step"),
     ("t", "time"),
     ("kinetic", "kinetic energy at t"),
@@ -242,6 +242,7 @@ const MEANINGS: [(&str, &str); 87] = [
     ("wear_volume", "volume worn off"),
     ("wear_dissipation", "energy of what has worn off"),
     ("impact_dissipation", "energy that impacts on rigid foundations took since the start, in the ϑ-scheme"),
+    ("heat_scheme", "heat that the rates of BDF2 store beyond the heat content"),
     ("heat_friction", "heat of friction in the body since the start"),
     ("heat_foundation", "heat of foundations with a heat capacity at t"),
     ("heat_surroundings", "heat that foundations have given to their surroundings"),

@@ -12,6 +12,12 @@ impl ProblemData {
         matches!(self.scheme, TimeScheme::Theta { .. }) && self.contacts.iter().any(|contact| contact.normal.is_rigid())
     }
 
+    /// True if a step adds to two states, as with BDF2.
+    #[must_use]
+    pub fn adds_to_two_states(&self) -> bool {
+        self.scheme == TimeScheme::Bdf2
+    }
+
     /// Checks that the scheme can take all laws of the problem. Backward Euler takes every law.
     pub(super) fn check_scheme(&self, faults: &mut Vec<Fault>) {
         let word = match self.scheme {

@@ -44,9 +44,10 @@ fn outcome(text: &str, files: BTreeMap<String, std::sync::Arc<[u8]>>, frame: &Fr
     Ok(Outcome { mesh: (*problem.mesh).clone(), boundary: problem.contact_boundary(), memory, frame: frame.clone() })
 }
 
-/// The keys of `[time]` for backward Euler, and for the ϑ-scheme.
+/// The keys of `[time]` for backward Euler, for the ϑ-scheme, and for BDF2.
 const EULER: &str = "";
 const THETA: &str = ", scheme = \"theta\", theta = 0.6, restitution = 0.3";
+const BDF2: &str = ", scheme = \"bdf2\"";
 
 fn text(case: &Case, frame: &Frame, scheme: &str) -> String {
     let steps = STEPS + frame.later;
@@ -230,6 +231,15 @@ fn a_case_does_not_depend_on_its_description() {
 fn a_case_does_not_depend_on_its_description_in_the_theta_scheme() {
     let pairs = described_otherwise(THETA, |error| {
         assert!(error.contains("with time.scheme = \"theta\""), "{error}");
+    });
+    assert!(pairs >= 60, "{pairs} pairs");
+}
+
+/// The same with BDF2, of all cases without wear, preloads and foundations that warm up.
+#[test]
+fn a_case_does_not_depend_on_its_description_with_bdf2() {
+    let pairs = described_otherwise(BDF2, |error| {
+        assert!(error.contains("with time.scheme = \"bdf2\""), "{error}");
     });
     assert!(pairs >= 60, "{pairs} pairs");
 }

@@ -47,7 +47,7 @@ fn apart(a: &State, b: &State) -> [f64; 2] {
 }
 
 /// A block pressed on a belt that rubs and warms it, with a branch that relaxes: order 2 with all couplings but the
-/// staggered one, and the sum of what the scheme took falls with the square of the step.
+/// staggered one. What the scheme took is half a step of the power at the end, and does not add up.
 #[test]
 fn orders_of_the_couplings() {
     let file = "crates/amontons/tests/reference/time/bdf2-closed.toml";
@@ -78,6 +78,60 @@ fn orders_of_the_couplings() {
             assert!((found - order).abs() < 0.2, "{coupling}: order {found} of {}", ["u", "θ"][i]);
         }
         let taken = states.map(|state| (state.ledger.scheme_dissipation / state.ledger.turned_over).abs());
-        assert!(taken[0] < 1e-3 && taken[1] < 0.1 * taken[0], "{coupling}: the scheme took {taken:?}");
+        assert!(taken[0] < 1e-2 && taken[1] < 0.3 * taken[0], "{coupling}: the scheme took {taken:?}");
+    }
+}
+
+/// A rod heated from one end by the flux of a stopping brake, A4 of the half-space: a rod long enough that its other end
+/// stays cold. The temperatures at the surface are T(t) = 2 q₀ √t (1 − 2t/(3 t_s))/(e √π) with e = √(k ρ c).
+#[test]
+fn heat_alone_is_of_second_order() {
+    let at_the_surface = |steps: usize, scheme: &str| {
+        let text = "name = \"half-space\"\n[mesh]\nkind = \"interval\"\nsize = 0.06\nn = 600\n\
+            [time]\nend = 4\nsteps = 16\n[material]\nheat_capacity = 3588000\nconductivity = 50\n\
+            [[boundary]]\non = \"left\"\nheat_inflow = \"1e6*(1 - t/4)\"\n";
+        let keys = words(&[&format!("time.steps={steps}"), &format!("time.scheme={scheme}")]);
+        let problem = case::parse(&case::Source::new("half-space.toml", text), &keys);
+        let memory = solve(&problem.unwrap_or_else(|error| panic!("{error}")).problem);
+        closes(scheme, &memory);
+        memory.states.last().expect("a state").theta[0]
+    };
+    // √t at the start is not smooth, so the order is that of the start; the error is far below that of backward Euler.
+    let errors = ["euler", "bdf2"].map(|scheme| (at_the_surface(64, scheme) - 56.163_295).abs() / 56.163_295);
+    assert!(errors[1] < 2e-3 && errors[1] < 0.25 * errors[0], "{errors:?}");
+}
+
+/// A beam of a body that is thrown, with a quasistatic start, phases of two lengths, and steps halved by a law that
+/// softens: the identities close through each start of the formula.
+#[test]
+fn identities_close_where_the_formula_starts_anew() {
+    let text = "name = \"rod\"\n[mesh]\nkind = \"interval\"\nsize = 1.0\nn = 8\n[time]\nscheme = \"bdf2\"\n\
+        [[phase]]\nname = \"press\"\nend = 0.2\nsteps = 2\nanalysis = \"quasistatic\"\n\
+        [[phase]]\nname = \"let\"\nend = 0.6\nsteps = 40\n[[phase]]\nname = \"on\"\nend = 1.2\nsteps = 15\n\
+        [material]\ndensity = 1.0\nelasticity = { law = \"isotropic\", young = 100.0, poisson = 0.0 }\n\
+        prony = [{ ratio = 0.5, time = 0.3 }]\n[load]\nbody_force = [\"if(t <= 0.2, 5*t, 0)\"]\n\
+        [[boundary]]\non = \"left\"\ndisplacement = [0]\n[contact]\non = \"right\"\ngap = 0.001\n\
+        normal = { law = \"compliance\", stiffness = 300 }\n";
+    let problem = case::parse(&case::Source::new("rod.toml", text), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let memory = solve(&problem.problem);
+    closes("rod", &memory);
+    let last = &memory.states.last().expect("a state").ledger;
+    assert!(last.viscous_dissipation > 0.01 * last.turned_over && last.kinetic > 0.0, "it moves and relaxes");
+}
+
+#[test]
+fn laws_that_it_does_not_take_are_refused() {
+    let file = "crates/amontons/tests/reference/time/bdf2-closed.toml";
+    for (key, expected) in [
+        (
+            "contact.wear={ law = \"archard\", coefficient = 0.05 }",
+            "contact.wear: found wear, whose depth is a sum over steps of first order, with time.scheme = \"bdf2\", expected none",
+        ),
+        ("time.theta=0.5", "time.theta: found 0.5 with the scheme \"bdf2\", expected a key of the scheme \"theta\""),
+        ("time.scheme=bdf3", "time.scheme: found \"bdf3\", expected \"euler\", \"theta\" or \"bdf2\""),
+    ] {
+        let refused = case::read(&common::file(file), &words(&[key])).err().map(|error| error.to_string());
+        let told = refused.unwrap_or_default();
+        assert!(told.contains(expected), "{key}: {told}");
     }
 }

@@ -63,8 +63,7 @@ pub(crate) fn run_as_expected(name: &str, tolerance: f64) -> (Memory, Value) {
         agree(&format!("{name}: temperature"), &state.theta, &theta, tolerance);
     }
     let points = &report.contact.states;
-    let of =
-        |value: &dyn Fn(&amontons::inclusion::PointState) -> f64| points.iter().map(value).collect::<Vec<f64>>();
+    let of = |value: &dyn Fn(&amontons::inclusion::PointState) -> f64| points.iter().map(value).collect::<Vec<f64>>();
     let contact = &expected["contact"];
     agree(&format!("{name}: p"), &of(&|s| s.pressure), &numbers(contact, "pressure"), tolerance);
     agree(&format!("{name}: r"), &of(&|s| s.penetration), &numbers(contact, "penetration"), tolerance);
