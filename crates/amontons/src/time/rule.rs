@@ -171,6 +171,26 @@ mod tests {
         }
     }
 
+    /// The same by BDF2, from two states of its motion: with z = u − iw, z₀ = 1 and z₋₁ = 1/ζ, ζ the root near 1 of
+    /// 3ζ² − 4ζ + 1 = 2ik ζ².
+    #[test]
+    fn bdf2_has_the_amplitude_and_frequency_of_its_root() {
+        let rule = Rule::bdf2(0.1);
+        // 1/ζ = 2 − √(1 + 2ik), √(1 + 2ik) = a + ib.
+        let a = (0.5 * (1.0f64.hypot(0.2) + 1.0)).sqrt();
+        let b = 0.1 / a;
+        let (mut before, mut now, mut angle) = ([2.0 - a, b], [1.0f64, 0.0f64], 0.0);
+        for _ in 0..100 {
+            let [u, w] = [0, 1].map(|i| (4.0 * now[i] - before[i]) / 3.0);
+            let x = (w - rule.delta * u) / (1.0 + rule.delta * rule.gamma);
+            let next = [u + rule.span * x, rule.end([now[1], x])];
+            angle += (f64::atan2(-next[1], next[0]) - f64::atan2(-now[1], now[0])).rem_euclid(std::f64::consts::TAU);
+            (before, now) = (now, next);
+        }
+        assert!((now[0].hypot(now[1]) - 0.997_563_877_0).abs() < 1e-9, "amplitude {}", now[0].hypot(now[1]));
+        assert!((angle / 10.0 - 0.996_710_675_5).abs() < 1e-9, "frequency {}", angle / 10.0);
+    }
+
     #[test]
     fn the_ends_of_a_step_and_its_level_agree() {
         for theta in [0.5, 0.6, 1.0] {

@@ -7,6 +7,7 @@ mod bodies;
 mod common;
 
 mod backends;
+mod bar;
 mod bdf2;
 mod condensed;
 mod convergence;
