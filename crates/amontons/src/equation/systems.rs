@@ -332,9 +332,10 @@ impl KeptRule {
     /// The rule of a problem, whose step lengths may differ from the kept one by round-off.
     fn in_problem(self, problem: &Problem) -> Rule {
         let k = problem.timeline.snapped(self.k);
-        match self.has_two_states {
-            true => self.analysis.rule(problem.scheme, k),
-            false => self.analysis.starting_rule(problem.scheme, k),
+        if self.has_two_states {
+            self.analysis.rule(problem.scheme, k)
+        } else {
+            self.analysis.starting_rule(problem.scheme, k)
         }
     }
 

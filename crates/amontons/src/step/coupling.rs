@@ -59,8 +59,8 @@ pub(crate) struct Coupled<'a> {
 }
 
 impl<'a> Coupled<'a> {
-    pub fn new(step: Step<'a>, mechanics: &'a mut HalfStep, heat: &'a mut HalfStep) -> Coupled<'a> {
-        Coupled { step, mechanics, heat, passes: 0, iterations: [0; 2], sweeps: 0 }
+    pub fn new(step: &Step<'a>, mechanics: &'a mut HalfStep, heat: &'a mut HalfStep) -> Coupled<'a> {
+        Coupled { step: *step, mechanics, heat, passes: 0, iterations: [0; 2], sweeps: 0 }
     }
 
     /// Makes the step.

@@ -321,7 +321,7 @@ impl March {
         };
         let before = krylov_iterations(mechanics.as_ref(), heat.as_ref());
         let made = match (&mut *mechanics, &mut *heat) {
-            (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
+            (Some(mechanics), Some(heat)) => Coupled::new(&now, mechanics, heat).solve(),
             (Some(mechanics), None) => alone::mechanics(&now, mechanics),
             (None, Some(heat)) => alone::heat(&now, heat),
             // No value of `Physics` leads here.
