@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub(in crate::case) use boundary::{Boundary, Support};
+pub(in crate::case) use boundary::{Boundary, Release, Support};
 pub(in crate::case) use contact::{Automatic, Contact, Contacts, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use contact_loads::{Fluid, Foundation, Preload};
 pub(in crate::case) use cyclic::Cyclic;
@@ -274,6 +274,21 @@ pub(in crate::case) struct Initial {
     /// Temperature θ₀ in K.
     #[serde(default)]
     pub temperature: Scalar,
+    /// Whether the run starts from these data or in equilibrium.
+    #[serde(default)]
+    pub state: StartState,
+}
+
+/// How a run starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum StartState {
+    /// From the initial displacement and velocity.
+    #[default]
+    Given,
+    /// From rest, in the static equilibrium under the loads at t = 0, with contact and friction; the temperature is the
+    /// initial one.
+    Equilibrium,
 }
 
 /// How linear systems are solved.
