@@ -31,8 +31,8 @@ use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub use choices::Choice;
-pub use equilibrium::StartState;
 pub(crate) use data::{Datum, DatumRole, MaterialSample};
+pub use equilibrium::StartState;
 pub use loads::RegionLoad;
 pub use physics::Physics;
 pub use rigid::RigidPart;
@@ -233,7 +233,10 @@ impl Problem {
     #[must_use]
     pub(crate) fn interruptible(&self, flag: Option<&Arc<AtomicBool>>) -> Problem {
         let backend = flag.and_then(|flag| self.backend.interruptible(flag));
-        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() }, self.1.clone())
+        Problem(
+            ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() },
+            self.1.clone(),
+        )
     }
 
     /// Returns the problem with the displacement δ(t) of each loaded obstacle as found by a run, by number of the
@@ -253,7 +256,10 @@ impl Problem {
     #[must_use]
     pub(crate) fn decided(&self, before: &[Decided]) -> Problem {
         let backend = if before.is_empty() { None } else { self.backend.decided(before) };
-        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() }, self.1.clone())
+        Problem(
+            ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() },
+            self.1.clone(),
+        )
     }
 
     /// Returns the problem with all densities zero, as a quasistatic phase has it; loads stay.

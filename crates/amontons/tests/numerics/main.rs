@@ -8,6 +8,7 @@ mod common;
 
 mod backends;
 mod condensed;
+mod conditions;
 mod convergence;
 mod coupling;
 mod elements;
