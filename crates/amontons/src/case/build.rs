@@ -482,8 +482,8 @@ impl Build<'_> {
             velocity: vector("initial.velocity", &raw.velocity),
             temperature: steady("initial.temperature", &raw.temperature),
             state: match raw.state {
-                raw::StartState::Given => StartState::Given,
-                raw::StartState::Equilibrium => StartState::Equilibrium,
+                raw::Starting::Given => StartState::Given,
+                raw::Starting::Equilibrium => StartState::Equilibrium,
             },
         }
     }

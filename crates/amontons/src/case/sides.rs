@@ -29,8 +29,8 @@ impl Build<'_> {
             }),
             during: raw.phases.map_or(During::Run, During::Phases),
             release: raw.release.map_or_else(Release::default, |release| match release {
-                raw::Release::AtOnce => Release::AtOnce,
-                raw::Release::Phase => Release::InPhase,
+                raw::Releasing::AtOnce => Release::AtOnce,
+                raw::Releasing::Phase => Release::InPhase,
             }),
             on: raw.on,
         };

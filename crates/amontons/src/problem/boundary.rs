@@ -1,6 +1,6 @@
 //! Conditions on the parts of the boundary except contact, and which of them exclude each other.
 
-use super::{DatumRole, Fault, ProblemData, Release};
+use super::{DatumRole, Fault, ProblemData};
 use crate::contact::{Contact, GraphKind, Quadrature};
 use crate::element::ShapeTable;
 use crate::field::Field;
@@ -41,6 +41,16 @@ pub struct BoundaryCondition {
     pub during: During,
     /// What becomes of the force of its support when it ends.
     pub release: Release,
+}
+
+/// What becomes of the force of a support that ends with a phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Release {
+    /// The force is gone at once, as when a clamp is opened.
+    #[default]
+    AtOnce,
+    /// The force falls in proportion to time, to zero at the end of the next phase.
+    InPhase,
 }
 
 /// Distributed springs or dashpots (Winkler's foundation), constant in time.

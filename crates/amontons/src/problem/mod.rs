@@ -29,14 +29,13 @@ use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-pub use boundary::{BoundaryCondition, Convection, Support};
+pub use boundary::{BoundaryCondition, Convection, Release, Support};
 pub use choices::Choice;
 pub(crate) use data::{Datum, DatumRole, MaterialSample};
 pub use equilibrium::StartState;
 pub use loads::RegionLoad;
 pub use physics::Physics;
 pub use rigid::RigidPart;
-pub use schedule::Release;
 use schedule::Schedule;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;

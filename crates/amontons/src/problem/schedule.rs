@@ -3,20 +3,10 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::boundary::unknown;
-use super::{BoundaryCondition, Convection, Fault, Initial, Problem, ProblemData};
+use super::boundary::{BoundaryCondition, Convection, Release, unknown};
+use super::{Fault, Initial, Problem, ProblemData};
 use crate::field::Field;
 use crate::time::{During, TimePhase, Timeline};
-
-/// What becomes of the force of a support that ends with a phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Release {
-    /// The force is gone at once, as when a clamp is opened.
-    #[default]
-    AtOnce,
-    /// The force falls in proportion to time, to zero at the end of the next phase.
-    InPhase,
-}
 
 /// All conditions of a run, and the phase whose conditions a problem has.
 #[derive(Clone, Debug)]

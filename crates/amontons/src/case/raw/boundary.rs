@@ -63,13 +63,13 @@ pub(in crate::case) struct Boundary {
     pub phases: Option<Vec<String>>,
     /// What becomes of the force that holds a prescribed displacement when it ends with a phase.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub release: Option<Release>,
+    pub release: Option<Releasing>,
 }
 
 /// What becomes of the force of a support that ends with a phase.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub(in crate::case) enum Release {
+pub(in crate::case) enum Releasing {
     /// It is gone at once, as when a clamp is opened: a shock if inertia acts. The default.
     AtOnce,
     /// It falls in proportion to time, to zero at the end of the next phase.

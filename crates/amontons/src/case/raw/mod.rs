@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub(in crate::case) use boundary::{Boundary, Release, Support};
+pub(in crate::case) use boundary::{Boundary, Releasing, Support};
 pub(in crate::case) use contact::{Automatic, Contact, Contacts, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use contact_loads::{Fluid, Foundation, Preload};
 pub(in crate::case) use cyclic::Cyclic;
@@ -276,13 +276,13 @@ pub(in crate::case) struct Initial {
     pub temperature: Scalar,
     /// Whether the run starts from these data or in equilibrium.
     #[serde(default)]
-    pub state: StartState,
+    pub state: Starting,
 }
 
 /// How a run starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub(in crate::case) enum StartState {
+pub(in crate::case) enum Starting {
     /// From the initial displacement and velocity.
     #[default]
     Given,
