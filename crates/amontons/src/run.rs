@@ -14,7 +14,7 @@ use rayon::ThreadPool;
 use crate::discretization::Discretization;
 use crate::equation::{SetupError, Solvers, StepError};
 use crate::hypotheses::{self, Finding};
-use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
+use crate::linalg::{Backend, BlockMatrix, Choice, Decided, Estimate, Factor, Layout, SolveError, Unknowns};
 use crate::machine::Instant;
 use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
@@ -147,6 +147,7 @@ impl RunError {
     pub fn advice(&self) -> Option<String> {
         match self {
             RunError::Step { source, .. } => Some(step_advice(source)),
+            RunError::Setup(SetupError::Equilibrium { source }) => Some(step_advice(source)),
             RunError::Unsound(_) => Some("`amontons check` may name the cause in the data".to_owned()),
             _ => None,
         }
@@ -299,6 +300,7 @@ fn seen<'a>(
     report: Option<&'a StepReport>,
     work: Work,
 ) -> Snapshot<'a> {
+    let problem = scheme.problem().unwrap_or(problem);
     Snapshot { problem, discretization: scheme.discretization(), state, report, work, scheme: Some(scheme) }
 }
 
@@ -469,12 +471,12 @@ struct Timed {
     backend: Arc<dyn Backend>,
     /// Called at the first factorization.
     watch: Mutex<Option<Watch>>,
-    intervals: Mutex<Vec<(Instant, Instant)>>,
+    intervals: Arc<Mutex<Vec<(Instant, Instant)>>>,
 }
 
 impl Timed {
     fn new(backend: &Arc<dyn Backend>, watch: Option<Watch>) -> Timed {
-        Timed { backend: Arc::clone(backend), watch: Mutex::new(watch), intervals: Mutex::default() }
+        Timed { backend: Arc::clone(backend), watch: Mutex::new(watch), intervals: Arc::default() }
     }
 
     /// Seconds spent in factorizations; simultaneous ones count once.
@@ -493,6 +495,11 @@ impl Timed {
 }
 
 impl Backend for Timed {
+    fn decided(&self, before: &[Decided]) -> Option<Arc<dyn Backend>> {
+        let backend = self.backend.decided(before)?;
+        let watch = Mutex::new(self.watch.lock().unwrap_or_else(PoisonError::into_inner).take());
+        Some(Arc::new(Timed { backend, watch, intervals: Arc::clone(&self.intervals) }))
+    }
     fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         self.backend.order(matrix, layout)
     }

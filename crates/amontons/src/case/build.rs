@@ -22,7 +22,7 @@ use crate::machine::FreeMemory;
 use crate::material::Material;
 use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
-use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData};
+use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData, StartState};
 use crate::tensor::Point;
 use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimePhase, TimeScheme, Timeline};
 use crate::units::{TemperatureScale, UnitSystem};
@@ -482,6 +482,10 @@ impl Build<'_> {
             displacement: vector("initial.displacement", &raw.displacement),
             velocity: vector("initial.velocity", &raw.velocity),
             temperature: steady("initial.temperature", &raw.temperature),
+            state: match raw.state {
+                raw::Starting::Given => StartState::Given,
+                raw::Starting::Equilibrium => StartState::Equilibrium,
+            },
         }
     }
 }

@@ -4,8 +4,9 @@ use super::build::{Build, side};
 use super::place::At;
 use super::raw::{self, Scalar};
 use crate::mesh::Mesh;
-use crate::problem::{BoundaryCondition, Convection, Support};
+use crate::problem::{BoundaryCondition, Convection, Release, Support};
 use crate::tensor::Point;
+use crate::time::During;
 
 impl Build<'_> {
     /// The conditions of entry `i`.
@@ -25,6 +26,11 @@ impl Build<'_> {
             convection: raw.convection.map(|c| Convection {
                 coefficient: self.coefficient(&path("convection.coefficient"), &c.coefficient, points),
                 ambient: self.field(&path("convection.ambient"), &c.ambient, points),
+            }),
+            during: raw.phases.map_or(During::Run, During::Phases),
+            release: raw.release.map_or_else(Release::default, |release| match release {
+                raw::Releasing::AtOnce => Release::AtOnce,
+                raw::Releasing::Phase => Release::InPhase,
             }),
             on: raw.on,
         };

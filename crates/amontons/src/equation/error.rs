@@ -216,6 +216,12 @@ pub enum SetupError {
     /// Initial data are not finite.
     #[error("the initial {0} is not finite at every node")]
     Initial(&'static str),
+    /// There is no equilibrium to start from, or it was not found.
+    #[error("found no equilibrium to start from (initial.state): {source}")]
+    Equilibrium {
+        /// Error of the static step.
+        source: Box<StepError>,
+    },
     /// The problem that a scheme derives from the given one has faults.
     #[error(transparent)]
     Data(#[from] Faults),

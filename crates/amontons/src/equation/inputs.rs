@@ -72,6 +72,11 @@ impl LoadKind {
 }
 
 impl StepInputs {
+    /// The inputs without values in place of prescribed ones.
+    pub(crate) fn without_prescribed(&self) -> StepInputs {
+        StepInputs { displacements: BTreeMap::new(), temperatures: BTreeMap::new(), ..self.clone() }
+    }
+
     /// Sets the force on a side, an edge or points, in N: one number per component, which is spread evenly as the
     /// `force` of the case is, or one vector per node, nodes ascending. It replaces the force set there before.
     ///

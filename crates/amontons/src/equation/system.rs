@@ -239,7 +239,9 @@ impl Step<'_> {
         if residual <= ACCEPTED {
             return Ok(residual);
         }
-        let here = round_off(Rounded::Here);
+        // A body on which nothing acts goes back to rest: what is left of its displacement is round-off of that before.
+        let before = || if acting == 0.0 && contact == 0.0 { round_off(Rounded::Before) } else { 0.0 };
+        let here = round_off(Rounded::Here).max(before());
         let acting = if contact > ROUNDINGS * here { acting.max(contact) } else { acting };
         let may_be_left = || {
             let prescribed = || round_off(Rounded::Prescribed) / f64::EPSILON;

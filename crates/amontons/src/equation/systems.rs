@@ -159,11 +159,13 @@ pub(crate) struct Cache {
     all: Vec<Systems>,
     /// What the systems that were dropped last said of themselves, with the factorizations of all dropped ones.
     dropped: Solvers,
+    /// The solvers of the systems that were there before a change of conditions.
+    decided: Vec<Decided>,
 }
 
 impl Cache {
     pub(crate) fn new(backend: &Arc<dyn Backend>, start: Vec<f64>) -> Cache {
-        Cache { backend: Arc::clone(backend), start, all: Vec::new(), dropped: Solvers::default() }
+        Cache { backend: Arc::clone(backend), start, all: Vec::new(), dropped: Solvers::default(), decided: Vec::new() }
     }
 
     /// The systems of a rule, factorized if they are not there.
@@ -197,6 +199,15 @@ impl Cache {
         }
     }
 
+    /// Drops all systems, because conditions change. Those of the next phase have the same solvers, as after a resume.
+    pub(crate) fn drop_all(&mut self, dim: usize) {
+        self.decided = self.kept(dim).solvers;
+        if let Some(backend) = self.backend.decided(&self.decided) {
+            self.backend = backend;
+        }
+        self.keep_only(|_| false);
+    }
+
     /// Numbers stored by the factors of all systems.
     pub(crate) fn stored(&self) -> usize {
         self.all.iter().flat_map(Systems::all).map(System::stored).sum()
@@ -225,8 +236,9 @@ impl Cache {
             rules: self.all.iter().map(|systems| KeptRule::of(&systems.rule)).collect(),
             temperatures: self.all.iter().flat_map(Systems::halves).map(|half| half.at.clone()).collect(),
             tangents: all().map(|system| system.condensed().kept()).collect(),
-            solvers: first.into_iter().flatten().flatten().collect(),
+            solvers: first.map_or_else(|| self.decided.clone(), |first| first.into_iter().flatten().collect()),
             accounts: all().map(|system| system.condensed().account()).collect(),
+            phase: 0,
         }
     }
 
@@ -314,6 +326,9 @@ pub struct Kept {
     /// The work of the iteration of each system.
     #[serde(default)]
     pub accounts: Vec<Account>,
+    /// The phase whose conditions the systems have.
+    #[serde(default)]
+    pub phase: usize,
 }
 
 /// What tells the rules of a run apart.

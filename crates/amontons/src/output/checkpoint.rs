@@ -34,7 +34,7 @@ use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 21;
+const VERSION: u32 = 22;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -144,6 +144,7 @@ struct CheckpointBody {
     ledger: Ledger,
     counts: Counts,
     temperatures: [f64; 2],
+    released: Vec<f64>,
     work: Work,
     kept: Kept,
     report: Option<Report>,
@@ -259,6 +260,7 @@ impl CheckpointBody {
             ledger: state.ledger,
             counts: state.counts,
             temperatures: state.temperatures,
+            released: state.released,
             work: Work::default(),
             kept: Kept::default(),
             report: None,
@@ -323,6 +325,7 @@ impl CheckpointBody {
             ledger: self.ledger,
             counts: self.counts,
             temperatures: self.temperatures,
+            released: self.released,
         };
         Checkpoint { state, report, work: self.work, kept: self.kept, k: self.k, fallback: None }
     }
@@ -409,6 +412,9 @@ impl Checkpoint {
             same("bodies", self.state.carried.rigid.len(), bodies)?;
         }
         same("velocities", self.state.w.len(), nodes * dim)?;
+        if !self.state.released.is_empty() {
+            same("forces of supports", self.state.released.len(), nodes * dim)?;
+        }
         same("temperatures", self.state.theta.len(), nodes)?;
         if !self.state.theta_rate.is_empty() {
             same("rates of the temperature", self.state.theta_rate.len(), nodes)?;

@@ -7,7 +7,7 @@ use super::probe_place::{Probe, ProbeError, ProbePlace, Take};
 use super::probe_take::{faced, on_contact, reduce};
 use super::quantity::{Base, ContactQuantity, OF_WHOLE, Quantity, Selection};
 use super::recovery::{Recovery, SamplingPoint, Stencil, evaluate, sampling};
-use super::whole::WholeQuantity;
+use super::whole::{WholeInPhases, WholeQuantity};
 use super::{PointValues, Snapshot};
 use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
 use crate::convergence::Locator;
@@ -34,7 +34,7 @@ struct Prepared {
     /// Contact points of a quantity of contact.
     contact: OnPoints,
     /// A quantity of a side as a whole.
-    whole: Option<WholeQuantity>,
+    whole: Option<WholeInPhases>,
     spots: Vec<Spot>,
 }
 
@@ -70,7 +70,15 @@ impl ProbeSet {
         let mesh = &problem.mesh;
         let (mut builder, mut prepared, mut names) = (ProbeBuilder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
-            let (contact, whole, spots) = builder.spots(probe).map_err(|error| (i, error))?;
+            let named = |error| (i, error);
+            let (contact, whole, spots) = if OF_WHOLE.contains(&probe.quantity.base) {
+                ProbeSet::check(&problem.clone().into_data(), probe).map_err(named)?;
+                let whole = WholeInPhases::new(problem, probe).map_err(named)?;
+                (OnPoints::default(), Some(whole), Vec::new())
+            } else {
+                let (contact, spots) = builder.spots(probe).map_err(named)?;
+                (contact, None, spots)
+            };
             prepared.push(Prepared { quantity: probe.quantity, take: probe.place.take(), contact, whole, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
@@ -193,7 +201,7 @@ enum LocatedProbe<'a> {
     /// The depth of wear of a side of a pair.
     Worn,
     /// A quantity of a side as a whole.
-    Whole(WholeQuantity),
+    Whole,
     Point {
         block: usize,
         cell: usize,
@@ -203,8 +211,8 @@ enum LocatedProbe<'a> {
     Region(usize, Take),
 }
 
-/// Data that a probe reads: contact points, a side as a whole, or spots in the body.
-type ProbeData = (OnPoints, Option<WholeQuantity>, Vec<Spot>);
+/// Data that a probe reads: contact points, or spots in the body.
+type ProbeData = (OnPoints, Vec<Spot>);
 
 /// Prepares probes; each patch of the recovery is computed once.
 struct ProbeBuilder<'a> {
@@ -248,19 +256,19 @@ impl<'a> ProbeBuilder<'a> {
                 };
                 let alone = || points.iter().map(|&(i, weight)| (vec![(i, 1.0)], weight)).collect();
                 let values = extremes.unwrap_or_else(alone);
-                return Ok((OnPoints { values, turned, worn: None }, None, Vec::new()));
+                return Ok((OnPoints { values, turned, worn: None }, Vec::new()));
             }
             LocatedProbe::Worn => {
                 let worn = if let ProbePlace::On(name, _) = &probe.place { Some(name.clone()) } else { None };
-                return Ok((OnPoints { worn, ..OnPoints::default() }, None, Vec::new()));
+                return Ok((OnPoints { worn, ..OnPoints::default() }, Vec::new()));
             }
-            LocatedProbe::Whole(whole) => return Ok((OnPoints::default(), Some(whole), Vec::new())),
+            LocatedProbe::Whole => return Ok((OnPoints::default(), Vec::new())),
             LocatedProbe::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             LocatedProbe::Side(set, take) => self.on(quantity, set, take),
             LocatedProbe::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
             LocatedProbe::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
         };
-        Ok((OnPoints::default(), None, spots))
+        Ok((OnPoints::default(), spots))
     }
 
     /// Checks that the body has the quantity at the place of the probe. Returns the place in the mesh.
@@ -288,7 +296,9 @@ impl<'a> ProbeBuilder<'a> {
             ProbePlace::Contact(..) | ProbePlace::AtContact(..) if !of_contact => {
                 Err(ProbeError::OfBody(quantity.name()))
             }
-            _ if OF_WHOLE.contains(&quantity.base) => WholeQuantity::new(self.problem, probe).map(LocatedProbe::Whole),
+            _ if OF_WHOLE.contains(&quantity.base) => {
+                WholeQuantity::new(self.problem, probe).map(|_| LocatedProbe::Whole)
+            }
             ProbePlace::Contact(name, _) => self.of_contact(name),
             ProbePlace::AtContact(point, name) => {
                 let only = self.contact(name)?;

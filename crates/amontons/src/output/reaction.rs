@@ -9,7 +9,7 @@ use crate::space::{RigidNodes, Space};
 use crate::tensor::Point;
 
 /// Numbers of the reactions of a set of nodes in the list [`crate::state::Reactions`].
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Held {
     of_heat: bool,
     /// Each number with its direction, or its moment about a point.
@@ -104,6 +104,11 @@ impl Held {
             |number: usize| space.prescription_of(number).is_none_or(|given| on.get(given).copied().unwrap_or(true));
         let numbers = numbers(&space, &leaders(&space, &nodes), &bodies, &arms, counts);
         Held { of_heat: false, numbers }
+    }
+
+    /// True without reactions.
+    pub(super) fn is_empty(&self) -> bool {
+        self.numbers.is_empty()
     }
 
     /// The resultant in a step, N or W, per unit of thickness in two dimensions; NaN at t = 0.

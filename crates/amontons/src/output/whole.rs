@@ -7,7 +7,7 @@ use super::quantity::{Base, Quantity};
 use super::reaction::Held;
 use super::turned::Turned;
 use crate::mesh::Mesh;
-use crate::problem::ProblemData;
+use crate::problem::{Problem, ProblemData};
 use crate::tensor::Point;
 
 /// A quantity of a side, an edge, points or a region as a whole.
@@ -36,6 +36,43 @@ fn about(problem: &ProblemData, probe: &Probe) -> Point {
         ProbePlace::Region(..) | ProbePlace::Contact(..) => None,
     };
     probe.about.or_else(of_place).unwrap_or_default()
+}
+
+/// A quantity of a side as a whole in each phase, whose conditions may differ; one for all phases if they do not.
+#[derive(Debug)]
+pub(super) struct WholeInPhases(Vec<WholeQuantity>);
+
+impl WholeInPhases {
+    /// The quantity read by a probe. A reaction must be one in some phase, and is zero in the others.
+    ///
+    /// # Errors
+    /// The reason why it cannot be read.
+    pub(super) fn new(problem: &Problem, probe: &Probe) -> Result<WholeInPhases, ProbeError> {
+        let phases = if problem.changes_conditions_of_run() { problem.timeline.phases().len() } else { 1 };
+        let mut all = Vec::with_capacity(phases);
+        let mut free = None;
+        for phase in 0..phases {
+            match WholeQuantity::new(&problem.in_phase(phase), probe) {
+                Err(error @ ProbeError::Free(..)) => {
+                    free = Some(error);
+                    all.push(WholeQuantity::Held(Held::default()));
+                }
+                made => all.push(made?),
+            }
+        }
+        let is_held = |of: &WholeQuantity| !matches!(of, WholeQuantity::Held(held) if held.is_empty());
+        match free {
+            Some(error) if !all.iter().any(is_held) => Err(error),
+            _ => Ok(WholeInPhases(all)),
+        }
+    }
+
+    /// The vector, or a scalar in its place, in the phase of a step.
+    pub(super) fn value(&self, now: &Snapshot) -> Point {
+        let phase = now.problem.timeline.instant(now.state.step).phase;
+        let own = self.0.get(phase).or_else(|| self.0.first());
+        own.map_or([f64::NAN; 3], |own| own.value(now))
+    }
 }
 
 impl WholeQuantity {

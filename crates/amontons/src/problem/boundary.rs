@@ -7,11 +7,12 @@ use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::space::{Prescription, Space};
 use crate::tensor::{Point, dot, length};
+use crate::time::During;
 
 /// Conditions on one named part of the boundary except contact.
 ///
 /// An edge or points can have displacements, temperatures and forces only.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoundaryCondition {
     /// Name of the facet set, or of an edge or points.
     pub on: String,
@@ -36,6 +37,20 @@ pub struct BoundaryCondition {
     pub heat_inflow: Option<Field>,
     /// Heat exchange with the surroundings.
     pub convection: Option<Convection>,
+    /// The phases in which the condition acts.
+    pub during: During,
+    /// What becomes of the force of its support when it ends.
+    pub release: Release,
+}
+
+/// What becomes of the force of a support that ends with a phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Release {
+    /// The force is gone at once, as when a clamp is opened.
+    #[default]
+    AtOnce,
+    /// The force falls in proportion to time, to zero at the end of the next phase.
+    InPhase,
 }
 
 /// Distributed springs or dashpots (Winkler's foundation), constant in time.
@@ -124,6 +139,18 @@ impl BoundaryCondition {
         BoundaryCondition { heat_inflow: Some(flux.into()), ..self }
     }
 
+    /// Lets the condition act in the phases of these names alone.
+    #[must_use]
+    pub fn in_phases(self, names: impl IntoIterator<Item = impl Into<String>>) -> BoundaryCondition {
+        BoundaryCondition { during: During::phases(names), ..self }
+    }
+
+    /// Lets the force of the support fall over the phase behind its end.
+    #[must_use]
+    pub fn released_in_phase(self) -> BoundaryCondition {
+        BoundaryCondition { release: Release::InPhase, ..self }
+    }
+
     /// True if a displacement of the body is held by a prescribed value or a spring.
     #[must_use]
     pub fn holds_body(&self) -> bool {
@@ -142,6 +169,8 @@ impl BoundaryCondition {
     pub fn is_empty(&self) -> bool {
         let BoundaryCondition {
             on: _,
+            during: _,
+            release: _,
             displacement,
             normal_displacement,
             traction,
@@ -308,9 +337,7 @@ impl ProblemData {
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
-            if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
-                faults.push(again(format!("boundary[{i}].on"), &b.on, first, "each side in one [[boundary]] entry"));
-            }
+            self.check_again(i, b, faults);
             self.check_edge(i, b, faults);
             self.check_displacement(i, b, faults);
             self.check_forces(i, b, faults);
@@ -342,6 +369,20 @@ impl ProblemData {
                 );
             }
         }
+    }
+
+    /// Checks that no other condition acts on the side of a condition at the same time.
+    fn check_again(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
+        let acts = |of: &BoundaryCondition| of.during != During::NEVER;
+        let is_same = |other: &BoundaryCondition| other.on == b.on && acts(other) && acts(b);
+        let Some(first) = self.boundary[..i].iter().position(is_same) else { return };
+        let both = [b, &self.boundary[first]].map(|of| of.during == During::Run);
+        let (path, mut expected) = (format!("boundary[{i}].on"), "each side in one [[boundary]] entry".to_owned());
+        if both != [true; 2] {
+            let phase = self.timeline.phases().next().map_or("", |phase| &phase.name);
+            expected += &format!(" per phase: both act in \"{phase}\"");
+        }
+        faults.push(again(path, &b.on, first, &expected));
     }
 
     /// Checks that at most one contact of a side has no obstacle, and that each contact has a name of its own.

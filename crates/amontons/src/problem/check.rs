@@ -1,6 +1,9 @@
 //! The checks that make a [`Problem`] of its data.
 
-use super::{Fault, Faults, MaterialSample, Problem, ProblemData, Support};
+use std::sync::Arc;
+
+use super::schedule::Schedule;
+use super::{BoundaryCondition, Fault, Faults, MaterialSample, Problem, ProblemData, StartState, Support};
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
@@ -15,16 +18,28 @@ impl ProblemData {
         let mut faults = Vec::new();
         self.check_time(&mut faults);
         self.check_scheme(&mut faults);
+        self.check_start(&mut faults);
         self.check_material(&mut faults);
         if let Err(error) = self.mesh.check_nodes() {
             faults.push(Fault::new("mesh", error.to_string(), "cells and facets whose nodes exist"));
             return Err(Faults(faults));
         }
-        self.check_parts(&mut faults);
+        let in_phases = if self.check_phases(&mut faults) { self.of_phases() } else { Vec::new() };
+        let each = |check: fn(&ProblemData, &mut Vec<Fault>), faults: &mut Vec<Fault>| {
+            for data in &in_phases {
+                let mut found = Vec::new();
+                check(data, &mut found);
+                // What does not depend on conditions is found in each phase.
+                found.retain(|fault| !faults.contains(fault));
+                faults.append(&mut found);
+            }
+        };
+        each(ProblemData::check_parts, &mut faults);
         self.check_shapes(&mut faults);
-        self.check_boundary(&mut faults);
-        self.check_cyclic(&mut faults);
-        self.check_rigid(&mut faults);
+        each(ProblemData::check_boundary, &mut faults);
+        each(ProblemData::check_cyclic, &mut faults);
+        each(ProblemData::check_rigid, &mut faults);
+        drop(in_phases);
         self.check_times(&mut faults);
         if let Err(error) = self.mesh.check() {
             faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));
@@ -35,7 +50,35 @@ impl ProblemData {
             self.check_tables(&mut faults);
             self.check_range(&mut faults);
         }
-        if faults.is_empty() { Ok(Problem(self)) } else { Err(Faults(faults)) }
+        if !faults.is_empty() {
+            return Err(Faults(faults));
+        }
+        let all: Arc<[BoundaryCondition]> = self.boundary.clone().into();
+        let changes = self.changes_conditions();
+        let own = Problem(self, Schedule { all, phase: if changes { usize::MAX } else { 0 } });
+        Ok(own.in_phase(0))
+    }
+
+    /// Checks that a start in equilibrium stands alone.
+    fn check_start(&self, faults: &mut Vec<Fault>) {
+        if self.initial.state == StartState::Given {
+            return;
+        }
+        let start = &self.initial;
+        for (key, what, given) in [
+            ("displacement", "a displacement", !start.displacement.is_empty()),
+            ("velocity", "a velocity", !start.velocity.is_empty()),
+        ] {
+            if given {
+                let found = format!("{what} besides a start in equilibrium");
+                let fault = Fault::new(format!("initial.{key}"), found, "one of the two");
+                faults.push(fault.hint("remove it, or remove initial.state"));
+            }
+        }
+        if !self.physics.has_mechanics() {
+            let fault = Fault::new("initial.state", "a start in equilibrium without mechanics", "a body that moves");
+            faults.push(fault.hint("remove it"));
+        }
     }
 
     fn check_time(&self, faults: &mut Vec<Fault>) {
@@ -85,9 +128,13 @@ impl ProblemData {
         }
     }
 
-    /// What is missing if nothing holds a part of the body in a quasistatic phase, with a hint; `None` if there is no
-    /// such phase.
+    /// What is missing if nothing holds a part of the body in equilibrium or in a quasistatic phase, with a hint;
+    /// `None` if inertia acts at all times.
     fn without_inertia_in(&self) -> Option<(String, &'static str)> {
+        if self.initial.state == StartState::Equilibrium {
+            let found = "no displacement prescribed, at a start in equilibrium".to_owned();
+            return Some((found, "give `displacement` on a side, or remove initial.state"));
+        }
         let phase = self.timeline.phases().find(|phase| phase.analysis == Analysis::Quasistatic)?;
         let found = format!("no displacement prescribed and no inertia in the quasistatic phase \"{}\"", phase.name);
         Some((found, "give `displacement` on a side, or `analysis = \"dynamic\"` for this phase"))

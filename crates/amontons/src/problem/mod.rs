@@ -9,6 +9,7 @@ mod choices;
 mod cyclic;
 mod data;
 mod drive;
+mod equilibrium;
 mod fluid;
 mod loads;
 mod pairs;
@@ -17,6 +18,7 @@ pub use pairs::with_supports;
 mod physics;
 mod range;
 mod rigid;
+mod schedule;
 mod scheme;
 mod tables;
 mod temperature;
@@ -27,12 +29,14 @@ use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-pub use boundary::{BoundaryCondition, Convection, Support};
+pub use boundary::{BoundaryCondition, Convection, Release, Support};
 pub use choices::Choice;
 pub(crate) use data::{Datum, DatumRole, MaterialSample};
+pub use equilibrium::StartState;
 pub use loads::RegionLoad;
 pub use physics::Physics;
 pub use rigid::RigidPart;
+use schedule::Schedule;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 pub use temperature::GivenTemperature;
@@ -95,6 +99,8 @@ pub struct Initial {
     pub velocity: Vec<Field>,
     /// θ₀ in K.
     pub temperature: Field,
+    /// Whether the run starts from u₀ and u̇₀, or from rest in equilibrium.
+    pub state: StartState,
 }
 
 /// The coupling of (4.1) and (4.2) within a step.
@@ -197,9 +203,11 @@ pub struct ProblemData {
     pub chosen: Vec<Choice>,
 }
 
-/// A problem whose data are checked; it reads like its [`ProblemData`].
+/// A problem whose data are checked; it reads like its [`ProblemData`], with the conditions of one phase: of the first
+/// one, or of that which was asked for by [`Problem::in_phase`]. Conditions that do not act there are free and insulated
+/// sides.
 #[derive(Clone, Debug)]
-pub struct Problem(ProblemData);
+pub struct Problem(ProblemData, Schedule);
 
 impl Deref for Problem {
     type Target = ProblemData;
@@ -210,18 +218,12 @@ impl Deref for Problem {
 }
 
 impl Problem {
-    /// The data, to be changed and checked again.
-    #[must_use]
-    pub fn into_data(self) -> ProblemData {
-        self.0
-    }
-
     /// Returns the problem with data changed by `change` and checked again.
     ///
     /// # Errors
     /// All faults that the changed data have.
     pub fn with(&self, change: impl FnOnce(&mut ProblemData)) -> Result<Problem, Faults> {
-        let mut data = self.0.clone();
+        let mut data = self.clone().into_data();
         change(&mut data);
         data.check()
     }
@@ -230,7 +232,10 @@ impl Problem {
     #[must_use]
     pub(crate) fn interruptible(&self, flag: Option<&Arc<AtomicBool>>) -> Problem {
         let backend = flag.and_then(|flag| self.backend.interruptible(flag));
-        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
+        Problem(
+            ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() },
+            self.1.clone(),
+        )
     }
 
     /// Returns the problem with the displacement δ(t) of each loaded obstacle as found by a run, by number of the
@@ -243,14 +248,17 @@ impl Problem {
                 load.found = found(number);
             }
         }
-        Problem(data)
+        Problem(data, self.1.clone())
     }
 
     /// Returns the problem with a backend that repeats earlier decisions about its linear systems.
     #[must_use]
     pub(crate) fn decided(&self, before: &[Decided]) -> Problem {
         let backend = if before.is_empty() { None } else { self.backend.decided(before) };
-        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
+        Problem(
+            ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() },
+            self.1.clone(),
+        )
     }
 
     /// Returns the problem with all densities zero, as a quasistatic phase has it; loads stay.
@@ -262,7 +270,7 @@ impl Problem {
     /// densities or none.
     pub(crate) fn with_materials(&self, other: impl Fn(&Material) -> Material) -> Problem {
         let materials = self.materials.iter().map(other).collect();
-        Problem(ProblemData { materials, ..self.0.clone() })
+        Problem(ProblemData { materials, ..self.0.clone() }, self.1.clone())
     }
 }
 

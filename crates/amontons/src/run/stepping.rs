@@ -18,7 +18,8 @@ use crate::step::{Kept, Scheme};
 /// restored.
 ///
 /// Without inputs its states have the same bits as those of [`run`](super::run()). Inputs hold until they are changed;
-/// no state holds them, so whoever restores a state sets them, too, if they were others. The certificate is not
+/// no state holds them, so whoever restores a state sets them, too, if they were others. Values in place of prescribed
+/// ones hold to the end of the last phase with the same conditions. The certificate is not
 /// evaluated, and no sink is called: pass [`Stepping::snapshot`] to those you want.
 ///
 /// ```
@@ -147,6 +148,7 @@ impl Stepping {
         if let Some(kept) = self.behind.clone() {
             self.go_back(&kept)?;
         }
+        let set = self.leave_conditions();
         let Stepping { scheme, pool, state, .. } = self;
         let (kept, begin) = (scheme.kept(), Instant::now());
         let made = within(pool.as_ref(), || scheme.step(state));
@@ -156,10 +158,25 @@ impl Stepping {
             Err(source) => {
                 // An interruption may end this, too; the next step then begins with it.
                 self.behind = self.go_back(&kept).is_err().then_some(kept);
+                if let Some(set) = set {
+                    self.scheme.take_inputs(&set);
+                    self.inputs = set;
+                }
                 return Err(SteppingError::Step { source });
             }
         }
         Ok(&self.state)
+    }
+
+    /// Drops the inputs that replace prescribed values before a phase with other conditions, and returns those before.
+    fn leave_conditions(&mut self) -> Option<Arc<StepInputs>> {
+        let timeline = &self.problem.timeline;
+        let phases = [self.state.step, self.state.step + 1].map(|step| timeline.instant(step).phase);
+        if self.state.step == 0 || self.problem.has_same_conditions(phases) {
+            return None;
+        }
+        let left = Arc::new(self.inputs.without_prescribed());
+        self.scheme.take_inputs(&left).then(|| std::mem::replace(&mut self.inputs, left))
     }
 
     /// True after the last step.
@@ -287,7 +304,8 @@ impl Stepping {
         change: impl FnOnce(&mut StepInputs, &Problem, &Discretization) -> Result<(), Fault>,
     ) -> Result<(), SteppingError> {
         let mut inputs = StepInputs::clone(&self.inputs);
-        change(&mut inputs, &self.problem, self.scheme.discretization()).map_err(SteppingError::Input)?;
+        let problem = self.scheme.problem().unwrap_or(&self.problem);
+        change(&mut inputs, problem, self.scheme.discretization()).map_err(SteppingError::Input)?;
         let inputs = Arc::new(inputs);
         if !self.scheme.take_inputs(&inputs) {
             return Err(SteppingError::Scheme { on });

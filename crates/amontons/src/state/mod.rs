@@ -45,6 +45,9 @@ pub struct State {
     pub counts: Counts,
     /// Least and largest nodal temperature since the start, K.
     pub temperatures: [f64; 2],
+    /// Forces of the supports that ended with the phase before, or end with this step, and that give them up in the
+    /// course of the phase, as they were at its start, N, node-major; empty if there are none.
+    pub released: Vec<f64>,
 }
 
 /// What a scheme of two steps keeps of the state one step before.

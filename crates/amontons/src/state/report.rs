@@ -26,8 +26,8 @@ pub struct StepReport {
     pub loose: Vec<String>,
     /// Reactions at the prescribed displacements and temperatures.
     pub reactions: Reactions,
-    /// Nodal forces set from the outside, N, one per degree of freedom of the displacement; empty if none are set or
-    /// the step was made before a break.
+    /// Nodal forces set from the outside and those that supports are giving up, N, one per degree of freedom of the
+    /// displacement; empty if there are none or the step was made before a break.
     pub forces: Vec<f64>,
     /// The contact points.
     pub contact: ContactReport,

@@ -3,25 +3,25 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
+use super::change::{released, supported};
 use super::coupling::{Coupled, Made};
+use super::initial::{self, extremes, first_temperature};
 use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::discretization::Discretization;
 use crate::equation::apart::Whole;
 use crate::equation::bodies::{Apart, Bodies};
-use crate::equation::foundation::{at_rest, frames};
 use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{Bar, HalfStep, Mixed, Products, Step};
 use crate::equation::systems::{Cache, SystemError, Systems};
 use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
-use crate::inclusion::{Multipliers, PointState};
+use crate::inclusion::PointState;
 use crate::linalg::{Backend, dot};
-use crate::problem::{Physics, Problem, with_supports};
+use crate::problem::{Problem, StartState, with_supports};
 use crate::pulse::Pulse;
-use crate::state::{Accumulated, Carried, ContactReport, Counts, Earlier, Ledger, Reactions, State, StepReport};
-use crate::tensor;
-use crate::time::{Analysis, HALVINGS, Instant, Interval, Rule, Start};
+use crate::state::{Carried, ContactReport, Counts, Earlier, Ledger, Reactions, State, StepReport};
+use crate::time::{Analysis, HALVINGS, Instant, Rule, Start};
 
 /// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
@@ -35,6 +35,7 @@ const MOVES: f64 = 1e-6;
 /// the nearer the solution is to the previous branch.
 #[derive(Debug)]
 pub struct March {
+    /// The problem and its forms with the conditions of the phase of the last step.
     problem: Problem,
     discrete: Arc<Discretization>,
     /// The systems of the phases that have begun and are not over, or that a later phase has, too, and those of halved
@@ -195,17 +196,35 @@ impl March {
         self.cache.keep_only(|rule| rules.contains(rule));
     }
 
+    /// Takes the conditions of a phase. Systems stay if the same degrees of freedom are prescribed.
+    fn enter(&mut self, phase: usize) {
+        if self.problem.has_same_conditions([self.problem.phase(), phase]) {
+            self.problem = self.problem.in_phase(phase);
+            return;
+        }
+        let problem = self.problem.in_phase(phase);
+        if !problem.has_same_systems(&self.problem) {
+            self.cache.drop_all(self.discrete.mesh.dim);
+        }
+        self.discrete = Arc::new(Discretization::new(&problem));
+        (self.problem, self.products) = (problem, None);
+    }
+
     /// The state from which a step starts: that at the end of the step before, at rest if a quasistatic phase ended
-    /// there and a dynamic one begins.
+    /// there and a dynamic one begins, with the energy of the supports of its phase.
     fn begun<'s>(&mut self, old: &'s State, now: &Instant) -> Cow<'s, State> {
         let is_quasistatic = |n: usize| self.problem.timeline.instant(n).analysis == Analysis::Quasistatic;
         let rests = old.step > 0 && is_quasistatic(old.step) && now.analysis == Analysis::Dynamic;
         // Only backward Euler splits off rigid motions.
         let is_split = !old.carried.rigid.is_empty() && !rule_of(&self.problem, now).is_backward_euler();
-        if !rests && !is_split {
+        let changes = self.problem.timeline.ends_phase(old.step) && self.problem.changes_conditions_of_run();
+        if !rests && !is_split && !changes {
             return Cow::Borrowed(old);
         }
         let mut begun = old.clone();
+        if changes {
+            supported(&self.problem.at_step(old.step), &self.discrete, &mut begun);
+        }
         if rests {
             begun.w.fill(0.0);
             begun.surface.advance_rate.fill(0.0);
@@ -213,8 +232,11 @@ impl March {
         if is_split {
             begun.carried = Carried::default();
         }
-        begun.earlier = begun.earlier.filter(|_| !rests);
-        self.products = None;
+        // Rates of three states hold no jump.
+        begun.earlier = begun.earlier.filter(|_| !rests && !changes);
+        if rests || is_split {
+            self.products = None;
+        }
         Cow::Owned(begun)
     }
 
@@ -393,6 +415,7 @@ impl Made {
             ledger,
             counts,
             temperatures: old.temperatures,
+            released: old.released.clone(),
         };
         let report = StepReport {
             newton_mechanics: iterations[0],
@@ -403,7 +426,7 @@ impl Made {
             coupling,
             loose: step.motions(&at.hold.loose),
             reactions: Reactions { force: reactions, heat: heat.reactions },
-            forces: step.inputs.forces.clone(),
+            forces: step.nodal_forces(),
             contact: ContactReport {
                 moments: step.moments(&states),
                 boundary: None,
@@ -443,22 +466,9 @@ fn rule_of(problem: &Problem, now: &Instant) -> Rule {
     now.analysis.rule(problem.scheme, now.k)
 }
 
-/// θ₀ at the nodes: the initial data, or the prescribed temperature.
-fn first_temperature(problem: &Problem, discrete: &Discretization) -> Vec<f64> {
-    match problem.physics {
-        Physics::Warmed => problem.given_temperature(0.0),
-        _ => discrete.q.interpolate(&discrete.mesh, std::slice::from_ref(&problem.initial.temperature), 0.0),
-    }
-}
-
 /// Krylov iterations of both half-steps so far.
 fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> usize {
     mechanics.into_iter().chain(heat).map(|half| half.system.iterations()).sum()
-}
-
-/// The range extended to include `values`.
-fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
-    values.iter().fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)])
 }
 
 /// Γ_C in a step that starts from the state `old`, with updated pairs searched anew.
@@ -482,89 +492,31 @@ impl Scheme for March {
     }
 
     fn initial(&self) -> Result<State, SetupError> {
-        let (mesh, data) = (&self.discrete.mesh, &self.problem.initial);
-        let u = self.discrete.v.interpolate(mesh, &data.displacement, 0.0);
-        let w = self.discrete.v.interpolate(mesh, &data.velocity, 0.0);
-        let theta = first_temperature(&self.problem, &self.discrete);
-        for (values, name) in [(&u, "displacement"), (&w, "velocity"), (&theta, "temperature")] {
-            if values.iter().any(|v| !v.is_finite()) {
-                return Err(SetupError::Initial(name));
-            }
-        }
-        let ((rho, inertia), (c, _)) = (self.discrete.inertia(), self.discrete.storage());
-        let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
-        // Without a potential the energy is counted from the initial state, which is 0.
-        let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
-        let branches = self.discrete.branches.iter().map(|branch| vec![0.0; branch.size(u.len())]).collect();
-        let boundary = &self.discrete.boundary;
-        let surface = Accumulated::new(&self.problem, &self.discrete);
-        let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, boundary, &u, (&[], [&[]; 2]), Interval::default());
-        for (point, frame) in boundary.points.iter().zip(foundation) {
-            let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
-            contact_energy += point.weight
-                * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
-        }
-        let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
-        let stores = self.problem.physics.has_heat();
-        let heat_content = if stores { c * self.discrete.stored_heat(&theta).iter().sum::<f64>() } else { 0.0 };
-        let heat_foundation: f64 = self
-            .problem
-            .contacts
-            .iter()
-            .zip(&surface.foundation)
-            .map(|(c, theta_f)| c.foundation_heat.as_ref().map_or(0.0, |f| f.capacity) * theta_f.unwrap_or(0.0))
-            .sum();
-        let ledger = Ledger {
-            kinetic,
-            elastic,
-            contact_energy,
-            turned_over: kinetic + elastic + contact_energy,
-            heat_content,
-            heat_foundation,
-            heat_turned_over: heat_content.abs() + heat_foundation.abs(),
-            ..Ledger::default()
+        let found = match self.problem.initial.state {
+            StartState::Given => None,
+            StartState::Equilibrium => Some(self.equilibrium()?),
         };
-        let multipliers = Multipliers::free(at_rest(&self.problem, boundary, &u, &w));
-        Ok(State {
-            step: 0,
-            t: 0.0,
-            u,
-            w,
-            theta,
-            theta_rate: Vec::new(),
-            earlier: None,
-            multipliers,
-            branches,
-            carried: Carried::default(),
-            surface,
-            ledger,
-            counts: Counts::default(),
-            temperatures,
-        })
+        initial::state(&self.problem, &self.discrete, found.as_ref())
+    }
+
+    fn problem(&self) -> Option<&Problem> {
+        Some(&self.problem)
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let now = self.problem.timeline.instant(old.step + 1);
         self.pulse.begin_step();
-        let old = &*self.begun(old, &now);
+        let before = self.problem.phase();
         if self.problem.timeline.ends_phase(old.step) {
+            self.enter(now.phase);
             self.drop_others(old, &now);
         }
-        let made = self.advance(old, now.n, now.t, 0);
-        let (mut state, report) = made.map_err(|error| datum::named(&self.problem, old, error))?;
-        if report.parts > 1 {
-            state.counts.halved_steps += 1;
-        } else {
-            self.drop_others(old, &now);
+        let made = self.made(old, &now);
+        if made.is_err() {
+            // The state before still has the conditions of its phase.
+            self.enter(before);
         }
-        let adds_to_both = rule_of(&self.problem, &now).start == Start::TwoStates;
-        state.earlier = adds_to_both.then(|| Earlier::of(old, now.k));
-        state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
-        state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
-        state.counts.reversed_steps += usize::from(is_reversed(old, &state));
-        state.temperatures = extremes(old.temperatures, &state.theta);
-        Ok((state, report))
+        made
     }
 
     fn solvers(&self) -> Solvers {
@@ -572,10 +524,11 @@ impl Scheme for March {
     }
 
     fn kept(&self) -> Kept {
-        self.cache.kept(self.discrete.mesh.dim)
+        Kept { phase: self.problem.phase(), ..self.cache.kept(self.discrete.mesh.dim) }
     }
 
     fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
+        self.enter(kept.phase);
         // At t = 0 nothing is kept.
         if kept.rules.is_empty() {
             return Ok(());
@@ -586,6 +539,7 @@ impl Scheme for March {
 
     fn go_back(&mut self, kept: &Kept) -> Result<(), SetupError> {
         self.products = None;
+        self.enter(kept.phase);
         let made = self.cache.go_back(&self.problem, &self.discrete, kept);
         made.map_err(|(part, source)| SetupError::Factor { part, source })
     }
@@ -597,5 +551,43 @@ impl Scheme for March {
 
     fn watched_by(&mut self, pulse: &Pulse) {
         self.pulse = pulse.clone();
+    }
+}
+
+impl March {
+    /// The state in equilibrium at t = 0: one static step that takes no time, so that all data are those at t = 0.
+    fn equilibrium(&self) -> Result<State, SetupError> {
+        let still = self.problem.at_equilibrium();
+        let mut march = March::new(&still)?;
+        march.pulse = self.pulse.clone();
+        let start = initial::state(&still, &march.discrete, None)?;
+        let made = match march.attempt(&start, 1, 0.0, 0) {
+            Err(StepError::NotConverged { .. }) => march.with_patience(&start, 1, 0.0),
+            made => made,
+        };
+        let found = made.map_err(|error| datum::named(&still, &start, error));
+        found.map(|(state, _)| state).map_err(|source| SetupError::Equilibrium { source: Box::new(source) })
+    }
+
+    /// Makes a step with the conditions of its phase.
+    fn made(&mut self, old: &State, now: &Instant) -> Result<(State, StepReport), StepError> {
+        let old = &*self.begun(old, now);
+        let made = self.advance(old, now.n, now.t, 0);
+        let (mut state, report) = made.map_err(|error| datum::named(&self.problem, old, error))?;
+        if report.parts > 1 {
+            state.counts.halved_steps += 1;
+        } else {
+            self.drop_others(old, now);
+        }
+        let adds_to_both = rule_of(&self.problem, now).start == Start::TwoStates;
+        state.earlier = adds_to_both.then(|| Earlier::of(old, now.k));
+        state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
+        state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
+        state.counts.reversed_steps += usize::from(is_reversed(old, &state));
+        state.temperatures = extremes(old.temperatures, &state.theta);
+        if self.problem.timeline.ends_phase(now.n) {
+            state.released = released(&self.problem, &self.discrete, &report, now);
+        }
+        Ok((state, report))
     }
 }

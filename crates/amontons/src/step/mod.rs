@@ -1,8 +1,10 @@
 //! Time stepping: Problem 4.1, one step after the other.
 
 mod alone;
+mod change;
 mod coupling;
 mod datum;
+mod initial;
 mod linearised;
 mod march;
 
@@ -27,6 +29,11 @@ pub type MakeScheme = fn(&Problem, &Arc<Discretization>, &Arc<dyn Backend>) -> R
 pub trait Scheme: fmt::Debug + Send + Sync {
     /// The discrete problem.
     fn discretization(&self) -> &Discretization;
+    /// The problem with the conditions of the phase of the last step, or `None` if the scheme has those of the first
+    /// phase in all of them.
+    fn problem(&self) -> Option<&Problem> {
+        None
+    }
     /// The state at t = 0, (4.3).
     ///
     /// # Errors

@@ -169,6 +169,11 @@ impl Timeline {
         spans.iter().map(|span| span.first + span.phase.steps).collect()
     }
 
+    /// The share of the phase of step n that is left at a time: 1 at its start, 0 at its end.
+    pub(crate) fn left_of_phase(&self, n: usize, t: f64) -> f64 {
+        self.span(n).map_or(0.0, |(_, span)| (span.phase.end - t) / span.length())
+    }
+
     /// The phase of step n with its index. Steps after the end belong to the last one.
     fn span(&self, n: usize) -> Option<(usize, &PhaseSpan)> {
         let is_in = |(_, span): &(usize, &PhaseSpan)| n <= span.first + span.phase.steps;

@@ -29,6 +29,7 @@ use crate::output::names::{CASE, CONTACT, HISTORY, SUMMARY, contact_file};
 use crate::output::{
     self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, StoredFields, Work, history_columns, history_values,
 };
+use crate::problem::Problem;
 use fields::Fields;
 use tables::{Audit, NumberTable};
 
@@ -107,7 +108,7 @@ impl Recomputed {
             self.faults.push("case.toml or a file in inputs is not what the run was made with".to_owned());
         }
         let summary = self.summary(folder, problem.timeline.steps(), inspection);
-        let discretization = Discretization::new(problem);
+        let phases = PhaseForms::of(problem);
         let checkpoint = match Checkpoint::read(folder, &case.identity()) {
             Ok(checkpoint) => checkpoint,
             Err(error) => {
@@ -116,11 +117,11 @@ impl Recomputed {
             }
         };
         let checkpoint = checkpoint.filter(|checkpoint| {
-            let fits = checkpoint.check(&discretization, problem);
+            let fits = at(&phases, checkpoint.state.step).map_or(Ok(()), |of| checkpoint.check(&of.forms, problem));
             fits.as_ref().err().into_iter().for_each(|error| self.faults.push(error.to_string()));
             fits.is_ok() && Some(checkpoint.state.step) == inspection.ended
         });
-        let run = ResultFiles { folder, case, discretization: &discretization, inspection };
+        let run = ResultFiles { folder, case, phases: &phases, inspection };
         let history = run.history(self);
         run.snapshots(history.as_ref(), self);
         match &checkpoint {
@@ -160,11 +161,36 @@ impl Recomputed {
     }
 }
 
+/// A problem with the conditions of a phase, and its forms.
+struct PhaseForms {
+    problem: Problem,
+    forms: Discretization,
+}
+
+impl PhaseForms {
+    /// Those of each phase, or one if conditions do not change.
+    fn of(problem: &Problem) -> Vec<PhaseForms> {
+        let phases = if problem.changes_conditions_of_run() { problem.timeline.phases().len() } else { 1 };
+        let of = |phase: usize| {
+            let problem = problem.in_phase(phase);
+            PhaseForms { forms: Discretization::new(&problem), problem }
+        };
+        (0..phases).map(of).collect()
+    }
+}
+
+/// The problem in the phase of a step.
+fn at(phases: &[PhaseForms], step: usize) -> Option<&PhaseForms> {
+    let phase = phases.first()?.problem.timeline.instant(step).phase;
+    phases.get(phase).or_else(|| phases.first())
+}
+
 /// The files of a run.
 struct ResultFiles<'a> {
     folder: &'a Path,
     case: &'a Case,
-    discretization: &'a Discretization,
+    /// The problem with the conditions of each phase; one if they do not change.
+    phases: &'a [PhaseForms],
     inspection: &'a Inspection,
 }
 
@@ -206,7 +232,11 @@ impl ResultFiles<'_> {
         for &step in &self.inspection.snapshots {
             let file = stored.name(step);
             match Fields::read(&stored, step, &self.case.problem) {
-                Ok(fields) => fields.differences(self.discretization, &self.case.problem, &mut differences),
+                Ok(fields) => {
+                    if let Some(PhaseForms { problem, forms }) = at(self.phases, step) {
+                        fields.differences(forms, problem, &mut differences);
+                    }
+                }
                 Err(what) => {
                     found.faults.push(format!("{file}: {what}"));
                     continue;
@@ -222,7 +252,9 @@ impl ResultFiles<'_> {
                 }
             }
             if let Ok(fields) = Fields::read(&stored, step, &self.case.problem) {
-                fields.energies(self.discretization, &self.case.problem, (history, row), &mut differences);
+                if let Some(PhaseForms { problem, forms }) = at(self.phases, step) {
+                    fields.energies(forms, problem, (history, row), &mut differences);
+                }
             }
         }
         for (what, (difference, scale)) in differences.all {
@@ -238,7 +270,8 @@ impl ResultFiles<'_> {
         summary: Option<&Value>,
         found: &mut Recomputed,
     ) {
-        let (problem, name) = (&self.case.problem, self.name());
+        let Some(PhaseForms { problem, forms }) = at(self.phases, checkpoint.state.step) else { return };
+        let name = self.name();
         let mut state = checkpoint.state.clone();
         let stored = StoredFields::of(self.folder);
         let file = stored.name(state.step);
@@ -250,7 +283,7 @@ impl ResultFiles<'_> {
         }
         let now = Snapshot {
             problem,
-            discretization: self.discretization,
+            discretization: forms,
             state: &state,
             report: checkpoint.report.as_ref(),
             work: Work::default(),
@@ -318,9 +351,10 @@ impl ResultFiles<'_> {
             let computed = match check {
                 Check::History { column, time, take, .. } => history.and_then(|h| h.take(column, *time, *take)),
                 Check::Probe { probe, time, .. } => checkpoint.and_then(|end| {
+                    let PhaseForms { problem, forms } = at(self.phases, end.state.step)?;
                     let now = Snapshot {
-                        problem: &self.case.problem,
-                        discretization: self.discretization,
+                        problem,
+                        discretization: forms,
                         state: &end.state,
                         report: end.report.as_ref(),
                         work: Work::default(),

@@ -6,6 +6,7 @@ mod common;
 
 mod bodies;
 mod boundary;
+mod conditions;
 mod faults;
 mod files;
 mod graded_faults;

@@ -401,7 +401,7 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, March, State) 
         let held = BoundaryCondition::on("top").displacement([0.0; 3]).temperature(0.0);
         problem.boundary = vec![held, BoundaryCondition::on("left").traction([1.4, 0.4, -0.7])];
         problem.initial =
-            Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
+            Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], ..Initial::default() };
     }
     let contact = &mut problem.contacts[0];
     (contact.normal, contact.friction) = (Signorini.into(), friction.into());

@@ -10,6 +10,7 @@ mod backends;
 mod bar;
 mod bdf2;
 mod condensed;
+mod conditions;
 mod convergence;
 mod coupling;
 mod elements;

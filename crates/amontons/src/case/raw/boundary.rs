@@ -56,6 +56,24 @@ pub(in crate::case) struct Boundary {
     /// Heat exchange with the surroundings, −q·ν = coefficient (ambient − θ).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub convection: Option<Convection>,
+    /// Names of the phases in which the entry acts; without the key it acts in all of them.
+    ///
+    /// A side may have several entries if no two of them act in one phase.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phases: Option<Vec<String>>,
+    /// What becomes of the force that holds a prescribed displacement when it ends with a phase.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub release: Option<Releasing>,
+}
+
+/// What becomes of the force of a support that ends with a phase.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Releasing {
+    /// It is gone at once, as when a clamp is opened: a shock if inertia acts. The default.
+    AtOnce,
+    /// It falls in proportion to time, to zero at the end of the next phase.
+    Phase,
 }
 
 /// Stiffness or damping to the ground.

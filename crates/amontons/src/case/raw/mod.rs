@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub(in crate::case) use boundary::{Boundary, Support};
+pub(in crate::case) use boundary::{Boundary, Releasing, Support};
 pub(in crate::case) use contact::{Automatic, Contact, Contacts, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use contact_loads::{Fluid, Foundation, Preload};
 pub(in crate::case) use cyclic::Cyclic;
@@ -288,6 +288,21 @@ pub(in crate::case) struct Initial {
     /// Temperature θ₀ in K.
     #[serde(default)]
     pub temperature: Scalar,
+    /// Whether the run starts from these data or in equilibrium.
+    #[serde(default)]
+    pub state: Starting,
+}
+
+/// How a run starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Starting {
+    /// From the initial displacement and velocity.
+    #[default]
+    Given,
+    /// From rest, in the static equilibrium under the loads at t = 0, with contact and friction; the temperature is the
+    /// initial one.
+    Equilibrium,
 }
 
 /// How linear systems are solved.

@@ -87,6 +87,7 @@ impl Fields {
             ledger: Ledger::default(),
             counts: Counts::default(),
             temperatures: [0.0; 2],
+            released: Vec::new(),
         }
     }
 

@@ -1,0 +1,187 @@
+//! The conditions of each phase: those that act in it, by the list of all conditions of the run.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::boundary::{BoundaryCondition, Convection, Release, unknown};
+use super::{Fault, Initial, Problem, ProblemData};
+use crate::field::Field;
+use crate::time::{During, TimePhase, Timeline};
+
+/// All conditions of a run, and the phase whose conditions a problem has.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    pub all: Arc<[BoundaryCondition]>,
+    pub phase: usize,
+}
+
+impl BoundaryCondition {
+    /// The condition in a phase: itself, or a free and insulated side.
+    fn in_phase(&self, timeline: &Timeline, phase: usize) -> BoundaryCondition {
+        let acts = timeline.phases().nth(phase).is_none_or(|phase| self.during.has(phase));
+        if acts {
+            return self.clone();
+        }
+        BoundaryCondition { during: During::NEVER, ..BoundaryCondition::on(self.on.clone()) }
+    }
+
+    /// The part of the condition that matrices and their unknowns depend on: everything but values.
+    fn form(&self) -> BoundaryCondition {
+        let zero = || Field::ZERO;
+        let components = |all: &Vec<Option<Field>>| all.iter().map(|of| of.as_ref().map(|_| zero())).collect();
+        BoundaryCondition {
+            displacement: self.displacement.as_ref().map(components),
+            normal_displacement: self.normal_displacement.as_ref().map(|_| zero()),
+            spring: self.spring.clone(),
+            dashpot: self.dashpot.clone(),
+            temperature: self.temperature.as_ref().map(|_| zero()),
+            convection: self.convection.as_ref().map(|of| Convection { ambient: zero(), ..of.clone() }),
+            ..BoundaryCondition::on(self.on.clone())
+        }
+    }
+}
+
+impl ProblemData {
+    /// True if conditions begin or end with a phase.
+    #[must_use]
+    pub fn changes_conditions(&self) -> bool {
+        self.boundary.iter().any(|condition| condition.during != During::Run)
+    }
+
+    /// The data as each phase has them, with that phase alone in the timeline; the data themselves if no condition
+    /// changes.
+    pub(super) fn of_phases(&self) -> Vec<Cow<'_, ProblemData>> {
+        if !self.changes_conditions() {
+            return vec![Cow::Borrowed(self)];
+        }
+        let phases = self.timeline.phases().enumerate();
+        let of = |(number, phase): (usize, &TimePhase)| ProblemData {
+            boundary: self.boundary.iter().map(|condition| condition.in_phase(&self.timeline, number)).collect(),
+            timeline: Timeline::in_phases(vec![phase.clone()]),
+            initial: if number == 0 { self.initial.clone() } else { Initial::default() },
+            ..self.clone()
+        };
+        phases.map(|phase| Cow::Owned(of(phase))).collect()
+    }
+
+    /// Checks the phases of conditions. Returns true if all of them are known.
+    pub(super) fn check_phases(&self, faults: &mut Vec<Fault>) -> bool {
+        let before = faults.len();
+        let names: Vec<&str> = self.timeline.phases().map(|phase| phase.name.as_str()).collect();
+        for (i, condition) in self.boundary.iter().enumerate() {
+            let path = format!("boundary[{i}].phases");
+            let During::Phases(own) = &condition.during else {
+                self.check_release(i, condition, faults);
+                continue;
+            };
+            if !self.timeline.has_phases() {
+                let fault = Fault::new(path, format!("{own:?} in a run without phases"), "no such key");
+                faults.push(fault.hint("give the run its [[phase]] entries, or remove `phases`"));
+                continue;
+            }
+            if own.is_empty() {
+                let fault = Fault::new(path, "no phase", format!("some of the phases {}", names.join(", ")));
+                faults.push(fault.hint("name the phases, or remove `phases`: the entry then acts in all of them"));
+                continue;
+            }
+            for (j, name) in own.iter().enumerate() {
+                if own.iter().take(j).any(|other| other == name) {
+                    let path = format!("{path}[{j}]");
+                    faults.push(Fault::new(path, format!("\"{name}\" again"), "each phase once").hint("remove it"));
+                } else if !names.contains(&name.as_str()) {
+                    faults.push(unknown(format!("{path}[{j}]"), name, "phases", &names));
+                }
+            }
+            self.check_release(i, condition, faults);
+        }
+        faults.len() == before
+    }
+
+    /// Checks that a release belongs to a displacement that ends before the run does.
+    fn check_release(&self, i: usize, condition: &BoundaryCondition, faults: &mut Vec<Fault>) {
+        if condition.release == Release::AtOnce {
+            return;
+        }
+        let path = format!("boundary[{i}].release");
+        if condition.displacement.is_none() && condition.normal_displacement.is_none() {
+            let found = "a release of a side without a displacement";
+            let hint = "remove it: loads, springs and temperatures end at once";
+            faults.push(Fault::new(path, found, "a prescribed displacement beside it").hint(hint));
+        } else if !self.ends(condition) {
+            let found = "a release of a displacement that acts to the end of the run";
+            let hint = "name in `phases` those in which it acts, without the last one, or remove `release`";
+            faults.push(Fault::new(path, found, "a displacement that ends before").hint(hint));
+        }
+    }
+
+    /// True if a phase without this condition follows one with it.
+    fn ends(&self, condition: &BoundaryCondition) -> bool {
+        let acts: Vec<bool> = self.timeline.phases().map(|phase| condition.during.has(phase)).collect();
+        acts.windows(2).any(|two| two[0] && !two[1])
+    }
+}
+
+impl Problem {
+    /// The number of the phase whose conditions this problem has. A problem that was checked has those of the first
+    /// phase.
+    #[must_use]
+    pub fn phase(&self) -> usize {
+        self.1.phase
+    }
+
+    /// The problem with the conditions of a phase.
+    #[must_use]
+    pub fn in_phase(&self, phase: usize) -> Problem {
+        if !self.changes_conditions_of_run() || phase == self.1.phase {
+            return self.clone();
+        }
+        let boundary = self.1.all.iter().map(|condition| condition.in_phase(&self.timeline, phase)).collect();
+        Problem(ProblemData { boundary, ..self.0.clone() }, Schedule { phase, ..self.1.clone() })
+    }
+
+    /// The problem with the conditions of the phase of a step; those of the first phase at t = 0.
+    #[must_use]
+    pub fn at_step(&self, step: usize) -> Problem {
+        self.in_phase(self.timeline.instant(step).phase)
+    }
+
+    /// True if conditions begin or end with a phase.
+    #[must_use]
+    pub fn changes_conditions_of_run(&self) -> bool {
+        self.1.all.iter().any(|condition| condition.during != During::Run)
+    }
+
+    /// True if the same conditions act in two phases.
+    #[must_use]
+    pub fn has_same_conditions(&self, phases: [usize; 2]) -> bool {
+        let acts = |condition: &BoundaryCondition, phase: usize| {
+            self.timeline.phases().nth(phase).is_none_or(|phase| condition.during.has(phase))
+        };
+        self.1.all.iter().all(|condition| acts(condition, phases[0]) == acts(condition, phases[1]))
+    }
+
+    /// True if two phases prescribe the same degrees of freedom and have the same springs, dashpots and heat exchange,
+    /// so that their systems are the same.
+    #[must_use]
+    pub(crate) fn has_same_systems(&self, other: &Problem) -> bool {
+        let forms = |problem: &Problem| -> Vec<BoundaryCondition> {
+            let forms = problem.boundary.iter().map(BoundaryCondition::form);
+            forms.filter(|form| !form.is_empty()).collect()
+        };
+        forms(self) == forms(other)
+    }
+
+    /// For each prescription of V^h, in order: true if its force is given up in the course of the next phase.
+    pub(crate) fn releases_in_phase(&self) -> Vec<bool> {
+        let of = |condition: &BoundaryCondition| {
+            vec![condition.release == Release::InPhase; condition.prescriptions(&self.mesh).len()]
+        };
+        self.boundary.iter().flat_map(of).collect()
+    }
+
+    /// The data with all conditions of the run, to be changed and checked again.
+    #[must_use]
+    pub fn into_data(self) -> ProblemData {
+        ProblemData { boundary: self.1.all.to_vec(), ..self.0 }
+    }
+}
