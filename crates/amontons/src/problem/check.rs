@@ -30,7 +30,10 @@ impl ProblemData {
                 let mut found = Vec::new();
                 check(data, &mut found);
                 // What does not depend on conditions is found in each phase.
-                found.retain(|fault| !faults.contains(fault));
+                let is_known = |fault: &Fault| {
+                    faults.iter().any(|known| (&known.path, &known.found) == (&fault.path, &fault.found))
+                };
+                found.retain(|fault| in_phases.len() == 1 || !is_known(fault));
                 faults.append(&mut found);
             }
         };

@@ -48,13 +48,7 @@ pub(super) fn state(
         surface.advance.clone_from(&found.surface.advance);
         surface.wet.clone_from(&found.surface.wet);
     }
-    let mut contact_energy = 0.0;
-    let foundation = frames(problem, boundary, &u, (&[], [&surface.advance; 2]), Interval::default());
-    for (point, frame) in boundary.points.iter().zip(foundation) {
-        let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
-        contact_energy += point.weight
-            * problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
-    }
+    let contact_energy = stored_in_layers(problem, discrete, &u, &surface.advance);
     let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
     let stores = problem.physics.has_heat();
     let heat_content = if stores { c * discrete.stored_heat(&theta).iter().sum::<f64>() } else { 0.0 };
@@ -93,6 +87,19 @@ pub(super) fn state(
         temperatures,
         released: Vec::new(),
     })
+}
+
+/// Ψ at t = 0, J.
+fn stored_in_layers(problem: &Problem, discrete: &Discretization, u: &[f64], advance: &[f64]) -> f64 {
+    let (boundary, dim) = (&discrete.boundary, discrete.mesh.dim);
+    let mut energy = 0.0;
+    let foundation = frames(problem, boundary, u, (&[], [advance; 2]), Interval::default());
+    for (point, frame) in boundary.points.iter().zip(foundation) {
+        let r = tensor::dot(&boundary.vector_at(point, dim, u), &frame.normal) - frame.gap;
+        energy += point.weight
+            * problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
+    }
+    energy
 }
 
 /// The range extended to include `values`.

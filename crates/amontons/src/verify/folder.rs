@@ -251,10 +251,10 @@ impl ResultFiles<'_> {
                     Err(what) => found.faults.push(format!("{}: {what}", contact_file(step))),
                 }
             }
-            if let Ok(fields) = Fields::read(&stored, step, &self.case.problem) {
-                if let Some(PhaseForms { problem, forms }) = at(self.phases, step) {
-                    fields.energies(forms, problem, (history, row), &mut differences);
-                }
+            if let Ok(fields) = Fields::read(&stored, step, &self.case.problem)
+                && let Some(PhaseForms { problem, forms }) = at(self.phases, step)
+            {
+                fields.energies(forms, problem, (history, row), &mut differences);
             }
         }
         for (what, (difference, scale)) in differences.all {

@@ -52,27 +52,27 @@ macro_rules! spoiled {
 
 spoiled! {
     a_phase_that_is_unknown: "[\"spin\"]" => "[\"spn\"]"
-        "bar.toml:18:11: boundary[2].phases[0]: found \"spn\", expected one of the phases press, hold, spin; did you mean \"spin\"?";
+        "bar.toml:19:11: boundary[2].phases[0]: found \"spn\", expected one of the phases press, hold, spin; did you mean \"spin\"?";
     a_phase_that_is_far_from_all: "[\"press\", \"hold\"]" => "[\"press\", \"cooling\"]"
-        "bar.toml:14:20: boundary[1].phases[1]: found \"cooling\", expected one of the phases press, hold, spin";
+        "bar.toml:15:20: boundary[1].phases[1]: found \"cooling\", expected one of the phases press, hold, spin";
     a_phase_twice: "[\"press\", \"hold\"]" => "[\"press\", \"hold\", \"press\"]"
-        "bar.toml:14:28: boundary[1].phases[2]: found \"press\" again, expected each phase once; remove it";
+        "bar.toml:15:28: boundary[1].phases[2]: found \"press\" again, expected each phase once; remove it";
     no_phase: "[\"spin\"]" => "[]"
-        "bar.toml:18:10: boundary[2].phases: found no phase, expected some of the phases press, hold, spin; name the phases, or remove `phases`: the entry then acts in all of them";
+        "bar.toml:19:10: boundary[2].phases: found no phase, expected some of the phases press, hold, spin; name the phases, or remove `phases`: the entry then acts in all of them";
     phases_that_are_no_list: "[\"spin\"]" => "\"spin\""
-        "bar.toml:18:10: boundary[2].phases: found \"spin\", expected an array (names of the phases in which the entry acts; without the key it acts in all of them)";
+        "bar.toml:19:10: boundary[2].phases: found \"spin\", expected an array, each a string (names of the phases in which the entry acts; without the key it acts in all of them)";
     two_entries_in_one_phase: "[\"spin\"]" => "[\"hold\", \"spin\"]"
-        "bar.toml:16:6: boundary[2].on: found \"right\" again, expected each side in one [[boundary]] entry per phase: both act in \"hold\"; merge it with entry 2 of the file, which is on the same side";
+        "bar.toml:17:6: boundary[2].on: found \"right\" again, expected each side in one [[boundary]] entry per phase: both act in \"hold\"; merge it with entry 2 of the file, which is on the same side";
     an_entry_of_all_phases_beside_one: "phases = [\"spin\"]\n" => ""
-        "bar.toml:16:6: boundary[2].on: found \"right\" again, expected each side in one [[boundary]] entry per phase: both act in \"press\"; merge it with entry 2 of the file, which is on the same side";
+        "bar.toml:17:6: boundary[2].on: found \"right\" again, expected each side in one [[boundary]] entry per phase: both act in \"press\"; merge it with entry 2 of the file, which is on the same side";
     a_release_without_a_displacement: "phases = [\"spin\"]" => "phases = [\"spin\"]\nrelease = \"phase\""
-        "bar.toml:19:11: boundary[2].release: found a release of a side without a displacement, expected a prescribed displacement beside it; remove it: loads, springs and temperatures end at once";
+        "bar.toml:20:11: boundary[2].release: found a release of a side without a displacement, expected a prescribed displacement beside it; remove it: loads, springs and temperatures end at once";
     a_release_that_never_comes: "on = \"left\"" => "on = \"left\"\nrelease = \"phase\""
         "bar.toml:11:11: boundary[0].release: found a release of a displacement that acts to the end of the run, expected a displacement that ends before; name in `phases` those in which it acts, without the last one, or remove `release`";
     a_release_that_is_unknown: "phases = [\"spin\"]" => "phases = [\"spin\"]\nrelease = \"at once\""
-        "bar.toml:19:11: boundary[2].release: found \"at once\", expected \"at-once\" or \"phase\" (what becomes of the force that holds a prescribed displacement when it ends with a phase); did you mean \"at-once\"?";
+        "bar.toml:20:11: boundary[2].release: found \"at once\", expected \"at-once\" or \"phase\" (what becomes of the force that holds a prescribed displacement when it ends with a phase); did you mean \"at-once\"?";
     a_quasistatic_phase_that_nothing_holds: "on = \"left\"\ndisplacement = [0]" => "on = \"left\"\ndisplacement = [0]\nphases = [\"press\", \"hold\"]" set "phase.spin.analysis=quasistatic"
-        "bar.toml: boundary: found no displacement prescribed and no inertia in the quasistatic phase \"spin\", expected a part Γ_D that holds the body; give `displacement` on a side, or `analysis = \"dynamic\"` for this phase";
+        "bar.toml:9:1: boundary: found no displacement prescribed and no inertia in the quasistatic phase \"spin\", expected a part Γ_D that holds the body; give `displacement` on a side, or `analysis = \"dynamic\"` for this phase";
     a_displacement_beside_an_equilibrium: "[material]" => "[initial]\nstate = \"equilibrium\"\ndisplacement = [0.1]\n[material]"
         "bar.toml:8:16: initial.displacement: found a displacement besides a start in equilibrium, expected one of the two; remove it, or remove initial.state";
     a_velocity_beside_an_equilibrium: "[material]" => "[initial]\nstate = \"equilibrium\"\nvelocity = [0.1]\n[material]"
@@ -86,7 +86,7 @@ fn phases_beside_one_span_of_time_are_refused() {
     let (head, _) = BAR.split_once("[[phase]]").expect("phases");
     let text = format!("{head}[time]\nend = 1.0\nsteps = 2\n");
     let text = spoil(&text, "[[boundary]]\non = \"right\"\ntraction = [1]\nphases = [\"spin\"]\n", "");
-    let expected = "bar.toml:14:10: boundary[1].phases: found [\"press\", \"hold\"] in a run without phases, expected no such key; give the run its [[phase]] entries, or remove `phases`";
+    let expected = "bar.toml:15:10: boundary[1].phases: found [\"press\", \"hold\"] in a run without phases, expected no such key; give the run its [[phase]] entries, or remove `phases`";
     assert_eq!(told(&Source::new("bar.toml", text), &[]), expected);
 }
 
@@ -96,7 +96,7 @@ fn an_equilibrium_that_nothing_holds_is_refused() {
     let text = spoil(&text, "on = \"left\"\ndisplacement = [0]", "on = \"left\"\ntraction = [0]");
     let text = spoil(&text, "phases = [\"press\", \"hold\"]", "phases = [\"hold\"]");
     let text = spoil(&text, "analysis = \"quasistatic\"\n", "");
-    let expected = "bar.toml: boundary: found no displacement prescribed, at a start in equilibrium, expected a part Γ_D that holds the body; give `displacement` on a side, or remove initial.state";
+    let expected = "bar.toml:11:1: boundary: found no displacement prescribed, at a start in equilibrium, expected a part Γ_D that holds the body; give `displacement` on a side, or remove initial.state";
     assert_eq!(told(&Source::new("bar.toml", text), &[]), expected);
 }
 
