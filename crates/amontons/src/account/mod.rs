@@ -267,7 +267,7 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
 fn moved(step: &Step, m: &Mechanics, end: &[f64]) -> Vec<f64> {
     match step.rule.start {
         Start::State => difference(end, &step.old.u),
-        Start::TwoStates => m.w().iter().map(|w| step.rule.k * w).collect(),
+        Start::TwoStates => m.moving().iter().map(|w| step.rule.k * w).collect(),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The displacement of a small stiff body that has moved far is the same number at all nodes up to its last digits,
 //! and K u of it is the round-off of that number. With u = R + d, R a rigid motion of each body, K u = K d; with the
-//! velocity w = W + v likewise, d_n = d_{n−1} + k v_n and R_n = R_{n−1} + k W_n. Everything that depends on strains
+//! velocity w = W + v likewise, with the rule d₁ = d̄ + σ v and R₁ = R̄ + σ W. Everything that depends on strains
 //! sees d and v. On Γ_C the rigid motions are those of the foundation with the opposite sign. After each pass over the
 //! body the rigid part of v is put to W, so that the deformation has all its digits in the next one, whatever the
 //! acceleration.
@@ -53,12 +53,14 @@ impl Step<'_> {
         field
     }
 
-    /// Displacement and velocity composed of the rigid velocities W, the deformation, which determines the strains, and
-    /// v; `relative` has the data of the contact points that belong to v.
+    /// Displacement and velocity at t_ϑ composed of the rigid velocities W, the deformation, which determines the
+    /// strains, and v, and the parts of the displacement at the end of the step; `relative` has the data of the contact points that belong to v.
     pub fn whole(&self, rigid: &[Rigid], deformation: &[f64], v: &[f64], relative: Given) -> Whole {
-        let moved = self.carried_on(rigid);
-        let (u, w) = (self.with_rigid(&moved, deformation), self.with_rigid(rigid, v));
-        Whole { u, w, carried: Carried { rigid: moved, deformation: deformation.to_vec() }, relative }
+        let at_level = self.carried_on(rigid, self.rule.gamma);
+        let (u, w) = (self.with_rigid(&at_level, deformation), self.with_rigid(rigid, v));
+        let deformation = self.end(self.deformation_before(), deformation.to_vec());
+        let carried = Carried { rigid: self.carried_on(rigid, self.rule.span), deformation };
+        Whole { u, w, carried, relative }
     }
 
     /// The rigid velocities, with translations that balance load, contact forces and inertia of each body. The mass of
@@ -117,10 +119,9 @@ impl Step<'_> {
         held
     }
 
-    /// Rigid motions at t_ϑ: R_{n−1} + γ W.
-    pub fn carried_on(&self, rigid: &[Rigid]) -> Vec<Rigid> {
-        let gamma = self.rule.gamma;
-        let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + gamma * b[c]);
+    /// Rigid motions R̄ + γ W at t_ϑ, or R̄ + σ W at the end of the step, by the length γ or σ.
+    fn carried_on(&self, rigid: &[Rigid], length: f64) -> Vec<Rigid> {
+        let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + length * b[c]);
         let old = self.apart.into_iter().flat_map(|apart| apart.carried.rigid.iter());
         let both = old.zip(rigid).map(|(old, new)| Rigid {
             translation: sum(&old.translation, &new.translation),
@@ -129,13 +130,13 @@ impl Step<'_> {
         both.collect()
     }
 
-    /// The displacement before the step that determines the strains.
+    /// The displacement that determines the strains before the step, or d̄.
     pub fn deformation_before(&self) -> &[f64] {
         self.apart.map_or(&self.old.u, |apart| &apart.carried.deformation)
     }
 
     /// The displacement that determines the strains, with velocity `v` (minus W if rigid motions are split off): ū + γ
-    /// v, or d_{n−1} + γ v.
+    /// v, or d̄ + γ v.
     pub fn deformed(&self, v: &[f64]) -> Vec<f64> {
         let gamma = self.rule.gamma;
         let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
@@ -146,7 +147,7 @@ impl Step<'_> {
     pub fn seen_from(&self, frames: &[Frame], rigid: &[Rigid]) -> Vec<Frame> {
         let (dim, size) = (self.discrete.mesh.dim, self.old.u.len());
         let field = |rigid: &[Rigid]| self.with_rigid(rigid, &vec![0.0; size]);
-        let (moved, velocity) = (field(&self.carried_on(rigid)), field(rigid));
+        let (moved, velocity) = (field(&self.carried_on(rigid, self.rule.span)), field(rigid));
         let of = |(point, frame): (_, &Frame)| {
             let [moved, velocity] = [&moved, &velocity].map(|field| self.boundary.vector_at(point, dim, field));
             let along = dot(&velocity, &frame.normal);

@@ -54,6 +54,13 @@ impl Bodies {
         Some(Bodies { dim: mesh.dim, all, of_node })
     }
 
+    /// The parts of a displacement.
+    pub fn apart(&self, is_axisymmetric: bool, u: &[f64]) -> Carried {
+        let mut deformation = u.to_vec();
+        let rigid = self.take(is_axisymmetric, &mut deformation);
+        Carried { rigid, deformation }
+    }
+
     /// Removes from a field the rigid motion of each body that is nearest to it in the mean square over the nodes, and
     /// returns it. A body of revolution moves along its axis only.
     pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> Vec<Rigid> {

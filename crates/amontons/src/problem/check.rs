@@ -59,7 +59,8 @@ impl ProblemData {
         let all: Arc<[BoundaryCondition]> = self.boundary.clone().into();
         let changes = self.changes_conditions();
         let own = Problem(self, Schedule { all, phase: if changes { usize::MAX } else { 0 } });
-        Ok(own.in_phase(0))
+        let own = own.in_phase(0);
+        own.check_pairs_in_phases().map_or(Ok(own), |fault| Err(Faults(vec![fault])))
     }
 
     /// Checks that a start in equilibrium stands alone.

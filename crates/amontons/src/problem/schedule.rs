@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::boundary::{BoundaryCondition, Convection, Release, unknown};
 use super::{Fault, Initial, Problem, ProblemData};
 use crate::field::Field;
+use crate::tensor::Point;
 use crate::time::{During, TimePhase, Timeline};
 
 /// All conditions of a run, and the phase whose conditions a problem has.
@@ -158,6 +159,33 @@ impl Problem {
             self.timeline.phases().nth(phase).is_none_or(|phase| condition.during.has(phase))
         };
         self.1.all.iter().all(|condition| acts(condition, phases[0]) == acts(condition, phases[1]))
+    }
+
+    /// What is wrong if a pair has other contact points in another phase: where both sides are held in all directions
+    /// there are none, and what contact keeps at its points has no place to go on from.
+    pub(super) fn check_pairs_in_phases(&self) -> Option<Fault> {
+        if !self.changes_conditions_of_run() || self.contacts.iter().all(|contact| contact.pair.is_none()) {
+            return None;
+        }
+        let places = |phase: usize| -> Vec<(usize, Point)> {
+            self.in_phase(phase).contact_boundary().points.iter().map(|point| (point.contact, point.x)).collect()
+        };
+        let first = places(0);
+        let phases = self.timeline.phases().enumerate().skip(1);
+        let changed =
+            phases.filter(|(number, _)| !(0..*number).any(|before| self.has_same_conditions([before, *number])));
+        let mut changed = changed.map(|(number, phase)| (phase, places(number)));
+        let (phase, other) = changed.find(|(_, other)| *other != first)?;
+        let (number, _) = other.iter().chain(&first).find(|point| other.contains(point) != first.contains(point))?;
+        let first_name = self.timeline.phases().next().map_or("", |phase| &phase.name);
+        let found = format!(
+            "{} contact points in the phase \"{}\" and {} in the phase \"{first_name}\", because supports hold nodes of both sides",
+            other.len(),
+            phase.name,
+            first.len()
+        );
+        let fault = Fault::new(self.contact_path(*number), found, "the same contact points in all phases");
+        Some(fault.hint("hold the nodes of one side only, or both in all phases"))
     }
 
     /// True if two phases prescribe the same degrees of freedom and have the same springs, dashpots and heat exchange,

@@ -34,6 +34,20 @@ pub struct Carried {
     pub deformation: Vec<f64>,
 }
 
+impl Carried {
+    /// (4 c₀ − c₋₁)/3 of the parts of two states.
+    pub(crate) fn mixed(now: &Carried, before: &Carried) -> Carried {
+        let mix = |now: f64, before: f64| (4.0 * now - before) / 3.0;
+        let points = |a: &Point, b: &Point| std::array::from_fn(|c| mix(a[c], b[c]));
+        let of = |(now, before): (&Rigid, &Rigid)| Rigid {
+            translation: points(&now.translation, &before.translation),
+            rotation: points(&now.rotation, &before.rotation),
+        };
+        let deformation = now.deformation.iter().zip(&before.deformation).map(|(now, before)| mix(*now, *before));
+        Carried { rigid: now.rigid.iter().zip(&before.rigid).map(of).collect(), deformation: deformation.collect() }
+    }
+}
+
 impl State {
     /// Displacement that determines the strains: u, or d if rigid motions are split off.
     #[must_use]

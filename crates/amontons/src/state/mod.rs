@@ -63,14 +63,16 @@ pub struct Earlier {
     pub theta: Vec<f64>,
     /// State of the branches that relax.
     pub branches: Vec<Vec<f64>>,
+    /// u with the rigid motions split off; empty if they are not.
+    pub carried: Carried,
 }
 
 impl Earlier {
     /// Keeps a state from which a step of length `k` in s is made.
     #[must_use]
     pub fn of(state: &State, k: f64) -> Earlier {
-        let State { u, w, theta, branches, .. } = state.clone();
-        Earlier { k, u, w, theta, branches }
+        let State { u, w, theta, branches, carried, .. } = state.clone();
+        Earlier { k, u, w, theta, branches, carried }
     }
 }
 

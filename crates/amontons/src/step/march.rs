@@ -207,7 +207,7 @@ impl March {
             self.cache.drop_all(self.discrete.mesh.dim);
         }
         self.discrete = Arc::new(Discretization::new(&problem));
-        (self.problem, self.products) = (problem, None);
+        (self.problem, self.products, self.bodies) = (problem, None, OnceLock::new());
     }
 
     /// The state from which a step starts: that at the end of the step before, at rest if a quasistatic phase ended
@@ -215,10 +215,8 @@ impl March {
     fn begun<'s>(&mut self, old: &'s State, now: &Instant) -> Cow<'s, State> {
         let is_quasistatic = |n: usize| self.problem.timeline.instant(n).analysis == Analysis::Quasistatic;
         let rests = old.step > 0 && is_quasistatic(old.step) && now.analysis == Analysis::Dynamic;
-        // Only backward Euler splits off rigid motions.
-        let is_split = !old.carried.rigid.is_empty() && !rule_of(&self.problem, now).is_backward_euler();
         let changes = self.problem.timeline.ends_phase(old.step) && self.problem.changes_conditions_of_run();
-        if !rests && !is_split && !changes {
+        if !rests && !changes {
             return Cow::Borrowed(old);
         }
         let mut begun = old.clone();
@@ -229,12 +227,13 @@ impl March {
             begun.w.fill(0.0);
             begun.surface.advance_rate.fill(0.0);
         }
-        if is_split {
-            begun.carried = Carried::default();
-        }
         // Rates of three states hold no jump.
         begun.earlier = begun.earlier.filter(|_| !rests && !changes);
-        if rests || is_split {
+        if changes {
+            // Springs of the phase before may have kept rigid motions in, and springs of this one may.
+            begun.carried = Carried::default();
+        }
+        if rests {
             self.products = None;
         }
         Cow::Owned(begun)
@@ -284,14 +283,12 @@ impl March {
         }
         let made = self.make_step(old, n, t, halvings);
         let Err(error) = made else { return made };
-        if !old.carried.rigid.is_empty() || !self.rule(old, n, halvings).is_backward_euler() || !is_noise(&error) {
+        if !old.carried.rigid.is_empty() || !is_noise(&error) {
             return Err(error);
         }
         let is_axisymmetric = self.discrete.mesh.axisymmetric;
         let Some(bodies) = self.bodies() else { return Err(error) };
-        let mut deformation = old.u.clone();
-        let rigid = bodies.take(is_axisymmetric, &mut deformation);
-        let apart = State { carried: Carried { rigid, deformation }, ..old.clone() };
+        let apart = State { carried: bodies.apart(is_axisymmetric, &old.u), ..old.clone() };
         tried(self.make_step(&apart, n, t, halvings))?.ok_or(error)
     }
 
@@ -317,6 +314,8 @@ impl March {
         let level = rule.time([old.t, t]);
         let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
         let mixed = earlier.map(|earlier| Mixed::new(discrete, old, earlier));
+        let bodies = bodies.get().and_then(Option::as_ref).filter(|_| !old.carried.rigid.is_empty());
+        let carried = bodies.zip(earlier).map(|(bodies, earlier)| mixed_parts(bodies, discrete, old, earlier));
         let contacts = contacts_at(problem, level);
         let boundary = boundary_at(discrete, problem, old);
         let now = Step {
@@ -331,11 +330,7 @@ impl March {
             t,
             level,
             rule,
-            apart: bodies
-                .get()
-                .and_then(Option::as_ref)
-                .filter(|_| !old.carried.rigid.is_empty())
-                .map(|bodies| Apart { bodies, carried: &old.carried }),
+            apart: bodies.map(|bodies| Apart { bodies, carried: carried.as_ref().unwrap_or(&old.carried) }),
             may_be_halved: halvings < HALVINGS && !is_patient,
             pulse,
             loose,
@@ -459,6 +454,15 @@ fn is_reversed(start: &State, end: &State) -> bool {
     let [before, after, product] = [[&start.w, &start.w], [&end.w, &end.w], [&start.w, &end.w]].map(|[a, b]| dot(a, b));
     let moves = (end.t - start.t) * after.sqrt() > MOVES * dot(&end.u, &end.u).sqrt();
     moves && product < 0.0 && before + 2.0 * product + after < 0.25 * before.max(after)
+}
+
+/// (4 c₀ − c₋₁)/3 of the parts of the displacement, which may not yet have been split one step before.
+fn mixed_parts(bodies: &Bodies, discrete: &Discretization, old: &State, earlier: &Earlier) -> Carried {
+    if earlier.carried.rigid.is_empty() {
+        let before = bodies.apart(discrete.mesh.axisymmetric, &earlier.u);
+        return Carried::mixed(&old.carried, &before);
+    }
+    Carried::mixed(&old.carried, &earlier.carried)
 }
 
 /// The rule of a step that follows on one of the same length.

@@ -114,3 +114,27 @@ fn conditions_are_those_of_the_first_phase_and_of_the_phase_asked_for() {
     assert_eq!(all[1].release, Release::AtOnce);
     assert!(all.iter().all(|condition| !condition.is_empty()));
 }
+
+/// Where supports of a later phase hold nodes of both sides of a pair, the pair has other contact points there.
+#[test]
+fn a_pair_has_the_same_points_in_all_phases() {
+    let blocks = "[mesh]\nkind = \"blocks\"\n[[mesh.blocks]]\nname = \"lower\"\nsize = [1.0, 0.5]\nn = [4, 2]\n\
+        [[mesh.blocks]]\nname = \"upper\"\nsize = [1.0, 0.5]\nn = [4, 2]\norigin = [0.0, 0.5]\n";
+    let held = |on: &str, phases: &str| format!("[[boundary]]\non = \"{on}\"\ndisplacement = [0, 0]\n{phases}");
+    let text = |left: &str| {
+        format!(
+            "name = \"pair\"\n{blocks}[material]\ndensity = 1.0\n\
+            elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.3, stress_state = \"plane-strain\" }}\n\
+            [[phase]]\nname = \"press\"\nend = 1\nsteps = 2\n[[phase]]\nname = \"hold\"\nend = 2\nsteps = 2\n\
+            [contact]\non = \"lower_top\"\nwith = \"upper_bottom\"\nnormal = {{ law = \"signorini\" }}\n{}{}{left}",
+            held("lower_bottom", ""),
+            held("upper_top", ""),
+        )
+    };
+    let later = "phases = [\"hold\"]\n";
+    let one = held("lower_left", later);
+    assert!(case::parse(&Source::new("pair.toml", text(&one)), &[]).is_ok());
+    let found = told(&Source::new("pair.toml", text(&(one + &held("upper_left", later)))), &[]);
+    let expected = "contact: found 4 contact points in the phase \"hold\" and 5 in the phase \"press\", because supports hold nodes of both sides, expected the same contact points in all phases; hold the nodes of one side only, or both in all phases";
+    assert!(found.ends_with(expected), "{found}");
+}

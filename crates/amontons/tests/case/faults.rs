@@ -64,7 +64,7 @@ spoiled! {
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
         "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\" or [contact.friction] with law = \"expression\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
-        "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of at, convection, dashpot, displacement, force, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
+        "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of at, convection, dashpot, displacement, force, heat_inflow, normal_displacement, on, phases, pressure, release, spring, temperature, traction; did you mean `traction`?";
     missing_key: "density = 1.0 " => "# "
         "paper.toml:23:1: material.density: found no such key, expected a number ≥ 0, an expression in x, y, z or data of a mesh file (density ρ in kg/m³; 0: quasistatic)";
     missing_key_of_a_law: "young = 2.0" => ""
@@ -73,7 +73,7 @@ spoiled! {
         "paper.toml: name: found no such key, expected a string (name of the case and of its results folder)";
     missing_table: "[time] " => "[initial.x] #"
         "paper.toml: time: found no such key, expected a table (the time interval (0, end) and its steps)"
-        "paper.toml:19:10: initial.x: found an unknown key, expected one of displacement, temperature, velocity";
+        "paper.toml:19:10: initial.x: found an unknown key, expected one of displacement, state, temperature, velocity";
     missing_law: "law = \"lame\"" => ""
         "paper.toml:34:1: material.viscosity.law: found no such key, expected \"lame\", \"anisotropic\", \"carreau\" or \"power-law\"";
     missing_side: "on = \"left\"\n" => ""
@@ -97,7 +97,7 @@ spoiled! {
     date_for_number: "end = 1.0" => "end = 2025-01-01"
         "paper.toml:20:7: time.end: found the date 2025-01-01, expected a number > 0 (end of the time interval in s)";
     number_for_table: "[output]\nevery = 16" => "output = 16\n[load2]"
-        "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
+        "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, state, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
         "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, thickness, time, units, verify; did you mean `load`?";
     number_for_vector: "traction = [1.4, 0.4]" => "traction = 1.4"
         "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry per component)";
@@ -301,7 +301,7 @@ spoiled! {
         "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\", \"expression\" or \"orthotropic\"; did you mean \"tresca\"?";
     set_missing: "initial]" => "initia]" set "initial.temprature=5"
         "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, thickness, time, units, verify; did you mean `initial`?"
-        "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, temperature, velocity; did you mean `temperature`?";
+        "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, state, temperature, velocity; did you mean `temperature`?";
     set_bracket: "" => "" set "boundary[0.on=4"
         "--set boundary[0.on=4: found `[` without `]`, expected a dotted key, such as mesh.n or boundary[1].traction";
     set_table_array: "" => "" set "boundary[0]=4"
