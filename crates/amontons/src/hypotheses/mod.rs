@@ -261,7 +261,19 @@ fn certificate_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) ->
     if !reach::loads_vary(problem) {
         findings.push(reach::possible(problem, discrete, &constants));
     }
+    say_phase(problem, &mut findings);
     Ok(Certificate { findings, constants })
+}
+
+/// Says of verdicts that depend on the supports that they are those of the first phase, if conditions change.
+fn say_phase(problem: &Problem, findings: &mut [Finding]) {
+    let of_supports =
+        [FindingId::Printed, FindingId::Needed, FindingId::StepUnique, FindingId::TimeStep, FindingId::ContactPossible];
+    let phase = problem.timeline.phases().nth(problem.phase());
+    let Some(phase) = phase.filter(|_| problem.changes_conditions_of_run()) else { return };
+    for finding in findings.iter_mut().filter(|finding| of_supports.contains(&finding.id)) {
+        finding.message += &format!("; judged with the conditions of the phase \"{}\" alone", phase.name);
+    }
 }
 
 /// Verdicts that need a variable number of factorizations: `time-step` searches by doubling the number of steps if
@@ -286,6 +298,7 @@ fn advice_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>, certifi
     if reach::loads_vary(problem) {
         findings.push(reach::possible(problem, &forms(), &certificate.constants));
     }
+    say_phase(problem, &mut findings);
     findings
 }
 

@@ -1,6 +1,7 @@
 //! Conditions that begin, change and end with a phase, and starts in equilibrium, against closed forms.
 
 use amontons::case::{self, Source};
+use amontons::hypotheses::{self, FindingId};
 use amontons::output::{Memory, Probe, ProbePlace, ProbeSet, Quantity, Take};
 use amontons::problem::Problem;
 use amontons::run::{self, Settings, Stepping};
@@ -371,4 +372,20 @@ fn a_body_that_nothing_holds_has_no_equilibrium() {
     let told = error.to_string();
     assert!(told.starts_with("found no equilibrium to start from (initial.state): "), "{told}");
     assert!(error.advice().is_some_and(|advice| advice.contains("give the body a support")), "{error:?}");
+}
+
+/// Verdicts that depend on supports say of which phase they are; without conditions that change they do not.
+#[test]
+fn the_certificate_says_whose_conditions_it_judges() {
+    let told = |text: &str| {
+        let found = hypotheses::full(&read(text)).findings;
+        let unique = found.into_iter().find(|finding| finding.id == FindingId::StepUnique);
+        unique.expect("the verdict").message
+    };
+    let end = "; judged with the conditions of the phase \"tighten\" alone";
+    assert!(told(ROD).ends_with(end), "{}", told(ROD));
+    let same = ROD
+        .replace("phases = [\"tighten\"]\n", "")
+        .replace("[[boundary]]\non = \"right\"\ntraction = [0.3]\nphases = [\"load\"]\n", "");
+    assert!(!told(&same).contains("judged with"), "{}", told(&same));
 }
