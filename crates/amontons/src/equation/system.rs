@@ -62,7 +62,7 @@ pub(crate) struct Step<'a> {
     pub inputs: &'a StepInputs,
 }
 
-/// Values to which the rule in time adds, [`Start`](crate::time::Start).
+/// Values to which the rule in time adds, [`Start`].
 #[derive(Clone, Copy)]
 pub(crate) struct Bar<'a> {
     pub u: &'a [f64],
