@@ -54,7 +54,8 @@ impl Step<'_> {
     }
 
     /// Displacement and velocity at t_ϑ composed of the rigid velocities W, the deformation, which determines the
-    /// strains, and v, and the parts of the displacement at the end of the step; `relative` has the data of the contact points that belong to v.
+    /// strains, and v, and the parts of the displacement at the end of the step; `relative` has the data of the contact
+    /// points that belong to v.
     pub fn whole(&self, rigid: &[Rigid], deformation: &[f64], v: &[f64], relative: Given) -> Whole {
         let at_level = self.carried_on(rigid, self.rule.gamma);
         let (u, w) = (self.with_rigid(&at_level, deformation), self.with_rigid(rigid, v));

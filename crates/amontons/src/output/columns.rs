@@ -540,6 +540,7 @@ pub(super) fn history_shown() -> impl Iterator<Item = Shown> {
         &FOUNDATION_TEMPERATURE,
         &OBSTACLE_DISPLACEMENT,
         &IMPACT_DISSIPATION,
+        &HEAT_SCHEME,
         &STEP_LENGTH,
         &PHASE,
     ]);

@@ -204,8 +204,8 @@ pub struct ProblemData {
 }
 
 /// A problem whose data are checked; it reads like its [`ProblemData`], with the conditions of one phase: of the first
-/// one, or of that which was asked for by [`Problem::in_phase`]. Conditions that do not act there are free and insulated
-/// sides.
+/// one, or of that which was asked for by [`Problem::in_phase`]. Conditions that do not act there are free and
+/// insulated sides.
 #[derive(Clone, Debug)]
 pub struct Problem(ProblemData, Schedule);
 

@@ -77,8 +77,8 @@ pub struct Ledger {
     /// Heat that the foundations with a heat capacity lost to the surroundings.
     #[serde(default)]
     pub heat_surroundings: f64,
-    /// Change of heat content and of `heat_scheme` minus inflow plus outflow, of the body and of the foundations with a heat capacity,
-    /// accumulated.
+    /// Change of heat content and of `heat_scheme` minus inflow plus outflow, of the body and of the foundations with a
+    /// heat capacity, accumulated.
     pub heat_closing_error: f64,
     /// Heat at the start plus the absolute amounts moved since.
     pub heat_turned_over: f64,

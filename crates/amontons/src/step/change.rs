@@ -1,5 +1,5 @@
-//! What a change of conditions does to a state: supports take their energy with them, and may give up their force in the
-//! course of the next phase.
+//! What a change of conditions does to a state: supports take their energy with them, and may give up their force in
+//! the course of the next phase.
 
 use crate::discretization::Discretization;
 use crate::forms;

@@ -263,7 +263,9 @@ fn described_otherwise(scheme: &str, refused: impl Fn(&str)) -> usize {
             "{}: there is slip to compare",
             case.name
         );
-        for (name, frame) in frames(&case, &mut random) {
+        // The first step of BDF2 is one of backward Euler, wherever it begins.
+        let is_told = |frame: &Frame| scheme != BDF2 || frame.later == 0;
+        for (name, frame) in frames(&case, &mut random).into_iter().filter(|(_, frame)| is_told(frame)) {
             pairs += 1;
             match in_frame(&case, &frame, scheme).and_then(|other| difference(&base, &other)) {
                 Ok(()) => {}

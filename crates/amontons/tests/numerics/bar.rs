@@ -78,7 +78,7 @@ fn a_pin_that_falls_far_hits_the_floor_with_its_velocity() {
         let late = if scheme == "euler" { 0.1 } else { 0.01 };
         assert!(fallen.u.iter().all(|u| (u / far - 1.0).abs() <= late * 1.001), "{scheme}: {} at {t}", fallen.u[0]);
         if scheme == "theta" {
-            assert!(fallen.u.iter().all(|u| (u / far - 1.0).abs() < 1e-13), "{} of {far}", fallen.u[0]);
+            assert!(fallen.u.iter().all(|u| (u / far - 1.0).abs() < 1e-11), "{} of {far}", fallen.u[0]);
         }
         let is_split = !fallen.carried.rigid.is_empty() && fallen.ledger.elastic < 1e-15 * fallen.ledger.kinetic;
         assert!(scheme == "euler" || is_split, "{scheme}: {:e}", fallen.ledger.elastic);
