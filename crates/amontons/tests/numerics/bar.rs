@@ -65,7 +65,7 @@ fn a_bar_hits_a_wall_as_in_the_table() {
 }
 
 /// A pin of steel that falls by many times its deformation, so that its rigid motion is split off: exactly as a stone
-/// does with ϑ = ½, and in both schemes of second order without strain until it hits the floor, which bears ρ c v then.
+/// does with ϑ = ½, and almost without strain in every scheme until it hits the floor, which bears ρ c v then.
 #[test]
 fn a_pin_that_falls_far_hits_the_floor_with_its_velocity() {
     for scheme in ["euler", "theta", "bdf2"] {
@@ -80,8 +80,10 @@ fn a_pin_that_falls_far_hits_the_floor_with_its_velocity() {
         if scheme == "theta" {
             assert!(fallen.u.iter().all(|u| (u / far - 1.0).abs() < 1e-11), "{} of {far}", fallen.u[0]);
         }
-        let is_split = !fallen.carried.rigid.is_empty() && fallen.ledger.elastic < 1e-15 * fallen.ledger.kinetic;
-        assert!(scheme == "euler" || is_split, "{scheme}: {:e}", fallen.ledger.elastic);
+        // Where the residual is accepted without a split, the strain is the round-off of the displacement.
+        let strained = fallen.ledger.elastic / fallen.ledger.kinetic;
+        assert!(strained < if scheme == "theta" { 1e-15 } else { 1e-6 }, "{scheme}: {strained:e}");
+        assert!(scheme != "theta" || !fallen.carried.rigid.is_empty(), "nothing is split off");
         let pressed = memory.reports.iter().flat_map(|report| &report.contact.states).map(|state| state.pressure);
         let most = pressed.fold(0.0, f64::max);
         assert!(scheme == "euler" || (most / 39.12e6 - 1.0).abs() < 0.15, "{scheme}: at most {most:e} Pa");

@@ -82,8 +82,8 @@ fn orders_of_the_couplings() {
     }
 }
 
-/// A rod heated from one end by the flux of a stopping brake, as a half-space is: it is so long that its other end stays
-/// cold. The temperatures at the surface are T(t) = 2 q₀ √t (1 − 2t/(3 t_s))/(e √π) with e = √(k ρ c).
+/// A rod heated from one end by the flux of a stopping brake, so long that its other end stays cold: a half-space. The
+/// temperatures at the surface are T(t) = 2 q₀ √t (1 − 2t/(3 t_s))/(e √π) with e = √(k ρ c).
 #[test]
 fn heat_alone_is_of_second_order() {
     let at_the_surface = |steps: usize, scheme: &str| {
