@@ -93,3 +93,34 @@ fn a_pin_that_falls_far_hits_the_floor_with_its_velocity() {
         }
     }
 }
+
+/// A pin that has fallen far and one that starts near the floor with its velocity bear the same pressures, step for
+/// step: what is split off is where the floor sees it.
+#[test]
+fn a_pin_hits_the_floor_alike_from_far_and_from_near() {
+    let (fall, span) = (0.100963, 2e-5);
+    let pressures = |far: bool| -> Vec<f64> {
+        let impact = |start: f64| format!("{{ name = \"impact\", end = {:?}, steps = 200 }}", start + span);
+        let own = if far {
+            vec![format!("phase=[{{ name = \"fall\", end = {fall:?}, steps = 10 }}, {}]", impact(fall))]
+        } else {
+            vec![
+                format!("phase=[{}]", impact(0.0)),
+                format!("initial.velocity=[{:?}]", -9.81 * fall),
+                format!("contact.gap={:?}", 0.05 - 0.5 * 9.81 * fall * fall),
+            ]
+        };
+        let keys = [vec!["mesh.n=100".to_owned()], own].concat();
+        let problem = case::read(&file("cases/dropped-pin.toml"), &keys).unwrap_or_else(|error| panic!("{error}"));
+        let memory = solve(&problem.problem);
+        let last = memory.states.last().expect("a state");
+        assert_eq!(!last.carried.rigid.is_empty(), far, "a far motion is split off, and a near one is not");
+        let reports = &memory.reports[memory.reports.len() - 200..];
+        reports.iter().map(|report| report.contact.states[0].pressure / 39.12e6).collect()
+    };
+    let [far, near] = [true, false].map(pressures);
+    assert!(near.iter().filter(|p| **p > 0.5).count() > 50, "it hits");
+    for (n, (far, near)) in far.iter().zip(&near).enumerate() {
+        assert!((far - near).abs() < 1e-6, "step {n}: {far} from far, {near} from near");
+    }
+}

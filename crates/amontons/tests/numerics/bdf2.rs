@@ -3,6 +3,7 @@
 use amontons::case;
 use amontons::output::Memory;
 use amontons::state::State;
+use amontons::step::{March, Scheme};
 
 use crate::common::{self, solve};
 use crate::theta::run_as_expected;
@@ -134,4 +135,53 @@ fn laws_that_it_does_not_take_are_refused() {
         let told = refused.unwrap_or_default();
         assert!(told.contains(expected), "{key}: {told}");
     }
+}
+
+const ROD: &str = "name = \"rod\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"interval\"\nsize = 1.0\nn = 4\n\
+    [material]\ndensity = 1.0\nelasticity = { law = \"isotropic\", young = 4.0, poisson = 0.0 }\n\
+    viscosity = { law = \"lame\", first = 0.0, second = 0.1 }\n[[boundary]]\non = \"left\"\ndisplacement = [0]\n";
+
+/// A foundation that moves on a damped layer, p = c r + d ṙ: the rate of the gap is of second order, too.
+#[test]
+fn a_damped_layer_on_a_moving_foundation_is_of_second_order() {
+    let text = format!(
+        "{ROD}[time]\nend = 1.0\nsteps = 10\nscheme = \"bdf2\"\n[contact]\non = \"right\"\ngap = \"-0.1*t^3\"\n\
+        normal = {{ law = \"damped\", stiffness = 20.0, damping = 5.0 }}\n"
+    );
+    let end = |steps: usize| {
+        let keys = words(&[&format!("time.steps={steps}")]);
+        let problem = case::parse(&case::Source::new("rod.toml", text.as_str()), &keys);
+        let memory = solve(&problem.unwrap_or_else(|error| panic!("{error}")).problem);
+        closes("damped layer", &memory);
+        let pressure = memory.reports.last().expect("a report").contact.states[0].pressure;
+        (memory.states.last().expect("a state").u[4], pressure)
+    };
+    let exact = end(5120);
+    let errors = [40, 160].map(|steps| end(steps)).map(|(u, p)| [(u - exact.0).abs(), (p - exact.1).abs()]);
+    for i in [0, 1] {
+        let order = (errors[0][i] / errors[1][i]).log2() / 2.0;
+        assert!((order - 2.0).abs() < 0.2, "order {order} of {}", ["u", "p"][i]);
+    }
+}
+
+/// Where conditions change the next step is one of backward Euler, although its length is that of the step before.
+#[test]
+fn a_change_of_conditions_starts_the_formula_anew() {
+    let text = format!(
+        "{ROD}[[boundary]]\non = \"right\"\ndisplacement = [\"0.1*t\"]\nphases = [\"draw\"]\n[time]\nscheme = \"bdf2\"\n\
+        [[phase]]\nname = \"draw\"\nend = 1.0\nsteps = 10\n[[phase]]\nname = \"free\"\nend = 2.0\nsteps = 10\n"
+    );
+    let read = |scheme: &str| {
+        let keys = words(&[&format!("time.scheme={scheme}")]);
+        let case = case::parse(&case::Source::new("rod.toml", text.as_str()), &keys);
+        case.unwrap_or_else(|error| panic!("{error}")).problem
+    };
+    let memory = solve(&read("bdf2"));
+    let differs = |n: usize| {
+        let mut euler = March::new(&read("euler")).expect("a regular system");
+        let next = euler.step(&memory.states[n]).expect("a step").0;
+        apart(&next, &memory.states[n + 1])[0]
+    };
+    assert!(differs(0) < 1e-15 && differs(10) < 1e-15, "{:e} {:e}", differs(0), differs(10));
+    assert!(differs(9) > 1e-6 && differs(11) > 1e-6, "{:e} {:e}", differs(9), differs(11));
 }
