@@ -157,7 +157,7 @@ fn a_damped_layer_on_a_moving_foundation_is_of_second_order() {
         (memory.states.last().expect("a state").u[4], pressure)
     };
     let exact = end(5120);
-    let errors = [40, 160].map(|steps| end(steps)).map(|(u, p)| [(u - exact.0).abs(), (p - exact.1).abs()]);
+    let errors = [40, 160].map(end).map(|(u, p)| [(u - exact.0).abs(), (p - exact.1).abs()]);
     for i in [0, 1] {
         let order = (errors[0][i] / errors[1][i]).log2() / 2.0;
         assert!((order - 2.0).abs() < 0.2, "order {order} of {}", ["u", "p"][i]);
