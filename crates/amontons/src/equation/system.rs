@@ -229,7 +229,6 @@ impl Step<'_> {
     /// to the prescribed motion, or hardly exceed that of the previous state, or the motion must be within the last
     /// bits of the positions of the nodes. A residual that is round-off is given relative to the sizes of the summands
     /// of the terms.
-    /// that the terms are sums of.
     pub fn accept(
         &self,
         Residual { value: residual, scale, acting, contact }: Residual,

@@ -331,6 +331,11 @@ impl CheckpointBody {
     }
 }
 
+/// An error if a number is not the expected one.
+fn same(what: &'static str, found: usize, expected: usize) -> Result<(), CheckpointError> {
+    if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
+}
+
 impl Checkpoint {
     /// Reads the newest checkpoint of a results folder, or the one before if the newest is damaged. `None` if the run
     /// has not written its first one.
@@ -394,6 +399,24 @@ impl Checkpoint {
         of_case(path, &bytes, case)
     }
 
+    /// Checks the sizes of the state one step before.
+    fn check_earlier(&self, discretization: &Discretization) -> Result<(), CheckpointError> {
+        let Some(earlier) = &self.state.earlier else { return Ok(()) };
+        let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
+        same("earlier displacements", earlier.u.len(), nodes * dim)?;
+        same("earlier velocities", earlier.w.len(), nodes * dim)?;
+        same("earlier temperatures", earlier.theta.len(), nodes)?;
+        same("earlier branches", earlier.branches.len(), self.state.branches.len())?;
+        for (earlier, now) in earlier.branches.iter().zip(&self.state.branches) {
+            same("earlier numbers of a branch", earlier.len(), now.len())?;
+        }
+        if !earlier.carried.rigid.is_empty() {
+            same("earlier deformations", earlier.carried.deformation.len(), nodes * dim)?;
+            same("earlier bodies", earlier.carried.rigid.len(), components(&discretization.mesh).len())?;
+        }
+        Ok(())
+    }
+
     /// Checks that the checkpoint fits a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         // Lengths computed as quotients may differ in their last bits.
@@ -402,9 +425,6 @@ impl Checkpoint {
             return Err(CheckpointError::StepLength { found: self.k, expected: made.k });
         }
         let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
-        let same = |what, found, expected| {
-            if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
-        };
         same("displacements", self.state.u.len(), nodes * dim)?;
         if !self.state.carried.rigid.is_empty() {
             same("deformations", self.state.carried.deformation.len(), nodes * dim)?;
@@ -419,11 +439,7 @@ impl Checkpoint {
         if !self.state.theta_rate.is_empty() {
             same("rates of the temperature", self.state.theta_rate.len(), nodes)?;
         }
-        if let Some(earlier) = &self.state.earlier {
-            same("earlier displacements", earlier.u.len(), nodes * dim)?;
-            same("earlier velocities", earlier.w.len(), nodes * dim)?;
-            same("earlier temperatures", earlier.theta.len(), nodes)?;
-        }
+        self.check_earlier(discretization)?;
         same("branches", self.state.branches.len(), discretization.branches.len())?;
         for (kept, branch) in self.state.branches.iter().zip(&discretization.branches) {
             same("numbers of a branch", kept.len(), branch.size(nodes * dim))?;

@@ -1,4 +1,4 @@
-//! Backward Euler for Problem 4.1.
+//! The steps of Problem 4.1, one after the other, by the rule of the scheme.
 
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -28,7 +28,7 @@ const NOISE: f64 = 1e-2;
 /// Motion in a step, relative to the displacement, below which its sense does not matter.
 const MOVES: f64 = 1e-6;
 
-/// Backward Euler for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
+/// The scheme of a run for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
 ///
 /// A step whose contact iteration does not converge is made in two halves, and these again. The same holds for a step
 /// in which softening laws may have several solutions between the previous state and the new one: the shorter the step,
@@ -215,7 +215,8 @@ impl March {
     fn begun<'s>(&mut self, old: &'s State, now: &Instant) -> Cow<'s, State> {
         let is_quasistatic = |n: usize| self.problem.timeline.instant(n).analysis == Analysis::Quasistatic;
         let rests = old.step > 0 && is_quasistatic(old.step) && now.analysis == Analysis::Dynamic;
-        let changes = self.problem.timeline.ends_phase(old.step) && self.problem.changes_conditions_of_run();
+        let phases = [self.problem.timeline.instant(old.step).phase, now.phase];
+        let changes = !self.problem.has_same_conditions(phases);
         if !rests && !changes {
             return Cow::Borrowed(old);
         }

@@ -6,7 +6,7 @@ use amontons::state::State;
 use amontons::step::{March, Scheme};
 
 use crate::common::{self, solve};
-use crate::theta::run_as_expected;
+use crate::theta::{PRESSED, run_as_expected};
 
 /// Asserts that both identities close to round-off at the end of each step.
 fn closes(name: &str, memory: &Memory) {
@@ -53,20 +53,12 @@ fn apart(a: &State, b: &State) -> [f64; 2] {
 fn orders_of_the_couplings() {
     let file = "crates/amontons/tests/reference/time/bdf2-closed.toml";
     let end = |steps: usize, coupling: &str| {
-        let keys = words(&[
-            "contact.gap=0",
-            "contact.normal.stiffness=200",
-            "contact.foundation_velocity=[0.5, 0]",
-            "contact.heat.exponent=1",
-            "contact.heat.foundation_temperature=\"t^2\"",
-            "initial.temperature=0",
-            "boundary[0].temperature=0",
-            "boundary[0].displacement=[0, \"-0.02*t^2\"]",
+        let relaxes = words(&[
             "material.elasticity={ law = \"isotropic\", young = 60.0, poisson = 0.3, stress_state = \"plane-strain\" }",
             "material.prony=[{ ratio = 0.4, time = 0.3 }]",
         ]);
         let own = words(&[&format!("time.steps={steps}"), &format!("scheme.coupling={coupling}")]);
-        let mut memory = run(file, &[keys, own].concat());
+        let mut memory = run(file, &[words(&PRESSED), relaxes, own].concat());
         closes(coupling, &memory);
         memory.states.pop().expect("a state")
     };

@@ -103,24 +103,26 @@ fn states_agree_with_an_independent_program() {
     }
 }
 
+/// The keys that pose the heated block of the reference as one that is pressed on a belt, from nothing.
+pub(crate) const PRESSED: [&str; 8] = [
+    "contact.gap=0",
+    "contact.normal.stiffness=200",
+    "contact.foundation_velocity=[0.5, 0]",
+    "contact.heat.exponent=1",
+    "contact.heat.foundation_temperature=\"t^2\"",
+    "initial.temperature=0",
+    "boundary[0].temperature=0",
+    "boundary[0].displacement=[0, \"-0.02*t^2\"]",
+];
+
 /// The orders of the couplings at ϑ = ½ and above of a block that is pressed on a belt that rubs and warms it, from
 /// nothing: u and θ at the end against steps that are much shorter.
 #[test]
 fn extrapolated_temperatures_are_of_second_order() {
     let file = common::file("crates/amontons/tests/reference/time/thermo-extrapolated.toml");
     let end = |steps: usize, keys: [&str; 2]| {
-        let pressed = [
-            "contact.gap=0",
-            "contact.normal.stiffness=200",
-            "contact.foundation_velocity=[0.5, 0]",
-            "contact.heat.exponent=1",
-            "contact.heat.foundation_temperature=\"t^2\"",
-            "initial.temperature=0",
-            "boundary[0].temperature=0",
-            "boundary[0].displacement=[0, \"-0.02*t^2\"]",
-        ];
         let own = [format!("time.steps={steps}"), keys[0].to_owned(), format!("scheme.coupling={}", keys[1])];
-        let overrides = [&pressed.map(str::to_owned)[..], &own].concat();
+        let overrides = [&PRESSED.map(str::to_owned)[..], &own].concat();
         let problem = case::read(&file, &overrides).unwrap_or_else(|error| panic!("{error}")).problem;
         let state = solve(&problem).states.pop().expect("a state");
         let ledger = &state.ledger;
