@@ -250,14 +250,17 @@ impl Discretization {
         (self.capacity.factor(), self.capacity.form(&self.mass))
     }
 
-    /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches.
+    /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches; without B in
+    /// a steady step.
     #[must_use]
     pub fn mechanical_matrix(&self, rule: Rule) -> BlockMatrix {
         let Rule { gamma, delta, .. } = rule;
-        let mut matrix = self.b.clone();
+        let steady = || BlockMatrix::zero(self.b.graph(), self.mesh.dim, self.mesh.dim);
+        let mut matrix = if rule.is_steady() { steady() } else { self.b.clone() };
         let (rho, inertia) = self.inertia();
         let inertia = (rule.inertia(rho) / delta, Some(inertia));
-        let boundary = [(gamma, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), inertia];
+        let dashpots = self.dashpots.as_ref().filter(|_| !rule.is_steady());
+        let boundary = [(gamma, self.springs.as_ref()), (1.0, dashpots), inertia];
         for (factor, form) in [(gamma, Some(&self.a))].into_iter().chain(boundary) {
             if let Some(form) = form {
                 matrix.add_scaled(factor, form);
@@ -282,10 +285,13 @@ impl Discretization {
         let mut matrix = self.mechanical_matrix(rule);
         if let Some([a, b]) = &warmed.forms {
             matrix.add_scaled(rule.gamma, a);
-            matrix.add_scaled(1.0, b);
+            if !rule.is_steady() {
+                matrix.add_scaled(1.0, b);
+            }
             return matrix;
         }
-        for (laws, factor, at) in [(&self.elasticity, rule.gamma, u), (&self.viscosity, 1.0, w)] {
+        let viscosity = Some((&self.viscosity, 1.0, w)).filter(|_| !rule.is_steady());
+        for (laws, factor, at) in [(&self.elasticity, rule.gamma, u)].into_iter().chain(viscosity) {
             if !laws.is_empty() {
                 matrix.add_scaled(factor, &self.tangent(laws, at, warmed.theta));
             }

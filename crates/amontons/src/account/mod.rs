@@ -10,7 +10,7 @@ use crate::equation::system::{Step, difference};
 use crate::linalg::dot;
 use crate::state::Ledger;
 use crate::tensor;
-use crate::time::{Analysis, Rule, Start};
+use crate::time::Start;
 
 /// Closing error, relative to the energy or heat turned over, above which the round-off of the terms is examined.
 const TELLING: f64 = 1e-11;
@@ -27,7 +27,7 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
         let v = m.moving();
         let sizes = absolute(v, &step.discrete.elastic_sizes(&step.sizes(v), &m.theta));
-        turned_over += explained(error, step.rule.k * sizes);
+        turned_over += explained(error, step.rule.moving() * sizes);
     }
 
     let heat_content = step.discrete.storage().0 * heat.amounts.stored;
@@ -90,10 +90,10 @@ struct Energy {
 
 impl Energy {
     fn of(step: &Step, m: &Mechanics, theta: &[f64]) -> Energy {
-        let Step { old, rule: Rule { k, analysis, .. }, .. } = *step;
-        let rho = step.inertia();
-        // A quasistatic step drops the kinetic energy of the steps before.
-        let dropped = if analysis == Analysis::Quasistatic { old.ledger.kinetic } else { 0.0 };
+        let Step { old, rule, .. } = *step;
+        let (rho, k) = (step.inertia(), rule.moving());
+        // A step without inertia drops the kinetic energy of the steps before.
+        let dropped = if rule.analysis.has_inertia() { 0.0 } else { old.ledger.kinetic };
         let stored = stored(step, m, theta);
         let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.end.powers;
         let contact = contact(step, m, k * work + m.end.support_work);
@@ -158,7 +158,8 @@ struct OnContact {
 
 /// With the work of loads and supports.
 fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
-    let Step { contacts, discrete, boundary, old, rule: Rule { k, .. }, .. } = *step;
+    let Step { contacts, discrete, boundary, old, rule, .. } = *step;
+    let k = rule.moving();
     let changes = contacts.iter().any(|contact| contact.normal.at_time(step.level).is_some());
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // Energy of the layer at the start of the step, with the laws at the end of the step.
@@ -179,7 +180,8 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
             let before = state.penetration - k * (w_nu - frame.gap_rate) + state.opened;
             start += point.weight * normal.potential(&point.x, before);
         }
-        sum.friction += weight * tensor::dot(&state.q, &state.slip);
+        let rubbed = step.rubbing(frame) * point.weight * tensor::dot(&state.q, &state.slip);
+        sum.friction += rubbed;
         sum.energy += point.weight * energy;
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
         sum.worn += point.weight * state.pressure * state.opened;
@@ -192,7 +194,13 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
             let beyond = state.pressure - at_rest;
             sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.opened);
         }
-        sum.load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
+        sum.load_work -= if rule.is_steady() && frame.slides {
+            // On the way to the steady state the foundation goes along with the body; then it slides.
+            let w = boundary.vector_at(point, discrete.mesh.dim, m.w());
+            weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &w)) - rubbed
+        } else {
+            weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity))
+        };
     }
     if changes {
         sum.stiffening = start - old.ledger.contact_energy;
@@ -335,7 +343,8 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
         let lost = step.rule.k * foundation.exchange * (after - foundation.surroundings.value(&[0.0; 3], step.level));
         sum.content += foundation.capacity * after;
         sum.lost += lost;
-        sum.error += foundation.capacity * (after - before) - received + lost;
+        let kept = if step.rule.is_steady() { 0.0 } else { foundation.capacity * (after - before) };
+        sum.error += kept - received + lost;
         sum.moved += received.abs() + lost.abs();
     }
     sum

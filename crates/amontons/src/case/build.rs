@@ -101,17 +101,19 @@ pub(super) fn problem(
 
 /// The timeline of a case. A case without phases has both keys of `[time]`.
 fn timeline(raw: &raw::Case) -> Timeline {
-    if raw.phase.is_empty() {
-        return Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
-    }
     let analysis = |raw: raw::PhaseAnalysis| match raw {
         raw::PhaseAnalysis::Dynamic => Analysis::Dynamic,
         raw::PhaseAnalysis::Quasistatic => Analysis::Quasistatic,
+        raw::PhaseAnalysis::Steady => Analysis::Steady,
     };
+    if raw.phase.is_empty() {
+        let equal = Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
+        return equal.with_analysis(analysis(raw.time.analysis.unwrap_or_default()));
+    }
     let of = |raw: &raw::RunPhase| TimePhase {
         name: raw.name.clone(),
         end: raw.end,
-        steps: raw.steps,
+        steps: raw.steps.unwrap_or(1),
         analysis: analysis(raw.analysis),
     };
     Timeline::in_phases(raw.phase.iter().map(of).collect())

@@ -249,8 +249,10 @@ impl<'s> Walk<'s> {
         }
         // A key under a wrong name is not a missing key.
         self.doubtful.extend(meant.iter().map(|key| path.key(key)));
+        let is_steady = entries.get("analysis").and_then(Value::as_str) == Some("steady");
+        let optional = if is_steady { schema.not_in_steady() } else { Vec::new() };
         for key in (self.required)(&schema) {
-            if entries.contains_key(key) {
+            if entries.contains_key(key) || optional.contains(&key) {
                 continue;
             }
             let (Some(property), at) = (schema.property(key), path.key(key)) else { continue };

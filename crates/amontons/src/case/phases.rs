@@ -8,10 +8,19 @@ impl Build<'_> {
     /// Checks that the case says each instant once: by phases, or by the end and the number of equal steps.
     pub(super) fn instants(&mut self, raw: &raw::Case) {
         let (end, steps) = (raw.time.end, raw.time.steps);
+        let analysis = raw.time.analysis.map(|analysis| analysis.quoted().to_owned());
         if raw.phase.is_empty() {
+            if let Some(found) = analysis.filter(|_| !raw.time.inertia) {
+                let found = format!("{found} with time.inertia = false");
+                self.note("time.analysis", At::Value, found, "one of both", Some("remove time.inertia"));
+            }
             return self.step_length("time.end", self.timeline.longest());
         }
-        let given = [("end", end.map(|end| format!("{end:?}"))), ("steps", steps.map(|steps| steps.to_string()))];
+        let given = [
+            ("end", end.map(|end| format!("{end:?}"))),
+            ("steps", steps.map(|steps| steps.to_string())),
+            ("analysis", analysis),
+        ];
         for (key, found) in given.into_iter().filter_map(|(key, found)| Some((key, found?))) {
             let hint = format!("remove it: each [[phase]] has its `{key}`");
             self.note(&format!("time.{key}"), At::Value, format!("{found} beside phases"), "no such key", Some(&hint));
@@ -38,12 +47,12 @@ impl Build<'_> {
             }
             // The order of the phases is checked with the problem.
             if i == 0 || phase.end > before {
-                self.step_length(&path("end"), (phase.end - before) / phase.steps as f64);
+                self.step_length(&path("end"), (phase.end - before) / phase.steps.unwrap_or(1) as f64);
             }
             before = phase.end;
-            if !inertia && phase.analysis == raw::PhaseAnalysis::Quasistatic {
+            if !inertia && phase.analysis != raw::PhaseAnalysis::Dynamic {
                 let hint = "remove time.inertia, and say of each phase what acts";
-                let found = "\"quasistatic\" with time.inertia = false";
+                let found = format!("{} with time.inertia = false", phase.analysis.quoted());
                 self.note(&path("analysis"), At::Value, found, "one of both", Some(hint));
             }
         }

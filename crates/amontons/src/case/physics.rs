@@ -76,12 +76,12 @@ fn required(
 ) {
     for (prefix, material) in materials {
         if mechanics {
-            let needs_density = raw.time.inertia || !raw.load.gravity.is_empty();
+            let needs_density = has_inertia(raw) || !raw.load.gravity.is_empty();
             needs(prefix, "density", material.density.is_some() || !needs_density, findings);
             needs(prefix, "elasticity", material.elasticity.is_some(), findings);
         }
         if heat {
-            needs(prefix, "heat_capacity", material.heat_capacity.is_some(), findings);
+            needs(prefix, "heat_capacity", material.heat_capacity.is_some() || !stores_heat(raw), findings);
             needs(prefix, "conductivity", material.conductivity.is_some(), findings);
         }
     }
@@ -90,6 +90,24 @@ fn required(
         let expected = "a table (law of the contact pressure p_ν (2.8))";
         findings.push(PathFault::new(path(&format!("{prefix}.normal")), At::Missing, "no such key", expected));
     }
+}
+
+/// The analyses of the phases, or of the run.
+fn analyses(raw: &raw::Case) -> Vec<raw::PhaseAnalysis> {
+    if raw.phase.is_empty() {
+        return vec![raw.time.analysis.unwrap_or_default()];
+    }
+    raw.phase.iter().map(|phase| phase.analysis).collect()
+}
+
+/// True if inertia acts at some time.
+fn has_inertia(raw: &raw::Case) -> bool {
+    raw.time.inertia && analyses(raw).contains(&raw::PhaseAnalysis::Dynamic)
+}
+
+/// True if heat is stored at some time.
+fn stores_heat(raw: &raw::Case) -> bool {
+    analyses(raw).iter().any(|analysis| *analysis != raw::PhaseAnalysis::Steady)
 }
 
 /// True if a given temperature replaces the heat equation.

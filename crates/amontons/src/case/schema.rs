@@ -90,6 +90,8 @@ impl Transform for Implied {
 
 /// Mark of a key that is required in a case without phases.
 const WITHOUT_PHASES: &str = "x-required-without-phases";
+/// Mark of a key that is required in a table whose analysis is not steady.
+const UNLESS_STEADY: &str = "x-required-unless-steady";
 
 /// Gives the tag of a table, such as `law = "coulomb"`, the description of the table that it selects.
 struct LawTags;
@@ -218,14 +220,26 @@ impl<'s> SchemaView<'s> {
 
     /// The keys that a table must have in a case without phases.
     pub fn required(&self) -> Vec<&'s str> {
-        let is_required = |property: &Value| property.get(WITHOUT_PHASES).and_then(Value::as_bool) == Some(true);
-        let more = self.properties().into_iter().flatten().filter(|(_, property)| is_required(property));
-        self.required_with_phases().into_iter().chain(more.map(|(key, _)| key.as_str())).collect()
+        self.required_with_phases().into_iter().chain(self.marked(WITHOUT_PHASES)).collect()
     }
 
     /// The keys that a table must have in every case.
     pub fn required_with_phases(&self) -> Vec<&'s str> {
-        self.list("required").filter_map(Value::as_str).collect()
+        let not_with_phases: Vec<&str> = self.marked(WITHOUT_PHASES).collect();
+        let marked = self.marked(UNLESS_STEADY).filter(|key| !not_with_phases.contains(key));
+        self.list("required").filter_map(Value::as_str).chain(marked).collect()
+    }
+
+    /// The keys that a table may lack if its analysis is steady.
+    pub fn not_in_steady(&self) -> Vec<&'s str> {
+        self.marked(UNLESS_STEADY).collect()
+    }
+
+    /// The keys with a mark.
+    fn marked(&self, mark: &'static str) -> impl Iterator<Item = &'s str> + use<'s> {
+        let is_marked = move |property: &Value| property.get(mark).and_then(Value::as_bool) == Some(true);
+        let all = self.properties().into_iter().flatten();
+        all.filter(move |(_, property)| is_marked(property)).map(|(key, _)| key.as_str())
     }
 
     /// The schema of a key of a table, or of any key of a table with free keys.

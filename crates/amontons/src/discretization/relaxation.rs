@@ -138,8 +138,11 @@ impl Relaxation {
 
     /// Energies over a step with the state at t_ϑ, from e₀ and ē: the terms of q_ϑ:(ε₁ − ε₀) = [½ e:𝓖e] +
     /// (k/τ) e_ϑ:𝓖e_ϑ + (ϑ − ½) Δe:𝓖Δe, or of a step that adds to two states k/γ (e₁ − ē):𝓖e₁ − [½ e:𝓖e] in the place
-    /// of the last one.
+    /// of the last one. In a steady step the dashpots take all that the springs had.
     pub(crate) fn balance(&self, rule: Rule, [old, bar]: [&[f64]; 2], at_level: &[f64]) -> Relaxed {
+        if rule.is_steady() {
+            return Relaxed { stored: 0.0, dissipated: self.energy(old), scheme: 0.0 };
+        }
         let (k, share) = (rule.k, rule.level - 0.5);
         let end = || at_level.iter().zip(old).map(|(at, old)| rule.end([*old, *at])).collect::<Vec<f64>>();
         let new: Cow<[f64]> = if rule.is_at_end() { Cow::Borrowed(at_level) } else { Cow::Owned(end()) };
@@ -186,9 +189,9 @@ impl Relaxation {
     }
 }
 
-/// Scale 1/(1 + γ/τ) by which a step reduces the strain of a spring.
+/// Scale 1/(1 + γ/τ) by which a step reduces the strain of a spring; a steady one leaves none.
 fn factor(rule: Rule, time: f64) -> f64 {
-    1.0 / (1.0 + rule.gamma / time)
+    if rule.is_steady() { 0.0 } else { 1.0 / (1.0 + rule.gamma / time) }
 }
 
 fn branches_of(material: &Material) -> &[Branch] {

@@ -124,6 +124,20 @@ pub enum StepError {
         /// Observed contraction factors.
         contraction: Option<Contraction>,
     },
+    /// No steady state was found.
+    #[error(
+        "step {step} (t = {t:.6e}): no steady state was found in {passes} passes of mechanics and heat, defect {defect:.3e}: there may be none, as above the critical speed of sliding, where the heat of friction presses the body on faster than it leaves; take a lower speed, or follow the heat in time with analysis = \"quasistatic\""
+    )]
+    NotSteady {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// Passes over both half-steps.
+        passes: usize,
+        /// Remaining defect.
+        defect: f64,
+    },
     /// A datum has no finite value at a position and time at which a step needs it.
     #[error("step {step} (t = {t:.6e}): {key} is {value} at ({}, {}, {}), t = {t:?}: data must be finite wherever they act and at all times of the run", .at[0], .at[1], .at[2])]
     Data {
@@ -185,6 +199,7 @@ impl StepError {
             | StepError::Unborne { .. }
             | StepError::Residual { .. }
             | StepError::Coupling { .. }
+            | StepError::NotSteady { .. }
             | StepError::Uncovered { .. }
             | StepError::NotFinite { .. } => true,
             StepError::Linear { source, .. } | StepError::Singular { source, .. } => source.is_unsolved(),

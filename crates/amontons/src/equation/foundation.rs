@@ -2,7 +2,7 @@
 
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
+use crate::contact::{Contact, Obstacle, ContactBoundary, PointOnBoundary};
 use crate::inclusion::{Drive, Frame, PointState};
 use crate::problem::Problem;
 use crate::state::Accumulated;
@@ -15,7 +15,8 @@ use crate::time::Interval;
 /// n at the nearest point of its surface to x, or to x + u_{n−1} if it is followed: with ν = −n,
 /// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` holds the depth worn off at each point
 /// and the opening of the gap per depth worn off; `advance` holds δ of each contact at the start and at the end of the
-/// step. They are empty if nothing wears or δ is zero. Rates are those of the rule of the step.
+/// step. They are empty if nothing wears or δ is zero. Rates are those of the rule of the step. In a steady step places
+/// last and change no more, and the velocities of what slides last.
 pub(crate) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
@@ -25,7 +26,7 @@ pub(crate) fn frames(
 ) -> Vec<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
     let mut frames = Vec::with_capacity(all.len());
-    let Interval { start: from, end: to, level, before } = interval;
+    let Interval { start: from, end: to, level, before, .. } = interval;
     for (side, contact) in problem.contacts.iter().enumerate() {
         let first = frames.len();
         let points: &[PointOnBoundary] = all.get(first..).unwrap_or_default();
@@ -36,7 +37,9 @@ pub(crate) fn frames(
         let velocity = velocities(contact, &x, level);
         // If the side `with` has the contact points, the slip is its own motion.
         let sign = contact.sign();
-        let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| interval.rate(of)));
+        let turns = contact.obstacle.as_ref().is_some_and(Obstacle::turns_in_place);
+        let moving = if turns { interval.lasting() } else { interval };
+        let moves = contact.obstacle.as_ref().map(|obstacle| obstacle.motion(to, &|of| moving.rate(of)));
         let [start, end] = advance.map(|all| all.get(side).copied().unwrap_or(0.0));
         for (i, point) in points.iter().enumerate() {
             let [depth, opening] = worn.get(first + i).copied().unwrap_or([0.0, 1.0]);
@@ -45,6 +48,7 @@ pub(crate) fn frames(
                 gap: gap[i],
                 gap_rate: interval.rate_of(gap_before.as_ref().map(|gap| gap[i]), [gap_from[i], gap[i]]),
                 velocity: velocity.get(i).map_or([0.0; 3], |v| v.map(|v| sign * v)),
+                slides: turns || velocity.get(i).is_some_and(|v| tensor::length(v) > 0.0),
                 opening,
             };
             if contact.pair.as_ref().is_some_and(|pair| !pair.gap_is_given) {
@@ -146,7 +150,7 @@ pub(crate) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], 
     // The velocity of an obstacle at t = 0 is computed by differences over the first step. For a motion that starts
     // from rest they cancel except for round-off.
     let k = problem.timeline.instant(1).k;
-    let start = |obstacle: &crate::contact::Obstacle, x: &Point| -> [Point; 2] {
+    let start = |obstacle: &Obstacle, x: &Point| -> [Point; 2] {
         let first = obstacle.motion(0.0, &|of| (4.0 * of(0.5 * k) - 3.0 * of(0.0) - of(k)) / k);
         let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);
         [first.at(x), mean.at(x)]

@@ -247,6 +247,8 @@ impl Begun {
         let [stored, by_motion, sent] = sums;
         let start = step.products.mass_theta.iter().sum();
         let scheme = match step.rule.start {
+            // On the way to a steady state heat is stored in no time.
+            Start::State if step.rule.is_steady() => start - stored,
             Start::State => 0.0,
             Start::TwoStates => {
                 k / step.rule.delta * (stored - step.bar.mass_theta.iter().sum::<f64>()) - (stored - start)

@@ -17,7 +17,7 @@ use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, Point
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::state::{Rigid, State};
 use crate::tensor::Point;
-use crate::time::{Rule, Start};
+use crate::time::Start;
 
 /// A solved mechanical half-step.
 pub(crate) struct Mechanics {
@@ -159,7 +159,7 @@ impl Mechanics {
     fn again(&self, step: &Step, warmed: &Warmed) -> Iterate<'_> {
         let at = &self.end.at;
         if step.discrete.softens() {
-            let products = step.discrete.mechanical_products(self.u(), &at.w, warmed);
+            let products = step.discrete.mechanical_products(self.u(), &step.rates(&at.w), warmed);
             return Iterate::new(step, at.w.clone(), at.multipliers.clone(), products);
         }
         Iterate {
@@ -335,7 +335,8 @@ impl<'a> Equation<'a> {
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
     fn balance(&self, mut v: Vec<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced, StepError> {
         let Found { multipliers, states, hold } = found;
-        let Step { discrete, rule: Rule { k, .. }, .. } = *self.step;
+        let Step { discrete, rule, .. } = *self.step;
+        let k = rule.moving();
         // The rigid motion added by the iteration moves from v to W.
         let more = self.step.take(&mut v);
         let rigid: Vec<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
@@ -362,7 +363,7 @@ impl<'a> Equation<'a> {
             let blocks = by_blocks([mass_w, a_u, b_w], &mut rest, of_block);
             (products, blocks)
         } else {
-            discrete.mechanical_products_then([&u, &v], &self.warmed, &mut rest, of_block)
+            discrete.mechanical_products_then([&u, &self.step.rates(&v)], &self.warmed, &mut rest, of_block)
         };
         let support_rates = discrete.v.prescribed_of(w);
         let held_work = k * dot(&hold.forces, &w[..hold.forces.len()]);
@@ -577,7 +578,7 @@ fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
         let relaxing = step.relaxing(&w);
         Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
     } else {
-        let products = discrete.mechanical_products(&step.deformed(&w), &w, warmed);
+        let products = discrete.mechanical_products(&step.deformed(&w), &step.rates(&w), warmed);
         Iterate::new(step, w, multipliers, products)
     };
     (given, now)
@@ -585,9 +586,9 @@ fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
 
 /// M w, a(d, ·), a(v, ·) and b(v, ·) if rigid motions W are split off: w = W + v.
 fn products_apart(step: &Step, [d, v]: [&[f64]; 2], rigid: &[Rigid], warmed: &Warmed) -> [Vec<f64>; 4] {
-    let mut products = step.discrete.mechanical_products(d, v, warmed);
+    let mut products = step.discrete.mechanical_products(d, &step.rates(v), warmed);
     let whole = step.with_rigid(rigid, &zeros(v.len()));
-    let inertia = step.discrete.inertia().1.apply(&whole);
+    let inertia = step.discrete.inertia().1.apply(&step.rates(&whole));
     products[0].iter_mut().zip(&inertia).for_each(|(sum, term)| *sum += term);
     products
 }

@@ -43,8 +43,9 @@ impl Accumulated {
         let worn = discrete.worn.after(contacts, boundary, &self.worn, &depths);
         let at_points = discrete.worn.at_points(contacts, boundary, &wear, &worn.depths);
         wear.iter_mut().zip(&at_points).for_each(|(wear, [depth, _])| *wear = *depth);
-        let friction_work =
-            self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
+        let rubbed = states.iter().zip(&mechanics.given.frames);
+        let rubbed = rubbed.map(|(state, frame)| step.rubbing(frame) * dot(&state.q, &state.slip));
+        let friction_work = self.friction_work.iter().zip(rubbed).map(|(sum, work)| sum + work).collect();
         let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));

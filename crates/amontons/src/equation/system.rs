@@ -1,5 +1,6 @@
 //! Data shared by the parts of a step: its input, and the systems of both half-steps.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use super::inputs::StepInputs;
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::discretization::Discretization;
 use crate::inclusion::residual::{Residual, grown, is_small};
-use crate::inclusion::{Failure, Loose, NotConverged, PointState, Undetermined};
+use crate::inclusion::{Failure, Frame, Loose, NotConverged, PointState, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
@@ -169,7 +170,24 @@ impl Step<'_> {
             Start::State => None,
             Start::TwoStates => Some(self.old.t - self.rule.k),
         };
-        Interval { start: self.old.t, end: self.t, level: self.level, before }
+        let within = if self.rule.is_steady() { self.rule.span } else { self.t - self.old.t };
+        Interval { start: self.old.t, end: self.t, level: self.level, before, within }
+    }
+
+    /// The velocities that inertia and viscosity see: none in a steady step.
+    pub fn rates<'v>(&self, w: &'v [f64]) -> Cow<'v, [f64]> {
+        if self.rule.is_steady() { Cow::Owned(zeros(w.len())) } else { Cow::Borrowed(w) }
+    }
+
+    /// The coupling of the half-steps. A steady step has no start that a scheme in time could couple them by.
+    pub fn coupling(&self) -> Coupling {
+        if self.rule.is_steady() { Coupling::Monolithic } else { self.problem.coupling }
+    }
+
+    /// The time for which friction works at the slip velocity of the step, s. A foundation that slides does so for the
+    /// length of the step, and over one that rests the body moves.
+    pub fn rubbing(&self, frame: &Frame) -> f64 {
+        if frame.slides { self.rule.k } else { self.rule.moving() }
     }
 
     /// Interpolates temperatures at the end of the step to the time of its equations.
@@ -198,7 +216,7 @@ impl Step<'_> {
 
     /// The mean rate of θ in the step with the temperature `theta` at its end, K/s; empty if no step extrapolates it.
     pub fn theta_rate(&self, theta: &[f64]) -> Vec<f64> {
-        if self.problem.coupling != Coupling::Extrapolated {
+        if self.coupling() != Coupling::Extrapolated {
             return Vec::new();
         }
         theta.iter().zip(&self.old.theta).map(|(end, start)| (end - start) / self.rule.k).collect()

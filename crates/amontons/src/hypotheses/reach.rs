@@ -218,7 +218,7 @@ impl<'a> FreeBody<'a> {
         if !m.elasticity.is_linear() {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
-        if !problem.timeline.is_equal() || problem.timeline.is_quasistatic_somewhere() {
+        if !problem.timeline.is_equal() || problem.timeline.lacks_inertia() {
             return Some(("steps have several lengths, or inertia acts in some of them only", "phase".to_owned()));
         }
         let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;

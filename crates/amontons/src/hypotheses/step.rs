@@ -298,7 +298,7 @@ pub(super) fn holds_the_body(
 /// True if θ_n acts on w_n within the same step by expansion or by moduli, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
     let softens = || problem.materials.iter().any(Material::laws_depend_on_temperature);
-    let is_solved = problem.physics.has_heat() && problem.coupling.is_mutual();
+    let is_solved = problem.physics.has_heat() && problem.couples_mutually();
     is_solved && (largest_norm(problem, |m| &m.expansion) > 0.0 || softens())
 }
 
@@ -319,7 +319,7 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
         Some(("wear within a step lowers the pressure with the slip speed, which is not checked", "contact.wear"))
     } else if with_friction() && tested(problem).any(|test| test.rate_matters()) {
         Some(("friction that depends on a rate-dependent pressure is not checked", "contact.normal"))
-    } else if problem.coupling.is_mutual() && with_friction() && tested(problem).any(|test| test.friction_sees_heat()) {
+    } else if problem.couples_mutually() && with_friction() && tested(problem).any(|test| test.friction_sees_heat()) {
         Some((
             "u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ",
             "contact.friction",

@@ -127,6 +127,10 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
             return Some((what, place.replacen("contact", &problem.contact_path(side), 1)));
         }
     }
+    if let Some(number) = problem.timeline.first_steady() {
+        let place = if problem.timeline.has_phases() { format!("phase[{number}].analysis") } else { "time.analysis".into() };
+        return Some(("a steady state, while Problem 2.2 is one in time", place));
+    }
     if problem.materials.iter().any(|m| m.viscosity.constants().lipschitz == 0.0) {
         return Some(("a material without viscosity, while (H1) asks for m_b > 0", "material.viscosity".to_owned()));
     }
@@ -138,7 +142,7 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
         (all.iter().any(|zero| *zero), all.iter().all(|zero| *zero))
     };
     let (mut density, capacity) = (zeros(|m| &m.density), zeros(|m| &m.heat_capacity));
-    if problem.timeline.is_quasistatic_somewhere() {
+    if problem.timeline.lacks_inertia() {
         density = (true, true);
     }
     let place = |key: &str| format!("material.{key}");

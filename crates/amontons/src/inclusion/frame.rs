@@ -15,6 +15,9 @@ pub struct Frame {
     pub gap_rate: f64,
     /// v_F(t_n) in m/s, tangential.
     pub velocity: Point,
+    /// True if the foundation slides at this velocity without moving away: it has a velocity of its own or turns in its
+    /// place.
+    pub slides: bool,
     /// Opening of the gap at the point within the step per depth worn off there: 1, or less if the worn surface is
     /// faced only in part.
     pub opening: f64,

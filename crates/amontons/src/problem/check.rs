@@ -7,7 +7,7 @@ use super::{BoundaryCondition, Fault, Faults, MaterialSample, Problem, ProblemDa
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
-use crate::time::Analysis;
+use crate::time::TimePhase;
 
 impl ProblemData {
     /// Checks the data and makes them a problem, which does not change any more.
@@ -18,6 +18,7 @@ impl ProblemData {
         let mut faults = Vec::new();
         self.check_time(&mut faults);
         self.check_scheme(&mut faults);
+        self.check_steady(&mut faults);
         self.check_start(&mut faults);
         self.check_material(&mut faults);
         if let Err(error) = self.mesh.check_nodes() {
@@ -132,16 +133,22 @@ impl ProblemData {
         }
     }
 
-    /// What is missing if nothing holds a part of the body in equilibrium or in a quasistatic phase, with a hint;
+    /// What is missing if nothing holds a part of the body in equilibrium or in a phase without inertia, with a hint;
     /// `None` if inertia acts at all times.
     fn without_inertia_in(&self) -> Option<(String, &'static str)> {
         if self.initial.state == StartState::Equilibrium {
             let found = "no displacement prescribed, at a start in equilibrium".to_owned();
             return Some((found, "give `displacement` on a side, or remove initial.state"));
         }
-        let phase = self.timeline.phases().find(|phase| phase.analysis == Analysis::Quasistatic)?;
-        let found = format!("no displacement prescribed and no inertia in the quasistatic phase \"{}\"", phase.name);
+        let phase = self.timeline.phases().find(|phase| !phase.analysis.has_inertia())?;
+        let found = format!("no displacement prescribed and no inertia in {}", self.named(phase));
         Some((found, "give `displacement` on a side, or `analysis = \"dynamic\"` for this phase"))
+    }
+
+    /// A phase in words; of a run without phases the run.
+    fn named(&self, phase: &TimePhase) -> String {
+        let name = phase.analysis.name();
+        if self.timeline.has_phases() { format!("the {name} phase \"{}\"", phase.name) } else { format!("a {name} run") }
     }
 
     /// Checks that each part of the body with a cell of zero density has a support.
@@ -155,7 +162,8 @@ impl ProblemData {
                 part_of[node as usize] = number;
             }
         }
-        let is_quasistatic = self.without_inertia_in().is_some();
+        let (is_still, steady) = (self.without_inertia_in().is_some(), self.timeline.first_steady());
+        let steady = steady.and_then(|number| self.timeline.phases().nth(number));
         // Per part: displacement held, temperature held; ρ or c missing.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
@@ -182,22 +190,27 @@ impl ProblemData {
                 let is_zero = |of: &Coefficient<f64>| {
                     cell.iter().all(|&node| self.mesh.points.get(node as usize).is_some_and(|x| of.at(x) == 0.0))
                 };
-                let is_light = is_quasistatic || is_zero(&m.density);
-                *part = [part[0] || is_light, part[1] || is_zero(&m.heat_capacity)];
+                let is_light = is_still || is_zero(&m.density);
+                *part = [part[0] || is_light, part[1] || steady.is_some() || is_zero(&m.heat_capacity)];
             }
         }
         let (no_support, support) = self.without_inertia_in().unwrap_or_else(|| {
             let hint = "give `displacement` on a side, or a positive material.density";
             ("no displacement prescribed and density 0".to_owned(), hint)
         });
-        for (what, found, expected, hint) in [
-            (0, &*no_support, "a part Γ_D that holds the body", support),
-            (
-                1,
-                "no temperature prescribed and heat_capacity 0",
-                "a side whose temperature is known",
+        let (no_sink, sink) = match steady {
+            None => (
+                "no temperature prescribed and heat_capacity 0".to_owned(),
                 "give `temperature` on a side, or a positive material.heat_capacity",
             ),
+            Some(phase) => (
+                format!("no temperature prescribed in {}, in which no heat is stored", self.named(phase)),
+                "give `temperature` or `convection` on a side, or a foundation with a conductance, so that heat can leave",
+            ),
+        };
+        for (what, found, expected, hint) in [
+            (0, &*no_support, "a part Γ_D that holds the body", support),
+            (1, &*no_sink, "a side whose temperature is known", sink),
         ] {
             let solved = [self.physics.has_mechanics(), self.physics.has_heat()][what];
             let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else {

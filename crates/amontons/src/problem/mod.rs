@@ -20,6 +20,7 @@ mod range;
 mod rigid;
 mod schedule;
 mod scheme;
+mod steady;
 mod tables;
 mod temperature;
 

@@ -65,7 +65,7 @@ impl<'a> Coupled<'a> {
 
     /// Makes the step.
     pub fn solve(mut self) -> Result<Made, StepError> {
-        let coupling = self.step.problem.coupling;
+        let coupling = self.step.coupling();
         let (pass, defect, progress) = match coupling {
             Coupling::Staggered => {
                 let pass = self.pass(&self.step.old.theta, self.step.old.deformation(), None)?;
@@ -134,7 +134,7 @@ impl<'a> Coupled<'a> {
         let mut force = difference(&discrete.thermal_force(&heat.theta), &contact);
         if discrete.softens() {
             let a_u = discrete.apply_a(mechanics.u(), &heat.theta);
-            let b_w = discrete.apply_b(mechanics.w(), &heat.theta);
+            let b_w = discrete.apply_b(&self.step.rates(mechanics.w()), &heat.theta);
             let terms = [(a_u, &mechanics.end.at.a_u), (b_w, &mechanics.end.at.b_w)];
             for (then, now) in terms {
                 force.iter_mut().zip(difference(&then, now)).for_each(|(force, change)| *force -= change);
@@ -147,11 +147,15 @@ impl<'a> Coupled<'a> {
     }
 
     fn failed(&self, defect: f64, contraction: Option<Contraction>) -> StepError {
+        let (step, t, passes) = (self.step.n, self.step.t, self.passes);
+        if self.step.rule.is_steady() {
+            return StepError::NotSteady { step, t, passes, defect };
+        }
         StepError::Coupling {
-            step: self.step.n,
-            t: self.step.t,
-            coupling: self.step.problem.coupling,
-            passes: self.passes,
+            step,
+            t,
+            coupling: self.step.coupling(),
+            passes,
             defect,
             contraction,
         }

@@ -210,11 +210,11 @@ impl March {
         (self.problem, self.products, self.bodies) = (problem, None, OnceLock::new());
     }
 
-    /// The state from which a step starts: that at the end of the step before, at rest if a quasistatic phase ended
-    /// there and a dynamic one begins, with the energy of the supports of its phase.
+    /// The state from which a step starts: that at the end of the step before, at rest if the step is steady or if a
+    /// phase without inertia ended there and a dynamic one begins, with the energy of the supports of its phase.
     fn begun<'s>(&mut self, old: &'s State, now: &Instant) -> Cow<'s, State> {
-        let is_quasistatic = |n: usize| self.problem.timeline.instant(n).analysis == Analysis::Quasistatic;
-        let rests = old.step > 0 && is_quasistatic(old.step) && now.analysis == Analysis::Dynamic;
+        let had_inertia = old.step == 0 || self.problem.timeline.instant(old.step).analysis.has_inertia();
+        let rests = now.analysis == Analysis::Steady || (!had_inertia && now.analysis.has_inertia());
         let phases = [self.problem.timeline.instant(old.step).phase, now.phase];
         let changes = !self.problem.has_same_conditions(phases);
         if !rests && !changes {
@@ -400,7 +400,7 @@ impl Made {
             step: step.n,
             t: step.t,
             u: step.end(&old.u, u),
-            w: step.end(&old.w, w),
+            w: step.end(&old.w, step.rates(&w).into_owned()),
             theta_rate: step.theta_rate(&theta),
             earlier: None,
             theta,

@@ -1,8 +1,8 @@
-//! Whether inertia acts.
+//! What of the equations acts in a phase.
 
 use serde::{Deserialize, Serialize};
 
-/// The equations of motion of a phase.
+/// The equations of a phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Analysis {
     /// With inertia.
@@ -10,6 +10,9 @@ pub enum Analysis {
     Dynamic,
     /// Without the inertia term of (2.3): the body is in balance at the end of each step.
     Quasistatic,
+    /// Without all that depends on a rate: the body is at rest in balance and heat flows as it always will, in the state
+    /// that the data at the end of each step would lead to if they lasted.
+    Steady,
 }
 
 impl Analysis {
@@ -19,6 +22,13 @@ impl Analysis {
         match self {
             Analysis::Dynamic => "dynamic",
             Analysis::Quasistatic => "quasistatic",
+            Analysis::Steady => "steady",
         }
+    }
+
+    /// True if inertia acts.
+    #[must_use]
+    pub fn has_inertia(self) -> bool {
+        self == Analysis::Dynamic
     }
 }

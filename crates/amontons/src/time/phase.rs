@@ -11,7 +11,7 @@ pub struct TimePhase {
     pub end: f64,
     /// Number of its steps.
     pub steps: usize,
-    /// Whether inertia acts.
+    /// What of the equations acts.
     pub analysis: Analysis,
 }
 
@@ -26,5 +26,11 @@ impl TimePhase {
     #[must_use]
     pub fn quasistatic(name: impl Into<String>, end: f64, steps: usize) -> TimePhase {
         TimePhase { analysis: Analysis::Quasistatic, ..TimePhase::dynamic(name, end, steps) }
+    }
+
+    /// A steady phase up to `end` in s, in equal steps.
+    #[must_use]
+    pub fn steady(name: impl Into<String>, end: f64, steps: usize) -> TimePhase {
+        TimePhase { analysis: Analysis::Steady, ..TimePhase::dynamic(name, end, steps) }
     }
 }

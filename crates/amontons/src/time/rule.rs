@@ -2,6 +2,10 @@
 
 use super::analysis::Analysis;
 
+/// σ of a steady step over its length: the velocities σ leaves of any displacement are round-off beside all others, and
+/// the squares of its terms are far from overflow.
+const LONG: f64 = (1u128 << 70) as f64;
+
 /// The rule of a step from t₀ to t₁ = t₀ + k. Its unknown x is the velocity at t_ϑ = t₀ + ϑk:
 ///
 /// u_ϑ = ū + γ x and ẇ = (x − w̄)/δ, so that the step solves M (x − w̄)/δ + B x + A (ū + γ x) + … = f(t_ϑ).
@@ -24,7 +28,7 @@ pub struct Rule {
     pub start: Start,
     /// How the laws of contact hold in the step, or `None` if all of them hold at its end.
     pub contact: Option<ContactRule>,
-    /// Whether inertia acts.
+    /// What of the equations acts.
     pub analysis: Analysis,
 }
 
@@ -93,13 +97,31 @@ impl Rule {
         Rule { k, gamma: k, delta: k, span: k, level: 1.0, start: Start::State, contact, analysis }
     }
 
+    /// A steady step of length k: backward Euler in an infinite time. Nothing is stored, δ = ∞, and the body reaches its
+    /// place at a velocity that is round-off to every law, γ = σ ≫ k.
+    #[must_use]
+    pub fn steady(k: f64) -> Rule {
+        let span = LONG * k;
+        Rule { gamma: span, delta: f64::INFINITY, span, analysis: Analysis::Steady, ..Rule::backward_euler(k) }
+    }
+
     /// The density that acts in the step: 0 if inertia does not act.
     #[must_use]
     pub fn inertia(&self, rho: f64) -> f64 {
-        match self.analysis {
-            Analysis::Dynamic => rho,
-            Analysis::Quasistatic => 0.0,
-        }
+        if self.analysis.has_inertia() { rho } else { 0.0 }
+    }
+
+    /// True if the step leads to a steady state.
+    #[must_use]
+    pub fn is_steady(&self) -> bool {
+        self.analysis == Analysis::Steady
+    }
+
+    /// The time for which the body moves at the velocity of the step, along which forces work, s. What flows or slides
+    /// on does so for the length of the step.
+    #[must_use]
+    pub fn moving(&self) -> f64 {
+        if self.is_steady() { self.span } else { self.k }
     }
 
     /// Returns true if this is backward Euler.

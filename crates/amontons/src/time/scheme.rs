@@ -60,13 +60,14 @@ impl TimeScheme {
 
 impl Analysis {
     /// The rule of a step of length `k` in s that follows on one of the same length: that of the scheme, or backward
-    /// Euler without inertia. Without inertia the ϑ-scheme with ϑ < 1 would keep every deviation from balance, with the
+    /// Euler without inertia, or that of a steady step. Without inertia the ϑ-scheme with ϑ < 1 would keep every deviation from balance, with the
     /// other sign after each step.
     #[must_use]
     pub fn rule(self, scheme: TimeScheme, k: f64) -> Rule {
         match self {
             Analysis::Dynamic => scheme.rule(k),
             Analysis::Quasistatic => Rule { analysis: self, ..Rule::backward_euler(k) },
+            Analysis::Steady => Rule::steady(k),
         }
     }
 
@@ -75,7 +76,7 @@ impl Analysis {
     pub fn starting_rule(self, scheme: TimeScheme, k: f64) -> Rule {
         match self {
             Analysis::Dynamic => scheme.starting_rule(k),
-            Analysis::Quasistatic => self.rule(scheme, k),
+            Analysis::Quasistatic | Analysis::Steady => self.rule(scheme, k),
         }
     }
 }

@@ -53,7 +53,7 @@ pub struct Instant {
     pub k: f64,
     /// Index of the phase of the step.
     pub phase: usize,
-    /// Whether inertia acts in the step.
+    /// What of the equations acts in the step.
     pub analysis: Analysis,
 }
 
@@ -68,9 +68,17 @@ pub struct Interval {
     pub level: f64,
     /// t₋₁, if the step adds to two states.
     pub before: Option<f64>,
+    /// The time in which what the step changes does so: its length, and in a steady step far more.
+    pub within: f64,
 }
 
 impl Interval {
+    /// The times with those changes that go on for ever made in the length of the step.
+    #[must_use]
+    pub fn lasting(self) -> Interval {
+        Interval { within: self.end - self.start, ..self }
+    }
+
     /// The rate of a function of time in the step: the mean rate, or that of BDF2; 0 in an interval of no length.
     #[must_use]
     pub fn rate(&self, of: &dyn Fn(f64) -> f64) -> f64 {
@@ -80,7 +88,7 @@ impl Interval {
     /// The rate of a quantity by its values at t₋₁, and at t₀ and t₁.
     #[must_use]
     pub fn rate_of(&self, before: Option<f64>, [start, end]: [f64; 2]) -> f64 {
-        let (change, length) = (end - start, self.end - self.start);
+        let (change, length) = (end - start, self.within);
         match before {
             _ if length <= 0.0 => 0.0,
             None => change / length,
@@ -115,6 +123,13 @@ impl Timeline {
     #[must_use]
     pub fn equal(end: f64, steps: usize) -> Timeline {
         Timeline::of(vec![TimePhase::dynamic("", end, steps)], false)
+    }
+
+    /// The timeline of a run without phases with another analysis.
+    #[must_use]
+    pub fn with_analysis(&self, analysis: Analysis) -> Timeline {
+        let phases = self.phases().map(|phase| TimePhase { analysis, ..phase.clone() });
+        Timeline::of(phases.collect(), self.has_phases)
     }
 
     /// Phases, one after the other. Steps of phases whose lengths differ by round-off have the same length to the bit,
@@ -248,8 +263,14 @@ impl Timeline {
 
     /// True if inertia does not act in some phase.
     #[must_use]
-    pub fn is_quasistatic_somewhere(&self) -> bool {
-        self.phases().any(|phase| phase.analysis == Analysis::Quasistatic)
+    pub fn lacks_inertia(&self) -> bool {
+        self.phases().any(|phase| !phase.analysis.has_inertia())
+    }
+
+    /// The index of the first steady phase, if there is one.
+    #[must_use]
+    pub fn first_steady(&self) -> Option<usize> {
+        self.phases().position(|phase| phase.analysis == Analysis::Steady)
     }
 
     /// Length of the shortest step, s.

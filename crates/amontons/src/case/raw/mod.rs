@@ -139,10 +139,14 @@ pub(in crate::case) struct Time {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-required-without-phases" = true))]
     pub end: Option<f64>,
-    /// Number of equal time steps.
+    /// Number of equal time steps; 1 if left out in a steady run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 1_000_000_000), extend("x-required-without-phases" = true))]
+    #[schemars(range(min = 1, max = 1_000_000_000))]
+    #[schemars(extend("x-required-without-phases" = true, "x-required-unless-steady" = true))]
     pub steps: Option<usize>,
+    /// What of the equations acts, `"dynamic"` if left out, in a run without phases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub analysis: Option<PhaseAnalysis>,
     /// Whether inertia acts, ρü of (2.3).
     ///
     /// With `false` the body is in balance at every time, and the density of no material counts, which may then be
@@ -174,6 +178,7 @@ impl Default for Time {
         Time {
             end: None,
             steps: None,
+            analysis: None,
             inertia: true,
             scheme: TimeScheme::default(),
             theta: None,

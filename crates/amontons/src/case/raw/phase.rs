@@ -15,21 +15,36 @@ pub(in crate::case) struct RunPhase {
     /// Time at the end of the phase in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end: f64,
-    /// Number of equal time steps of the phase.
-    #[schemars(range(min = 1, max = 1_000_000_000))]
-    pub steps: usize,
-    /// Whether inertia acts in the phase.
+    /// Number of equal time steps of the phase; 1 if left out in a steady phase.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("x-required-unless-steady" = true))]
+    pub steps: Option<usize>,
+    /// What of the equations acts in the phase.
     #[serde(default)]
     pub analysis: PhaseAnalysis,
 }
 
-/// Whether inertia acts in a phase.
+/// What of the equations acts in a phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum PhaseAnalysis {
-    /// Inertia acts. A dynamic phase behind a quasistatic one starts at rest.
+    /// All of them. A dynamic phase behind one of another kind starts at rest.
     #[default]
     Dynamic,
     /// Inertia does not act: the body is in balance at the end of each step, by backward Euler in every scheme.
     Quasistatic,
+    /// Nothing that depends on a rate acts: each step leads to the state that the data at its end would lead to if they
+    /// lasted, with the heat of friction of foundations that slide.
+    Steady,
+}
+
+impl PhaseAnalysis {
+    /// Its name in the case file, with quotation marks.
+    pub fn quoted(self) -> &'static str {
+        match self {
+            PhaseAnalysis::Dynamic => "\"dynamic\"",
+            PhaseAnalysis::Quasistatic => "\"quasistatic\"",
+            PhaseAnalysis::Steady => "\"steady\"",
+        }
+    }
 }

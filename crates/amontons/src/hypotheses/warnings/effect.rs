@@ -121,7 +121,7 @@ fn is_slowed(problem: &Problem, side: &str) -> bool {
             return true;
         };
         let viscous = material.viscosity.tangent(x, &Sym::ZERO).0.iter().flatten().any(|entry| *entry != 0.0);
-        let is_inert = material.density.at(x) > 0.0 && !problem.timeline.is_quasistatic_somewhere();
+        let is_inert = material.density.at(x) > 0.0 && !problem.timeline.lacks_inertia();
         is_inert || viscous || material.prony.is_some()
     })
 }
