@@ -250,7 +250,7 @@ impl Discretization {
         (self.capacity.factor(), self.capacity.form(&self.mass))
     }
 
-    /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches; without B in
+    /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches; no B in
     /// a steady step.
     #[must_use]
     pub fn mechanical_matrix(&self, rule: Rule) -> BlockMatrix {

@@ -2,7 +2,7 @@
 
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
-use crate::contact::{Contact, Obstacle, ContactBoundary, PointOnBoundary};
+use crate::contact::{Contact, ContactBoundary, Obstacle, PointOnBoundary};
 use crate::inclusion::{Drive, Frame, PointState};
 use crate::problem::Problem;
 use crate::state::Accumulated;

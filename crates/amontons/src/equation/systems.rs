@@ -56,7 +56,9 @@ impl Systems {
         let loose = match (&mechanics, rule.analysis) {
             (None, _) => Loose::default(),
             (Some(half), Analysis::Dynamic) => half.motions(problem, discrete),
-            (Some(half), Analysis::Quasistatic | Analysis::Steady) => half.motions(&problem.without_inertia(), discrete),
+            (Some(half), Analysis::Quasistatic | Analysis::Steady) => {
+                half.motions(&problem.without_inertia(), discrete)
+            }
         };
         Ok(Systems { rule, mechanics, heat: heat.map_err(|source| ("heat", source))?, loose: Arc::new(loose) })
     }

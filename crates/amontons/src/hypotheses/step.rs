@@ -107,6 +107,8 @@ struct StepMatrix<'a> {
     step: &'a StepOperator<'a>,
     /// γ of the rule in time, s.
     gamma: f64,
+    /// The length of a step over the time for which the body moves in it. A steady step is told by its length, too.
+    share: f64,
     less: Arc<BlockMatrix>,
     system: Option<System>,
 }
@@ -145,7 +147,8 @@ impl<'a> StepOperator<'a> {
     fn at(&self, analysis: Analysis, k: f64) -> StepMatrix<'_> {
         let rule = analysis.starting_rule(self.problem.scheme, k);
         let matrix = self.discrete.mechanical_matrix(rule);
-        StepMatrix { step: self, gamma: rule.gamma, less: Arc::new(less_margin(matrix)), system: None }
+        let share = rule.k / rule.moving();
+        StepMatrix { step: self, gamma: rule.gamma, share, less: Arc::new(less_margin(matrix)), system: None }
     }
 
     /// True if the heat equation of each step has one solution: C/k + D is positive definite for the longest steps.
@@ -239,7 +242,8 @@ impl StepMatrix<'_> {
         let mut body = vec![0.0; step.discrete.v.free.len()];
         system.unknowns().add(&system.extend(&pair.vector)?, &mut body);
         let above = energy(&less, &body) / dot(&body, &step.weights.apply(&body));
-        Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
+        let below = above.min(1.0 / (pair.value + pair.error));
+        Ok(Least { above: self.share * above, below: self.share * below })
     }
 
     fn system(&mut self) -> Result<&mut System, SolveError> {
@@ -424,7 +428,7 @@ pub(super) fn unique(problem: &Problem, discrete: &Arc<Discretization>) -> Findi
         .map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
-/// The condition for the longest steps with and without inertia, the first that does not hold if there is one: λ_min/k
+/// The condition for the longest steps of each analysis, the first that does not hold if there is one: λ_min/k
 /// does not decrease with decreasing k.
 fn judge(step: &StepOperator, id: FindingId) -> Result<Finding, SolveError> {
     let timeline = &step.problem.timeline;
@@ -461,7 +465,8 @@ fn judge_steps(step: &StepOperator, longest: &Instant, id: FindingId) -> Result<
     let numbers = |finding: Finding| {
         finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step")
     };
-    if holds && step.with_speed > 0.0 {
+    // In a steady step no slip speed depends on the solution.
+    if holds && step.with_speed > 0.0 && longest.analysis != Analysis::Steady {
         return Ok(numbers(up_to_a_pressure(
             id,
             below,
@@ -537,7 +542,7 @@ fn enough(problem: &Problem, steps: f64) -> Finding {
         .repair(format!("time.steps = {steps}"))
 }
 
-/// The worst of the searches for the longest steps with and without inertia.
+/// The worst of the searches for the longest steps of each analysis.
 fn search(step: &StepOperator) -> Result<Finding, SolveError> {
     let mut found: Option<Finding> = None;
     for longest in step.problem.timeline.longest_steps() {
@@ -575,7 +580,7 @@ fn search_from(step: &StepOperator, longest: &Instant) -> Result<Finding, SolveE
             .repair("inertia, viscosity, a smaller coefficient of friction, or a law that softens less"));
     }
     let (steps, k) = (steps(doubling), k(doubling));
-    if step.with_speed == 0.0 {
+    if step.with_speed == 0.0 || analysis == Analysis::Steady {
         return Ok(enough(problem, steps));
     }
     Ok(up_to_a_pressure(id, at.least()?.below, step.loss * k, step.with_speed, steps, problem.units())

@@ -128,7 +128,8 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
         }
     }
     if let Some(number) = problem.timeline.first_steady() {
-        let place = if problem.timeline.has_phases() { format!("phase[{number}].analysis") } else { "time.analysis".into() };
+        let place =
+            if problem.timeline.has_phases() { format!("phase[{number}].analysis") } else { "time.analysis".into() };
         return Some(("a steady state, while Problem 2.2 is one in time", place));
     }
     if problem.materials.iter().any(|m| m.viscosity.constants().lipschitz == 0.0) {

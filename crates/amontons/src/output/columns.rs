@@ -275,7 +275,8 @@ fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<Histor
     let has_pairs = problem.contacts.iter().any(|contact| contact.pair.is_some());
     let more = usize::from(has_pairs) * if problem.contacts.len() > 1 { 1 } else { OF_PAIRS.len() };
     let impacts = problem.has_impacts().then_some(&IMPACT_DISSIPATION as &'static Column<History>);
-    let stored = problem.adds_to_two_states().then_some(&HEAT_SCHEME as &'static Column<History>);
+    let stores = problem.adds_to_two_states() || problem.timeline.first_steady().is_some();
+    let stored = stores.then_some(&HEAT_SCHEME as &'static Column<History>);
     OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(impacts).chain(stored).chain(turning(problem))
 }
 

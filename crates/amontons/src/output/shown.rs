@@ -242,7 +242,10 @@ const MEANINGS: [(&str, &str); 88] = [
     ("wear_volume", "volume worn off"),
     ("wear_dissipation", "energy of what has worn off"),
     ("impact_dissipation", "energy that impacts on rigid foundations took since the start, in the ϑ-scheme"),
-    ("heat_scheme", "heat that the rates of BDF2 store beyond the heat content"),
+    (
+        "heat_scheme",
+        "heat that rates of BDF2 store beyond the heat content, less what bodies took on the way to steady states",
+    ),
     ("heat_friction", "heat of friction in the body since the start"),
     ("heat_foundation", "heat of foundations with a heat capacity at t"),
     ("heat_surroundings", "heat that foundations have given to their surroundings"),

@@ -148,7 +148,11 @@ impl ProblemData {
     /// A phase in words; of a run without phases the run.
     fn named(&self, phase: &TimePhase) -> String {
         let name = phase.analysis.name();
-        if self.timeline.has_phases() { format!("the {name} phase \"{}\"", phase.name) } else { format!("a {name} run") }
+        if self.timeline.has_phases() {
+            format!("the {name} phase \"{}\"", phase.name)
+        } else {
+            format!("a {name} run")
+        }
     }
 
     /// Checks that each part of the body with a cell of zero density has a support.

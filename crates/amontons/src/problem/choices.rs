@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Coupling, ProblemData};
 use crate::contact::{Contact, Quadrature};
 use crate::material::Dilatation;
-use crate::time::{Instant, TimePhase, TimeScheme};
+use crate::time::{Analysis, Instant, TimePhase, TimeScheme};
 use crate::units::Measure;
 
 /// A choice: its subject, the value taken, and the reason.
@@ -48,15 +48,7 @@ impl ProblemData {
         all.extend(self.choice_of_phases());
         all.extend(self.choice_of_impacts());
         all.extend(self.chosen.iter().cloned());
-        if self.physics.has_mechanics() && self.physics.has_heat() {
-            let (value, why) = match self.coupling {
-                Coupling::Staggered => ("staggered", "mechanics with the temperature of the step before, then heat"),
-                Coupling::Extrapolated => ("extrapolated", "mechanics with an extrapolated temperature, then heat"),
-                Coupling::FixedPoint => ("fixed-point", "both repeated until they agree"),
-                Coupling::Monolithic => ("monolithic", "both at once"),
-            };
-            all.push(Choice::new("coupling", value, why));
-        }
+        all.extend(self.choice_of_coupling());
         if self.physics.has_mechanics() {
             all.extend(self.choice_of_dilatation());
         }
@@ -76,7 +68,22 @@ impl ProblemData {
         all
     }
 
-    /// The phases with their steps, if the run has them.
+    /// The coupling of mechanics and heat, if both are solved.
+    fn choice_of_coupling(&self) -> Option<Choice> {
+        let is_steady = |phase: &TimePhase| phase.analysis == Analysis::Steady;
+        let coupling = if self.timeline.phases().all(is_steady) { Coupling::Monolithic } else { self.coupling };
+        let (value, why) = match coupling {
+            Coupling::Staggered => ("staggered", "mechanics with the temperature of the step before, then heat"),
+            Coupling::Extrapolated => ("extrapolated", "mechanics with an extrapolated temperature, then heat"),
+            Coupling::FixedPoint => ("fixed-point", "both repeated until they agree"),
+            Coupling::Monolithic => ("monolithic", "both at once"),
+        };
+        let differs = coupling != Coupling::Monolithic && self.timeline.phases().any(|phase| is_steady(phase));
+        let why = if differs { format!("{why}; in steady phases both at once") } else { why.to_owned() };
+        (self.physics.has_mechanics() && self.physics.has_heat()).then(|| Choice::new("coupling", value, why))
+    }
+
+    /// The phases with their steps, if the run has them; else what is left out of its equations.
     fn choice_of_phases(&self) -> Option<Choice> {
         let timeline = &self.timeline;
         let write = |t: f64| self.units().write(t, Measure::Time);
@@ -86,7 +93,15 @@ impl ProblemData {
         };
         let names: Vec<&str> = timeline.phases().map(|phase| phase.name.as_str()).collect();
         let all: Vec<String> = timeline.phases().zip(timeline.ends_from(0)).map(of).collect();
-        timeline.has_phases().then(|| Choice::new("phases", names.join(", "), all.join("; ")))
+        if timeline.has_phases() {
+            return Some(Choice::new("phases", names.join(", "), all.join("; ")));
+        }
+        let why = match timeline.instant(1).analysis {
+            Analysis::Dynamic => return None,
+            Analysis::Quasistatic => "without inertia: in balance at the end of each step",
+            Analysis::Steady => "the state that the data would lead to if they lasted",
+        };
+        Some(Choice::new("analysis", timeline.instant(1).analysis.name(), why))
     }
 
     /// How impacts on rigid foundations rebound, if the scheme has them.

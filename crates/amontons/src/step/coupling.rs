@@ -151,14 +151,7 @@ impl<'a> Coupled<'a> {
         if self.step.rule.is_steady() {
             return StepError::NotSteady { step, t, passes, defect };
         }
-        StepError::Coupling {
-            step,
-            t,
-            coupling: self.step.coupling(),
-            passes,
-            defect,
-            contraction,
-        }
+        StepError::Coupling { step, t, coupling: self.step.coupling(), passes, defect, contraction }
     }
 
     /// Iterates Φ until its arguments equal its values.

@@ -10,8 +10,8 @@ pub enum Analysis {
     Dynamic,
     /// Without the inertia term of (2.3): the body is in balance at the end of each step.
     Quasistatic,
-    /// Without all that depends on a rate: the body is at rest in balance and heat flows as it always will, in the state
-    /// that the data at the end of each step would lead to if they lasted.
+    /// Without all that depends on a rate: the body is in balance and heat flows as it always will, in the state that
+    /// the data at the end of each step would lead to if they lasted.
     Steady,
 }
 

@@ -97,7 +97,7 @@ impl Rule {
         Rule { k, gamma: k, delta: k, span: k, level: 1.0, start: Start::State, contact, analysis }
     }
 
-    /// A steady step of length k: backward Euler in an infinite time. Nothing is stored, δ = ∞, and the body reaches its
+    /// A steady step of length k: backward Euler in infinite time. Nothing is stored, δ = ∞, and the body reaches its
     /// place at a velocity that is round-off to every law, γ = σ ≫ k.
     #[must_use]
     pub fn steady(k: f64) -> Rule {

@@ -60,8 +60,8 @@ impl TimeScheme {
 
 impl Analysis {
     /// The rule of a step of length `k` in s that follows on one of the same length: that of the scheme, or backward
-    /// Euler without inertia, or that of a steady step. Without inertia the ϑ-scheme with ϑ < 1 would keep every deviation from balance, with the
-    /// other sign after each step.
+    /// Euler without inertia, or that of a steady step. Without inertia the ϑ-scheme with ϑ < 1 would keep every
+    /// deviation from balance, with the other sign after each step.
     #[must_use]
     pub fn rule(self, scheme: TimeScheme, k: f64) -> Rule {
         match self {

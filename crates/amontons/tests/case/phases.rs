@@ -58,7 +58,7 @@ spoiled! {
     steps_too_short: "end = 1.0" => "end = 1e-320"
         "bar.toml:14:7: phase[0].end: found steps of 2.5e-321 s, expected a step length that is a normal number";
     an_analysis_that_is_unknown: "\"quasistatic\"" => "\"quasi-static\""
-        "bar.toml:16:12: phase[0].analysis: found \"quasi-static\", expected \"dynamic\" or \"quasistatic\" (whether inertia acts in the phase); did you mean \"quasistatic\"?";
+        "bar.toml:16:12: phase[0].analysis: found \"quasi-static\", expected \"dynamic\", \"quasistatic\" or \"steady\" (what of the equations acts in the phase); did you mean \"quasistatic\"?";
     inertia_left_out_twice: "[material]" => "[time]\ninertia = false\n[material]"
         "bar.toml:18:12: phase[0].analysis: found \"quasistatic\" with time.inertia = false, expected one of both; remove time.inertia, and say of each phase what acts";
     a_free_body: "displacement = [0]" => "traction = [1]"
@@ -82,4 +82,77 @@ fn phases_are_read_and_set_by_name() {
     let expected = [TimePhase::dynamic("press", 1.0, 20), TimePhase::dynamic("spin", 5.0, 10)];
     assert_eq!(set, Timeline::in_phases(expected.to_vec()));
     assert_eq!(set.instant(1).analysis, Analysis::Dynamic);
+}
+
+/// A pad on a belt in a steady phase, held and cooled.
+const PAD: &str = r#"name = "pad"
+[mesh]
+kind = "rectangle"
+size = [1.0, 1.0]
+n = 2
+[material]
+elasticity = { law = "isotropic", young = 1.0, poisson = 0.0, stress_state = "plane-strain" }
+conductivity = 1.0
+[[boundary]]
+on = "top"
+displacement = [0, -1e-3]
+temperature = 0
+[contact]
+on = "bottom"
+foundation_velocity = [1, 0]
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.1 }
+frictional_heat = 1
+[time]
+end = 1.0
+analysis = "steady"
+"#;
+
+/// What is said of the pad with one thing spoiled.
+fn of_pad(old: &str, new: &str) -> String {
+    told(&Source::new("pad.toml", spoil(PAD, old, new)), &[])
+}
+
+#[test]
+fn a_steady_run_needs_neither_steps_nor_density_nor_heat_capacity() {
+    let read = |text: &str| case::parse(&Source::new("pad.toml", text), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let timeline = read(PAD).problem.timeline.clone();
+    assert_eq!(timeline, Timeline::equal(1.0, 1).with_analysis(Analysis::Steady));
+    let phase = spoil(PAD, "[time]\n", "[[phase]]\nname = \"in-service\"\n");
+    let expected = Timeline::in_phases(vec![TimePhase::steady("in-service", 1.0, 1)]);
+    assert_eq!(read(&phase).problem.timeline, expected);
+    assert_eq!(of_pad("end = 1.0\n", "end = 1.0\nsteps = 3\n"), "no fault");
+}
+
+#[test]
+fn what_has_no_steady_state_is_named_with_its_place() {
+    let all = [
+        (
+            ("temperature = 0\n", ""),
+            "pad.toml:9:1: boundary: found no temperature prescribed in a steady run, in which no heat is stored, expected a side whose temperature is known; give `temperature` or `convection` on a side, or a foundation with a conductance, so that heat can leave",
+        ),
+        (
+            ("friction =", "wear = { law = \"archard\", coefficient = 1e-9 }\nfriction ="),
+            "pad.toml:17:8: contact.wear: found wear, which never ends, with time.analysis = \"steady\", expected none; use analysis = \"quasistatic\", with steps in time",
+        ),
+        (
+            ("frictional_heat = 1\n", "frictional_heat = 0.5\nfoundation = { heat_capacity = 1.0 }\n"),
+            "pad.toml:18:1: contact.heat: found a foundation that keeps all its heat, with time.analysis = \"steady\", expected one that gives heat to its surroundings; use analysis = \"quasistatic\", with steps in time",
+        ),
+        (("displacement = [0, -1e-3]", "traction = [0, -1]"), "no fault"),
+        (
+            ("\"steady\"\n", "\"steady\"\ninertia = false\n"),
+            "pad.toml:21:12: time.analysis: found \"steady\" with time.inertia = false, expected one of both; remove time.inertia",
+        ),
+        (
+            ("\"steady\"\n", "\"quasistatic\"\n"),
+            "pad.toml:19:1: time.steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)\npad.toml:6:1: material.heat_capacity: found no such key",
+        ),
+        (
+            ("[time]\n", "[[phase]]\nname = \"one\"\nend = 0.5\nanalysis = \"steady\"\n[time]\n"),
+            "pad.toml:24:7: time.end: found 1.0 beside phases, expected no such key; remove it: each [[phase]] has its `end`\npad.toml:25:12: time.analysis: found \"steady\" beside phases, expected no such key; remove it: each [[phase]] has its `analysis`",
+        ),
+    ];
+    let found = all.map(|((old, new), _)| of_pad(old, new));
+    assert_eq!(found, all.map(|(_, expected)| expected));
 }

@@ -22,4 +22,5 @@ mod phases;
 mod pyramids;
 mod refinement;
 mod revolution;
+mod steady;
 mod theta;

@@ -139,12 +139,14 @@ pub(in crate::case) struct Time {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-required-without-phases" = true))]
     pub end: Option<f64>,
-    /// Number of equal time steps; 1 if left out in a steady run.
+    /// Number of equal time steps.
+    ///
+    /// In a steady run 1 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000_000))]
     #[schemars(extend("x-required-without-phases" = true, "x-required-unless-steady" = true))]
     pub steps: Option<usize>,
-    /// What of the equations acts, `"dynamic"` if left out, in a run without phases.
+    /// What of the equations acts in a run without phases: `"dynamic"`, the default, `"quasistatic"` or `"steady"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub analysis: Option<PhaseAnalysis>,
     /// Whether inertia acts, ρü of (2.3).

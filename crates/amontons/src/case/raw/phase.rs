@@ -15,7 +15,9 @@ pub(in crate::case) struct RunPhase {
     /// Time at the end of the phase in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end: f64,
-    /// Number of equal time steps of the phase; 1 if left out in a steady phase.
+    /// Number of equal time steps of the phase.
+    ///
+    /// In a steady phase 1 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000_000), extend("x-required-unless-steady" = true))]
     pub steps: Option<usize>,
