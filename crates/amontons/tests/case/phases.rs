@@ -137,7 +137,7 @@ fn what_has_no_steady_state_is_named_with_its_place() {
         ),
         (
             ("frictional_heat = 1\n", "frictional_heat = 0.5\nfoundation = { heat_capacity = 1.0 }\n"),
-            "pad.toml:18:1: contact.heat: found a foundation that keeps all its heat, with time.analysis = \"steady\", expected one that gives heat to its surroundings; use analysis = \"quasistatic\", with steps in time",
+            "pad.toml:13:1: contact.heat: found a foundation that keeps all its heat, with time.analysis = \"steady\", expected one that gives heat to its surroundings; use analysis = \"quasistatic\", with steps in time",
         ),
         (("displacement = [0, -1e-3]", "traction = [0, -1]"), "no fault"),
         (
@@ -146,7 +146,7 @@ fn what_has_no_steady_state_is_named_with_its_place() {
         ),
         (
             ("\"steady\"\n", "\"quasistatic\"\n"),
-            "pad.toml:19:1: time.steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)\npad.toml:6:1: material.heat_capacity: found no such key",
+            "pad.toml:6:1: material.heat_capacity: found no such key, expected a number ≥ 0, an expression in x, y, z, data of a mesh file or a table over the temperature (heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)\npad.toml:19:1: time.steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)",
         ),
         (
             ("[time]\n", "[[phase]]\nname = \"one\"\nend = 0.5\nanalysis = \"steady\"\n[time]\n"),
