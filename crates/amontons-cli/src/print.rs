@@ -86,9 +86,13 @@ pub fn valid(name: &str, case: &Case, model: &Model, certificate: &Certificate) 
         ),
         row(
             "time",
-            &if problem.timeline.has_phases() {
+            &if let Some(accuracy) = problem.timeline.accuracy(0).filter(|_| !problem.timeline.has_phases()) {
+                let end = write(problem.timeline.end(), Measure::Time);
+                format!("steps for an accuracy of {accuracy:?} to {end}")
+            } else if problem.timeline.has_phases() {
                 let [steps, end] = [problem.timeline.steps().to_string(), write(problem.timeline.end(), Measure::Time)];
-                format!("{steps} steps in {} phases to {end}", problem.timeline.phases().len())
+                let about = if problem.timeline.is_automatic() { "chosen and equal" } else { &steps };
+                format!("{about} steps in {} phases to {end}", problem.timeline.phases().len())
             } else {
                 let [k, end] = [problem.timeline.longest(), problem.timeline.end()].map(|t| write(t, Measure::Time));
                 format!("{} steps of {k} to {end}", problem.timeline.steps())
@@ -130,10 +134,16 @@ fn phases(problem: &Problem) -> Vec<Value> {
     let all = problem.timeline.phases().zip(problem.timeline.ends_from(0));
     let one = |(phase, end): (&TimePhase, Instant)| {
         json!({
-            "name": phase.name, "end": end.t, "steps": phase.steps, "k": end.k, "analysis": end.analysis.name(),
+            "name": phase.name, "end": end.t, "steps": equal(phase), "k": equal(phase).map(|_| end.k),
+            "accuracy": phase.steps.accuracy(), "analysis": end.analysis.name(),
         })
     };
     all.map(one).collect()
+}
+
+/// The number of equal steps of a phase, or `None` if its steps are chosen.
+fn equal(phase: &TimePhase) -> Option<usize> {
+    phase.steps.accuracy().is_none().then(|| phase.steps.nominal())
 }
 
 /// Sizes of a valid case and the verdicts on it, as JSON.
@@ -148,9 +158,9 @@ pub fn valid_json(case: &Case, model: &Model, certificate: &Certificate) -> Valu
         "nodes": mesh.points.len(),
         "cells": mesh.cell_count(),
         "h": mesh.h(),
-        "steps": problem.timeline.steps(),
+        "steps": (!problem.timeline.is_automatic()).then(|| problem.timeline.steps()),
         "choices": problem.choices(),
-        "k": problem.timeline.longest(),
+        "k": (!problem.timeline.is_automatic()).then(|| problem.timeline.longest()),
         "time": problem.timeline.end(),
         "phases": problem.timeline.has_phases().then(|| phases(problem)),
         // A name, or an array of the names of several contacts.

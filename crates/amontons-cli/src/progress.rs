@@ -53,6 +53,8 @@ struct ProgressPlace {
     step: usize,
     first: usize,
     steps: usize,
+    /// True if the number of all steps is an estimate: that of steps so far over their share of the time.
+    is_estimate: bool,
     t: Option<f64>,
     /// The phase of the case in which the step was made; empty in a case without phases.
     of_case: String,
@@ -103,7 +105,7 @@ impl ProgressPlace {
         });
         let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
         let (of_case, within) = (self.of_case(), self.within());
-        format!("{part}step {} of {}{of_case}{within}{time}{contact}; {gone} gone{left}", self.step, self.steps)
+        format!("{part}step {} of {}{of_case}{within}{time}{contact}; {gone} gone{left}", self.step, self.all())
     }
 
     /// A text that fits next to a bar in 80 columns, the most important first: `step 12 of 64, about 9 min left; 3
@@ -121,7 +123,12 @@ impl ProgressPlace {
             .contact
             .map_or_else(String::new, |[open, stick, slip]| format!("; {open} open, {stick} stick, {slip} slip"));
         let (of_case, within) = (self.of_case(), self.within());
-        format!("{part}step {} of {}{of_case}{within}{left}{contact}", self.step, self.steps)
+        format!("{part}step {} of {}{of_case}{within}{left}{contact}", self.step, self.all())
+    }
+
+    /// The number of all steps, as far as it is known.
+    fn all(&self) -> String {
+        format!("{}{}", if self.is_estimate { "about " } else { "" }, self.steps)
     }
 
     /// The phase of the case behind a number of steps: ` (spin)`.
@@ -159,7 +166,7 @@ impl ProgressPlace {
     /// Message after a first signal.
     fn after_interrupt(&self, signal: &str) -> String {
         let first = match self.phase {
-            "steps" if self.step < self.steps => format!("step {} of {}", self.step + 1, self.steps),
+            "steps" if self.step < self.steps => format!("step {} of {}", self.step + 1, self.all()),
             _ if self.has_nothing() => return format!("{signal}: the run ends before its first step"),
             phase => format!("the present phase ({phase})"),
         };
@@ -246,6 +253,7 @@ impl Progress {
             step: 0,
             first: 0,
             steps: 0,
+            is_estimate: false,
             t: None,
             of_case: String::new(),
             units: Units::default(),
@@ -371,7 +379,17 @@ fn draw(bar: &ProgressBar, place: &ProgressPlace) {
 
 /// The name of the phase of the last step; empty in a case without phases.
 fn phase_of_case(now: &Snapshot) -> String {
-    now.problem.timeline.phase_of(now.state.step).map_or_else(String::new, |phase| phase.name.clone())
+    now.state.phase(&now.problem.timeline).map_or_else(String::new, |phase| phase.name.clone())
+}
+
+/// The number of all steps: if it is not known, that of steps so far over their share of the time.
+fn steps_in_all(now: &Snapshot, known: usize) -> usize {
+    let (timeline, made) = (&now.problem.timeline, now.state.step);
+    match (timeline.is_automatic(), now.state.is_last(timeline)) {
+        (false, _) => known,
+        (true, true) => made,
+        (true, false) => ((made as f64 * timeline.end() / now.state.t).ceil() as usize).max(made + 1),
+    }
 }
 
 /// Notes the steps of a run.
@@ -382,6 +400,7 @@ impl Sink for StepSink<'_> {
         let mut place = self.0.shared.place();
         (place.step, place.steps, place.t) =
             (start.from.state.step, start.from.problem.timeline.steps(), Some(start.from.state.t));
+        place.is_estimate = start.from.problem.timeline.is_automatic();
         place.units = start.from.problem.units();
         place.of_case = phase_of_case(&start.from);
         Ok(())
@@ -391,7 +410,11 @@ impl Sink for StepSink<'_> {
         let states = now.report.map(|report| &report.contact.states).filter(|states| !states.is_empty());
         let count = |status| states.map_or(0, |states| states.iter().filter(|state| state.status == status).count());
         let contact = states.map(|_| [Status::Open, Status::Stick, Status::Slip].map(count));
-        self.0.shared.place().of_case = phase_of_case(now);
+        {
+            let mut place = self.0.shared.place();
+            place.of_case = phase_of_case(now);
+            place.steps = steps_in_all(now, place.steps);
+        }
         self.0.shared.step(now.state.step, Some(now.state.t), contact);
         Ok(())
     }

@@ -49,10 +49,11 @@ impl Case {
         &self.read.problem.name
     }
 
-    /// Number of steps.
+    /// Number of steps; `None` if steps are chosen by their errors.
     #[getter]
-    fn steps(&self) -> usize {
-        self.read.problem.timeline.steps()
+    fn steps(&self) -> Option<usize> {
+        let timeline = &self.read.problem.timeline;
+        (!timeline.is_automatic()).then(|| timeline.steps())
     }
 
     /// The text of the case as run, overrides applied.
@@ -89,8 +90,8 @@ pub fn check(py: Python<'_>, case: &Bound<'_, Case>, laws: Vec<Law>) -> PyResult
             "nodes": problem.mesh.points.len(),
             "cells": problem.mesh.cell_count(),
             "h": problem.mesh.h(),
-            "steps": problem.timeline.steps(),
-            "k": problem.timeline.longest(),
+            "steps": (!problem.timeline.is_automatic()).then(|| problem.timeline.steps()),
+            "k": (!problem.timeline.is_automatic()).then(|| problem.timeline.longest()),
             "time": problem.timeline.end(),
             "model": model,
             "skipped": skipped,

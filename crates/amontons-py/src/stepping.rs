@@ -115,9 +115,18 @@ impl Stepping {
         self.with(py, |run| run.is_done())
     }
 
-    /// The times of all steps, s, t = 0 first.
-    fn times(&self) -> Vec<f64> {
-        (0..=self.problem.timeline.steps()).map(|n| self.problem.timeline.time(n)).collect()
+    /// The time of the state, s.
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.with(py, |run| run.state().t)
+    }
+
+    /// The end of the next step, s, if there is one and it is known before the step is made.
+    fn next_time(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        self.with(py, |run| {
+            let (timeline, state) = (&run.problem().timeline, run.state());
+            let next = timeline.next(state.step, &state.pace, state.pace.level);
+            (!run.is_done() && timeline.accuracy(next.phase).is_none()).then_some(next.t)
+        })
     }
 
     fn save(&self, py: Python<'_>) -> PyResult<Saved> {

@@ -299,6 +299,19 @@ impl Discretization {
         matrix
     }
 
+    /// The form of the elastic energy, with the springs at the boundary: for laws that are not linear their tangent at
+    /// rest.
+    #[must_use]
+    pub fn elastic_form(&self) -> BlockMatrix {
+        let (mut matrix, nodes) = (self.a.clone(), self.mesh.points.len());
+        self.springs.iter().for_each(|springs| matrix.add_scaled(1.0, springs));
+        if !self.elasticity.is_empty() {
+            let rest = vec![0.0; nodes * self.mesh.dim];
+            matrix.add_scaled(1.0, &self.tangent(&self.elasticity, &rest, &vec![0.0; nodes]));
+        }
+        matrix
+    }
+
     fn tangent(&self, laws: &[Law<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> BlockMatrix {
         forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), &self.dilatation, at, theta)
     }

@@ -253,7 +253,7 @@ fn drive(
 
     begins(Phase::Steps);
     let failed = loop {
-        if state.step >= problem.timeline.steps() || interrupted(settings) {
+        if state.is_last(&problem.timeline) || interrupted(settings) {
             break None;
         }
         let step = Instant::now();
@@ -271,7 +271,7 @@ fn drive(
 
     begins(Phase::Results);
     let last = seen(problem, &*scheme, &state, report.as_ref(), clock.work(before, &*scheme));
-    let outcome = outcome(failed.as_ref(), state.step, problem.timeline.steps());
+    let outcome = outcome(failed.as_ref(), state.is_last(&problem.timeline));
     clock.output(|| sinks.iter_mut().try_for_each(|sink| hand_over(*sink, &last, outcome)))?;
     let last = Snapshot { work: clock.work(before, &*scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
@@ -335,11 +335,11 @@ fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -
     Ok(checkpoint)
 }
 
-/// The outcome of a run from its error and its number of steps.
-fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
+/// The outcome of a run from its error, and whether it made its last step.
+fn outcome(failed: Option<&StepError>, is_over: bool) -> Outcome {
     match failed {
         Some(_) => Outcome::NotConverged,
-        None if made < steps => Outcome::Interrupted,
+        None if !is_over => Outcome::Interrupted,
         None => Outcome::Done,
     }
 }

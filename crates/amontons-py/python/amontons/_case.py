@@ -64,8 +64,8 @@ class Case:
         return self._checked.name
 
     @property
-    def steps(self) -> int:
-        """Number of time steps."""
+    def steps(self) -> Optional[int]:
+        """Number of time steps; None if steps choose their lengths."""
         return self._checked.steps
 
     @property
@@ -84,7 +84,7 @@ class Case:
         return Stepping(self, threads=threads, laws=laws)
 
     def __repr__(self) -> str:
-        return f"<amontons.Case {self.name!r}, {self.steps} steps>"
+        return f"<amontons.Case {self.name!r}, {self.steps or 'automatic'} steps>"
 
     def __getstate__(self) -> tuple:
         return (self._name, self._text, self._folder, self._overrides)

@@ -85,13 +85,12 @@ class Stepping:
     @property
     def t(self) -> float:
         """Time t_n of the state in s."""
-        return self._run.times()[self._run.made()]
+        return self._run.time()
 
     @property
     def next_t(self) -> Optional[float]:
-        """Time at the end of the next step in s; None if all steps are made."""
-        times, made = self._run.times(), self._run.made()
-        return times[made + 1] if made + 1 < len(times) else None
+        """Time at the end of the next step in s; None if all steps are made, or if the step chooses its length."""
+        return self._run.next_time()
 
     @property
     def points(self) -> np.ndarray:

@@ -24,7 +24,7 @@ use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData, StartState};
 use crate::tensor::Point;
-use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimePhase, TimeScheme, Timeline};
+use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, Steps, TimePhase, TimeScheme, Timeline};
 use crate::units::{TemperatureScale, UnitSystem};
 
 /// Builds and checks the problem for a machine with this much memory, if known.
@@ -107,16 +107,30 @@ fn timeline(raw: &raw::Case) -> Timeline {
         raw::PhaseAnalysis::Steady => Analysis::Steady,
     };
     if raw.phase.is_empty() {
-        let equal = Timeline::equal(raw.time.end.unwrap_or(1.0), raw.time.steps.unwrap_or(1));
+        let end = raw.time.end.unwrap_or(1.0);
+        let equal = match steps(raw.time.steps, raw.time.accuracy) {
+            Steps::Equal(steps) => Timeline::equal(end, steps),
+            Steps::Automatic { accuracy } => Timeline::automatic(end, accuracy),
+        };
         return equal.with_analysis(analysis(raw.time.analysis.unwrap_or_default()));
     }
+    let all = raw.time.accuracy;
     let of = |raw: &raw::RunPhase| TimePhase {
         name: raw.name.clone(),
         end: raw.end,
-        steps: raw.steps.unwrap_or(1),
+        steps: steps(raw.steps, raw.accuracy.or(all)),
         analysis: analysis(raw.analysis),
     };
     Timeline::in_phases(raw.phase.iter().map(of).collect())
+}
+
+/// The steps of a phase. An accuracy that is missing is reported by [`Build::instants`].
+pub(super) fn steps(raw: Option<raw::StepNumber>, accuracy: Option<f64>) -> Steps {
+    match raw {
+        Some(raw::StepNumber::Chosen(_)) => Steps::Automatic { accuracy: accuracy.unwrap_or(Steps::COARSEST) },
+        Some(raw::StepNumber::Equal(steps)) => Steps::Equal(steps),
+        None => Steps::Equal(1),
+    }
 }
 
 fn system(raw: raw::Units) -> UnitSystem {

@@ -126,13 +126,17 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
         }
     };
     let timeline = &case.problem.timeline;
+    if timeline.is_automatic() {
+        let expected = "equal steps, whose times nest: give `steps` a number, such as --set time.steps=64";
+        return refuse("steps = \"auto\" in a study", expected);
+    }
     // Each phase is refined by the same factor, so that the times of levels nest.
     let steps = |of: &dyn Fn(usize) -> Result<usize, StudyRequestError>| -> Result<Vec<String>, StudyRequestError> {
         if !timeline.has_phases() {
             return Ok(vec![format!("time.steps={}", of(timeline.steps())?)]);
         }
         let phases = timeline.phases().enumerate();
-        phases.map(|(i, phase)| Ok(format!("phase[{i}].steps={}", of(phase.steps)?))).collect()
+        phases.map(|(i, phase)| Ok(format!("phase[{i}].steps={}", of(phase.steps.nominal())?))).collect()
     };
     Ok(match vary {
         Vary::Both => mesh()?.into_iter().chain(steps(&|own| scaled("steps", own, power))?).collect(),

@@ -407,11 +407,12 @@ fn walk(
 ) -> Result<(), StudyError> {
     let mut scheme = scheme_of(level, &Arc::new(Discretization::new(&level.problem)), settings)?;
     let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
-    for n in 1..=level.problem.timeline.steps() {
+    while !state.is_last(&level.problem.timeline) {
         check(settings)?;
         state = scheme.step(&state).map_err(|source| StudyError::Step { level: level.level, source })?.0;
         if let Some(progress) = settings.progress {
-            progress(level.level, n, level.problem.timeline.steps());
+            let steps = level.problem.timeline.steps();
+            progress(level.level, state.step.min(steps), steps);
         }
         visit(&state)?;
     }

@@ -1,11 +1,16 @@
-//! Loads and prescribed values of a step, with the inputs that are set from the outside.
+//! What acts in a step: loads and prescribed values, with the inputs that are set from the outside, Γ_C and its laws.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::inputs::StepInputs;
 use super::system::Step;
+use crate::contact::{Contact, ContactBoundary, Supports};
+use crate::discretization::Discretization;
+use crate::problem::{Problem, with_supports};
 use crate::space::Replacing;
+use crate::state::State;
 
 /// A load with the one set from the outside, which is empty if nothing is set.
 fn with(load: Arc<Vec<f64>>, set: &[f64]) -> Arc<Vec<f64>> {
@@ -24,7 +29,7 @@ impl<'a> Step<'a> {
         if released.is_empty() {
             return set.clone();
         }
-        let left = self.problem.timeline.left_of_phase(self.n, self.level);
+        let left = self.problem.timeline.left_of_phase(self.level);
         let set = set.iter().copied().chain(std::iter::repeat(0.0));
         released.iter().zip(set).map(|(released, set)| left * released + set).collect()
     }
@@ -36,8 +41,23 @@ impl<'a> Step<'a> {
 
     /// The values that replace prescribed ones at the end of this part of the step.
     pub fn replacing(&self, of: fn(&StepInputs) -> &BTreeMap<usize, Vec<f64>>) -> Replacing<'a> {
-        let end = self.problem.timeline.time(self.n);
+        let [end, _] = self.whole;
         let share = if self.t < end { (self.t - self.old.t) / (end - self.old.t) } else { 1.0 };
         Replacing { values: of(self.inputs), share }
     }
+}
+
+/// Γ_C in a step that starts from the state `old`, with updated pairs searched anew.
+pub(crate) fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
+    let of = |supports: Supports| discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, supports);
+    let updated = with_supports(&discrete.v, Some(&discrete.outside), of);
+    updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
+}
+
+/// The contacts of a problem with their laws at a time.
+pub(crate) fn contacts_at(problem: &Problem, t: f64) -> Cow<'_, [Contact]> {
+    if problem.contacts.iter().all(|contact| contact.at_time(t).is_none()) {
+        return Cow::Borrowed(&problem.contacts);
+    }
+    Cow::Owned(problem.contacts.iter().map(|contact| contact.at_time(t).unwrap_or_else(|| contact.clone())).collect())
 }

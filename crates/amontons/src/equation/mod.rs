@@ -1,6 +1,6 @@
 //! The equations of a step, (4.1) and (4.2): their data, systems and residuals, and the powers of their terms.
 
-mod acting;
+pub(crate) mod acting;
 pub(crate) mod apart;
 pub(crate) mod bodies;
 mod error;

@@ -47,6 +47,8 @@ pub(crate) struct Step<'a> {
     pub products: &'a Products,
     /// n.
     pub n: usize,
+    /// End and length of the whole step, of which this may be a part, s.
+    pub whole: [f64; 2],
     /// The rule in time, the end t_n of the step, and the time t_ϑ at which its equations hold, s.
     pub rule: Rule,
     pub t: f64,
@@ -286,7 +288,7 @@ impl Step<'_> {
 
     /// Number of such parts in a whole step: 1, or 2, 4, … if the step was halved.
     fn parts(&self) -> usize {
-        (self.problem.timeline.instant(self.n).k / self.rule.k).round() as usize
+        (self.whole[1] / self.rule.k).round() as usize
     }
 
     /// A problem on Γ_C that was not solved.

@@ -12,12 +12,16 @@
 //! | … | the body: the fields of `CheckpointBody` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
 //! | 32 | SHA-256 of all bytes before |
 
+mod fits;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use self::fits::same;
 use super::files::{LONGEST, WrittenFile, move_file, sync_folder, write_atomically};
 use super::names::{CHECKPOINT, HISTORY, NEWER_CHECKPOINT, PREVIOUS_CHECKPOINT};
 use super::{Identity, OutputError, Snapshot, Work};
@@ -25,16 +29,17 @@ use crate::contact::{Flux, Status};
 use crate::discretization::Discretization;
 use crate::inclusion::{Multipliers, PointState};
 use crate::machine;
-use crate::mesh::defects::components;
+
 use crate::problem::Problem;
 use crate::state::{
     Accumulated, Carried, ContactReport, Counts, CouplingReport, Earlier, Ledger, Reactions, State, StepReport,
 };
 use crate::step::{Kept, Scheme};
 use crate::tensor::Point;
+use crate::time::Pace;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 22;
+const VERSION: u32 = 23;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -145,6 +150,8 @@ struct CheckpointBody {
     counts: Counts,
     temperatures: [f64; 2],
     released: Vec<f64>,
+    pace: Pace,
+    coarse: Option<Box<CheckpointBody>>,
     work: Work,
     kept: Kept,
     report: Option<Report>,
@@ -225,13 +232,58 @@ impl Report {
             points: points.collect(),
         }
     }
+
+    fn into_report(self) -> StepReport {
+        StepReport {
+            newton_mechanics: self.newton_mechanics,
+            newton_heat: self.newton_heat,
+            parts: self.parts,
+            is_ambiguous: self.is_ambiguous,
+            residual: self.residual,
+            coupling: self.coupling,
+            loose: self.loose,
+            reactions: self.reactions,
+            forces: Vec::new(),
+            contact: ContactReport {
+                boundary: None,
+                weights: self.points.iter().map(|p| p.weight).collect(),
+                rubbed: self.points.iter().map(|p| p.rubbed).collect(),
+                states: self
+                    .points
+                    .iter()
+                    .map(|p| PointState {
+                        normal: p.normal,
+                        penetration: p.penetration,
+                        at_level: p.penetration,
+                        pressure: p.pressure,
+                        bound: p.bound,
+                        q: p.q,
+                        slip: p.slip,
+                        wear: p.wear,
+                        opened: p.opened,
+                        status: STATUS.get(usize::from(p.status)).copied().unwrap_or(Status::Open),
+                    })
+                    .collect(),
+                temperature: self.points.iter().map(|p| p.temperature).collect(),
+                opposite: self.points.iter().map(|p| p.opposite).collect(),
+                flux: self
+                    .points
+                    .iter()
+                    .map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature, ..Flux::default() })
+                    .collect(),
+                force: self.force,
+                moments: self.moments,
+                heat_flow: self.heat_flow,
+            },
+        }
+    }
 }
 
 impl CheckpointBody {
     fn new(case: &Identity, now: &Snapshot) -> CheckpointBody {
         CheckpointBody {
             case: case.clone(),
-            k: now.problem.timeline.instant(now.state.step.max(1)).k,
+            k: now.state.made(&now.problem.timeline).k,
             work: now.work,
             kept: now.scheme.map(Scheme::kept).unwrap_or_default(),
             report: now.report.map(Report::of),
@@ -261,56 +313,22 @@ impl CheckpointBody {
             counts: state.counts,
             temperatures: state.temperatures,
             released: state.released,
+            pace: state.pace,
+            coarse: state.coarse.map(|coarse| Box::new(CheckpointBody::of_state(&coarse))),
             work: Work::default(),
             kept: Kept::default(),
             report: None,
         }
     }
 
-    fn into_checkpoint(self) -> Checkpoint {
-        let report = self.report.map(|report| StepReport {
-            newton_mechanics: report.newton_mechanics,
-            newton_heat: report.newton_heat,
-            parts: report.parts,
-            is_ambiguous: report.is_ambiguous,
-            residual: report.residual,
-            coupling: report.coupling,
-            loose: report.loose,
-            reactions: report.reactions,
-            forces: Vec::new(),
-            contact: ContactReport {
-                boundary: None,
-                weights: report.points.iter().map(|p| p.weight).collect(),
-                rubbed: report.points.iter().map(|p| p.rubbed).collect(),
-                states: report
-                    .points
-                    .iter()
-                    .map(|p| PointState {
-                        normal: p.normal,
-                        penetration: p.penetration,
-                        at_level: p.penetration,
-                        pressure: p.pressure,
-                        bound: p.bound,
-                        q: p.q,
-                        slip: p.slip,
-                        wear: p.wear,
-                        opened: p.opened,
-                        status: STATUS.get(usize::from(p.status)).copied().unwrap_or(Status::Open),
-                    })
-                    .collect(),
-                temperature: report.points.iter().map(|p| p.temperature).collect(),
-                opposite: report.points.iter().map(|p| p.opposite).collect(),
-                flux: report
-                    .points
-                    .iter()
-                    .map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature, ..Flux::default() })
-                    .collect(),
-                force: report.force,
-                moments: report.moments,
-                heat_flow: report.heat_flow,
-            },
-        });
-        let state = State {
+    fn into_checkpoint(mut self) -> Checkpoint {
+        let report = self.report.take().map(Report::into_report);
+        let (work, kept, k) = (self.work, std::mem::take(&mut self.kept), self.k);
+        Checkpoint { state: self.into_state(), report, work, kept, k, fallback: None }
+    }
+
+    fn into_state(self) -> State {
+        State {
             step: self.step,
             t: self.t,
             u: self.u,
@@ -326,14 +344,10 @@ impl CheckpointBody {
             counts: self.counts,
             temperatures: self.temperatures,
             released: self.released,
-        };
-        Checkpoint { state, report, work: self.work, kept: self.kept, k: self.k, fallback: None }
+            pace: self.pace,
+            coarse: self.coarse.map(|coarse| Arc::new(coarse.into_state())),
+        }
     }
-}
-
-/// An error if a number is not the expected one.
-fn same(what: &'static str, found: usize, expected: usize) -> Result<(), CheckpointError> {
-    if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
 }
 
 impl Checkpoint {
@@ -399,78 +413,25 @@ impl Checkpoint {
         of_case(path, &bytes, case)
     }
 
-    /// Checks the sizes of the state one step before.
-    fn check_earlier(&self, discretization: &Discretization) -> Result<(), CheckpointError> {
-        let Some(earlier) = &self.state.earlier else { return Ok(()) };
-        let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
-        same("earlier displacements", earlier.u.len(), nodes * dim)?;
-        same("earlier velocities", earlier.w.len(), nodes * dim)?;
-        same("earlier temperatures", earlier.theta.len(), nodes)?;
-        same("earlier branches", earlier.branches.len(), self.state.branches.len())?;
-        for (earlier, now) in earlier.branches.iter().zip(&self.state.branches) {
-            same("earlier numbers of a branch", earlier.len(), now.len())?;
-        }
-        if !earlier.carried.rigid.is_empty() {
-            same("earlier deformations", earlier.carried.deformation.len(), nodes * dim)?;
-            same("earlier bodies", earlier.carried.rigid.len(), components(&discretization.mesh).len())?;
-        }
-        Ok(())
-    }
-
     /// Checks that the checkpoint fits a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         // Lengths computed as quotients may differ in their last bits.
-        let made = problem.timeline.instant(self.state.step.max(1));
-        if !problem.timeline.has_length(made.n, self.k) {
-            return Err(CheckpointError::StepLength { found: self.k, expected: made.k });
+        if let Some(expected) = problem.timeline.other_length(self.state.step, &self.state.pace, self.k) {
+            return Err(CheckpointError::StepLength { found: self.k, expected });
         }
-        let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
-        same("displacements", self.state.u.len(), nodes * dim)?;
-        if !self.state.carried.rigid.is_empty() {
-            same("deformations", self.state.carried.deformation.len(), nodes * dim)?;
-            let bodies = components(&discretization.mesh).len();
-            same("bodies", self.state.carried.rigid.len(), bodies)?;
-        }
-        same("velocities", self.state.w.len(), nodes * dim)?;
-        if !self.state.released.is_empty() {
-            same("forces of supports", self.state.released.len(), nodes * dim)?;
-        }
-        same("temperatures", self.state.theta.len(), nodes)?;
-        if !self.state.theta_rate.is_empty() {
-            same("rates of the temperature", self.state.theta_rate.len(), nodes)?;
-        }
-        self.check_earlier(discretization)?;
-        same("branches", self.state.branches.len(), discretization.branches.len())?;
-        for (kept, branch) in self.state.branches.iter().zip(&discretization.branches) {
-            same("numbers of a branch", kept.len(), branch.size(nodes * dim))?;
+        fits::state(&self.state, discretization, problem)?;
+        if let Some(coarse) = &self.state.coarse {
+            fits::state(coarse, discretization, problem)?;
         }
         let points = discretization.boundary.points.len();
-        for kept in [
-            self.state.multipliers.q.len(),
-            self.state.multipliers.p.len(),
-            self.state.multipliers.sticks.len(),
-            self.state.surface.wear.len(),
-            self.state.surface.friction_work.len(),
-        ] {
-            same("contact points", kept, points)?;
-        }
         if let Some(report) = &self.report {
             let of_points = [report.contact.states.len(), report.contact.temperature.len(), report.contact.flux.len()];
             of_points.into_iter().try_for_each(|kept| same("contact points", kept, points))?;
         }
-        let worn = &self.state.surface.worn;
-        let (kept, expected): (Vec<usize>, _) =
-            (worn.depths.iter().map(Vec::len).collect(), discretization.worn.lengths());
-        same("sides that wear", kept.len(), expected.len())?;
-        kept.into_iter().zip(expected).try_for_each(|(kept, of)| same("vertices of a side that wears", kept, of))?;
-        same("volumes worn off", worn.volumes.len(), problem.contacts.len())?;
-        same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
-        same("contacts", self.state.surface.passed.len(), problem.contacts.len())?;
-        same("contacts", self.state.surface.advance.len(), problem.contacts.len())?;
-        let wet = &self.state.surface.wet;
-        let of_fluids = |count: usize| if discretization.ways.is_empty() { 0 } else { count };
-        same("points that may be wet", wet.points.len(), of_fluids(points))?;
-        same("contacts that may leak", wet.leaks.len(), of_fluids(problem.contacts.len()))?;
+        if problem.timeline.is_automatic() {
+            let ends = self.state.pace.ends.len();
+            return same("phases that are over", ends, ends.min(problem.timeline.phases().len()));
+        }
         same("steps", self.state.step, self.state.step.min(problem.timeline.steps()))
     }
 }

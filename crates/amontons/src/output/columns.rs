@@ -139,8 +139,8 @@ impl<'a> StepRow<'a> {
         let foundation = side.and_then(|side| state.surface.foundation.get(side).copied().flatten());
         let contact = ContactSummary::new(now, &report.contact, side);
         let timeline = &now.problem.timeline;
-        let phase = timeline.phase_of(state.step).map_or("", |phase| &phase.name);
-        let k = timeline.instant(state.step).k;
+        let phase = state.phase(timeline).map_or("", |phase| &phase.name);
+        let k = state.made(timeline).k;
         StepRow { ledger: &state.ledger, report, step: state.step, t: state.t, k, phase, contact, foundation }
     }
 }
@@ -299,13 +299,17 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
     foundation.into_iter().chain(moved).chain(if several { OF_SIDE } else { &[] }.iter().copied()).chain(turning)
 }
 
-/// Columns of a run with phases, after all others.
+/// Columns of a run with phases, after all others; the first one is that of a run whose steps are chosen, too.
 const OF_PHASE: &[&Column<History>] = &[&STEP_LENGTH, &PHASE];
 
-/// The columns of the phase of a step; none in a run without phases.
+/// The columns of the length and phase of a step; none in a run of equal steps without phases.
 fn of_phase(problem: &ProblemData) -> impl Iterator<Item = &'static Column<History>> + use<> {
-    let columns = if problem.timeline.has_phases() { OF_PHASE } else { &[] };
-    columns.iter().copied()
+    let count = match (problem.timeline.has_phases(), problem.timeline.is_automatic()) {
+        (true, _) => OF_PHASE.len(),
+        (false, true) => 1,
+        (false, false) => 0,
+    };
+    OF_PHASE.iter().take(count).copied()
 }
 
 /// Names of the columns of `history.csv` that hold numbers, with the quantities they measure. Each of several contacts
@@ -367,7 +371,7 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
 /// The row of a step as it is written: numbers, and behind them the name of the phase.
 pub(super) fn history_row(now: &Snapshot) -> Option<String> {
     let mut values = history_values(now)?;
-    let Some(phase) = now.problem.timeline.phase_of(now.state.step) else { return Some(join(&values)) };
+    let Some(phase) = now.state.phase(&now.problem.timeline) else { return Some(join(&values)) };
     values.pop();
     Some(join(&values) + "," + &phase.name)
 }

@@ -456,7 +456,7 @@ impl Folder {
 impl Sink for Folder {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         self.recovery = None;
-        self.phase_ends = start.from.problem.timeline.phase_ends();
+        self.phase_ends = start.from.problem.timeline.ends_at(&start.from.state.pace);
         self.check_room(start)?;
         if start.resumed {
             self.go_on(start)?;
@@ -487,6 +487,7 @@ impl Sink for Folder {
 
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         self.replace()?;
+        self.phase_ends = now.problem.timeline.ends_at(&now.state.pace);
         if let Some((history, row)) = self.history.as_mut().zip(history_row(now)) {
             history.push_row(&row)?;
         }

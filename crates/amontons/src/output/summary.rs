@@ -15,6 +15,7 @@ use crate::machine;
 use crate::problem::{Choice, Problem};
 use crate::state::{Accumulated, ContactReport, Contraction, Ledger};
 use crate::tensor::Point;
+use crate::time::ChosenSteps;
 use crate::units::Units;
 
 /// The reason why a run ended.
@@ -56,6 +57,9 @@ pub struct Summary {
     /// Name of the phase of the last good step, or `None` in a run without phases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
+    /// The steps that were chosen by their errors, or `None` in a run of equal steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<ChosenSteps>,
     /// Numbers of unknowns.
     pub unknowns: UnknownCounts,
     /// The last good step.
@@ -514,7 +518,8 @@ impl Summary {
             units: problem.units(),
             time: state.t,
             steps: state.step,
-            phase: problem.timeline.phase_of(state.step).map(|phase| phase.name.clone()),
+            phase: state.phase(&problem.timeline).map(|phase| phase.name.clone()),
+            chosen: problem.timeline.is_automatic().then_some(state.pace.chosen),
             unknowns,
             last: Final::new(last, &figures),
             choices: problem.choices(),

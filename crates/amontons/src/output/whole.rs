@@ -69,7 +69,7 @@ impl WholeInPhases {
 
     /// The vector, or a scalar in its place, in the phase of a step.
     pub(super) fn value(&self, now: &Snapshot) -> Point {
-        let phase = now.problem.timeline.instant(now.state.step).phase;
+        let phase = now.problem.timeline.phase_at(now.state.t);
         let own = self.0.get(phase).or_else(|| self.0.first());
         own.map_or([f64::NAN; 3], |own| own.value(now))
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::shown::placed;
 use super::{ContactSummary, Outcome, Seconds, SolverCounts, Summary};
 use crate::problem::Choice;
+use crate::time::ChosenSteps;
 use crate::units::{Extent, Measure, Units, beyond};
 
 /// A name and its text.
@@ -43,6 +44,7 @@ impl Summary {
         };
         rows.extend(mechanics.then(|| closes("energy", "energy", self.energy.closing_error)));
         rows.extend(heat.then(|| closes("heat", "heat", self.energy.heat_closing_error)));
+        rows.extend(self.chosen.as_ref().map(|chosen| lengths(chosen, self.units)));
         rows.extend(halved(&self.solver));
         rows.extend(computed_with(&self.choices));
         let counts = &self.unknowns;
@@ -126,6 +128,16 @@ fn systems(solver: &SolverCounts) -> WordRow {
         _ => "by a factor".to_owned(),
     };
     row("linear systems", &format!("{way}: {}", solver.backend_reason))
+}
+
+/// The steps that were chosen by their errors.
+fn lengths(chosen: &ChosenSteps, units: Units) -> WordRow {
+    let ChosenSteps { made, rejected, shortest, longest, error } = *chosen;
+    let lengths = range(units, [shortest, longest], Measure::Time);
+    row(
+        "chosen steps",
+        &format!("{made} of {lengths}, {rejected} made anew with a shorter length, estimated error {error:.1e}"),
+    )
 }
 
 /// Halved and ambiguous steps, if there are any.

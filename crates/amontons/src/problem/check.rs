@@ -7,7 +7,7 @@ use super::{BoundaryCondition, Fault, Faults, MaterialSample, Problem, ProblemDa
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
-use crate::time::TimePhase;
+use crate::time::{Analysis, Steps, TimePhase};
 
 impl ProblemData {
     /// Checks the data and makes them a problem, which does not change any more.
@@ -100,8 +100,18 @@ impl ProblemData {
                     Fault::new(path, format!("{:?}", phase.end), expected).hint(hint)
                 });
             }
-            if phase.steps == 0 {
-                faults.push(Fault::new(format!("{path}.steps"), "0", "at least one step"));
+            match phase.steps {
+                Steps::Equal(0) => faults.push(Fault::new(format!("{path}.steps"), "0", "at least one step")),
+                Steps::Automatic { accuracy } if !(accuracy > 0.0 && accuracy <= Steps::COARSEST) => {
+                    let expected = "a number above 0 and at most 0.1";
+                    faults.push(Fault::new(format!("{path}.accuracy"), format!("{accuracy:?}"), expected));
+                }
+                Steps::Automatic { .. } if phase.analysis == Analysis::Steady => {
+                    let (found, expected) = ("\"auto\" in a steady phase", "a number of steps");
+                    let fault = Fault::new(format!("{path}.steps"), found, expected);
+                    faults.push(fault.hint("remove it: a steady state has no error in time, and 1 step finds it"));
+                }
+                Steps::Equal(_) | Steps::Automatic { .. } => {}
             }
             start = phase.end;
         }

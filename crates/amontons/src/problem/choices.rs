@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Coupling, ProblemData};
 use crate::contact::{Contact, Quadrature};
 use crate::material::Dilatation;
-use crate::time::{Analysis, Instant, TimePhase, TimeScheme};
+use crate::time::{Analysis, Instant, Steps, TimePhase, TimeScheme};
 use crate::units::Measure;
 
 /// A choice: its subject, the value taken, and the reason.
@@ -89,7 +89,13 @@ impl ProblemData {
         let write = |t: f64| self.units().write(t, Measure::Time);
         let of = |(phase, end): (&TimePhase, Instant)| {
             let TimePhase { name, steps, analysis, .. } = phase;
-            format!("{name}: {steps} {} steps of {} to {}", analysis.name(), write(end.k), write(end.t))
+            let (analysis, until) = (analysis.name(), write(end.t));
+            match steps {
+                Steps::Equal(steps) => format!("{name}: {steps} {analysis} steps of {} to {until}", write(end.k)),
+                Steps::Automatic { accuracy } => {
+                    format!("{name}: {analysis} steps for an accuracy of {accuracy:?} to {until}")
+                }
+            }
         };
         let names: Vec<&str> = timeline.phases().map(|phase| phase.name.as_str()).collect();
         let all: Vec<String> = timeline.phases().zip(timeline.ends_from(0)).map(of).collect();

@@ -140,12 +140,6 @@ impl Problem {
         Problem(ProblemData { boundary, ..self.0.clone() }, Schedule { phase, ..self.1.clone() })
     }
 
-    /// The problem with the conditions of the phase of a step; those of the first phase at t = 0.
-    #[must_use]
-    pub fn at_step(&self, step: usize) -> Problem {
-        self.in_phase(self.timeline.instant(step).phase)
-    }
-
     /// True if conditions begin or end with a phase.
     #[must_use]
     pub fn changes_conditions_of_run(&self) -> bool {

@@ -171,7 +171,8 @@ impl Stepping {
     /// Drops the inputs that replace prescribed values before a phase with other conditions, and returns those before.
     fn leave_conditions(&mut self) -> Option<Arc<StepInputs>> {
         let timeline = &self.problem.timeline;
-        let phases = [self.state.step, self.state.step + 1].map(|step| timeline.instant(step).phase);
+        let State { step, pace, .. } = &self.state;
+        let phases = [timeline.made(*step, pace), timeline.next(*step, pace, pace.level)].map(|now| now.phase);
         if self.state.step == 0 || self.problem.has_same_conditions(phases) {
             return None;
         }
@@ -182,7 +183,7 @@ impl Stepping {
     /// True after the last step.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.state.step >= self.problem.timeline.steps()
+        self.state.is_last(&self.problem.timeline)
     }
 
     /// The state: u, w, θ and what Γ_C remembers, at t_n.
@@ -256,7 +257,7 @@ impl Stepping {
             report: self.report.clone(),
             work: self.work(),
             kept: self.behind.clone().unwrap_or_else(|| self.scheme.kept()),
-            k: self.problem.timeline.instant(self.state.step.max(1)).k,
+            k: self.state.made(&self.problem.timeline).k,
             fallback: None,
         }
     }

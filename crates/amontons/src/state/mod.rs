@@ -10,9 +10,16 @@ pub use ledger::Ledger;
 pub use report::{ContactReport, Contraction, CouplingReport, Reactions, StepReport};
 pub use surface::Accumulated;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::inclusion::Multipliers;
+use crate::linalg::dot;
+use crate::time::{Instant, Pace, TimePhase, Timeline};
+
+/// Motion in a step, relative to the displacement, below which its sense does not matter.
+const MOVES: f64 = 1e-6;
 
 /// State at a time t_n, from which the next step starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +55,43 @@ pub struct State {
     /// Forces of the supports that ended with the phase before, or end with this step, and that give them up in the
     /// course of the phase, as they were at its start, N, node-major; empty if there are none.
     pub released: Vec<f64>,
+    /// The place in a run whose steps are chosen.
+    pub pace: Pace,
+    /// In a phase whose steps are chosen: the state at the same time of a run with steps of twice the length, made from
+    /// the start of the phase on.
+    pub coarse: Option<Arc<State>>,
+}
+
+impl State {
+    /// The step that led to the state; at t = 0 that of number 0, with the length of the first one.
+    #[must_use]
+    pub fn made(&self, timeline: &Timeline) -> Instant {
+        timeline.made(self.step, &self.pace)
+    }
+
+    /// The phase in which the step was made, or `None` in a run without phases. The state at t = 0 counts to the first
+    /// one.
+    #[must_use]
+    pub fn phase<'t>(&self, timeline: &'t Timeline) -> Option<&'t TimePhase> {
+        let phase = self.made(timeline).phase;
+        timeline.phases().nth(phase).filter(|_| timeline.has_phases())
+    }
+
+    /// True if the velocity at the end of a step is nearly that at its start with the other sign: of their sum less than
+    /// half of the larger is left. Velocities that move the body by less than a millionth of its displacement do not count.
+    pub(crate) fn is_reversal_of(&self, start: &State) -> bool {
+        let end = self;
+        let [before, after, product] =
+            [[&start.w, &start.w], [&end.w, &end.w], [&start.w, &end.w]].map(|[a, b]| dot(a, b));
+        let moves = (end.t - start.t) * after.sqrt() > MOVES * dot(&end.u, &end.u).sqrt();
+        moves && product < 0.0 && before + 2.0 * product + after < 0.25 * before.max(after)
+    }
+
+    /// True after the last step.
+    #[must_use]
+    pub fn is_last(&self, timeline: &Timeline) -> bool {
+        timeline.is_over(self.step, &self.pace)
+    }
 }
 
 /// What a scheme of two steps keeps of the state one step before.

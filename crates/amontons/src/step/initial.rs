@@ -8,7 +8,7 @@ use crate::linalg::dot;
 use crate::problem::{Physics, Problem};
 use crate::state::{Accumulated, Carried, Counts, Ledger, State};
 use crate::tensor;
-use crate::time::Interval;
+use crate::time::{Interval, Pace};
 
 /// θ₀ at the nodes: the initial data, or the prescribed temperature.
 pub(super) fn first_temperature(problem: &Problem, discrete: &Discretization) -> Vec<f64> {
@@ -86,6 +86,8 @@ pub(super) fn state(
         counts: Counts::default(),
         temperatures,
         released: Vec::new(),
+        pace: Pace::default(),
+        coarse: None,
     })
 }
 

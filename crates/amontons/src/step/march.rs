@@ -4,29 +4,26 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use super::change::{released, supported};
-use super::coupling::{Coupled, Made};
+use super::coupling::Coupled;
 use super::initial::{self, extremes, first_temperature};
 use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
-use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::discretization::Discretization;
-use crate::equation::apart::Whole;
+use crate::equation::acting::{boundary_at, contacts_at};
 use crate::equation::bodies::{Apart, Bodies};
-use crate::equation::mechanics::{Balanced, Mechanics};
+use crate::equation::mechanics::Mechanics;
 use crate::equation::system::{Bar, HalfStep, Mixed, Products, Step};
 use crate::equation::systems::{Cache, SystemError, Systems};
 use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
 use crate::inclusion::PointState;
-use crate::linalg::{Backend, dot};
-use crate::problem::{Problem, StartState, with_supports};
+use crate::linalg::{Backend, BlockMatrix};
+use crate::problem::{Problem, StartState};
 use crate::pulse::Pulse;
-use crate::state::{Carried, ContactReport, Counts, Earlier, Ledger, Reactions, State, StepReport};
+use crate::state::{Carried, Earlier, State, StepReport};
 use crate::time::{Analysis, HALVINGS, Instant, Rule, Start};
 
 /// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
-/// Motion in a step, relative to the displacement, below which its sense does not matter.
-const MOVES: f64 = 1e-6;
 
 /// The scheme of a run for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
 ///
@@ -36,15 +33,17 @@ const MOVES: f64 = 1e-6;
 #[derive(Debug)]
 pub struct March {
     /// The problem and its forms with the conditions of the phase of the last step.
-    problem: Problem,
-    discrete: Arc<Discretization>,
+    pub(super) problem: Problem,
+    pub(super) discrete: Arc<Discretization>,
     /// The systems of the phases that have begun and are not over, or that a later phase has, too, and those of halved
     /// steps, k/2, k/4 and so on, while steps are halved.
     cache: Cache,
     /// Products that one step computes and the next one needs, with the state they belong to.
-    products: Option<Products>,
+    pub(super) products: Option<Products>,
     /// Bodies whose rigid motions are split off, made at first use, or `None` if they cannot be.
     bodies: OnceLock<Option<Bodies>>,
+    /// The form of the elastic energy, in which the error of a chosen step is measured, made at first use.
+    pub(super) elastic: OnceLock<BlockMatrix>,
     /// Receives the progress of each step.
     pulse: Pulse,
     /// True if a step takes as many iterations as it needs; else it is halved after a limited number.
@@ -96,6 +95,7 @@ impl March {
             cache,
             products: None,
             bodies: OnceLock::new(),
+            elastic: OnceLock::new(),
             pulse: Pulse::default(),
             is_patient: false,
             inputs: Arc::default(),
@@ -108,10 +108,16 @@ impl March {
         self.cache.stored()
     }
 
-    /// Advances a state to t, a part 2^−halvings of the step n, in halves if necessary.
-    fn advance(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
-        let made = self.attempt(old, n, t, halvings);
-        self.refine(made, old, n, t, halvings)
+    /// Advances a state to t, a part 2^−halvings of a step, in halves if necessary.
+    pub(super) fn advance(
+        &mut self,
+        old: &State,
+        now: &Instant,
+        t: f64,
+        halvings: u32,
+    ) -> Result<(State, StepReport), StepError> {
+        let made = self.attempt(old, now, t, halvings);
+        self.refine(made, old, now, t, halvings)
     }
 
     /// Makes the part in halves if it was not solved, or may have other solutions: shorter parts have fewer solutions
@@ -121,7 +127,7 @@ impl March {
         &mut self,
         made: Result<(State, StepReport), StepError>,
         old: &State,
-        n: usize,
+        now: &Instant,
         t: f64,
         halvings: u32,
     ) -> Result<(State, StepReport), StepError> {
@@ -133,17 +139,17 @@ impl March {
             return made;
         }
         let middle = old.t + 0.5 * (t - old.t);
-        let first = self.attempt(old, n, middle, halvings + 1);
+        let first = self.attempt(old, now, middle, halvings + 1);
         if let (Ok(_), Ok((state, first))) = (&made, &first)
             && first.is_ambiguous
-            && let Some((end, second)) = tried(self.attempt(state, n, t, halvings + 1))?
+            && let Some((end, second)) = tried(self.attempt(state, now, t, halvings + 1))?
             && second.is_ambiguous
-            && !self.shortest_is_unique(old, n, &end)?
+            && !self.shortest_is_unique(old, now, &end)?
         {
             return Ok((end, second.after(first)));
         }
-        let halves = self.refine(first, old, n, middle, halvings + 1).and_then(|(state, first)| {
-            let (state, second) = self.advance(&state, n, t, halvings + 1)?;
+        let halves = self.refine(first, old, now, middle, halvings + 1).and_then(|(state, first)| {
+            let (state, second) = self.advance(&state, now, t, halvings + 1)?;
             Ok((state, second.after(&first)))
         });
         // A solved step stands if its halves are not solved. For an unsolved step the error names the first part that
@@ -151,37 +157,34 @@ impl March {
         halves.or_else(|first| match made {
             _ if !first.is_unsolved() => Err(first),
             Err(_) if halvings == 0 => {
-                self.with_patience(old, n, t).map_err(|error| if error.is_unsolved() { first } else { error })
+                self.with_patience(old, now, t).map_err(|error| if error.is_unsolved() { first } else { error })
             }
             made => made.map_err(|_| first),
         })
     }
 
     /// Makes a step whose halves are not solved either, with as many iterations as it needs.
-    fn with_patience(&mut self, old: &State, n: usize, t: f64) -> Result<(State, StepReport), StepError> {
+    fn with_patience(&mut self, old: &State, now: &Instant, t: f64) -> Result<(State, StepReport), StepError> {
         self.is_patient = true;
-        let made = self.attempt(old, n, t, 0);
+        let made = self.attempt(old, now, t, 0);
         self.is_patient = false;
         made
     }
 
-    /// The rule of a part 2^−halvings of step n, made from a state. A part of a step has no step of its length before
-    /// it.
-    fn rule(&self, old: &State, n: usize, halvings: u32) -> Rule {
-        let (now, scheme) = (self.problem.timeline.instant(n), self.problem.scheme);
-        let follows = old.earlier.as_ref().is_some_and(|earlier| earlier.k.to_bits() == now.k.to_bits());
-        if halvings == 0 && follows {
-            return now.analysis.rule(scheme, now.k);
-        }
-        now.analysis.starting_rule(scheme, now.k / f64::from(1u32 << halvings))
+    /// The rule of a part 2^−halvings of a step, made from a state. A part of a step that was not solved as a whole has
+    /// no step of its length before it.
+    fn rule(&self, old: &State, now: &Instant, halvings: u32) -> Rule {
+        let (k, scheme) = (now.k / f64::from(1u32 << halvings), self.problem.scheme);
+        let follows = old.earlier.as_ref().is_some_and(|earlier| earlier.k.to_bits() == k.to_bits());
+        if follows { now.analysis.rule(scheme, k) } else { now.analysis.starting_rule(scheme, k) }
     }
 
-    /// Factorizes for step n, made from a state, and for its parts of ½ … 2^−halvings.
+    /// Factorizes for a step, made from a state, and for its parts of ½ … 2^−halvings.
     ///
     /// # Errors
     /// Those of [`Cache::systems`].
-    fn halve(&mut self, old: &State, n: usize, halvings: u32) -> Result<(), SystemError> {
-        for rule in (0..=halvings).map(|halvings| self.rule(old, n, halvings)).collect::<Vec<_>>() {
+    fn halve(&mut self, old: &State, now: &Instant, halvings: u32) -> Result<(), SystemError> {
+        for rule in (0..=halvings).map(|halvings| self.rule(old, now, halvings)).collect::<Vec<_>>() {
             self.cache.systems(&self.problem, &self.discrete, rule)?;
         }
         Ok(())
@@ -190,9 +193,9 @@ impl March {
     /// Drops the systems that neither the step made last from a state nor a later step of its phase or of later ones
     /// needs, among them those of halved steps.
     fn drop_others(&mut self, old: &State, now: &Instant) {
-        let ends = self.problem.timeline.ends_from(now.phase);
-        let mut rules: Vec<Rule> = ends.map(|end| rule_of(&self.problem, &end)).collect();
-        rules.push(self.rule(old, now.n, 0));
+        let ends = self.problem.timeline.needed_after(now);
+        let mut rules: Vec<Rule> = ends.iter().map(|end| rule_of(&self.problem, end)).collect();
+        rules.push(self.rule(old, now, 0));
         self.cache.keep_only(|rule| rules.contains(rule));
     }
 
@@ -213,16 +216,17 @@ impl March {
     /// The state from which a step starts: that at the end of the step before, at rest if the step is steady or if a
     /// phase without inertia ended there and a dynamic one begins, with the energy of the supports of its phase.
     fn begun<'s>(&mut self, old: &'s State, now: &Instant) -> Cow<'s, State> {
-        let had_inertia = old.step == 0 || self.problem.timeline.instant(old.step).analysis.has_inertia();
+        let was = old.made(&self.problem.timeline);
+        let had_inertia = old.step == 0 || was.analysis.has_inertia();
         let rests = now.analysis == Analysis::Steady || (!had_inertia && now.analysis.has_inertia());
-        let phases = [self.problem.timeline.instant(old.step).phase, now.phase];
+        let phases = [was.phase, now.phase];
         let changes = !self.problem.has_same_conditions(phases);
         if !rests && !changes {
             return Cow::Borrowed(old);
         }
         let mut begun = old.clone();
         if changes {
-            supported(&self.problem.at_step(old.step), &self.discrete, &mut begun);
+            supported(&self.problem.in_phase(was.phase), &self.discrete, &mut begun);
         }
         if rests {
             begun.w.fill(0.0);
@@ -241,10 +245,10 @@ impl March {
     }
 
     /// True if the shortest part of a step would have one solution between the velocities of two states.
-    fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
-        let singular = |(_, source)| StepError::Singular { step: n, t: end.t, source };
-        self.halve(old, n, HALVINGS).map_err(singular)?;
-        let rule = self.rule(old, n, HALVINGS);
+    fn shortest_is_unique(&mut self, old: &State, now: &Instant, end: &State) -> Result<bool, StepError> {
+        let singular = |(_, source)| StepError::Singular { step: now.n, t: end.t, source };
+        self.halve(old, now, HALVINGS).map_err(singular)?;
+        let rule = self.rule(old, now, HALVINGS);
         let made = self.cache.systems(&self.problem, &self.discrete, rule).map_err(singular)?;
         let Systems { mechanics: Some(mechanics), loose, .. } = made else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
@@ -258,7 +262,8 @@ impl March {
             old,
             bar: Bar::of(old, &products),
             products: &products,
-            n,
+            n: now.n,
+            whole: [now.t, now.k],
             t: end.t,
             level: rule.time([old.t, end.t]),
             rule,
@@ -273,7 +278,13 @@ impl March {
 
     /// Makes a step, or a part of it, as a whole. If round-off of the displacement may have caused a failure, the rigid
     /// motions of bodies are split off from their deformation, in this and all later steps.
-    fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
+    pub(super) fn attempt(
+        &mut self,
+        old: &State,
+        now: &Instant,
+        t: f64,
+        halvings: u32,
+    ) -> Result<(State, StepReport), StepError> {
         let is_noise = |error: &StepError| match error {
             StepError::Residual { part, .. } => *part == "mechanics",
             StepError::NotConverged { part, why, .. } => *part == "mechanics" && why.residual < NOISE,
@@ -282,7 +293,7 @@ impl March {
         if !old.carried.rigid.is_empty() {
             self.bodies();
         }
-        let made = self.make_step(old, n, t, halvings);
+        let made = self.make_step(old, now, t, halvings);
         let Err(error) = made else { return made };
         if !old.carried.rigid.is_empty() || !is_noise(&error) {
             return Err(error);
@@ -290,7 +301,7 @@ impl March {
         let is_axisymmetric = self.discrete.mesh.axisymmetric;
         let Some(bodies) = self.bodies() else { return Err(error) };
         let apart = State { carried: bodies.apart(is_axisymmetric, &old.u), ..old.clone() };
-        tried(self.make_step(&apart, n, t, halvings))?.ok_or(error)
+        tried(self.make_step(&apart, now, t, halvings))?.ok_or(error)
     }
 
     fn bodies(&self) -> Option<&Bodies> {
@@ -299,10 +310,17 @@ impl March {
     }
 
     /// Makes a step, or a part of it, as a whole.
-    fn make_step(&mut self, old: &State, n: usize, t: f64, halvings: u32) -> Result<(State, StepReport), StepError> {
+    fn make_step(
+        &mut self,
+        old: &State,
+        whole: &Instant,
+        t: f64,
+        halvings: u32,
+    ) -> Result<(State, StepReport), StepError> {
+        let n = whole.n;
         let singular = |(_, source)| StepError::Singular { step: n, t, source };
-        self.halve(old, n, halvings).map_err(singular)?;
-        let rule = self.rule(old, n, halvings);
+        self.halve(old, whole, halvings).map_err(singular)?;
+        let rule = self.rule(old, whole, halvings);
         let products = self
             .products
             .take()
@@ -328,6 +346,7 @@ impl March {
             bar: mixed.as_ref().map_or_else(|| Bar::of(old, &products), Mixed::bar),
             products: &products,
             n,
+            whole: [whole.t, whole.k],
             t,
             level,
             rule,
@@ -364,99 +383,6 @@ impl March {
     }
 }
 
-impl Made {
-    /// Residual of (4.1), (4.2) and of their coupling.
-    fn residual(&self) -> f64 {
-        self.mechanics.residual.max(self.heat.residual).max(self.report.defect.unwrap_or(0.0))
-    }
-
-    /// The counts with those of this step.
-    fn counts(&self, old: &Counts) -> Counts {
-        Counts {
-            newton_mechanics_total: old.newton_mechanics_total + self.iterations[0],
-            newton_mechanics_max: old.newton_mechanics_max.max(self.iterations[0]),
-            newton_heat_total: old.newton_heat_total + self.iterations[1],
-            sweeps: old.sweeps + self.sweeps,
-            residual_max: old.residual_max.max(self.residual()),
-            passes_total: old.passes_total + self.report.passes,
-            contraction_max: old.contraction_max.max(self.report.contraction.unwrap_or_default()),
-            ..*old
-        }
-    }
-
-    /// The state at the end of the step, the report, and the products that the next step needs.
-    fn end(self, step: &Step, ledger: Ledger) -> (State, StepReport, Products) {
-        let (old, residual, counts) = (step.old, self.residual(), self.counts(&step.old.counts));
-        let Made { mechanics, heat, report: coupling, iterations, .. } = self;
-        let theta = step.theta_at_end(heat.theta);
-        let surface = old.surface.after(step, &mechanics, &heat.exchange);
-        let Mechanics { end, whole, branches, is_unique, .. } = mechanics;
-        let Balanced { at, u, states, force, reactions, .. } = end;
-        let (u, w, carried) = match whole {
-            None => (u, at.w, Carried::default()),
-            Some(Whole { u, w, carried, .. }) => (u, w, carried),
-        };
-        let state = State {
-            step: step.n,
-            t: step.t,
-            u: step.end(&old.u, u),
-            w: step.end(&old.w, step.rates(&w).into_owned()),
-            theta_rate: step.theta_rate(&theta),
-            earlier: None,
-            theta,
-            multipliers: at.multipliers,
-            branches: old.branches.iter().zip(branches).map(|(old, branch)| step.end(old, branch)).collect(),
-            carried,
-            surface,
-            ledger,
-            counts,
-            temperatures: old.temperatures,
-            released: old.released.clone(),
-        };
-        let report = StepReport {
-            newton_mechanics: iterations[0],
-            newton_heat: iterations[1],
-            parts: 1,
-            is_ambiguous: !is_unique,
-            residual,
-            coupling,
-            loose: step.motions(&at.hold.loose),
-            reactions: Reactions { force: reactions, heat: heat.reactions },
-            forces: step.nodal_forces(),
-            contact: ContactReport {
-                moments: step.moments(&states),
-                boundary: None,
-                weights: step.boundary.points.iter().map(|point| point.weight).collect(),
-                states,
-                temperature: heat.exchange.temperature,
-                opposite: heat.exchange.opposite,
-                flux: heat.exchange.flux,
-                rubbed: heat.exchange.rubbed,
-                force,
-                heat_flow: heat.through_contact,
-            },
-        };
-        let products = Products {
-            t: step.t,
-            mass_w: at.mass_w.into_owned(),
-            a_u: at.a_u.into_owned(),
-            a_w: at.a_w.into_owned(),
-            b_w: at.b_w.into_owned(),
-            mass_theta: heat.mass_theta,
-            d_theta: heat.d_theta,
-        };
-        (state, report, products)
-    }
-}
-
-/// True if the velocity at the end of a step is nearly that at its start with the other sign: of their sum less than
-/// half of the larger is left. Velocities that move the body by less than a millionth of its displacement do not count.
-fn is_reversed(start: &State, end: &State) -> bool {
-    let [before, after, product] = [[&start.w, &start.w], [&end.w, &end.w], [&start.w, &end.w]].map(|[a, b]| dot(a, b));
-    let moves = (end.t - start.t) * after.sqrt() > MOVES * dot(&end.u, &end.u).sqrt();
-    moves && product < 0.0 && before + 2.0 * product + after < 0.25 * before.max(after)
-}
-
 /// (4 c₀ − c₋₁)/3 of the parts of the displacement, which may not yet have been split one step before.
 fn mixed_parts(bodies: &Bodies, discrete: &Discretization, old: &State, earlier: &Earlier) -> Carried {
     if earlier.carried.rigid.is_empty() {
@@ -474,21 +400,6 @@ fn rule_of(problem: &Problem, now: &Instant) -> Rule {
 /// Krylov iterations of both half-steps so far.
 fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> usize {
     mechanics.into_iter().chain(heat).map(|half| half.system.iterations()).sum()
-}
-
-/// Γ_C in a step that starts from the state `old`, with updated pairs searched anew.
-fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
-    let of = |supports: Supports| discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, supports);
-    let updated = with_supports(&discrete.v, Some(&discrete.outside), of);
-    updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
-}
-
-/// The contacts of a problem with their laws at a time.
-fn contacts_at(problem: &Problem, t: f64) -> Cow<'_, [Contact]> {
-    if problem.contacts.iter().all(|contact| contact.at_time(t).is_none()) {
-        return Cow::Borrowed(&problem.contacts);
-    }
-    Cow::Owned(problem.contacts.iter().map(|contact| contact.at_time(t).unwrap_or_else(|| contact.clone())).collect())
 }
 
 impl Scheme for March {
@@ -509,10 +420,10 @@ impl Scheme for March {
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
-        let now = self.problem.timeline.instant(old.step + 1);
+        let now = self.problem.timeline.next(old.step, &old.pace, old.pace.level);
         self.pulse.begin_step();
         let before = self.problem.phase();
-        if self.problem.timeline.ends_phase(old.step) {
+        if self.problem.timeline.is_between(old.step, &old.pace) {
             self.enter(now.phase);
             self.drop_others(old, &now);
         }
@@ -566,31 +477,45 @@ impl March {
         let mut march = March::new(&still)?;
         march.pulse = self.pulse.clone();
         let start = initial::state(&still, &march.discrete, None)?;
-        let made = match march.attempt(&start, 1, 0.0, 0) {
-            Err(StepError::NotConverged { .. }) => march.with_patience(&start, 1, 0.0),
+        let first = still.timeline.instant(1);
+        let made = match march.attempt(&start, &first, 0.0, 0) {
+            Err(StepError::NotConverged { .. }) => march.with_patience(&start, &first, 0.0),
             made => made,
         };
         let found = made.map_err(|error| datum::named(&still, &start, error));
         found.map(|(state, _)| state).map_err(|source| SetupError::Equilibrium { source: Box::new(source) })
     }
 
+    /// What the next step of the length `k` in s adds to, if it adds to two states: that from which this one was made.
+    pub(super) fn before(&self, old: &State, now: &Instant, k: f64) -> Option<Earlier> {
+        let adds_to_both = rule_of(&self.problem, now).start == Start::TwoStates;
+        adds_to_both.then(|| Earlier::of(old, k))
+    }
+
     /// Makes a step with the conditions of its phase.
     fn made(&mut self, old: &State, now: &Instant) -> Result<(State, StepReport), StepError> {
         let old = &*self.begun(old, now);
-        let made = self.advance(old, now.n, now.t, 0);
+        let accuracy = self.problem.timeline.accuracy(now.phase);
+        let made = match accuracy {
+            Some(accuracy) => self.choose(old, accuracy),
+            None => self.advance(old, now, now.t, 0).map(|(mut state, report)| {
+                state.earlier = self.before(old, now, now.k);
+                state.pace = self.problem.timeline.after(&old.pace, now, 0);
+                (state, report)
+            }),
+        };
         let (mut state, report) = made.map_err(|error| datum::named(&self.problem, old, error))?;
-        if report.parts > 1 {
+        // A chosen step is made in two halves.
+        if report.parts > if accuracy.is_some() { 2 } else { 1 } {
             state.counts.halved_steps += 1;
         } else {
-            self.drop_others(old, now);
+            self.drop_others(old, &state.made(&self.problem.timeline));
         }
-        let adds_to_both = rule_of(&self.problem, now).start == Start::TwoStates;
-        state.earlier = adds_to_both.then(|| Earlier::of(old, now.k));
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         state.counts.contact_steps += usize::from(report.contact.states.iter().any(PointState::bears));
-        state.counts.reversed_steps += usize::from(is_reversed(old, &state));
+        state.counts.reversed_steps += usize::from(state.is_reversal_of(old));
         state.temperatures = extremes(old.temperatures, &state.theta);
-        if self.problem.timeline.ends_phase(now.n) {
+        if self.problem.timeline.is_between(state.step, &state.pace) {
             state.released = released(&self.problem, &self.discrete, &report, now);
         }
         Ok((state, report))

@@ -2,8 +2,10 @@
 
 mod alone;
 mod change;
+mod chosen;
 mod coupling;
 mod datum;
+mod end;
 mod initial;
 mod linearised;
 mod march;

@@ -2,6 +2,7 @@
 
 mod analysis;
 mod during;
+mod pace;
 mod phase;
 mod rule;
 mod scheme;
@@ -9,7 +10,8 @@ mod timeline;
 
 pub use analysis::Analysis;
 pub use during::During;
-pub use phase::TimePhase;
+pub use pace::{Budget, ChosenSteps, GAUGED, Pace, StepErrors};
+pub use phase::{Steps, TimePhase};
 pub use rule::{ContactRule, FrictionRule, PressureRule, Rule, Start};
 pub use scheme::TimeScheme;
 pub use timeline::{HALVINGS, Instant, Interval, Timeline};

@@ -3,16 +3,20 @@
 use std::sync::Arc;
 
 use super::analysis::Analysis;
-use super::phase::TimePhase;
+use super::pace::Pace;
+use super::phase::{DEEPEST, LONGEST, TimePhase, first_level};
 
 /// Difference of two step lengths, relative to one of them, that counts as round-off.
 const SAME: f64 = 4.0 * f64::EPSILON;
 /// Largest number of halvings of a step.
 pub const HALVINGS: u32 = 5;
 
-/// The instants of a run: phases, one after the other, each with equal steps.
+/// The instants of a run: phases, one after the other, each with equal steps or with steps that are chosen as the run
+/// goes on.
 ///
 /// All other modules take the start and length of a step from here, so that only this type knows which steps are equal.
+/// What a step number alone asks for is, in a run with chosen steps, that of equal ones, [`Steps::nominal`](super::Steps::nominal): for
+/// estimates before the run. [`Timeline::made`] and [`Timeline::next`] tell of the steps that are made.
 ///
 /// ```
 /// use amontons::time::{TimePhase, Timeline};
@@ -99,18 +103,40 @@ impl Interval {
 
 impl PhaseSpan {
     fn time(&self, n: usize) -> f64 {
-        let share = n.saturating_sub(self.first) as f64 / self.phase.steps as f64;
+        let share = n.saturating_sub(self.first) as f64 / self.steps() as f64;
         // The end is hit to the last bit.
-        if n == self.first + self.phase.steps { self.phase.end } else { self.start + self.length() * share }
+        if n == self.last() { self.phase.end } else { self.start + self.length() * share }
     }
 
     fn length(&self) -> f64 {
         self.phase.end - self.start
     }
 
+    fn steps(&self) -> usize {
+        self.phase.steps.nominal()
+    }
+
+    /// The number of the last step.
+    fn last(&self) -> usize {
+        self.first + self.steps()
+    }
+
+    fn is_automatic(&self) -> bool {
+        self.phase.steps.accuracy().is_some()
+    }
+
+    /// Time at a place of an automatic phase, s; the end to the last bit.
+    fn time_at(&self, at: u64) -> f64 {
+        if at >= 1 << DEEPEST {
+            self.phase.end
+        } else {
+            self.start + self.length() * (at as f64 / (1u64 << DEEPEST) as f64)
+        }
+    }
+
     /// Time at the end over the number of steps, whose round-off is that of the step length.
     fn mean(&self) -> f64 {
-        self.phase.end / self.phase.steps as f64
+        self.phase.end / self.steps() as f64
     }
 
     fn instant(&self, n: usize, phase: usize) -> Instant {
@@ -132,6 +158,12 @@ impl Timeline {
         Timeline::of(phases.collect(), self.has_phases)
     }
 
+    /// Steps to T, in s, that follow from an accuracy.
+    #[must_use]
+    pub fn automatic(end: f64, accuracy: f64) -> Timeline {
+        Timeline::of(vec![TimePhase::dynamic("", end, 1).automatic(accuracy)], false)
+    }
+
     /// Phases, one after the other. Steps of phases whose lengths differ by round-off have the same length to the bit,
     /// so that they share their systems.
     #[must_use]
@@ -142,14 +174,104 @@ impl Timeline {
     fn of(phases: Vec<TimePhase>, has_phases: bool) -> Timeline {
         let mut spans: Vec<PhaseSpan> = Vec::with_capacity(phases.len());
         for phase in phases {
-            let (start, first) = spans.last().map_or((0.0, 0), |span| (span.phase.end, span.first + span.phase.steps));
-            let k = (phase.end - start) / phase.steps as f64;
+            let (start, first) = spans.last().map_or((0.0, 0), |span| (span.phase.end, span.last()));
+            let k = (phase.end - start) / phase.steps.nominal() as f64;
             let mut span = PhaseSpan { phase, start, first, k };
-            let same = spans.iter().find(|other| (other.k - k).abs() <= SAME * other.mean().max(span.mean()));
+            let is_equal = |other: &&PhaseSpan| !other.is_automatic() && !span.is_automatic();
+            let same =
+                spans.iter().filter(is_equal).find(|other| (other.k - k).abs() <= SAME * other.mean().max(span.mean()));
             span.k = same.map_or(k, |other| other.k);
             spans.push(span);
         }
         Timeline { spans: spans.into(), has_phases }
+    }
+
+    /// True if the steps of a phase are chosen as the run goes on.
+    #[must_use]
+    pub fn is_automatic(&self) -> bool {
+        self.spans.iter().any(PhaseSpan::is_automatic)
+    }
+
+    /// The last step that was made before a place; at t = 0 that of number 0, with the length of the first one.
+    #[must_use]
+    pub fn made(&self, n: usize, pace: &Pace) -> Instant {
+        if !self.is_automatic() {
+            return Instant { n, t: self.time(n), ..self.instant(n.max(1)) };
+        }
+        let over = pace.ends.len();
+        let phase = if n > 0 && pace.ends.last() == Some(&n) { over - 1 } else { over };
+        let Some(span) = self.spans.get(phase) else { return self.instant(n) };
+        let t = if phase < over {
+            span.phase.end
+        } else if span.is_automatic() {
+            span.time_at(pace.at)
+        } else {
+            span.time(span.first + n - pace.ends.last().copied().unwrap_or(0))
+        };
+        let k = if n == 0 { span.k } else { pace.k };
+        Instant { n, t, k, phase, analysis: span.phase.analysis }
+    }
+
+    /// The step behind a place; in an automatic phase with 2^−level of it.
+    #[must_use]
+    pub fn next(&self, n: usize, pace: &Pace, level: u32) -> Instant {
+        let next = self.instant(n + 1);
+        if !self.is_automatic() {
+            return next;
+        }
+        let phase = pace.ends.len();
+        let Some(span) = self.spans.get(phase) else { return next };
+        if !span.is_automatic() {
+            let made = n - pace.ends.last().copied().unwrap_or(0);
+            return Instant { n: n + 1, ..span.instant(span.first + made + 1, phase) };
+        }
+        let k = span.length() / (1u64 << level) as f64;
+        Instant { n: n + 1, t: span.time_at(pace.behind(level)), k, phase, analysis: span.phase.analysis }
+    }
+
+    /// The place behind a step that was made, in an automatic phase with its level.
+    #[must_use]
+    pub fn after(&self, pace: &Pace, made: &Instant, level: u32) -> Pace {
+        let Some(span) = self.spans.get(made.phase).filter(|_| self.is_automatic()) else { return pace.clone() };
+        let at = if span.is_automatic() { pace.behind(level) } else { 0 };
+        let is_over = if span.is_automatic() {
+            at >= 1 << DEEPEST
+        } else {
+            made.n - pace.ends.last().copied().unwrap_or(0) >= span.steps()
+        };
+        let pace = Pace { k: made.k, at, level, ..pace.clone() };
+        if is_over { pace.at_end(made.n) } else { pace }
+    }
+
+    /// The accuracy of the steps of a phase, if they are chosen.
+    #[must_use]
+    pub fn accuracy(&self, phase: usize) -> Option<f64> {
+        self.spans.get(phase).and_then(|span| span.phase.steps.accuracy())
+    }
+
+    /// The level with which an automatic phase begins.
+    #[must_use]
+    pub fn first_level(accuracy: f64) -> u32 {
+        first_level(accuracy)
+    }
+
+    /// True if all steps were made.
+    #[must_use]
+    pub fn is_over(&self, n: usize, pace: &Pace) -> bool {
+        if self.is_automatic() { pace.ends.len() >= self.spans.len() } else { n >= self.steps() }
+    }
+
+    /// The last step of each phase that is over at a place; of a run of equal steps that of all phases. Empty in a run
+    /// without phases.
+    #[must_use]
+    pub fn ends_at(&self, pace: &Pace) -> Vec<usize> {
+        if self.is_automatic() && self.has_phases { pace.ends.clone() } else { self.phase_ends() }
+    }
+
+    /// True if a phase ends with the step before a place.
+    #[must_use]
+    pub fn is_between(&self, n: usize, pace: &Pace) -> bool {
+        if self.is_automatic() { n > 0 && pace.ends.last() == Some(&n) } else { self.ends_phase(n) }
     }
 
     /// The phases; one without a name if the run has none.
@@ -174,24 +296,30 @@ impl Timeline {
     /// True if a phase ends with step n.
     #[must_use]
     pub fn ends_phase(&self, n: usize) -> bool {
-        self.spans.iter().any(|span| n > 0 && n == span.first + span.phase.steps)
+        self.spans.iter().any(|span| n > 0 && n == span.last())
     }
 
     /// The last step of each phase; empty in a run without phases.
     #[must_use]
     pub fn phase_ends(&self) -> Vec<usize> {
         let spans: &[PhaseSpan] = if self.has_phases { &self.spans } else { &[] };
-        spans.iter().map(|span| span.first + span.phase.steps).collect()
+        spans.iter().map(|span| span.last()).collect()
     }
 
-    /// The share of the phase of step n that is left at a time: 1 at its start, 0 at its end.
-    pub(crate) fn left_of_phase(&self, n: usize, t: f64) -> f64 {
-        self.span(n).map_or(0.0, |(_, span)| (span.phase.end - t) / span.length())
+    /// The phase whose steps lead to a time, by its number; at t = 0 the first one.
+    #[must_use]
+    pub fn phase_at(&self, t: f64) -> usize {
+        self.spans.iter().position(|span| t <= span.phase.end).unwrap_or(self.spans.len().saturating_sub(1))
+    }
+
+    /// The share of its phase that is left at a time: 1 at its start, 0 at its end.
+    pub(crate) fn left_of_phase(&self, t: f64) -> f64 {
+        self.spans.get(self.phase_at(t)).map_or(0.0, |span| (span.phase.end - t) / span.length())
     }
 
     /// The phase of step n with its index. Steps after the end belong to the last one.
     fn span(&self, n: usize) -> Option<(usize, &PhaseSpan)> {
-        let is_in = |(_, span): &(usize, &PhaseSpan)| n <= span.first + span.phase.steps;
+        let is_in = |(_, span): &(usize, &PhaseSpan)| n <= span.last();
         self.spans.iter().enumerate().find(is_in).or_else(|| self.spans.iter().enumerate().next_back())
     }
 
@@ -201,10 +329,10 @@ impl Timeline {
         self.spans.last().map_or(0.0, |span| span.phase.end)
     }
 
-    /// Number N of steps.
+    /// Number N of steps; of automatic phases their nominal number.
     #[must_use]
     pub fn steps(&self) -> usize {
-        self.spans.last().map_or(0, |span| span.first + span.phase.steps)
+        self.spans.last().map_or(0, |span| span.last())
     }
 
     /// t_n in s, with the ends of all phases to the last bit.
@@ -229,7 +357,17 @@ impl Timeline {
     /// The last step of each phase from the given one on, whose `k` and `analysis` are those of all steps of the phase.
     pub fn ends_from(&self, phase: usize) -> impl Iterator<Item = Instant> {
         let spans = self.spans.iter().enumerate().skip(phase);
-        spans.map(|(phase, span)| span.instant(span.first + span.phase.steps, phase))
+        spans.map(|(phase, span)| span.instant(span.last(), phase))
+    }
+
+    /// Steps with all lengths and analyses that a run may need after this step: of phases with equal steps from the
+    /// present one on, and in an automatic phase twice this length, this length, half and a quarter of it.
+    #[must_use]
+    pub fn needed_after(&self, now: &Instant) -> Vec<Instant> {
+        let is_chosen = |phase: usize| self.accuracy(phase).is_some();
+        let equal = self.ends_from(now.phase).filter(|end| !is_chosen(end.phase));
+        let near = [2.0, 1.0, 0.5, 0.25].map(|times| Instant { k: now.k * times, ..*now });
+        equal.chain(near.into_iter().filter(|near| is_chosen(near.phase))).collect()
     }
 
     /// Length of the longest step, s.
@@ -238,11 +376,16 @@ impl Timeline {
         self.spans.iter().map(|span| span.k).reduce(f64::max).unwrap_or(0.0)
     }
 
-    /// The last step of a phase with the longest steps, for each analysis of the run in the order of the phases.
+    /// The last step of a phase with the longest steps, for each analysis of the run in the order of the phases; of a
+    /// phase with chosen steps the longest one that may be chosen.
     #[must_use]
     pub fn longest_steps(&self) -> Vec<Instant> {
         let mut all: Vec<Instant> = Vec::new();
-        for end in self.ends_from(0) {
+        for (span, mut end) in self.spans.iter().zip(self.ends_from(0)) {
+            if span.is_automatic() {
+                // Chosen steps are made in halves.
+                end.k = span.length() / f64::from(1u32 << (LONGEST + 1));
+            }
             match all.iter_mut().find(|other| other.analysis == end.analysis) {
                 Some(other) if end.k > other.k => *other = end,
                 Some(_) => {}
@@ -252,7 +395,8 @@ impl Timeline {
         all
     }
 
-    /// Number of step lengths with their analyses, each of which has its own systems.
+    /// Number of step lengths with their analyses, each of which has its own systems; a phase with chosen steps counts
+    /// as one.
     #[must_use]
     pub fn lengths(&self) -> usize {
         let mut all: Vec<(u64, Analysis)> = self.ends_from(0).map(|end| (end.k.to_bits(), end.analysis)).collect();
@@ -282,13 +426,13 @@ impl Timeline {
     /// True if all steps have one length.
     #[must_use]
     pub fn is_equal(&self) -> bool {
-        self.spans.iter().all(|span| is_same(span.k, self.longest()))
+        !self.is_automatic() && self.spans.iter().all(|span| is_same(span.k, self.longest()))
     }
 
     /// The timeline with each step divided into `parts` equal steps.
     #[must_use]
     pub fn refined(&self, parts: usize) -> Timeline {
-        let phases = self.phases().map(|phase| TimePhase { steps: phase.steps * parts, ..phase.clone() });
+        let phases = self.phases().map(|phase| TimePhase { steps: phase.steps.refined(parts), ..phase.clone() });
         Timeline::of(phases.collect(), self.has_phases)
     }
 
@@ -298,7 +442,8 @@ impl Timeline {
     pub fn parts_of(&self, coarse: &Timeline) -> Option<usize> {
         let parts = self.steps().checked_div(coarse.steps()).filter(|parts| *parts > 0)?;
         let is_nested = |(fine, coarse): (&PhaseSpan, &PhaseSpan)| {
-            fine.phase.steps == parts * coarse.phase.steps && is_same(fine.phase.end, coarse.phase.end)
+            let are_equal = !fine.is_automatic() && !coarse.is_automatic();
+            are_equal && fine.steps() == parts * coarse.steps() && is_same(fine.phase.end, coarse.phase.end)
         };
         let same = self.spans.len() == coarse.spans.len() && self.spans.iter().zip(&*coarse.spans).all(is_nested);
         same.then_some(parts)
@@ -310,8 +455,8 @@ impl Timeline {
     pub fn spread(&self, most: usize) -> Vec<f64> {
         let share = (most / self.spans.len().max(1)).max(1);
         let of = |span: &PhaseSpan| {
-            let every = span.phase.steps.div_ceil(share).max(1);
-            let (from, to) = (span.first, span.first + span.phase.steps);
+            let every = span.steps().div_ceil(share).max(1);
+            let (from, to) = (span.first, span.last());
             (from..to).step_by(every).collect::<Vec<usize>>()
         };
         self.spans.iter().flat_map(of).chain([self.steps()]).map(|n| self.time(n)).collect()
@@ -320,15 +465,29 @@ impl Timeline {
     /// The length of a step, or of a step halved a few times, that is `k` to round-off, or `k` if none is.
     #[must_use]
     pub fn snapped(&self, k: f64) -> f64 {
+        // Lengths of automatic phases are kept to the bit, and one of them may lie beside that of another phase.
+        if self.is_automatic() {
+            return k;
+        }
         let halves =
             |span: &PhaseSpan| (0..=HALVINGS).map(|halvings| span.k / f64::from(1u32 << halvings)).collect::<Vec<_>>();
         self.spans.iter().flat_map(halves).find(|own| is_same(*own, k)).unwrap_or(k)
     }
 
-    /// Returns true if step n has this length, to round-off.
+    /// The length that the last step before a place has here, if it is another than `k` by more than round-off.
     #[must_use]
-    pub fn has_length(&self, n: usize, k: f64) -> bool {
-        is_same(self.instant(n).k, k)
+    pub fn other_length(&self, n: usize, pace: &Pace, k: f64) -> Option<f64> {
+        let chosen = |span: &&PhaseSpan| n > 0 && span.is_automatic();
+        let own = match self.spans.get(self.made(n, pace).phase) {
+            Some(span) if self.is_automatic() => {
+                // The level of the last step is not kept: any length of the phase will do.
+                let lengths = (0..=DEEPEST).map(|level| span.length() / (1u64 << level) as f64);
+                let found = Some(span).filter(chosen).and_then(|_| lengths.into_iter().find(|own| is_same(*own, k)));
+                found.unwrap_or(span.k)
+            }
+            _ => self.instant(n.max(1)).k,
+        };
+        (!is_same(own, k)).then_some(own)
     }
 }
 

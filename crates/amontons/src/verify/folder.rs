@@ -107,8 +107,8 @@ impl Recomputed {
         if output::sha256(case.fingerprint()) != inspection.input_sha256 {
             self.faults.push("case.toml or a file in inputs is not what the run was made with".to_owned());
         }
-        let summary = self.summary(folder, problem.timeline.steps(), inspection);
-        let phases = PhaseForms::of(problem);
+        let summary = self.summary(folder, problem, inspection);
+        let mut phases = RunForms::of(problem);
         let checkpoint = match Checkpoint::read(folder, &case.identity()) {
             Ok(checkpoint) => checkpoint,
             Err(error) => {
@@ -117,7 +117,8 @@ impl Recomputed {
             }
         };
         let checkpoint = checkpoint.filter(|checkpoint| {
-            let fits = at(&phases, checkpoint.state.step).map_or(Ok(()), |of| checkpoint.check(&of.forms, problem));
+            phases.ends = problem.timeline.ends_at(&checkpoint.state.pace);
+            let fits = phases.at(checkpoint.state.step).map_or(Ok(()), |of| checkpoint.check(&of.forms, problem));
             fits.as_ref().err().into_iter().for_each(|error| self.faults.push(error.to_string()));
             fits.is_ok() && Some(checkpoint.state.step) == inspection.ended
         });
@@ -133,7 +134,7 @@ impl Recomputed {
     }
 
     /// The summary of a successfully finished run.
-    fn summary(&mut self, folder: &Path, steps: usize, inspection: &Inspection) -> Option<Value> {
+    fn summary(&mut self, folder: &Path, problem: &Problem, inspection: &Inspection) -> Option<Value> {
         let Some(ended) = inspection.ended else {
             self.faults.push(format!("the run has not ended; go on with: amontons resume {}", folder.display()));
             return None;
@@ -150,8 +151,14 @@ impl Recomputed {
                 return None;
             }
         };
+        let (steps, end) = (problem.timeline.steps(), problem.timeline.end());
+        // The number of steps that are chosen is not known before: they end where the run does.
+        let is_over = match problem.timeline.is_automatic() {
+            true => summary["time"].as_f64().is_some_and(|time| (time - end).abs() <= ROUND_OFF * end),
+            false => ended == steps,
+        };
         match summary["outcome"].as_str() {
-            Some("done") if ended == steps => {}
+            Some("done") if is_over => {}
             outcome => self.faults.push(format!(
                 "the run is {}: {ended} of {steps} steps are made",
                 outcome.unwrap_or("without an outcome")
@@ -167,22 +174,27 @@ struct PhaseForms {
     forms: Discretization,
 }
 
-impl PhaseForms {
-    /// Those of each phase, or one if conditions do not change.
-    fn of(problem: &Problem) -> Vec<PhaseForms> {
+/// The problems and forms of all phases, or one if conditions do not change, with the last steps of the phases.
+struct RunForms {
+    phases: Vec<PhaseForms>,
+    ends: Vec<usize>,
+}
+
+impl RunForms {
+    fn of(problem: &Problem) -> RunForms {
         let phases = if problem.changes_conditions_of_run() { problem.timeline.phases().len() } else { 1 };
         let of = |phase: usize| {
             let problem = problem.in_phase(phase);
             PhaseForms { forms: Discretization::new(&problem), problem }
         };
-        (0..phases).map(of).collect()
+        RunForms { phases: (0..phases).map(of).collect(), ends: problem.timeline.phase_ends() }
     }
-}
 
-/// The problem in the phase of a step.
-fn at(phases: &[PhaseForms], step: usize) -> Option<&PhaseForms> {
-    let phase = phases.first()?.problem.timeline.instant(step).phase;
-    phases.get(phase).or_else(|| phases.first())
+    /// Those of the phase of a step.
+    fn at(&self, step: usize) -> Option<&PhaseForms> {
+        let phase = self.ends.iter().filter(|end| **end < step).count();
+        self.phases.get(phase).or_else(|| self.phases.first())
+    }
 }
 
 /// The files of a run.
@@ -190,7 +202,7 @@ struct ResultFiles<'a> {
     folder: &'a Path,
     case: &'a Case,
     /// The problem with the conditions of each phase; one if they do not change.
-    phases: &'a [PhaseForms],
+    phases: &'a RunForms,
     inspection: &'a Inspection,
 }
 
@@ -214,9 +226,11 @@ impl ResultFiles<'_> {
         };
         let (steps, times) = (table.column("step"), table.column("t"));
         let problem = &self.case.problem;
+        let is_chosen = problem.timeline.is_automatic();
         let in_order = steps.iter().zip(&times).enumerate().filter(|(i, (step, t))| {
-            (**step - (*i + 1) as f64).abs() < 0.5
-                && (**t - problem.timeline.time(*i + 1)).abs() <= ROUND_OFF * problem.timeline.end()
+            let before = i.checked_sub(1).map_or(0.0, |before| times[before]);
+            let is_at = (**t - problem.timeline.time(*i + 1)).abs() <= ROUND_OFF * problem.timeline.end();
+            (**step - (*i + 1) as f64).abs() < 0.5 && if is_chosen { **t > before } else { is_at }
         });
         let ended = self.inspection.ended.unwrap_or(table.rows.len()) as f64;
         found.compare(self.name(), "rows of history.csv in order", in_order.count() as f64, ended);
@@ -233,7 +247,7 @@ impl ResultFiles<'_> {
             let file = stored.name(step);
             match Fields::read(&stored, step, &self.case.problem) {
                 Ok(fields) => {
-                    if let Some(PhaseForms { problem, forms }) = at(self.phases, step) {
+                    if let Some(PhaseForms { problem, forms }) = self.phases.at(step) {
                         fields.differences(forms, problem, &mut differences);
                     }
                 }
@@ -252,7 +266,7 @@ impl ResultFiles<'_> {
                 }
             }
             if let Ok(fields) = Fields::read(&stored, step, &self.case.problem)
-                && let Some(PhaseForms { problem, forms }) = at(self.phases, step)
+                && let Some(PhaseForms { problem, forms }) = self.phases.at(step)
             {
                 fields.energies(forms, problem, (history, row), &mut differences);
             }
@@ -270,7 +284,7 @@ impl ResultFiles<'_> {
         summary: Option<&Value>,
         found: &mut Recomputed,
     ) {
-        let Some(PhaseForms { problem, forms }) = at(self.phases, checkpoint.state.step) else { return };
+        let Some(PhaseForms { problem, forms }) = self.phases.at(checkpoint.state.step) else { return };
         let name = self.name();
         let mut state = checkpoint.state.clone();
         let stored = StoredFields::of(self.folder);
@@ -351,7 +365,7 @@ impl ResultFiles<'_> {
             let computed = match check {
                 Check::History { column, time, take, .. } => history.and_then(|h| h.take(column, *time, *take)),
                 Check::Probe { probe, time, .. } => checkpoint.and_then(|end| {
-                    let PhaseForms { problem, forms } = at(self.phases, end.state.step)?;
+                    let PhaseForms { problem, forms } = self.phases.at(end.state.step)?;
                     let now = Snapshot {
                         problem,
                         discretization: forms,

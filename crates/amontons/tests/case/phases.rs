@@ -57,6 +57,18 @@ spoiled! {
         "bar.toml:17:1: phase[1].steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps of the phase)";
     steps_too_short: "end = 1.0" => "end = 1e-320"
         "bar.toml:14:7: phase[0].end: found steps of 2.5e-321 s, expected a step length that is a normal number";
+    steps_of_another_word: "steps = 10" => "steps = \"automatic\""
+        "bar.toml:20:9: phase[1].steps: found \"automatic\", expected \"auto\"";
+    auto_without_accuracy: "steps = 10" => "steps = \"auto\""
+        "bar.toml:20:9: phase[1].steps: found \"auto\" without an accuracy, expected `accuracy` beside it, above 0 and at most 0.1; add `accuracy = 1e-3` to phase[1], or give a number of equal steps";
+    accuracy_of_equal_steps: "steps = 10" => "steps = 10\naccuracy = 1e-3"
+        "bar.toml:21:12: phase[1].accuracy: found 0.001 beside equal steps, expected no such key; remove it, or write steps = \"auto\": equal steps have no accuracy to keep";
+    accuracy_of_no_phase: "[material]" => "[time]\naccuracy = 1e-3\n[material]"
+        "bar.toml:7:12: time.accuracy: found 0.001 beside no phase with steps = \"auto\", expected no such key; remove it, or write steps = \"auto\": equal steps have no accuracy to keep";
+    accuracy_of_nothing: "steps = 10" => "steps = \"auto\"\naccuracy = 0"
+        "bar.toml:21:12: phase[1].accuracy: found 0, expected a number > 0 and ≤ 0.1 (accuracy of steps that are \"auto\", if it is another than that of `[time]`)";
+    accuracy_too_coarse: "steps = 10" => "steps = \"auto\"\naccuracy = 0.2"
+        "bar.toml:21:12: phase[1].accuracy: found 0.2, expected a number > 0 and ≤ 0.1 (accuracy of steps that are \"auto\", if it is another than that of `[time]`)";
     an_analysis_that_is_unknown: "\"quasistatic\"" => "\"quasi-static\""
         "bar.toml:16:12: phase[0].analysis: found \"quasi-static\", expected \"dynamic\", \"quasistatic\" or \"steady\" (what of the equations acts in the phase); did you mean \"quasistatic\"?";
     inertia_left_out_twice: "[material]" => "[time]\ninertia = false\n[material]"
@@ -67,6 +79,23 @@ spoiled! {
         "--set phase.brake.steps=3: phase.brake.steps: found the key `brake` in an array, expected an index from 0 to 1, or a name: `press`, `spin`";
     no_time_and_no_phase: "[[phase]]\nname = \"press\"\nend = 1.0\nsteps = 4\nanalysis = \"quasistatic\"\n[[phase]]\nname = \"spin\"\nend = 3.0\nsteps = 10\n" => ""
         "bar.toml: time: found no such key, expected a table (the time interval (0, end) and its steps)";
+}
+
+#[test]
+fn steps_and_accuracy_are_set() {
+    let timeline = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|set| (*set).to_owned()).collect();
+        let case = case::parse(&Source::new("bar.toml", BAR), &overrides).unwrap_or_else(|error| panic!("{error}"));
+        case.problem.timeline.clone()
+    };
+    let set = timeline(&[
+        "time.accuracy=1e-4",
+        "phase.press.steps=auto",
+        "phase.spin.steps=auto",
+        "phase.spin.accuracy=0.01",
+    ]);
+    let press = TimePhase::quasistatic("press", 1.0, 1).automatic(1e-4);
+    assert_eq!(set, Timeline::in_phases(vec![press, TimePhase::dynamic("spin", 3.0, 1).automatic(0.01)]));
 }
 
 #[test]

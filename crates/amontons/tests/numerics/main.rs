@@ -9,6 +9,7 @@ mod common;
 mod backends;
 mod bar;
 mod bdf2;
+mod chosen;
 mod condensed;
 mod conditions;
 mod convergence;

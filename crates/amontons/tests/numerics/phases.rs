@@ -229,7 +229,8 @@ fn a_study_refines_each_phase_by_the_same_factor() {
     let reference = ReferenceRequest::Level(1664);
     let request = StudyRequest { vary: Vary::Time, levels: vec![104, 208], reference, power: 1 };
     let study = case::study(&source, &[], &request).unwrap_or_else(|error| panic!("{error}"));
-    let steps = |level: &StudyLevel| level.problem.timeline.phases().map(|phase| phase.steps).collect::<Vec<_>>();
+    let steps =
+        |level: &StudyLevel| level.problem.timeline.phases().map(|phase| phase.steps.nominal()).collect::<Vec<_>>();
     assert_eq!(study.levels.iter().map(steps).collect::<Vec<_>>(), [[4, 100], [8, 200]]);
     let table = study.run(&StudySettings::default()).unwrap_or_else(|error| panic!("{error}"));
     let order = table.rows[1].order.expect("an order");

@@ -33,7 +33,7 @@ pub(in crate::case) use material::{
 };
 pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh, Turn};
 pub(in crate::case) use obstacle::{Geometry, Obstacle, ObstacleLoad, Turning};
-pub(in crate::case) use phase::{PhaseAnalysis, RunPhase};
+pub(in crate::case) use phase::{PhaseAnalysis, RunPhase, StepNumber};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use rigid::Rigid;
 pub(in crate::case) use side::{Locus, Side};
@@ -139,13 +139,17 @@ pub(in crate::case) struct Time {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-required-without-phases" = true))]
     pub end: Option<f64>,
-    /// Number of equal time steps.
+    /// Number of equal time steps, or "auto" for steps that follow from `accuracy`.
     ///
     /// In a steady run 1 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 1_000_000_000))]
     #[schemars(extend("x-required-without-phases" = true, "x-required-unless-steady" = true))]
-    pub steps: Option<usize>,
+    pub steps: Option<StepNumber>,
+    /// Accuracy of steps that are "auto": their errors over a phase, relative to the largest norm of the solution, such
+    /// as 1e-3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 0.1))]
+    pub accuracy: Option<f64>,
     /// What of the equations acts in a run without phases: `"dynamic"`, the default, `"quasistatic"` or `"steady"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub analysis: Option<PhaseAnalysis>,
@@ -181,6 +185,7 @@ impl Default for Time {
             end: None,
             steps: None,
             analysis: None,
+            accuracy: None,
             inertia: true,
             scheme: TimeScheme::default(),
             theta: None,

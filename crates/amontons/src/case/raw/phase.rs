@@ -15,15 +15,38 @@ pub(in crate::case) struct RunPhase {
     /// Time at the end of the phase in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end: f64,
-    /// Number of equal time steps of the phase.
+    /// Number of equal time steps of the phase, or "auto" for steps that follow from the accuracy.
     ///
     /// In a steady phase 1 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 1_000_000_000), extend("x-required-unless-steady" = true))]
-    pub steps: Option<usize>,
+    #[schemars(extend("x-required-unless-steady" = true))]
+    pub steps: Option<StepNumber>,
+    /// Accuracy of steps that are "auto", if it is another than that of `[time]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 0.1))]
+    pub accuracy: Option<f64>,
     /// What of the equations acts in the phase.
     #[serde(default)]
     pub analysis: PhaseAnalysis,
+}
+
+/// Number of time steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "an integer ≥ 1 and ≤ 1000000000, or \"auto\"")]
+pub(in crate::case) enum StepNumber {
+    /// So many equal steps.
+    Equal(#[schemars(range(min = 1, max = 1_000_000_000))] usize),
+    /// Steps that follow from the accuracy.
+    Chosen(ChosenByProgram),
+}
+
+/// Said of what the program chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum ChosenByProgram {
+    /// The program chooses.
+    Auto,
 }
 
 /// What of the equations acts in a phase.

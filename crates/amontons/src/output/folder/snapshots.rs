@@ -5,7 +5,9 @@ use std::io::Write;
 use std::path::Path;
 
 use super::super::columns::{contact_measures, contact_rows};
+use super::super::files::LONGEST;
 use super::super::files::{WrittenFile, create_folder, remove_empty_folder, remove_file, write_atomically};
+use super::super::names::HISTORY;
 use super::super::names::{
     CONTACT_FOLDER, FIELDS, FIELDS_FOLDER, PACKED, SIDES, contact_file, fields_file, sides_file,
 };
@@ -13,6 +15,7 @@ use super::super::packed::{self, FieldsFormat, Packed};
 use super::super::vtu::{write_collection, write_fields};
 use super::super::{OutputError, Snapshot, StressRecovery, owned, surface};
 use super::Folder;
+use crate::machine;
 use crate::problem::Problem;
 
 /// True if a snapshot is due at a step: every so many steps, and at the end of each phase.
@@ -92,6 +95,8 @@ impl Folder {
             |name: &str| [FIELDS_FOLDER, CONTACT_FOLDER].iter().any(|folder| name.starts_with(&format!("{folder}/")));
         // The packed file is removed when the manifest lists its snapshots.
         self.manifest.retain(|name| !snapshot(name) && name != PACKED);
+        let times = self.times(problem)?;
+        let time = |n: usize| times.get(n).copied().unwrap_or_else(|| problem.timeline.time(n));
         for (n, name) in owned::snapshots(&self.path) {
             let path = self.path.join(&name);
             let is_unpacked = name == fields_file(n) && unpacked.contains(&n);
@@ -105,9 +110,9 @@ impl Folder {
             };
             self.manifest.list(&name, Some(written));
             if name == fields_file(n) {
-                self.snapshots.push((n, problem.timeline.time(n)));
+                self.snapshots.push((n, time(n)));
             } else if name == sides_file(n) {
-                self.surfaces.push((problem.timeline.time(n), name));
+                self.surfaces.push((time(n), name));
             }
         }
         let due = (0..=step).filter(|&n| is_due(every, &ends, n) && passing != Some(n));
@@ -117,6 +122,19 @@ impl Folder {
             self.manifest.list(&name, None);
         }
         self.write_collections()
+    }
+
+    /// The times of the steps in `history.csv`, t = 0 first, if the steps are chosen; else none.
+    fn times(&self, problem: &Problem) -> Result<Vec<f64>, OutputError> {
+        if !problem.timeline.is_automatic() {
+            return Ok(Vec::new());
+        }
+        let path = self.path.join(HISTORY);
+        let text = machine::read_text(&path, LONGEST).map_err(OutputError::io("read", &path))?;
+        let mut rows = text.lines().map(|line| line.split(','));
+        let column = rows.next().and_then(|mut names| names.position(|name| name == "t")).unwrap_or(0);
+        let times = rows.map_while(|mut row| row.nth(column)?.parse().ok());
+        Ok(std::iter::once(0.0).chain(times).collect())
     }
 
     /// Packs the snapshots of a finished run if requested. Snapshots that do not form one series stay, with a note.

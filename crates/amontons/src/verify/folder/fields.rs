@@ -11,6 +11,7 @@ use crate::output::{PointValues, StoredFields, cell_values, columns};
 use crate::problem::Problem;
 use crate::state::{Accumulated, Carried, Counts, Ledger, State};
 use crate::tensor::Sym;
+use crate::time::Pace;
 use crate::vtu::{Array, Grid};
 
 /// The fields of a snapshot.
@@ -88,6 +89,8 @@ impl Fields {
             counts: Counts::default(),
             temperatures: [0.0; 2],
             released: Vec::new(),
+            pace: Pace::default(),
+            coarse: None,
         }
     }
 
