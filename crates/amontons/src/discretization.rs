@@ -270,6 +270,15 @@ impl Discretization {
         matrix
     }
 
+    /// ρM/k, by which a change of the velocity within a length of time k acts.
+    #[must_use]
+    pub fn inertia_matrix(&self, k: f64) -> BlockMatrix {
+        let (rho, inertia) = self.inertia();
+        let mut matrix = BlockMatrix::zero(self.b.graph(), self.mesh.dim, self.mesh.dim);
+        matrix.add_scaled(rho / k, inertia);
+        matrix
+    }
+
     /// Laws of the body at the nodal temperatures θ.
     #[must_use]
     pub fn warmed<'a>(&self, theta: &'a [f64]) -> Warmed<'a> {

@@ -106,6 +106,7 @@ impl Energy {
         let kinetic = 0.5 * rho * kinetic;
         let of_inertia = match step.rule.start {
             Start::State => (step.rule.level - 0.5) * rho * inertial,
+            Start::Admissible => rho * inertial,
             Start::TwoStates => k / step.rule.delta * rho * inertial - (kinetic - old.ledger.kinetic),
         };
         Energy {
@@ -245,7 +246,7 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let mut sum = if discrete.is_linear() {
         let (elastic, strained) = (0.5 * m.end.powers.elastic, m.end.powers.strained);
         let scheme = match step.rule.start {
-            Start::State => (step.rule.level - 0.5) * strained,
+            Start::State | Start::Admissible => (step.rule.level - 0.5) * strained,
             Start::TwoStates => step.rule.k * strained - (elastic - before(step)),
         };
         Stored { elastic, relaxed: 0.0, scheme, modulus: 0.0 }
@@ -274,7 +275,7 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
 /// The displacement along which the stress of a step works: its change, or k w of a step that adds to two states.
 fn moved(step: &Step, m: &Mechanics, end: &[f64]) -> Vec<f64> {
     match step.rule.start {
-        Start::State => difference(end, &step.old.u),
+        Start::State | Start::Admissible => difference(end, &step.old.u),
         Start::TwoStates => m.moving().iter().map(|w| step.rule.k * w).collect(),
     }
 }
@@ -300,7 +301,7 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
     let [to, elastic] = [energy(&end, &m.theta)?, energy(&end, theta)?];
     let from = if m.theta == old.theta { before(step) } else { energy(&old.u, &m.theta)? };
     let change = moved(step, m, &end);
-    let scheme = if discrete.is_linearly_elastic() && step.rule.start == Start::State {
+    let scheme = if discrete.is_linearly_elastic() && step.rule.is_of_one_step() {
         (step.rule.level - 0.5) * dot(&change, &discrete.apply_a(&change, &m.theta))
     } else {
         dot(&change, &m.end.at.a_u) - (to - from)

@@ -168,6 +168,7 @@ fn time_scheme(raw: &raw::Time) -> TimeScheme {
     match raw.scheme {
         raw::TimeScheme::Euler => TimeScheme::BackwardEuler,
         raw::TimeScheme::Bdf2 => TimeScheme::Bdf2,
+        raw::TimeScheme::ContactStabilised => TimeScheme::ContactStabilised,
         raw::TimeScheme::Theta => {
             let contact = ContactRule {
                 restitution: raw.restitution.unwrap_or(0.0),

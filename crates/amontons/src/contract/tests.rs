@@ -25,6 +25,7 @@ fn every_scheme_keeps_its_contract() {
     assert_scheme(March::make, TimeScheme::theta(0.6), 1.0);
     assert_scheme(March::make, TimeScheme::theta(0.5), 2.0);
     assert_scheme(March::make, TimeScheme::Bdf2, 2.0);
+    assert_scheme(March::make, TimeScheme::ContactStabilised, 2.0);
 }
 
 /// Backward Euler is not of second order.

@@ -223,7 +223,7 @@ pub enum SetupError {
     /// A system could not be factorized.
     #[error("the system of the {part} step: {source}")]
     Factor {
-        /// `mechanical` or `heat`.
+        /// `mechanical`, `heat`, or the inertia of the first.
         part: &'static str,
         /// Error of the factorization.
         source: SolveError,

@@ -249,7 +249,7 @@ impl Begun {
         let scheme = match step.rule.start {
             // On the way to a steady state heat is stored in no time.
             Start::State if step.rule.is_steady() => start - stored,
-            Start::State => 0.0,
+            Start::State | Start::Admissible => 0.0,
             Start::TwoStates => {
                 k / step.rule.delta * (stored - step.bar.mass_theta.iter().sum::<f64>()) - (stored - start)
             }

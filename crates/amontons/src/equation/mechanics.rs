@@ -17,7 +17,6 @@ use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, Point
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::state::{Rigid, State};
 use crate::tensor::Point;
-use crate::time::Start;
 
 /// A solved mechanical half-step.
 pub(crate) struct Mechanics {
@@ -571,7 +570,7 @@ fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
     let now = if step.apart.is_some() {
         let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
         Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
-    } else if discrete.is_linear() && !changes && rule.start == Start::State {
+    } else if discrete.is_linear() && !changes && rule.is_of_one_step() {
         // a(ū + γ w̄, ·) is obtained without another product.
         let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + rule.gamma * a_w));
         let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));

@@ -14,6 +14,7 @@ mod memory;
 mod mixing;
 mod onset;
 pub(crate) mod power;
+pub(crate) mod predictor;
 pub(crate) mod system;
 pub(crate) mod systems;
 

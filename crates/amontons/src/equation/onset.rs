@@ -13,9 +13,9 @@ use crate::time::{ContactRule, FrictionRule};
 const TOUCHES: [f64; 2] = [1e-9, 1e-12];
 
 impl Step<'_> {
-    /// How the points start into the step; empty if the laws of contact hold at its end.
+    /// How the points start into the step; empty if it has no law of impact.
     pub fn onsets(&self, frames: &[Frame]) -> Vec<Onset> {
-        let Some(rule) = self.rule.contact else { return Vec::new() };
+        let Some(rule) = self.rule.contact.filter(|_| self.rule.has_impacts()) else { return Vec::new() };
         let touches =
             if self.contacts.iter().any(|contact| contact.normal.is_rigid()) { self.touches(frames) } else { 0.0 };
         let points = self.boundary.points.iter().zip(frames).enumerate();

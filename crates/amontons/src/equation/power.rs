@@ -8,7 +8,7 @@ use crate::time::Start;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Powers {
     /// w·M w at the end of the step, and the same product of the change of w in the step; of a step that adds to two
-    /// states w·M (w − w̄).
+    /// states w·M (w − w̄), of one from an admissible velocity (w₁ − w₀)·M (w̄ − w₀).
     pub kinetic: f64,
     pub inertial: f64,
     /// b(w, w).
@@ -41,7 +41,7 @@ impl Powers {
     pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
         let Step { discrete, old, products, bar, rule, .. } = *step;
         let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;
-        let is_of_one_step = rule.start == Start::State;
+        let is_of_one_step = rule.is_of_one_step();
         let before: [&[f64]; 2] = if is_of_one_step { [&old.w, &products.mass_w] } else { [bar.w, bar.mass_w] };
         let [w_old, mass_old] = before.map(|v| &v[first..first + w.len()]);
         let [kinetic, inertial, viscous, thermal, load] =
@@ -51,6 +51,10 @@ impl Powers {
                 let change = if is_of_one_step { w_end - w_old } else { w } * (mass_end - mass_old);
                 [w_end * mass_end, change, v * b_w, v * thermal, w * load]
             });
+        let [kinetic, inertial] = match rule.start {
+            Start::State | Start::TwoStates => [kinetic, inertial],
+            Start::Admissible => Powers::from_admissible(step, first, [w, mass_w]),
+        };
         let [elastic, strained] = if !is_of_one_step {
             sum_block([u, v, a_u], |[u, v, a_u]| [u * a_u, v * a_u])
         } else if discrete.is_linear() {
@@ -63,6 +67,17 @@ impl Powers {
             [0.0; 2]
         };
         [kinetic, inertial, viscous, thermal, load, elastic, strained]
+    }
+
+    /// w₁·M w₁ and (w₁ − w₀)·M (w̄ − w₀) over a block, of a step from an admissible velocity w̄.
+    fn from_admissible(step: &Step, first: usize, [w, mass_w]: [&[f64]; 2]) -> [f64; 2] {
+        let Step { old, products, bar, rule, .. } = *step;
+        let before = [&old.w, &products.mass_w, bar.w, bar.mass_w].map(|v| &v[first..first + w.len()]);
+        let [w_old, mass_old, w_bar, mass_bar] = before;
+        sum_block([w, mass_w, w_old, mass_old, w_bar, mass_bar], |[w, mass_w, w_old, mass_old, w_bar, mass_bar]| {
+            let w_end = rule.end_velocity([w_old, w_bar, w]);
+            [w_end * rule.end_velocity([mass_old, mass_bar, mass_w]), (w_end - w_old) * (mass_bar - mass_old)]
+        })
     }
 
     pub fn new([kinetic, inertial, viscous, thermal, load, elastic, strained]: [f64; 7]) -> Powers {

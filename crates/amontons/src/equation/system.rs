@@ -169,7 +169,7 @@ impl Step<'_> {
     /// The times of the step.
     pub fn interval(&self) -> Interval {
         let before = match self.rule.start {
-            Start::State => None,
+            Start::State | Start::Admissible => None,
             Start::TwoStates => Some(self.old.t - self.rule.k),
         };
         let within = if self.rule.is_steady() { self.rule.span } else { self.t - self.old.t };
@@ -230,6 +230,16 @@ impl Step<'_> {
             return at_level;
         }
         start.iter().zip(&at_level).map(|(start, at)| self.rule.end([*start, *at])).collect()
+    }
+
+    /// The velocity at the end of the step by that at the time of the equations.
+    pub fn end_velocity(&self, mut at_level: Vec<f64>) -> Vec<f64> {
+        if self.rule.start != Start::Admissible {
+            return self.end(&self.old.w, at_level);
+        }
+        let before = self.old.w.iter().zip(self.bar.w);
+        at_level.iter_mut().zip(before).for_each(|(w, (start, bar))| *w = self.rule.end_velocity([*start, *bar, *w]));
+        at_level
     }
 
     /// Returns an error if a value is not finite.

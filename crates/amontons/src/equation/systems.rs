@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::predictor;
 use super::system::HalfStep;
 use crate::discretization::Discretization;
 use crate::inclusion::Loose;
@@ -20,6 +21,8 @@ pub(crate) struct Systems {
     pub rule: Rule,
     pub mechanics: Option<HalfStep>,
     pub heat: Option<HalfStep>,
+    /// M/k, if steps start from an admissible velocity.
+    pub predictor: Option<HalfStep>,
     /// Rigid motions of the parts that are supported by contact only.
     pub loose: Arc<Loose>,
 }
@@ -53,6 +56,13 @@ impl Systems {
             || physics.has_heat().then(heat).transpose(),
         );
         let mechanics = mechanics.map_err(|source| ("mechanical", source))?;
+        let predictor = mechanics.as_ref().filter(|_| predictor::acts(problem, &rule)).map(|mechanics| {
+            // A resumed run knows the solver of the mechanical half-step, so the predictor has the same.
+            let known: Vec<Decided> = decided(mechanics, discrete.mesh.dim).into_iter().collect();
+            let backend = backend.decided(&known).unwrap_or_else(|| Arc::clone(backend));
+            HalfStep::new(discrete.inertia_matrix(rule.k), discrete, &discrete.v, &backend)
+        });
+        let predictor = predictor.transpose().map_err(|source| ("inertia of the mechanical", source))?;
         let loose = match (&mechanics, rule.analysis) {
             (None, _) => Loose::default(),
             (Some(half), Analysis::Dynamic) => half.motions(problem, discrete),
@@ -60,11 +70,17 @@ impl Systems {
                 half.motions(&problem.without_inertia(), discrete)
             }
         };
-        Ok(Systems { rule, mechanics, heat: heat.map_err(|source| ("heat", source))?, loose: Arc::new(loose) })
+        let heat = heat.map_err(|source| ("heat", source))?;
+        Ok(Systems { rule, mechanics, heat, predictor, loose: Arc::new(loose) })
     }
 
     fn all(&self) -> impl Iterator<Item = &System> {
-        self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
+        self.halves().chain(&self.predictor).map(|half| &half.system)
+    }
+
+    /// Krylov iterations so far.
+    pub fn iterations(&self) -> usize {
+        self.all().map(System::iterations).sum()
     }
 
     fn halves(&self) -> impl Iterator<Item = &HalfStep> {
@@ -72,7 +88,8 @@ impl Systems {
     }
 
     fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
-        self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
+        let all = self.mechanics.iter_mut().chain(&mut self.heat).chain(&mut self.predictor);
+        all.map(|half| &mut half.system)
     }
 
     /// Factorizes the matrices at these temperatures, one per half-step; an empty one leaves the matrix as it is.
@@ -152,6 +169,13 @@ impl Systems {
     }
 }
 
+/// The solver of a half-step, if the program has chosen it.
+fn decided(half: &HalfStep, components: usize) -> Option<Decided> {
+    let choice = half.system.choice()?;
+    let Choice { why, may_change, .. } = choice.clone();
+    Some(Decided { components, direct: choice.is_direct(), why, may_change })
+}
+
 /// The systems of a run by their rules. Each is made once, when a step first needs it, and kept until it is dropped.
 #[derive(Debug)]
 pub(crate) struct Cache {
@@ -228,11 +252,7 @@ impl Cache {
     /// Systems that a resumed run has to factorize again, as [`Kept`] has them.
     pub(crate) fn kept(&self, dim: usize) -> Kept {
         let all = || self.all.iter().flat_map(Systems::all);
-        let of = |half: &Option<HalfStep>, components: usize| {
-            let choice = half.as_ref()?.system.choice()?;
-            let Choice { why, may_change, .. } = choice.clone();
-            Some(Decided { components, direct: choice.is_direct(), why, may_change })
-        };
+        let of = |half: &Option<HalfStep>, components: usize| decided(half.as_ref()?, components);
         let first = self.all.first().map(|Systems { mechanics, heat, .. }| [of(mechanics, dim), of(heat, 1)]);
         Kept {
             rules: self.all.iter().map(|systems| KeptRule::of(&systems.rule)).collect(),

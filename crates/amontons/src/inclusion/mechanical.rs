@@ -54,7 +54,7 @@ pub struct MechanicalStep<'a> {
     pub w_prescribed: &'a [f64],
     /// The foundation at each contact point.
     pub frames: &'a [Frame],
-    /// How the points start into a step of the ϑ-scheme; empty if the laws of contact hold at the end of the step.
+    /// How the points start into a step with a law of impact; empty in others.
     pub onsets: &'a [Onset],
     /// Temperature at the contact points that the step is made with, of the side `on`, K.
     pub temperature: &'a [f64],
@@ -174,7 +174,8 @@ impl<'a> Mechanical<'a> {
             _ if rule.contact.is_none() => law,
             GraphKind::Function if rule.is_at_end() => law,
             GraphKind::Function => &mean,
-            _ => &impact,
+            _ if rule.has_impacts() => &impact,
+            _ => law,
         };
         let site = Site {
             contact,

@@ -43,6 +43,10 @@ impl ProblemData {
             TimeScheme::Bdf2 => {
                 Choice::new("scheme", "BDF2", "of second order; it damps what oscillates within few steps")
             }
+            TimeScheme::ContactStabilised => {
+                let why = "of second order without impacts; rigid foundations are met exactly at the end of each step";
+                Choice::new("scheme", "contact-stabilised Newmark", why)
+            }
         };
         let mut all = vec![scheme];
         all.extend(self.choice_of_phases());

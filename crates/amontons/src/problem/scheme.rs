@@ -3,7 +3,8 @@
 use super::{Fault, ProblemData};
 use crate::contact::{Contact, GraphKind};
 use crate::material::Material;
-use crate::time::{ContactRule, FrictionRule, TimeScheme};
+use crate::mesh::FacetSet;
+use crate::time::{Analysis, ContactRule, FrictionRule, TimeScheme};
 
 impl ProblemData {
     /// True if bodies hit rigid foundations by a law of impact, as the ϑ-scheme does.
@@ -27,6 +28,11 @@ impl ProblemData {
                 "theta"
             }
             TimeScheme::Bdf2 => "bdf2",
+            TimeScheme::ContactStabilised => {
+                self.check_masses(faults);
+                self.check_deformable(faults);
+                "contact-stabilised"
+            }
         };
         let mut refuse = |path: String, found: &str, expected: &str| {
             let found = format!("{found}, with time.scheme = \"{word}\"");
@@ -41,6 +47,53 @@ impl ProblemData {
         for material in &self.materials {
             for (key, found, expected) in of_material(material) {
                 refuse(format!("material.{key}"), found, expected);
+            }
+        }
+    }
+
+    /// Checks that each cell has a mass: without it the kinetic energy says nothing of the velocity of its nodes.
+    fn check_masses(&self, faults: &mut Vec<Fault>) {
+        let is_dynamic = self.timeline.phases().any(|phase| phase.analysis == Analysis::Dynamic);
+        let is_rigid = self.contacts.iter().any(|contact| contact.normal.is_rigid());
+        if !(self.physics.has_mechanics() && is_dynamic && is_rigid) {
+            return;
+        }
+        let points =
+            |cell: &[u32]| cell.iter().filter_map(|&node| self.mesh.points.get(node as usize)).collect::<Vec<_>>();
+        let massless = self.mesh.blocks.iter().find_map(|block| {
+            let material = self.material_of(block.region)?;
+            block.cells().map(points).find(|all| all.iter().all(|x| material.density.at(x) == 0.0))
+        });
+        if let Some(x) = massless.and_then(|all| all.first().copied()) {
+            let found = format!("0 at {}, with time.scheme = \"contact-stabilised\"", self.mesh.place(x));
+            let fault = Fault::new(
+                "material.density",
+                found,
+                "a positive number: the velocity that a step starts from is the nearest one by its kinetic energy",
+            );
+            faults.push(fault.hint(
+                "use time.scheme = \"theta\" or \"euler\", or give the density and let inertia act (time.inertia)",
+            ));
+        }
+    }
+
+    /// Checks that no rigid part meets a rigid foundation: the momentum that a step takes from the nodes in contact is
+    /// not taken from their velocities, which is harmless in the cells at a side, but is all the momentum of the part.
+    fn check_deformable(&self, faults: &mut Vec<Fault>) {
+        if self.rigid.is_empty() || self.mesh.check_nodes().is_err() {
+            return;
+        }
+        let rigid = self.rigid_nodes();
+        for (side, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.normal.is_rigid()) {
+            let sides = [Some(contact.on.as_str()), contact.pair.as_ref().map(|pair| pair.with.as_str())];
+            let mut nodes =
+                sides.into_iter().flatten().filter_map(|on| self.mesh.named(on)).flat_map(FacetSet::node_list);
+            if nodes.any(|node| rigid.iter().any(|body| body.position(node).is_some())) {
+                let found = "a rigid foundation of a rigid part, with time.scheme = \"contact-stabilised\"";
+                let path = format!("{}.normal", self.contact_path(side));
+                let fault =
+                    Fault::new(path, found, "a part that deforms: a rigid one would keep its velocity in contact");
+                faults.push(fault.hint("use time.scheme = \"theta\", or a compliance"));
             }
         }
     }
@@ -64,7 +117,8 @@ impl ProblemData {
 fn of_contact(contact: &Contact, scheme: TimeScheme) -> Vec<(&'static str, &'static str, &'static str)> {
     let rule = match scheme {
         TimeScheme::Theta { contact, .. } => Some(contact),
-        _ => None,
+        TimeScheme::ContactStabilised => Some(ContactRule::default()),
+        TimeScheme::BackwardEuler | TimeScheme::Bdf2 => None,
     };
     let is_mean = rule.is_some();
     let law = &contact.normal;

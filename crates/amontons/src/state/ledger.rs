@@ -40,12 +40,13 @@ pub struct Ledger {
     pub modulus_work: f64,
     /// Dissipation of the scheme, Σ (ϑ − ½)(ρ‖Δw‖² + a(Δu, Δu)) + ψ, ψ that of the layers; negative only if ψ is. With
     /// BDF2 in the place of the first two terms Σ ¼‖vₙ − 2vₙ₋₁ + vₙ₋₂‖² + [¼(‖2vₙ − vₙ₋₁‖² − ‖vₙ‖²)] of w and u, of any
-    /// sign in a step.
+    /// sign in a step. With the contact-stabilised scheme (w₁ − w₀)·M (v − w₀), which the predictor v takes.
     pub scheme_dissipation: f64,
     /// Σ k Σ ω p ḣ, the energy lost with the worn material.
     #[serde(default)]
     pub wear_dissipation: f64,
-    /// Σ k Σ ω p (x_ν − v_g) on rigid foundations in the ϑ-scheme, which impacts take: energy of the mass that hits.
+    /// Σ k Σ ω p (x_ν − v_g) on rigid foundations in the ϑ-scheme and the contact-stabilised one, which impacts
+    /// take: energy of the mass that hits.
     #[serde(default)]
     pub impact_dissipation: f64,
     /// Left minus right side of the identity, accumulated.

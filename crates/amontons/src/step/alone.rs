@@ -1,7 +1,7 @@
-//! A step of a problem with only one half-step. The other one is not computed; its fields are zero, or the prescribed
-//! temperature.
+//! A step of a problem with both half-steps, or with only one. The other one is not computed then; its fields are zero,
+//! or the prescribed temperature.
 
-use super::coupling::Made;
+use super::coupling::{Coupled, Made};
 use crate::contact::{Flux, Status};
 use crate::equation::StepError;
 use crate::equation::foundation::frames;
@@ -9,12 +9,24 @@ use crate::equation::given::Given;
 use crate::equation::heat::{Amounts, Begun, Heat};
 use crate::equation::mechanics::{Balanced, Iterate, Mechanics};
 use crate::equation::system::{HalfStep, Step};
+use crate::equation::systems::Systems;
 use crate::inclusion::{Exchange, Frame, PointState};
 use crate::problem::Physics;
 use crate::state::CouplingReport;
 
+/// Solves the half-steps that the problem has.
+pub(crate) fn solved(step: &Step, systems: &mut Systems) -> Result<Made, StepError> {
+    match (&mut systems.mechanics, &mut systems.heat) {
+        (Some(of_mechanics), Some(of_heat)) => Coupled::new(step, of_mechanics, of_heat).solve(),
+        (Some(of_mechanics), None) => mechanics(step, of_mechanics),
+        (None, Some(of_heat)) => heat(step, of_heat),
+        // No value of `Physics` leads here.
+        (None, None) => Err(StepError::NotFinite { step: step.n, t: step.t, part: "the data" }),
+    }
+}
+
 /// Solves (4.1) without a temperature, or with the temperature prescribed at the time of the equations.
-pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
+fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let theta: Vec<f64> = match step.problem.physics {
         Physics::Warmed => step.problem.given_temperature(step.level),
         _ => vec![0.0; step.old.theta.len()],
@@ -23,7 +35,7 @@ pub(crate) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepEr
 }
 
 /// Solves (4.2) of bodies that do not move. They exchange heat across their gaps at rest, without contact pressure.
-pub(crate) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
+fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
     let states = across_gaps(step);
     let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &states)?;
     Ok(made(no_mechanics(step, states), heat))

@@ -42,7 +42,7 @@ impl Made {
             step: step.n,
             t: step.t,
             u: step.end(&old.u, u),
-            w: step.end(&old.w, step.rates(&w).into_owned()),
+            w: step.end_velocity(step.rates(&w).into_owned()),
             theta_rate: step.theta_rate(&theta),
             earlier: None,
             theta,

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use super::change::{released, supported};
-use super::coupling::Coupled;
 use super::initial::{self, extremes, first_temperature};
 use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
@@ -12,7 +11,8 @@ use crate::discretization::Discretization;
 use crate::equation::acting::{boundary_at, contacts_at};
 use crate::equation::bodies::{Apart, Bodies};
 use crate::equation::mechanics::Mechanics;
-use crate::equation::system::{Bar, HalfStep, Mixed, Products, Step};
+use crate::equation::predictor;
+use crate::equation::system::{Bar, Mixed, Products, Step};
 use crate::equation::systems::{Cache, SystemError, Systems};
 use crate::equation::{SetupError, Solvers, StepError, StepInputs, tried};
 use crate::inclusion::PointState;
@@ -329,7 +329,8 @@ impl March {
         let Self { problem, discrete, cache, bodies, pulse, is_patient, inputs, .. } = self;
         let is_patient = *is_patient;
         pulse.begin_part();
-        let Systems { mechanics, heat, loose, .. } = cache.systems(problem, discrete, rule).map_err(singular)?;
+        let systems = cache.systems(problem, discrete, rule).map_err(singular)?;
+        let (loose, before) = (Arc::clone(&systems.loose), systems.iterations());
         let level = rule.time([old.t, t]);
         let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
         let mixed = earlier.map(|earlier| Mixed::new(discrete, old, earlier));
@@ -353,19 +354,13 @@ impl March {
             apart: bodies.map(|bodies| Apart { bodies, carried: carried.as_ref().unwrap_or(&old.carried) }),
             may_be_halved: halvings < HALVINGS && !is_patient,
             pulse,
-            loose,
+            loose: &loose,
             inputs,
         };
-        let before = krylov_iterations(mechanics.as_ref(), heat.as_ref());
-        let made = match (&mut *mechanics, &mut *heat) {
-            (Some(mechanics), Some(heat)) => Coupled::new(&now, mechanics, heat).solve(),
-            (Some(mechanics), None) => alone::mechanics(&now, mechanics),
-            (None, Some(heat)) => alone::heat(&now, heat),
-            // No value of `Physics` leads here.
-            (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
-        };
-        let krylov = krylov_iterations(mechanics.as_ref(), heat.as_ref()) - before;
-        let made = made?;
+        let admissible = systems.predictor.as_mut().map(|half| predictor::admissible(&now, half)).transpose()?;
+        let bar = admissible.as_ref().map_or(now.bar, |admissible| admissible.bar(now.bar));
+        let now = Step { bar, ..now };
+        let made = alone::solved(&now, systems)?;
         if let Some(found) = problem.uncovered(&made.heat.theta) {
             return Err(StepError::Uncovered { step: n, t, found: Box::new(found) });
         }
@@ -374,7 +369,7 @@ impl March {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
         }
         let (mut state, mut report, products) = made.end(&now, ledger);
-        state.counts.krylov_iterations += krylov;
+        state.counts.krylov_iterations += systems.iterations() - before;
         report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
         // Products are computed anew if they are of a deformation, as after a break, or were taken before the end of a
         // step.
@@ -395,11 +390,6 @@ fn mixed_parts(bodies: &Bodies, discrete: &Discretization, old: &State, earlier:
 /// The rule of a step that follows on one of the same length.
 fn rule_of(problem: &Problem, now: &Instant) -> Rule {
     now.analysis.rule(problem.scheme, now.k)
-}
-
-/// Krylov iterations of both half-steps so far.
-fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> usize {
-    mechanics.into_iter().chain(heat).map(|half| half.system.iterations()).sum()
 }
 
 impl Scheme for March {

@@ -11,7 +11,8 @@ const LONG: f64 = (1u128 << 70) as f64;
 /// u_ϑ = ū + γ x and ẇ = (x − w̄)/δ, so that the step solves M (x − w̄)/δ + B x + A (ū + γ x) + … = f(t_ϑ).
 ///
 /// ū, w̄ and so on are the state at t₀, or those of [`Start`]. At the end of the step u₁ = ū + σ x, and any other
-/// unknown v, of which the step finds v_ϑ, is v₁ = v₀ + (v_ϑ − v₀)/ϑ.
+/// unknown v, of which the step finds v_ϑ, is v₁ = v₀ + (v_ϑ − v₀)/ϑ; the velocity is w₁ = w₀ + (x − w̄)/ϑ if w̄ is
+/// [`Start::Admissible`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// Length k of the step, s.
@@ -40,6 +41,9 @@ pub enum Start {
     State,
     /// (4 v₀ − v₋₁)/3 of the states at its start and one step of the same length before.
     TwoStates,
+    /// Those of the state at its start, with the velocity nearest to w₀, in the norm of the kinetic energy, that takes
+    /// no point into a rigid foundation by the end of the step.
+    Admissible,
 }
 
 /// How the laws of contact hold in a step of the ϑ-scheme.
@@ -90,6 +94,15 @@ impl Rule {
         Rule { gamma: span, delta: span, span, start: Start::TwoStates, ..Rule::backward_euler(k) }
     }
 
+    /// The contact-stabilised Newmark scheme with step length k: the ϑ-scheme at ϑ = ½ from an admissible velocity v,
+    /// so that w₁ = w₀ + 2 (x − v), with rigid foundations met at the end of the step.
+    ///
+    /// Source: P. Deuflhard, R. Krause, S. Ertel, Int. J. Numer. Meth. Engng 73 (2008) 1274–1290.
+    #[must_use]
+    pub fn contact_stabilised(k: f64) -> Rule {
+        Rule { start: Start::Admissible, ..Rule::theta(k, 0.5, ContactRule::default()) }
+    }
+
     /// Backward Euler with step length k: γ = δ = k, and the equations hold at the end of the step.
     #[must_use]
     pub fn backward_euler(k: f64) -> Rule {
@@ -130,10 +143,32 @@ impl Rule {
         self.is_at_end() && self.start == Start::State
     }
 
+    /// Returns true if ū is the displacement at the start of the step: the step does not add to two states.
+    #[must_use]
+    pub fn is_of_one_step(&self) -> bool {
+        self.start != Start::TwoStates
+    }
+
+    /// Returns true if bodies hit rigid foundations by a law of impact, which holds velocities. Else no point is inside
+    /// its foundation at the end of the step.
+    #[must_use]
+    pub fn has_impacts(&self) -> bool {
+        self.contact.is_some() && self.start == Start::State
+    }
+
     /// Returns true if the equations hold at the end of the step.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
         self.level >= 1.0
+    }
+
+    /// w₁ = w₀ + (w_ϑ − w̄)/ϑ: the velocity at the end of a step, by those at its start, w̄, and w_ϑ.
+    #[must_use]
+    pub fn end_velocity(&self, [start, bar, at_level]: [f64; 3]) -> f64 {
+        match self.start {
+            Start::State | Start::TwoStates => self.end([start, at_level]),
+            Start::Admissible => start + (at_level - bar) / self.level,
+        }
     }
 
     /// The slip velocity at the end of the step over x_τ − v_F − b, if friction follows the end of the step: 1/ϑ. Else

@@ -18,6 +18,9 @@ pub enum TimeScheme {
     },
     /// BDF2, of second order, which damps what oscillates within few steps. It starts with a step of backward Euler.
     Bdf2,
+    /// Contact-stabilised Newmark: the ϑ-scheme at ϑ = ½ from velocities that take no point into a rigid foundation,
+    /// with positions that are met exactly.
+    ContactStabilised,
 }
 
 impl TimeScheme {
@@ -34,6 +37,7 @@ impl TimeScheme {
             TimeScheme::BackwardEuler => Rule::backward_euler(k),
             TimeScheme::Theta { level, contact } => Rule::theta(k, level, contact),
             TimeScheme::Bdf2 => Rule::bdf2(k),
+            TimeScheme::ContactStabilised => Rule::contact_stabilised(k),
         }
     }
 
@@ -42,7 +46,7 @@ impl TimeScheme {
     pub fn starting_rule(&self, k: f64) -> Rule {
         let rule = self.rule(k);
         match rule.start {
-            Start::State => rule,
+            Start::State | Start::Admissible => rule,
             Start::TwoStates => Rule::backward_euler(k),
         }
     }
@@ -54,6 +58,7 @@ impl TimeScheme {
             TimeScheme::BackwardEuler => "backward Euler",
             TimeScheme::Theta { .. } => "ϑ-scheme",
             TimeScheme::Bdf2 => "BDF2",
+            TimeScheme::ContactStabilised => "contact-stabilised Newmark scheme",
         }
     }
 }

@@ -44,10 +44,11 @@ fn outcome(text: &str, files: BTreeMap<String, std::sync::Arc<[u8]>>, frame: &Fr
     Ok(Outcome { mesh: (*problem.mesh).clone(), boundary: problem.contact_boundary(), memory, frame: frame.clone() })
 }
 
-/// The keys of `[time]` for backward Euler, for the ϑ-scheme, and for BDF2.
+/// The keys of `[time]` for backward Euler, for the ϑ-scheme, for BDF2, and for the contact-stabilised scheme.
 const EULER: &str = "";
 const THETA: &str = ", scheme = \"theta\", theta = 0.6, restitution = 0.3";
 const BDF2: &str = ", scheme = \"bdf2\"";
+const STABILISED: &str = ", scheme = \"contact-stabilised\"";
 
 fn text(case: &Case, frame: &Frame, scheme: &str) -> String {
     let steps = STEPS + frame.later;
@@ -240,6 +241,15 @@ fn a_case_does_not_depend_on_its_description_in_the_theta_scheme() {
 fn a_case_does_not_depend_on_its_description_with_bdf2() {
     let pairs = described_otherwise(BDF2, |error| {
         assert!(error.contains("with time.scheme = \"bdf2\""), "{error}");
+    });
+    assert!(pairs >= 60, "{pairs} pairs");
+}
+
+/// The same with the contact-stabilised scheme, of all cases that the ϑ-scheme takes and that have masses.
+#[test]
+fn a_case_does_not_depend_on_its_description_stabilised() {
+    let pairs = described_otherwise(STABILISED, |error| {
+        assert!(error.contains("with time.scheme = \"contact-stabilised\""), "{error}");
     });
     assert!(pairs >= 60, "{pairs} pairs");
 }

@@ -121,7 +121,10 @@ fn laws_that_it_does_not_take_are_refused() {
             "contact.wear: found wear, whose depth is a sum over steps of first order, with time.scheme = \"bdf2\", expected none",
         ),
         ("time.theta=0.5", "time.theta: found 0.5 with the scheme \"bdf2\", expected a key of the scheme \"theta\""),
-        ("time.scheme=bdf3", "time.scheme: found \"bdf3\", expected \"euler\", \"theta\" or \"bdf2\""),
+        (
+            "time.scheme=bdf3",
+            "time.scheme: found \"bdf3\", expected \"euler\", \"theta\", \"bdf2\" or \"contact-stabilised\"",
+        ),
     ] {
         let refused = case::read(&common::file(file), &words(&[key])).err().map(|error| error.to_string());
         let told = refused.unwrap_or_default();

@@ -23,5 +23,6 @@ mod phases;
 mod pyramids;
 mod refinement;
 mod revolution;
+mod stabilised;
 mod steady;
 mod theta;

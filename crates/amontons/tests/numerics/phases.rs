@@ -69,7 +69,7 @@ fn three() -> Problem {
 
 #[test]
 fn phases_with_one_step_length_change_no_bit() {
-    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2] {
+    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2, TimeScheme::ContactStabilised] {
         let whole = changed(&paper(&["mesh.n=6", "time.steps=8"]).problem, |data| data.scheme = scheme);
         let parted = changed(&whole, |data| {
             data.timeline =
@@ -156,7 +156,7 @@ fn a_dynamic_phase_behind_a_quasistatic_one_starts_at_rest() {
 /// The kinetic energy with which a quasistatic phase begins is counted as taken by the scheme.
 #[test]
 fn energy_closes_where_inertia_ends_and_begins() {
-    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2] {
+    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2, TimeScheme::ContactStabilised] {
         let problem = changed(&three(), |data| {
             data.scheme = scheme;
             data.timeline = Timeline::in_phases(vec![
@@ -200,7 +200,7 @@ fn a_quasistatic_phase_is_a_body_without_density() {
 /// From every step on, inside and at the ends of phases, with the same bits and the same systems.
 #[test]
 fn a_run_that_goes_on_has_the_same_bits() {
-    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2] {
+    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2, TimeScheme::ContactStabilised] {
         let problem = changed(&three(), |data| data.scheme = scheme);
         let mut whole = March::new(&problem).expect("a regular system");
         let mut states: Vec<(State, Kept)> = vec![(whole.initial().expect("finite initial data"), whole.kept())];

@@ -249,6 +249,9 @@ pub(in crate::case) enum TimeScheme {
     /// BDF2, the backward differentiation formula of second order, for smooth motions and heat: it damps vibrations
     /// that no step resolves, and little of others.
     Bdf2,
+    /// The ϑ-scheme at ϑ = 0.5, stabilised for impacts on rigid foundations, which are met exactly at the end of each
+    /// step; velocities of points in contact are those from before the impact.
+    ContactStabilised,
 }
 
 impl TimeScheme {
@@ -258,6 +261,7 @@ impl TimeScheme {
             TimeScheme::Euler => "\"euler\"",
             TimeScheme::Theta => "\"theta\"",
             TimeScheme::Bdf2 => "\"bdf2\"",
+            TimeScheme::ContactStabilised => "\"contact-stabilised\"",
         }
     }
 }
