@@ -212,16 +212,7 @@ impl ProblemData {
             let hint = "give `displacement` on a side, or a positive material.density";
             ("no displacement prescribed and density 0".to_owned(), hint)
         });
-        let (no_sink, sink) = match steady {
-            None => (
-                "no temperature prescribed and heat_capacity 0".to_owned(),
-                "give `temperature` on a side, or a positive material.heat_capacity",
-            ),
-            Some(phase) => (
-                format!("no temperature prescribed in {}, in which no heat is stored", self.named(phase)),
-                "give `temperature` or `convection` on a side, or a foundation with a conductance, so that heat can leave",
-            ),
-        };
+        let (no_sink, sink) = self.without_sink(steady);
         for (what, found, expected, hint) in [
             (0, &*no_support, "a part Γ_D that holds the body", support),
             (1, &*no_sink, "a side whose temperature is known", sink),
@@ -236,6 +227,20 @@ impl ProblemData {
                 format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh))
             };
             faults.push(Fault::new("boundary", found, expected).hint(hint));
+        }
+    }
+
+    /// What is found, with a hint, where heat has no way to leave.
+    fn without_sink(&self, steady: Option<&TimePhase>) -> (String, &'static str) {
+        match steady {
+            None => (
+                "no temperature prescribed and heat_capacity 0".to_owned(),
+                "give `temperature` on a side, or a positive material.heat_capacity",
+            ),
+            Some(phase) => (
+                format!("no temperature prescribed in {}, in which no heat is stored", self.named(phase)),
+                "give `temperature` or `convection` on a side, or a foundation with a conductance, so that heat can leave",
+            ),
         }
     }
 

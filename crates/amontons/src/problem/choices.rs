@@ -82,7 +82,7 @@ impl ProblemData {
             Coupling::FixedPoint => ("fixed-point", "both repeated until they agree"),
             Coupling::Monolithic => ("monolithic", "both at once"),
         };
-        let differs = coupling != Coupling::Monolithic && self.timeline.phases().any(|phase| is_steady(phase));
+        let differs = coupling != Coupling::Monolithic && self.timeline.phases().any(is_steady);
         let why = if differs { format!("{why}; in steady phases both at once") } else { why.to_owned() };
         (self.physics.has_mechanics() && self.physics.has_heat()).then(|| Choice::new("coupling", value, why))
     }

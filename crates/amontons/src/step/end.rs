@@ -4,6 +4,7 @@ use super::coupling::Made;
 use crate::equation::apart::Whole;
 use crate::equation::mechanics::{Balanced, Mechanics};
 use crate::equation::system::{Products, Step};
+use crate::inclusion::{Exchange, PointState};
 use crate::state::{Carried, ContactReport, Counts, Ledger, Reactions, State, StepReport};
 
 impl Made {
@@ -67,18 +68,7 @@ impl Made {
             loose: step.motions(&at.hold.loose),
             reactions: Reactions { force: reactions, heat: heat.reactions },
             forces: step.nodal_forces(),
-            contact: ContactReport {
-                moments: step.moments(&states),
-                boundary: None,
-                weights: step.boundary.points.iter().map(|point| point.weight).collect(),
-                states,
-                temperature: heat.exchange.temperature,
-                opposite: heat.exchange.opposite,
-                flux: heat.exchange.flux,
-                rubbed: heat.exchange.rubbed,
-                force,
-                heat_flow: heat.through_contact,
-            },
+            contact: ContactReport { force, heat_flow: heat.through_contact, ..at_points(step, states, heat.exchange) },
         };
         let products = Products {
             t: step.t,
@@ -90,5 +80,19 @@ impl Made {
             d_theta: heat.d_theta,
         };
         (state, report, products)
+    }
+}
+
+/// What happened at the contact points.
+fn at_points(step: &Step, states: Vec<PointState>, exchange: Exchange) -> ContactReport {
+    ContactReport {
+        moments: step.moments(&states),
+        weights: step.boundary.points.iter().map(|point| point.weight).collect(),
+        states,
+        temperature: exchange.temperature,
+        opposite: exchange.opposite,
+        flux: exchange.flux,
+        rubbed: exchange.rubbed,
+        ..ContactReport::default()
     }
 }

@@ -1,5 +1,6 @@
 //! The state at t = 0.
 
+use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::equation::SetupError;
 use crate::equation::foundation::{at_rest, frames};
@@ -52,12 +53,7 @@ pub(super) fn state(
     let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
     let stores = problem.physics.has_heat();
     let heat_content = if stores { c * discrete.stored_heat(&theta).iter().sum::<f64>() } else { 0.0 };
-    let heat_foundation: f64 = problem
-        .contacts
-        .iter()
-        .zip(&surface.foundation)
-        .map(|(c, theta_f)| c.foundation_heat.as_ref().map_or(0.0, |f| f.capacity) * theta_f.unwrap_or(0.0))
-        .sum();
+    let heat_foundation = stored_in_foundations(problem, &surface);
     let ledger = Ledger {
         kinetic,
         elastic,
@@ -89,6 +85,14 @@ pub(super) fn state(
         pace: Pace::default(),
         coarse: None,
     })
+}
+
+/// Heat of the foundations at t = 0, J.
+fn stored_in_foundations(problem: &Problem, surface: &Accumulated) -> f64 {
+    let heat = |(contact, theta): (&Contact, &Option<f64>)| {
+        contact.foundation_heat.as_ref().map_or(0.0, |of| of.capacity) * theta.unwrap_or(0.0)
+    };
+    problem.contacts.iter().zip(&surface.foundation).map(heat).sum()
 }
 
 /// Ψ at t = 0, J.

@@ -303,7 +303,7 @@ impl Timeline {
     #[must_use]
     pub fn phase_ends(&self) -> Vec<usize> {
         let spans: &[PhaseSpan] = if self.has_phases { &self.spans } else { &[] };
-        spans.iter().map(|span| span.last()).collect()
+        spans.iter().map(PhaseSpan::last).collect()
     }
 
     /// The phase whose steps lead to a time, by its number; at t = 0 the first one.
@@ -332,7 +332,7 @@ impl Timeline {
     /// Number N of steps; of automatic phases their nominal number.
     #[must_use]
     pub fn steps(&self) -> usize {
-        self.spans.last().map_or(0, |span| span.last())
+        self.spans.last().map_or(0, PhaseSpan::last)
     }
 
     /// t_n in s, with the ends of all phases to the last bit.

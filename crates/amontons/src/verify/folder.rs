@@ -153,9 +153,10 @@ impl Recomputed {
         };
         let (steps, end) = (problem.timeline.steps(), problem.timeline.end());
         // The number of steps that are chosen is not known before: they end where the run does.
-        let is_over = match problem.timeline.is_automatic() {
-            true => summary["time"].as_f64().is_some_and(|time| (time - end).abs() <= ROUND_OFF * end),
-            false => ended == steps,
+        let is_over = if problem.timeline.is_automatic() {
+            summary["time"].as_f64().is_some_and(|time| (time - end).abs() <= ROUND_OFF * end)
+        } else {
+            ended == steps
         };
         match summary["outcome"].as_str() {
             Some("done") if is_over => {}

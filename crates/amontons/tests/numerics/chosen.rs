@@ -153,8 +153,12 @@ fn chosen_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
 }
 
 fn problems() -> Vec<(&'static str, Problem)> {
-    let heat = read(
-        r#"
+    let paper = paper(&["mesh.n=4", "contact.heat.foundation_temperature=10"]).problem;
+    vec![("heat", read(HEAT)), ("block", read(BLOCK)), ("paper", paper), ("impact", read(IMPACT))]
+}
+
+/// A rod whose end is heated by a jump.
+const HEAT: &str = r#"
 name = "rod"
 units = "dimensionless"
 [mesh]
@@ -173,10 +177,10 @@ temperature = 1.0
 [[boundary]]
 on = "right"
 temperature = 0.0
-"#,
-    );
-    let block = read(
-        r#"
+"#;
+
+/// A block that swings.
+const BLOCK: &str = r#"
 name = "block"
 units = "dimensionless"
 [mesh]
@@ -195,10 +199,10 @@ velocity = ["y", 0]
 [[boundary]]
 on = "bottom"
 displacement = [0, 0]
-"#,
-    );
-    let impact = read(
-        r#"
+"#;
+
+/// A rod that meets a layer.
+const IMPACT: &str = r#"
 name = "impact"
 units = "dimensionless"
 [mesh]
@@ -219,15 +223,7 @@ velocity = ["1"]
 on = "right"
 gap = 0.3
 normal = { law = "compliance", stiffness = 1000.0 }
-"#,
-    );
-    vec![
-        ("heat", heat),
-        ("block", block),
-        ("paper", paper(&["mesh.n=4", "contact.heat.foundation_temperature=10"]).problem),
-        ("impact", impact),
-    ]
-}
+"#;
 
 /// A pressed block is shaken: it sticks and slips, both ways.
 const SLIP: &str = r#"
