@@ -77,8 +77,9 @@ impl State {
         timeline.phases().nth(phase).filter(|_| timeline.has_phases())
     }
 
-    /// True if the velocity at the end of a step is nearly that at its start with the other sign: of their sum less than
-    /// half of the larger is left. Velocities that move the body by less than a millionth of its displacement do not count.
+    /// True if the velocity at the end of a step is nearly that at its start with the other sign: of their sum less
+    /// than half of the larger is left. Velocities that move the body by less than a millionth of its displacement do
+    /// not count.
     pub(crate) fn is_reversal_of(&self, start: &State) -> bool {
         let end = self;
         let [before, after, product] =

@@ -108,10 +108,10 @@ impl Budget {
     /// The largest error that a step adds over what it may add: half of the budget times its share of the phase, and a
     /// part of what is free of the budget at its end.
     ///
-    /// So the error stays about within the budget, and a short transition takes steps that are not tiny. The part is what the
-    /// body forgets of the error in the step, or one over the number of steps that a scheme of this order needs for a
-    /// motion over the phase: then they are about as many as steps with equal errors, of which no other steps need
-    /// fewer.
+    /// So the error stays about within the budget, and a short transition takes steps that are not tiny. The part is
+    /// what the body forgets of the error in the step, or one over the number of steps that a scheme of this order
+    /// needs for a motion over the phase: then they are about as many as steps with equal errors, of which no other
+    /// steps need fewer.
     #[must_use]
     pub fn ratio(&self, errors: &StepErrors, accuracy: f64, order: i32, [start, share]: [f64; 2]) -> f64 {
         let takes = accuracy.powf(f64::from(order).recip());

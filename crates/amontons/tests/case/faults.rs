@@ -35,7 +35,7 @@ spoiled! {
         "paper.toml:21:1: found `end` again, expected each key once in its table";
     duplicate_table: "[output]" => "[time]"
         "paper.toml:69:2: found `time` again, expected each key once in its table"
-        "paper.toml:70:1: time.every: found an unknown key, expected one of analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; `every` belongs to [output]";
+        "paper.toml:70:1: time.every: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; `every` belongs to [output]";
     two_syntax_errors: "end = 1.0\nsteps = 64" => "end = \nsteps = "
         "paper.toml:20:7: found the end of the line, expected a value"
         "paper.toml:21:9: found the end of the line, expected a value";
@@ -48,7 +48,7 @@ spoiled! {
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
-        "paper.toml:20:1: time.young: found an unknown key, expected one of analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
+        "paper.toml:20:1: time.young: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
         "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields, format";
     format_unknown: "[output]" => "[output]\nformat = \"vtkhd\""
@@ -132,11 +132,11 @@ spoiled! {
     nan_in_a_field: "gap = 0.0 " => "gap = nan "
         "paper.toml:58:7: contact.gap: found nan, expected a number (gap g to the foundation along the outward normal, in m)";
     zero_steps: "steps = 64" => "steps = 0"
-        "paper.toml:21:9: time.steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)";
+        "paper.toml:21:9: time.steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps, or \"auto\" for steps that follow from `accuracy`)";
     negative_steps: "steps = 64" => "steps = -3"
-        "paper.toml:21:9: time.steps: found -3, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)";
+        "paper.toml:21:9: time.steps: found -3, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps, or \"auto\" for steps that follow from `accuracy`)";
     too_many_steps: "steps = 64" => "steps = 10_000_000_000"
-        "paper.toml:21:9: time.steps: found 10000000000, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)";
+        "paper.toml:21:9: time.steps: found 10000000000, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps, or \"auto\" for steps that follow from `accuracy`)";
     zero_end: "end = 1.0" => "end = 0"
         "paper.toml:20:7: time.end: found 0, expected a number > 0 (end of the time interval in s)";
     zero_cells: "n = 64" => "n = 0"
@@ -408,7 +408,7 @@ fn faults_of_all_gates_are_reported_together() {
         "paper.toml:26:13: material.expansion: found 2.0 in row 1, column 2 but 3.0 in row 2, column 1, expected a number or a symmetric 2 × 2 matrix",
         "paper.toml:41:19: load.heat_source: found the end of the expression, expected a number, a variable, a function or `(`",
         "paper.toml:48:6: boundary[1].on: found \"lefft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?",
-        "--set time.steps=0: time.steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)",
+        "--set time.steps=0: time.steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps, or \"auto\" for steps that follow from `accuracy`)",
         "--set mesh.size: found no `=`, expected KEY=VALUE, such as mesh.n=32",
     ];
     let mut lines: Vec<String> = message(text, &["time.steps=0", "mesh.size"]).lines().map(str::to_owned).collect();
@@ -423,7 +423,7 @@ fn a_key_given_twice_does_not_hide_other_faults() {
     let text = spoil(PAPER, "end = 1.0", "end = 1.0\nend = 2.0\nstepz = 3");
     let expected = [
         "paper.toml:21:1: found `end` again, expected each key once in its table",
-        "paper.toml:22:1: time.stepz: found an unknown key, expected one of analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; did you mean `steps`?",
+        "paper.toml:22:1: time.stepz: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; did you mean `steps`?",
     ];
     assert_eq!(message(text, &[]), expected.join("\n"));
 }

@@ -52,13 +52,13 @@ spoiled! {
     a_name_that_is_a_number: "\"spin\"" => "\"1\""
         "bar.toml:18:8: phase[1].name: found \"1\", expected a letter, then letters, digits, `-` and `_`, at most 40; the name is used in files and in --set";
     no_steps: "steps = 10" => "steps = 0"
-        "bar.toml:20:9: phase[1].steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps of the phase)";
+        "bar.toml:20:9: phase[1].steps: found 0, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps of the phase, or \"auto\" for steps that follow from the accuracy)";
     steps_missing: "steps = 10\n" => ""
-        "bar.toml:17:1: phase[1].steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps of the phase)";
+        "bar.toml:17:1: phase[1].steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000, or \"auto\" (number of equal time steps of the phase, or \"auto\" for steps that follow from the accuracy)";
     steps_too_short: "end = 1.0" => "end = 1e-320"
         "bar.toml:14:7: phase[0].end: found steps of 2.5e-321 s, expected a step length that is a normal number";
     steps_of_another_word: "steps = 10" => "steps = \"automatic\""
-        "bar.toml:20:9: phase[1].steps: found \"automatic\", expected \"auto\"";
+        "bar.toml:20:9: phase[1].steps: found \"automatic\", expected \"auto\" (number of equal time steps of the phase, or \"auto\" for steps that follow from the accuracy)";
     auto_without_accuracy: "steps = 10" => "steps = \"auto\""
         "bar.toml:20:9: phase[1].steps: found \"auto\" without an accuracy, expected `accuracy` beside it, above 0 and at most 0.1; add `accuracy = 1e-3` to phase[1], or give a number of equal steps";
     accuracy_of_equal_steps: "steps = 10" => "steps = 10\naccuracy = 1e-3"
@@ -175,7 +175,7 @@ fn what_has_no_steady_state_is_named_with_its_place() {
         ),
         (
             ("\"steady\"\n", "\"quasistatic\"\n"),
-            "pad.toml:6:1: material.heat_capacity: found no such key, expected a number ≥ 0, an expression in x, y, z, data of a mesh file or a table over the temperature (heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)\npad.toml:19:1: time.steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000 (number of equal time steps)",
+            "pad.toml:6:1: material.heat_capacity: found no such key, expected a number ≥ 0, an expression in x, y, z, data of a mesh file or a table over the temperature (heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)\npad.toml:19:1: time.steps: found no such key, expected an integer ≥ 1 and ≤ 1000000000, or \"auto\" (number of equal time steps, or \"auto\" for steps that follow from `accuracy`)",
         ),
         (
             ("[time]\n", "[[phase]]\nname = \"one\"\nend = 0.5\nanalysis = \"steady\"\n[time]\n"),

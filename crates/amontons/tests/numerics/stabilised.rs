@@ -160,8 +160,8 @@ fn a_support_pushes_a_rod_against_a_wall() {
 }
 
 /// A block that is pressed, held and let go in phases of other steps and supports, with impacts on the way: the
-/// identity closes through all of it, and from every state, with what was kept, the run goes on with the same bits, on one
-/// thread and on several.
+/// identity closes through all of it, and from every state, with what was kept, the run goes on with the same bits, on
+/// one thread and on several.
 #[test]
 fn a_run_goes_on_through_phases_with_the_same_bits() {
     let phases = "phase=[{ name = \"press\", end = 0.04, steps = 2, analysis = \"quasistatic\" }, { name = \"throw\", end = 0.1, steps = 12 }, { name = \"let\", end = 0.2, steps = 25 }]";
