@@ -203,3 +203,38 @@ fn forty_changes_of_a_run_in_space_are_found() {
     let middle = ["fields/step_0000004.vtu", "contact/step_0000004.csv"];
     every_change_is_found(&whole, changes(middle, "fields/step_0000006.vtu"));
 }
+
+/// Phases without inertia have no kinetic energy, whatever their velocities are, and chosen steps have no number that
+/// is known before.
+#[test]
+fn a_run_of_all_analyses_with_chosen_steps_holds() {
+    let phases = r#"
+[[phase]]
+name = "press"
+end = 0.5
+steps = 2
+analysis = "quasistatic"
+[[phase]]
+name = "slide"
+end = 1.0
+steps = "auto"
+accuracy = 0.05
+[[phase]]
+name = "served"
+end = 2.0
+analysis = "steady"
+[[phase]]
+name = "on"
+end = 2.5
+steps = 3
+"#;
+    let folder = tempdir().expect("a folder");
+    let (case, whole) = (folder.path().join("phases.toml"), folder.path().join("whole"));
+    let (start, rest) = SPACE.split_once("[time]\nend = 1.0\nsteps = 6\n").expect("a time");
+    let (rest, _) = rest.split_once("[expected]").expect("expectations");
+    fs::write(&case, format!("{start}{rest}{phases}").replace("every = 2", "every = 1")).expect("a file");
+    let [case, out] = [&case, &whole].map(|path| path.display().to_string());
+    assert_code(&output(&mut amontons(&["run", &case, "--out", &out])), 0);
+    let found = recompute(&whole).expect("a run");
+    assert!(found.holds(), "{found:?}");
+}

@@ -16,7 +16,7 @@ pub const HALVINGS: u32 = 5;
 ///
 /// All other modules take the start and length of a step from here, so that only this type knows which steps are equal.
 /// What a step number alone asks for is, in a run with chosen steps, that of equal ones, for estimates before the run:
-/// [`Steps::nominal`](super::Steps::nominal). [`Timeline::made`] and [`Timeline::next`] tell of the steps that are made.
+/// [`Steps::nominal`](super::Steps::nominal). [`Timeline::made`] and [`Timeline::next`] tell of steps that are made.
 ///
 /// ```
 /// use amontons::time::{TimePhase, Timeline};

@@ -1,7 +1,7 @@
 //! The snapshots of a run, and their fields recomputed from displacement, velocity and temperature.
 
-use super::Differences;
 use super::tables::NumberTable;
+use super::{Differences, ROUND_OFF};
 use crate::discretization::Discretization;
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
@@ -134,7 +134,11 @@ impl Fields {
         };
         if problem.physics.has_mechanics() {
             let (rho, inertia) = discretization.inertia();
-            let kinetic = 0.5 * rho * dot(&state.w, &inertia.apply(&state.w));
+            // The time as it is written may be round-off late.
+            let t = history.value(row, "t").unwrap_or(0.0) * (1.0 - ROUND_OFF);
+            let phase = problem.timeline.phases().nth(problem.timeline.phase_at(t));
+            let acts = phase.is_none_or(|phase| phase.analysis.has_inertia());
+            let kinetic = if acts { 0.5 * rho * dot(&state.w, &inertia.apply(&state.w)) } else { 0.0 };
             note(columns::KINETIC.name, kinetic, kinetic.abs());
             let elastic =
                 discretization.stored_energy(&state.u, &state.theta).filter(|_| discretization.branches.is_empty());
