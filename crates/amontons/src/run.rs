@@ -182,6 +182,9 @@ fn step_advice(error: &StepError) -> String {
         StepError::NotConverged { slides: true, .. } => {
             "no point of a body that contact alone holds sticks: where the load is more than friction bears, it slides or turns without resistance; give the body a support, a spring, friction that is strong enough or a density, with which it moves; if it is not, try more steps (time.steps)"
         }
+        StepError::NotSteady { .. } => {
+            "lower the speed, the friction or the pressure, or let more heat leave; more steps do not help"
+        }
         _ => "try more steps (time.steps), or a finer mesh where the contact changes",
     };
     text.to_owned()

@@ -130,14 +130,22 @@ fn systems(solver: &SolverCounts) -> WordRow {
     row("linear systems", &format!("{way}: {}", solver.backend_reason))
 }
 
+/// An error over what was asked for that is told.
+const MORE: f64 = 1.05;
+
 /// The steps that were chosen by their errors.
 fn lengths(chosen: &ChosenSteps, units: Units) -> WordRow {
-    let ChosenSteps { made, rejected, shortest, longest, error } = *chosen;
+    let ChosenSteps { made, rejected, unjudged, shortest, longest, error, over_accuracy } = *chosen;
     let lengths = range(units, [shortest, longest], Measure::Time);
-    row(
-        "chosen steps",
-        &format!("{made} of {lengths}, {rejected} made anew with a shorter length, estimated error {error:.1e}"),
-    )
+    let mut text =
+        format!("{made} of {lengths}, {rejected} made anew with a shorter length, estimated error {error:.1e}");
+    if over_accuracy > MORE {
+        text += &format!(", {over_accuracy:.1} times what was asked for");
+    }
+    if unjudged > 0 {
+        text += &format!(", not known in {unjudged} of them, which no shorter length solves");
+    }
+    row("chosen steps", &text)
 }
 
 /// Halved and ambiguous steps, if there are any.

@@ -101,6 +101,7 @@ impl March {
         state.earlier = self.before(old, &now, now.k);
         let mut judged = pace.clone().noted(now.k, HALVINGS as usize);
         judged.budget.error = [0.0; GAUGED];
+        judged.chosen.unjudged += 1;
         state.pace = self.problem.timeline.after(&judged, &now, pace.level);
         Ok((state, report))
     }

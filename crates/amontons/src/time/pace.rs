@@ -39,6 +39,8 @@ pub struct ChosenSteps {
     pub made: usize,
     /// Number of steps that were tried and made anew with a shorter length.
     pub rejected: usize,
+    /// Number of steps that were solved with one length alone, so that nothing is known of their error.
+    pub unjudged: usize,
     /// Length of the shortest of them, s.
     pub shortest: f64,
     /// Length of the longest of them, s.
@@ -46,6 +48,8 @@ pub struct ChosenSteps {
     /// Largest estimated error of a phase, relative to the largest norm that the solution had reached: the largest one
     /// of all phases.
     pub error: f64,
+    /// The same over the accuracy of its phase. It is more than 1 where the solution itself makes errors grow.
+    pub over_accuracy: f64,
 }
 
 /// The budget of the phase: for each quantity the error stays below the accuracy times the largest norm so far.
@@ -172,16 +176,18 @@ impl Pace {
             rejected: self.chosen.rejected + rejected,
             shortest: if made == 0 { k } else { shortest.min(k) },
             longest: longest.max(k),
-            error: self.chosen.error,
+            ..self.chosen
         };
         self
     }
 
-    /// The place at the start of the next phase, after step `n`.
+    /// The place at the start of the next phase, after step `n`, with which a phase of this accuracy ends.
     #[must_use]
-    pub(super) fn at_end(mut self, n: usize) -> Pace {
+    pub(super) fn at_end(mut self, n: usize, accuracy: Option<f64>) -> Pace {
         self.ends.push(n);
-        self.chosen.error = self.chosen.error.max(self.budget.relative());
+        let (error, ChosenSteps { error: before, over_accuracy, .. }) = (self.budget.relative(), self.chosen);
+        self.chosen.error = before.max(error);
+        self.chosen.over_accuracy = over_accuracy.max(accuracy.map_or(0.0, |accuracy| error / accuracy));
         (self.budget.error, self.budget.largest) = ([0.0; GAUGED], [0.0; GAUGED]);
         Pace { at: 0, level: 0, ..self }
     }

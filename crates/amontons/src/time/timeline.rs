@@ -240,7 +240,7 @@ impl Timeline {
             made.n - pace.ends.last().copied().unwrap_or(0) >= span.steps()
         };
         let pace = Pace { k: made.k, at, level, ..pace.clone() };
-        if is_over { pace.at_end(made.n) } else { pace }
+        if is_over { pace.at_end(made.n, span.phase.steps.accuracy()) } else { pace }
     }
 
     /// The accuracy of the steps of a phase, if they are chosen.

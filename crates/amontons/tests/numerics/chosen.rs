@@ -108,8 +108,8 @@ fn transitions_do_not_drive_the_step_to_zero() {
     }
 }
 
-/// At the same error, for all schemes: a rod heated by a jump, a press before a long cooling, a rod that meets a layer, a
-/// block that sticks and slips, and the square of the paper, which is warmed by a jump.
+/// At the same error, for all schemes: a rod heated by a jump, a press before a long cooling, a rod that meets a layer,
+/// a block that sticks and slips, and the square of the paper, which is warmed by a jump.
 #[test]
 fn equal_steps_with_that_error_are_thrice_as_many() {
     let square =
