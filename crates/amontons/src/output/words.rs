@@ -136,9 +136,10 @@ const MORE: f64 = 1.05;
 /// The steps that were chosen by their errors.
 fn lengths(chosen: &ChosenSteps, units: Units) -> WordRow {
     let ChosenSteps { made, rejected, unjudged, shortest, longest, error, over_accuracy } = *chosen;
-    let lengths = range(units, [shortest, longest], Measure::Time);
-    let mut text =
-        format!("{made} of {lengths}, {rejected} made anew with a shorter length, estimated error {error:.1e}");
+    let [shortest, longest] = [shortest, longest].map(|k| units.write(k, Measure::Time));
+    let mut text = format!(
+        "{made} of {shortest} to {longest}, {rejected} made anew with a shorter length, estimated error {error:.1e}"
+    );
     if over_accuracy > MORE {
         text += &format!(", {over_accuracy:.1} times what was asked for");
     }

@@ -210,7 +210,9 @@ impl March {
             self.cache.drop_all(self.discrete.mesh.dim);
         }
         self.discrete = Arc::new(Discretization::new(&problem));
-        (self.problem, self.products, self.bodies) = (problem, None, OnceLock::new());
+        (self.problem, self.products) = (problem, None);
+        // Springs of the phase before are no part of them any more.
+        (self.bodies, self.elastic) = (OnceLock::new(), OnceLock::new());
     }
 
     /// The state from which a step starts: that at the end of the step before, at rest if the step is steady or if a

@@ -146,7 +146,8 @@ fn chosen_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
         TimePhase::dynamic("slide", 0.5, 6),
         TimePhase::dynamic("hold", 1.0, 1).automatic(0.1),
     ];
-    for problem in [with(&rod, Timeline::automatic(1.0, 0.02)), with(&square, Timeline::in_phases(all))] {
+    let sprung = read(&format!("{}{SPRING}", IMPACT.replace("end = 1.0\nsteps = 10\n", "")));
+    for problem in [with(&rod, Timeline::automatic(1.0, 0.02)), with(&square, Timeline::in_phases(all)), sprung] {
         let settings = |threads| Settings { threads: Some(threads), certificate: false, ..Settings::default() };
         let mut run = Stepping::new(&problem, &settings(1)).expect("a run");
         let mut saved = Vec::new();
@@ -240,6 +241,24 @@ velocity = ["1"]
 on = "right"
 gap = 0.3
 normal = { law = "compliance", stiffness = 1000.0 }
+"#;
+
+/// A spring that acts from the second phase on.
+const SPRING: &str = r#"
+[[boundary]]
+on = "left"
+spring = [50.0]
+phases = ["held"]
+[[phase]]
+name = "free"
+end = 0.5
+steps = "auto"
+accuracy = 0.05
+[[phase]]
+name = "held"
+end = 1.0
+steps = "auto"
+accuracy = 0.02
 "#;
 
 /// A pressed block is shaken: it sticks and slips, both ways.
