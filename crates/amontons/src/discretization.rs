@@ -7,7 +7,8 @@ use std::sync::{Arc, OnceLock};
 use crate::contact::{ContactBoundary, Ways, WornSides};
 use crate::field::{Coefficient, Law};
 use crate::forms::{self, Dilatation};
-use crate::linalg::{BlockMatrix, Graph, by_blocks, dot, max_abs, mechanical_products, thermal_products};
+use crate::linalg::{BlockMatrix, Graph, NodalMap, by_blocks, dot, max_abs, mechanical_products, thermal_products};
+use crate::mass::{means, redistributed};
 use crate::material::{self, Material, TensorLaw};
 use crate::mesh::{FacetSet, Mesh};
 use crate::problem::Problem;
@@ -30,6 +31,8 @@ pub struct Discretization {
     pub q: Space,
     /// (·, ·)_{L²}, on scalars and by components on vectors.
     pub mass: BlockMatrix,
+    /// The form of inertia with the mass of nodes in contact redistributed, and these nodes; none if all keep their own.
+    moved: Option<(BlockMatrix, NodalMap)>,
     /// Density ρ (kg/m³) and heat capacity as weights of the mass matrix: one number if uniform.
     density: Weight,
     capacity: Weight,
@@ -154,7 +157,11 @@ impl Discretization {
     #[must_use]
     pub fn new(problem: &Problem) -> Discretization {
         let mesh = Arc::clone(&problem.mesh);
-        let graph = Arc::new(Graph::of_mesh(&mesh));
+        let cells = Graph::of_mesh(&mesh);
+        // The check of the problem has found that the mass can be moved.
+        let massless = Some(problem.massless_nodes()).filter(|nodes| !nodes.is_empty());
+        let map = massless.and_then(|nodes| means(&cells, nodes).ok());
+        let graph = Arc::new(map.as_ref().map_or_else(|| cells.clone(), |map| map.joined(&cells)));
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
@@ -176,9 +183,12 @@ impl Discretization {
             (mass, [a, b], d, [m, e])
         };
         let ((mass, [a, b], d, [m, e]), (f, q_h)) = rayon::join(matrices, loads);
+        let density = Weight::new(&mesh, &graph, &each(|m| &m.density));
+        let moved = map.and_then(|map| Some((redistributed(&mesh, density.form(&mass), &map).ok()?.repeated(), map)));
         Discretization {
             mass,
-            density: Weight::new(&mesh, &graph, &each(|m| &m.density)),
+            moved,
+            density,
             capacity: Weight::new(&mesh, &graph, &each(|m| &m.heat_capacity)),
             a,
             b,
@@ -237,10 +247,17 @@ impl Discretization {
     }
 
     /// Inertia (ρ·, ·) as a scale and a form: ρ and (·, ·) if the density is uniform, otherwise 1 and the weighted
-    /// form.
+    /// form; with the mass redistributed where the problem says so.
     #[must_use]
     pub fn inertia(&self) -> (f64, &BlockMatrix) {
-        (self.density.factor(), self.density.form(&self.mass))
+        let form = self.moved.as_ref().map_or_else(|| self.density.form(&self.mass), |(form, _)| form);
+        (self.density.factor(), form)
+    }
+
+    /// The nodes without mass, ascending: those in contact if the mass is redistributed.
+    #[must_use]
+    pub fn massless(&self) -> &[u32] {
+        self.moved.as_ref().map_or(&[], |(_, map)| &map.nodes)
     }
 
     /// Heat storage as a scale and a form: the heat capacity and (·, ·) if it is uniform, otherwise 1 and the weighted

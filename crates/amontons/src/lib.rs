@@ -50,6 +50,7 @@ pub mod hypotheses;
 pub mod inclusion;
 pub mod linalg;
 mod machine;
+pub mod mass;
 pub mod material;
 pub mod mesh;
 pub mod model;

@@ -117,7 +117,7 @@ impl Energy {
             friction: contact.friction,
             worn: contact.worn,
             impact: contact.impact,
-            scheme: of_inertia + stored.scheme + compliance + dropped,
+            scheme: of_inertia + stored.scheme + compliance + dropped - m.end.massless_work,
             load_work: contact.load_work,
             thermal_work: k * thermal_work,
             modulus_work: stored.modulus + contact.stiffening,
@@ -169,8 +169,9 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         let (point, state) = (&boundary.points[i], &m.end.states[i]);
         let normal = &contacts[point.contact].normal;
         let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
-        // The pressure at t_ϑ < t₁ is a mean over the step and does not belong to a rate.
-        let is_function = normal.graph() == GraphKind::Function && step.rule.is_at_end();
+        // A pressure that is a mean over the step does not belong to a rate.
+        let is_at_end = step.rule.is_at_end() || step.rule.balances_contact_at_end();
+        let is_function = normal.graph() == GraphKind::Function && is_at_end;
         (normal.potential(&point.x, state.penetration), is_function.then(at_rest))
     });
     let states = m.end.states.iter().zip(&asked);

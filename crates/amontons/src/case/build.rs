@@ -19,6 +19,7 @@ use crate::convergence::Exact;
 use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::FreeMemory;
+use crate::mass::MassMatrix;
 use crate::material::Material;
 use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
@@ -73,6 +74,10 @@ pub(super) fn problem(
         temperature_scale: notes.scale,
         timeline: build.timeline.clone(),
         scheme: time_scheme(&raw.time),
+        mass: match raw.time.mass {
+            raw::MassMatrix::Consistent => MassMatrix::Consistent,
+            raw::MassMatrix::Redistributed => MassMatrix::Redistributed,
+        },
         physics,
         materials,
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
@@ -398,6 +403,19 @@ impl Build<'_> {
 
     /// Checks that the keys of a scheme stand beside it.
     fn scheme_keys(&mut self, time: &raw::Time) {
+        if time.mass == raw::MassMatrix::Redistributed {
+            // Other values are refused with the problem.
+            let by_default = [
+                ("restitution", time.restitution.is_some_and(|e| e.abs() <= 0.0), "0.0"),
+                ("pressure", time.pressure == Some(raw::PressureRule::Gradient), "\"gradient\""),
+                ("friction", time.friction == Some(raw::FrictionRule::Mean), "\"mean\""),
+            ];
+            for (key, _, found) in by_default.into_iter().filter(|(_, is, _)| *is) {
+                let (path, found) = (format!("time.{key}"), format!("{found} with mass = \"redistributed\""));
+                let expected = "no such key: the laws of contact hold at the end of the step";
+                self.note(&path, At::Value, found, expected, Some(&format!("remove `{key}`")));
+            }
+        }
         if time.scheme != raw::TimeScheme::Theta {
             let given = [
                 ("theta", time.theta.map(|theta| format!("{theta:?}"))),

@@ -20,16 +20,25 @@ fn with(load: Arc<Vec<f64>>, set: &[f64]) -> Arc<Vec<f64>> {
 impl<'a> Step<'a> {
     /// The load of (4.1), N.
     pub fn load(&self) -> Arc<Vec<f64>> {
-        with(self.discrete.f.at(self.level), &self.nodal_forces())
+        self.load_at(self.level)
+    }
+
+    /// The load of (4.1) at a time, N.
+    pub fn load_at(&self, t: f64) -> Arc<Vec<f64>> {
+        with(self.discrete.f.at(t), &self.nodal_forces_at(t))
     }
 
     /// The forces set from the outside, and those that supports are giving up, N; empty if there are none.
     pub fn nodal_forces(&self) -> Vec<f64> {
+        self.nodal_forces_at(self.level)
+    }
+
+    fn nodal_forces_at(&self, t: f64) -> Vec<f64> {
         let (set, released) = (&self.inputs.forces, &self.old.released);
         if released.is_empty() {
             return set.clone();
         }
-        let left = self.problem.timeline.left_of_phase(self.level);
+        let left = self.problem.timeline.left_of_phase(t);
         let set = set.iter().copied().chain(std::iter::repeat(0.0));
         released.iter().zip(set).map(|(released, set)| left * released + set).collect()
     }

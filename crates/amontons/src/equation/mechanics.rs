@@ -7,6 +7,7 @@ use super::StepError;
 use super::apart::Whole;
 use super::fluid::Pools;
 use super::given::Given;
+use super::massless::Massless;
 use super::power::{PowerTerms, Powers};
 use super::system::{
     ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, contact_forces, on_degrees, over_blocks, without_contact,
@@ -200,7 +201,9 @@ impl Mechanics {
         };
         let (now, then) = (tractions(self.seen()), tractions(&self.seen().clone().at(temperature.to_vec())));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
-        on_degrees(step.boundary, &step.discrete.v, change)
+        let mut change = on_degrees(step.boundary, &step.discrete.v, change);
+        change.iter_mut().for_each(|force| *force *= step.rule.contact_share());
+        change
     }
 
     /// The derivatives of the contact forces at the solution: their contribution to S, and the derivative at each
@@ -218,9 +221,12 @@ impl Mechanics {
 /// Equation (4.1) in a step, with the data known before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
-    /// The loads without and with the pressure of fluids, and the wet points.
+    /// The loads without and with the pressure of fluids, those with what the equations of nodes without mass have more,
+    /// and the wet points.
     dry: Arc<Vec<f64>>,
+    applied: Arc<Vec<f64>>,
     load: Arc<Vec<f64>>,
+    massless: Option<Massless>,
     pools: Pools,
     /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
@@ -243,8 +249,9 @@ impl<'a> Equation<'a> {
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<Vec<f64>>(), "the foundation")?;
         let (dry, thermal) = (step.load(), step.discrete.thermal_force(theta));
-        let (load, pools) = (Arc::clone(&dry), Pools::default());
-        let mut equation = Equation { step, dry, load, pools, theta, warmed, thermal, given };
+        let ([applied, load], pools) = ([&dry, &dry].map(Arc::clone), Pools::default());
+        let massless = Massless::of(step, &dry);
+        let mut equation = Equation { step, dry, applied, load, massless, pools, theta, warmed, thermal, given };
         equation.pour(Pools { left: vec![false; wet.len()], wet });
         Ok(equation)
     }
@@ -252,7 +259,9 @@ impl<'a> Equation<'a> {
     /// Sets the contact points wet by fluids.
     fn pour(&mut self, pools: Pools) {
         let step = self.step;
-        self.load = step.with_fluid(&self.dry, &pools.wet, &self.given.frames);
+        self.applied = step.with_fluid(&self.dry, &pools.wet, &self.given.frames);
+        let with_more = |massless: &Massless| Arc::new(massless.load(&self.applied));
+        self.load = self.massless.as_ref().map_or_else(|| Arc::clone(&self.applied), with_more);
         self.given.loads = step.loose.loads(&step.discrete.mesh, &self.load);
         self.pools = pools;
     }
@@ -339,7 +348,10 @@ impl<'a> Equation<'a> {
         // The rigid motion added by the iteration moves from v to W.
         let more = self.step.take(&mut v);
         let rigid: Vec<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
-        let (force, contact_force) = contact_forces(self.step, &states);
+        let (force, mut contact_force) = contact_forces(self.step, &states);
+        if self.massless.is_some() {
+            contact_force.iter_mut().for_each(|force| *force *= rule.contact_share());
+        }
         let rigid = self.step.driven(&rigid, &v, [&self.load, &contact_force], &states);
         let whole = self.step.apart.map(|_| self.step.with_rigid(&rigid, &v));
         let w: &[f64] = whole.as_ref().unwrap_or(&v);
@@ -347,13 +359,14 @@ impl<'a> Equation<'a> {
         let (inertia, mut rest) = (self.inertia(), zeros(v.len()));
         // Per block of the terms: the residual of (4.1), the largest entries, and the sums of the audit.
         let of_block = |first: usize, [mass_w, a_u, b_w]: [&[f64]; 3], rest: &mut [f64]| {
-            let [load, thermal, bar, force] = [&*self.load, &self.thermal, self.step.bar.mass_w, &contact_force]
-                .map(|v| &v[first..first + mass_w.len()]);
+            let [load, thermal, bar, force, applied] =
+                [&*self.load, &self.thermal, self.step.bar.mass_w, &contact_force, &self.applied]
+                    .map(|v| &v[first..first + mass_w.len()]);
             let [u, w, v] = [&*u, w, &*v].map(|v| &v[first..first + mass_w.len()]);
             let largest = map_block([force, load, thermal, mass_w, bar, b_w, a_u], rest, |[force, terms @ ..]| {
                 force - right_hand_side(inertia, terms)
             });
-            let terms = PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load };
+            let terms = PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load: applied };
             (largest, Powers::of_block(self.step, &terms))
         };
         let (products, blocks) = if self.step.apart.is_some() {
@@ -366,14 +379,24 @@ impl<'a> Equation<'a> {
         };
         let support_rates = discrete.v.prescribed_of(w);
         let held_work = k * dot(&hold.forces, &w[..hold.forces.len()]);
+        let more = self.massless.as_ref().map_or(0.0, |massless| k * massless.power(self.step, &states, w));
         rest.iter_mut().zip(&hold.forces).for_each(|(rest, force)| *rest -= force);
         let at = Iterate { rigid, hold, ..Iterate::new(self.step, v, multipliers, products) };
         let ([_, load, thermal, mass_w, bar, b_w, a_u], powers) = over_blocks(&blocks);
         rest.iter_mut().zip(&at.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
-        let reaction_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w);
-        let support_work = reaction_work.sum::<f64>() + held_work;
+        let work = |reactions: &[f64]| reactions.iter().zip(&support_rates).map(|(r, w)| k * r * w).sum::<f64>();
+        let worked = work(&reactions);
+        let (reactions, massless_work) = match &self.massless {
+            None => (reactions, 0.0),
+            Some(massless) => {
+                let at_end = discrete.v.prescribed_of(&massless.reactions(&rest));
+                let left = work(&at_end) - worked;
+                (at_end, more - left)
+            }
+        };
+        let support_work = work(&reactions) + held_work;
         discrete.v.mask(&mut rest);
         let known =
             self.step.drives(&self.given.advance).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
@@ -389,6 +412,7 @@ impl<'a> Equation<'a> {
             force,
             reactions,
             support_work,
+            massless_work,
             powers: Powers::new(powers),
         })
     }
@@ -540,6 +564,8 @@ pub(crate) struct Balanced {
     /// Reactions of the supports, one number per prescribed degree of freedom, N; their work in the step, J.
     pub reactions: Vec<f64>,
     pub support_work: f64,
+    /// Work in the step of what the equations of nodes without mass have more than those at t_ϑ, J.
+    pub massless_work: f64,
     /// The sums that the audit needs.
     pub powers: Powers,
 }

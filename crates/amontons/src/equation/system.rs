@@ -234,6 +234,12 @@ impl Step<'_> {
 
     /// The velocity at the end of the step by that at the time of the equations.
     pub fn end_velocity(&self, mut at_level: Vec<f64>) -> Vec<f64> {
+        if self.rule.balances_contact_at_end() {
+            let of_step: Vec<(usize, f64)> = self.massless_dofs().map(|i| (i, at_level[i])).collect();
+            let mut w = self.end(&self.old.w, at_level);
+            of_step.into_iter().for_each(|(i, velocity)| w[i] = velocity);
+            return w;
+        }
         if self.rule.start != Start::Admissible {
             return self.end(&self.old.w, at_level);
         }

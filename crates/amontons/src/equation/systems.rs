@@ -370,9 +370,9 @@ impl KeptRule {
     fn in_problem(self, problem: &Problem) -> Rule {
         let k = problem.timeline.snapped(self.k);
         if self.has_two_states {
-            self.analysis.rule(problem.scheme, k)
+            problem.rule(self.analysis, k)
         } else {
-            self.analysis.starting_rule(problem.scheme, k)
+            problem.starting_rule(self.analysis, k)
         }
     }
 

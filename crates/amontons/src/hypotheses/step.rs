@@ -145,7 +145,7 @@ impl<'a> StepOperator<'a> {
 
     /// K_u = ρM/k + B + kA of an analysis at step length k.
     fn at(&self, analysis: Analysis, k: f64) -> StepMatrix<'_> {
-        let rule = analysis.starting_rule(self.problem.scheme, k);
+        let rule = self.problem.starting_rule(analysis, k);
         let matrix = self.discrete.mechanical_matrix(rule);
         let share = rule.k / rule.moving();
         StepMatrix { step: self, gamma: rule.gamma, share, less: Arc::new(less_margin(matrix)), system: None }
@@ -157,7 +157,7 @@ impl<'a> StepOperator<'a> {
             return Ok(true);
         }
         for Instant { k, analysis, .. } in self.problem.timeline.longest_steps() {
-            let matrix = self.discrete.thermal_matrix(analysis.starting_rule(self.problem.scheme, k));
+            let matrix = self.discrete.thermal_matrix(self.problem.starting_rule(analysis, k));
             if !is_positive_definite(self.problem, &self.discrete.q, matrix)? {
                 return Ok(false);
             }

@@ -148,6 +148,13 @@ impl Interface {
         Interface { rows, entries, turns: Vec::new(), components }
     }
 
+    /// The rows with a share of their weights: the forces of the points count by it.
+    #[must_use]
+    pub fn weighted(mut self, share: f64) -> Interface {
+        self.rows.iter_mut().for_each(|row| row.weight *= share);
+        self
+    }
+
     /// Number of contact points.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -95,11 +95,14 @@ impl<'a> Mechanical<'a> {
     /// The term of a step. Without `condensed` multipliers are taken as they are.
     pub fn new(step: MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
         let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
-        let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space);
-        let rho = condensed.map_or_else(
+        let share = step.rule.contact_share();
+        let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space)
+            .weighted(share);
+        let mut rho = condensed.map_or_else(
             || vec![0.0; interface.len()],
             |c| interface.stiffness(step.boundary, Some(step.space), step.unknown, c.scale()),
         );
+        rho.iter_mut().for_each(|rho| *rho /= share);
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
             false => Response::Function,
             true if rho > 0.0 => Response::Multiplier { lambda: step.rule.span / rho },

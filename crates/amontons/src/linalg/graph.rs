@@ -1,5 +1,7 @@
 //! The graph of the nodes of a mesh.
 
+use std::collections::BTreeMap;
+
 use crate::mesh::{Link, Mesh};
 use crate::space::RigidNodes;
 
@@ -74,6 +76,30 @@ impl Graph {
     #[must_use]
     pub fn row(&self, i: usize) -> &[u32] {
         &self.columns[self.start[i]..self.start[i + 1]]
+    }
+
+    /// The graph with more neighbours of some nodes.
+    #[must_use]
+    pub(super) fn and(&self, more: &BTreeMap<u32, Vec<u32>>) -> Graph {
+        let (mut start, mut columns) = (vec![0], Vec::with_capacity(self.columns.len()));
+        for i in 0..self.len() {
+            let first = columns.len();
+            columns.extend_from_slice(self.row(i));
+            if let Some(more) = more.get(&(i as u32)) {
+                columns.extend_from_slice(more);
+                columns[first..].sort_unstable();
+                let mut last = first;
+                for at in first + 1..columns.len() {
+                    if columns[at] != columns[last] {
+                        last += 1;
+                        columns[last] = columns[at];
+                    }
+                }
+                columns.truncate(last + 1);
+            }
+            start.push(columns.len());
+        }
+        Graph { start, columns }
     }
 
     /// The graph with each following node merged into the node that it follows. The row of a following node contains

@@ -2,6 +2,7 @@
 
 mod automatic;
 mod condensed;
+mod congruence;
 mod dense;
 mod eigen;
 mod error;
@@ -33,6 +34,7 @@ use std::sync::Arc;
 
 pub use automatic::Automatic;
 pub use condensed::{Condensed, EXACT, TangentKey};
+pub use congruence::NodalMap;
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, largest};
 pub use error::SolveError;

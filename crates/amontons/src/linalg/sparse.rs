@@ -107,6 +107,25 @@ impl BlockMatrix {
         }
     }
 
+    /// Adds a multiple of values, by column, to the row of node `i` of a form on scalars.
+    pub(super) fn add_to_row(&mut self, i: usize, factor: f64, row: impl Iterator<Item = (u32, f64)>) {
+        self.repeated = None;
+        for (j, value) in row {
+            if let Some(slot) = self.graph.slot(i, j) {
+                self.values[slot] += factor * value;
+            }
+        }
+    }
+
+    /// Multiplies the values of the row of node `i` of a form on scalars, by column.
+    pub fn scale_row(&mut self, i: usize, factor: impl Fn(u32) -> f64) {
+        self.repeated = None;
+        let (graph, first) = (Arc::clone(&self.graph), self.graph.start[i]);
+        for (k, &j) in graph.row(i).iter().enumerate() {
+            self.values[first + k] *= factor(j);
+        }
+    }
+
     /// Adds the matrices of many cells of `n` nodes each, one after the other, by blocks: block (i, j) of a cell is its
     /// number i n + j. Each thread takes some rows: an entry is summed in the order of the cells, whatever the number
     /// of threads.

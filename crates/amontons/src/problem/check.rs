@@ -50,6 +50,7 @@ impl ProblemData {
         }
         if faults.is_empty() {
             // Both evaluate the data, which must be in order.
+            self.check_mass(&mut faults);
             self.check_temperatures(&mut faults);
             self.check_tables(&mut faults);
             self.check_range(&mut faults);

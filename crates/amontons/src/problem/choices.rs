@@ -51,6 +51,7 @@ impl ProblemData {
         let mut all = vec![scheme];
         all.extend(self.choice_of_phases());
         all.extend(self.choice_of_impacts());
+        all.extend(self.choice_of_mass());
         all.extend(self.chosen.iter().cloned());
         all.extend(self.choice_of_coupling());
         if self.physics.has_mechanics() {
@@ -120,6 +121,12 @@ impl ProblemData {
         let value = format!("restitution {}", contact.restitution);
         let why = "on a rigid foundation a point leaves an impact with this share of its velocity of approach";
         self.has_impacts().then(|| Choice::new("impacts", value, why))
+    }
+
+    /// Where the mass of the nodes in contact is, if it is moved.
+    fn choice_of_mass(&self) -> Option<Choice> {
+        let why = "nodes in contact have no mass: it is moved to nodes near them, and impacts lose no energy";
+        (!self.massless_nodes().is_empty()).then(|| Choice::new("mass", "redistributed", why))
     }
 
     fn choice_of_dilatation(&self) -> Option<Choice> {

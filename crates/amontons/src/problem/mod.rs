@@ -18,6 +18,7 @@ pub use pairs::with_supports;
 mod physics;
 mod range;
 mod rigid;
+mod rules;
 mod schedule;
 mod scheme;
 mod steady;
@@ -46,6 +47,7 @@ use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::field::Field;
 use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
+use crate::mass::MassMatrix;
 use crate::mesh::{Cyclic, FacetSet, Mesh};
 use crate::units::{Extent, TemperatureScale, UnitSystem, Units};
 
@@ -172,6 +174,8 @@ pub struct ProblemData {
     pub timeline: Timeline,
     /// The scheme in time.
     pub scheme: TimeScheme,
+    /// The mass matrix of the inertia term.
+    pub mass: MassMatrix,
     /// The equations that are solved.
     pub physics: Physics,
     /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
@@ -287,6 +291,7 @@ impl ProblemData {
             mesh: Arc::new(mesh),
             timeline: Timeline::equal(end, steps),
             scheme: TimeScheme::default(),
+            mass: MassMatrix::default(),
             physics: Physics::Coupled,
             materials: vec![material],
             body_force: Vec::new(),

@@ -1,16 +1,24 @@
 //! Which data a scheme in time takes.
 
+use std::sync::Arc;
+
 use super::{Fault, ProblemData};
 use crate::contact::{Contact, GraphKind};
+use crate::field::Coefficient;
+use crate::forms;
+use crate::linalg::Graph;
+use crate::mass::{MassMatrix, NotMoved, means, redistributed};
 use crate::material::Material;
 use crate::mesh::FacetSet;
-use crate::time::{Analysis, ContactRule, FrictionRule, TimeScheme};
+use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimeScheme};
 
 impl ProblemData {
     /// True if bodies hit rigid foundations by a law of impact, as the ϑ-scheme does.
     #[must_use]
     pub fn has_impacts(&self) -> bool {
-        matches!(self.scheme, TimeScheme::Theta { .. }) && self.contacts.iter().any(|contact| contact.normal.is_rigid())
+        self.mass == MassMatrix::Consistent
+            && matches!(self.scheme, TimeScheme::Theta { .. })
+            && self.contacts.iter().any(|contact| contact.normal.is_rigid())
     }
 
     /// True if a step adds to two states, as with BDF2.
@@ -24,10 +32,16 @@ impl ProblemData {
         let word = match self.scheme {
             TimeScheme::BackwardEuler => return,
             TimeScheme::Theta { level, contact } => {
-                Self::check_theta(level, contact, faults);
+                self.check_theta(level, contact, faults);
                 "theta"
             }
             TimeScheme::Bdf2 => "bdf2",
+            TimeScheme::ContactStabilised if self.mass == MassMatrix::Redistributed => {
+                let found = "\"redistributed\" with time.scheme = \"contact-stabilised\"";
+                let expected = "\"consistent\": the velocity that a step starts from is that of nodes with mass";
+                faults.push(Fault::new("time.mass", found, expected).hint("use time.scheme = \"theta\""));
+                return;
+            }
             TimeScheme::ContactStabilised => {
                 self.check_masses(faults);
                 self.check_deformable(faults);
@@ -98,11 +112,58 @@ impl ProblemData {
         }
     }
 
+    /// Checks that the mass of the nodes in contact can be moved to others.
+    pub(super) fn check_mass(&self, faults: &mut Vec<Fault>) {
+        let massless = self.massless_nodes();
+        let place = |node: u32| self.mesh.points.get(node as usize).map_or_else(String::new, |x| self.mesh.place(x));
+        let rigid = self.rigid_nodes();
+        let is_rigid = |node: &&u32| rigid.iter().any(|body| body.position(**node).is_some());
+        if let Some(&node) = massless.iter().find(is_rigid) {
+            let found = format!("\"redistributed\" with a rigid part in contact at {}", place(node));
+            let fault = Fault::new("time.mass", found, "parts in contact that deform: a rigid one moves with its mass");
+            faults.push(fault.hint("use mass = \"consistent\", or let the part deform"));
+            return;
+        }
+        let (found, at) = match self.moved_mass(massless) {
+            Ok(()) => return,
+            Err(NotMoved::AllInContact(node)) => ("a body all of whose nodes are in contact", node),
+            Err(NotMoved::TooFew(node)) => ("a body with too few layers of nodes off contact for its inertia", node),
+        };
+        let found = format!("\"redistributed\" with {found}, at {}", place(at));
+        let expected = "some layers of cells behind each side in contact";
+        let hint = "use smaller cells, contact on a part of the boundary only, or mass = \"consistent\"";
+        faults.push(Fault::new("time.mass", found, expected).hint(hint));
+    }
+
+    /// Moves the mass of nodes in contact.
+    fn moved_mass(&self, massless: Vec<u32>) -> Result<(), NotMoved> {
+        if massless.is_empty() {
+            return Ok(());
+        }
+        let cells = Graph::of_mesh(&self.mesh);
+        let map = means(&cells, massless)?;
+        let density: Vec<Coefficient<f64>> = self.materials.iter().map(|m| m.density.clone()).collect();
+        let form = forms::weighted_inner_h(&self.mesh, &Arc::new(map.joined(&cells)), &density);
+        redistributed(&self.mesh, &form, &map).map(|_| ())
+    }
+
     /// Checks the numbers of the ϑ-scheme.
-    fn check_theta(level: f64, rule: ContactRule, faults: &mut Vec<Fault>) {
+    fn check_theta(&self, level: f64, rule: ContactRule, faults: &mut Vec<Fault>) {
         if !(0.5..=1.0).contains(&level) {
             let fault = Fault::new("time.theta", format!("{level:?}"), "a number from 0.5 to 1");
             faults.push(fault.hint("0.5 is of second order and adds no damping; 1 is backward Euler"));
+        }
+        if self.mass == MassMatrix::Redistributed {
+            let all = [
+                (rule.restitution.abs() > 0.0, "restitution", "a coefficient of restitution", "none: a node without mass has no impact"),
+                (rule.pressure == PressureRule::Plain, "pressure", "\"plain\"", "none: the pressure is that at the end of the step"),
+                (rule.friction == FrictionRule::End, "friction", "\"end\"", "none: a node without mass has one velocity in a step"),
+            ];
+            for (_, key, found, expected) in all.into_iter().filter(|(is, ..)| *is) {
+                let found = format!("{found} with mass = \"redistributed\"");
+                faults.push(Fault::new(format!("time.{key}"), found, expected).hint("remove it, or use mass = \"consistent\""));
+            }
+            return;
         }
         let most = (1.0 - level) / level;
         if !(0.0..=most).contains(&rule.restitution) && (0.5..=1.0).contains(&level) {

@@ -151,7 +151,7 @@ impl March {
 
     /// Order of the scheme in the step.
     fn order(&self, now: &Instant) -> i32 {
-        let rule = now.analysis.rule(self.problem.scheme, now.k);
+        let rule = self.problem.rule(now.analysis, now.k);
         if rule.is_backward_euler() { 1 } else { 2 }
     }
 
@@ -162,7 +162,7 @@ impl March {
     /// Velocities at the end of steps whose equations hold at their middle may change their sign in each step, as those
     /// of points that are held do. There u alone is judged: it has the errors of the velocities before.
     fn errors(&self, made: &Tried, now: &Instant) -> StepErrors {
-        let of_w = if now.analysis.rule(self.problem.scheme, now.k).is_at_end() { 1.0 } else { 0.0 };
+        let of_w = if self.problem.rule(now.analysis, now.k).is_at_end() { 1.0 } else { 0.0 };
         let order = f64::from(self.order(now));
         let Tried { whole, coarse, end, .. } = made;
         let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) / order).collect::<Vec<f64>>();

@@ -80,7 +80,8 @@ impl Linearised {
         [of_mechanics, of_heat]: [&mut HalfStep; 2],
         change: &[f64],
     ) -> Result<Vec<f64>, SolveError> {
-        let Step { discrete, contacts, boundary, rule: Rule { gamma, level, .. }, .. } = *step;
+        let Step { discrete, contacts, boundary, rule, .. } = *step;
+        let (Rule { gamma, level, .. }, share) = (rule, rule.contact_share());
         let warmer = boundary.scalars_on(contacts, change);
         let contact = on_degrees(
             boundary,
@@ -89,7 +90,7 @@ impl Linearised {
         );
         let slope = self.force_slope.as_ref().unwrap_or(&discrete.m);
         let right: Vec<f64> =
-            slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
+            slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - share * contact).collect();
         let w = of_mechanics.system.linearised(&self.mechanics, &right)?;
         let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
         let points = boundary.points.iter().enumerate();

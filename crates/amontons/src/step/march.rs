@@ -87,7 +87,7 @@ impl March {
     ) -> Result<March, SetupError> {
         let mut cache = Cache::new(backend, first_temperature(problem, discrete));
         let first = problem.timeline.instant(1);
-        let made = cache.systems(problem, discrete, first.analysis.starting_rule(problem.scheme, first.k));
+        let made = cache.systems(problem, discrete, problem.starting_rule(first.analysis, first.k));
         made.map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(March {
             problem: problem.clone(),
@@ -174,9 +174,9 @@ impl March {
     /// The rule of a part 2^−halvings of a step, made from a state. A part of a step that was not solved as a whole has
     /// no step of its length before it.
     fn rule(&self, old: &State, now: &Instant, halvings: u32) -> Rule {
-        let (k, scheme) = (now.k / f64::from(1u32 << halvings), self.problem.scheme);
+        let k = now.k / f64::from(1u32 << halvings);
         let follows = old.earlier.as_ref().is_some_and(|earlier| earlier.k.to_bits() == k.to_bits());
-        if follows { now.analysis.rule(scheme, k) } else { now.analysis.starting_rule(scheme, k) }
+        if follows { self.problem.rule(now.analysis, k) } else { self.problem.starting_rule(now.analysis, k) }
     }
 
     /// Factorizes for a step, made from a state, and for its parts of ½ … 2^−halvings.
@@ -391,7 +391,7 @@ fn mixed_parts(bodies: &Bodies, discrete: &Discretization, old: &State, earlier:
 
 /// The rule of a step that follows on one of the same length.
 fn rule_of(problem: &Problem, now: &Instant) -> Rule {
-    now.analysis.rule(problem.scheme, now.k)
+    problem.rule(now.analysis, now.k)
 }
 
 impl Scheme for March {

@@ -149,6 +149,27 @@ impl Rule {
         self.start != Start::TwoStates
     }
 
+    /// The rule for a body whose nodes in contact have no mass: the laws of contact hold at the end of the step, and so do
+    /// the equations of these nodes, which are static.
+    #[must_use]
+    pub fn with_massless_contact(self) -> Rule {
+        Rule { contact: None, ..self }
+    }
+
+    /// Returns true if the equations of the nodes in contact, which have no mass, hold at the end of the step, and the
+    /// others before it.
+    #[must_use]
+    pub fn balances_contact_at_end(&self) -> bool {
+        !self.is_at_end() && self.contact.is_none()
+    }
+
+    /// The share of the forces of contact that the equations of a step have: ϑ of those at its end if the rest is that
+    /// of its start. Else 1.
+    #[must_use]
+    pub fn contact_share(&self) -> f64 {
+        if self.balances_contact_at_end() { self.level } else { 1.0 }
+    }
+
     /// Returns true if bodies hit rigid foundations by a law of impact, which holds velocities. Else no point is inside
     /// its foundation at the end of the step.
     #[must_use]

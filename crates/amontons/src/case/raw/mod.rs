@@ -177,6 +177,9 @@ pub(in crate::case) struct Time {
     /// The slip velocity that friction follows in a step of the scheme `theta`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRule>,
+    /// The mass matrix of the inertia term.
+    #[serde(default)]
+    pub mass: MassMatrix,
 }
 
 impl Default for Time {
@@ -192,8 +195,21 @@ impl Default for Time {
             restitution: None,
             pressure: None,
             friction: None,
+            mass: MassMatrix::default(),
         }
     }
+}
+
+/// The mass matrix of the inertia term.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum MassMatrix {
+    /// That of the shape functions: every node has its mass.
+    #[default]
+    Consistent,
+    /// Nodes in contact have no mass: it is moved to nodes near them, with the same total, centre and inertia. Impacts
+    /// then lose no energy.
+    Redistributed,
 }
 
 /// The pressure of a layer in a step of the ϑ-scheme.

@@ -16,7 +16,7 @@ const ROUND_OFF: f64 = 1e-12;
 pub(super) fn at_start(problem: &Problem) -> Vec<Finding> {
     // The steps of a quasistatic phase close gaps at their ends.
     let first = problem.timeline.instant(1);
-    if !problem.has_impacts() || first.analysis.rule(problem.scheme, first.k).contact.is_none() {
+    if !problem.has_impacts() || problem.rule(first.analysis, first.k).contact.is_none() {
         return Vec::new();
     }
     let (space, boundary) = (problem.displacement_space(), problem.contact_boundary());

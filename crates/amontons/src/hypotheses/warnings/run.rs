@@ -7,6 +7,7 @@ use crate::contact::Leak;
 use crate::linalg::PATTERNS;
 use crate::problem::Problem;
 use crate::tensor::Point;
+use crate::time::Analysis;
 use crate::units::Measure;
 
 /// Strain above which the error of small-strain theory exceeds the same fraction: 5 %.
@@ -277,10 +278,13 @@ fn scheme_share(problem: &Problem, figures: &Figures) -> Option<Finding> {
         "the time-stepping scheme itself took {:.0} % of the energy turned over: oscillations and rebounds are computed weaker than they are, by as much",
         100.0 * share
     );
-    let rule = problem.scheme.rule(problem.timeline.longest());
-    let repair = if !rule.is_backward_euler() && rule.contact.is_none() {
+    let rule = problem.rule(Analysis::Dynamic, problem.timeline.longest());
+    let is_balanced = rule.balances_contact_at_end();
+    let repair = if is_balanced && rule.level <= 0.5 {
+        "use more steps (time.steps): the share falls with the step"
+    } else if !rule.is_backward_euler() && rule.contact.is_none() && !is_balanced {
         "use more steps (time.steps): the share falls with the square of the step; or set time.scheme = \"theta\""
-    } else if rule.contact.is_none() {
+    } else if rule.contact.is_none() && !is_balanced {
         "set time.scheme = \"theta\", which keeps the energy but for impacts on rigid foundations, or use more steps (time.steps): the share falls with the step, across an impact with its square root"
     } else if rule.level > 0.5 {
         "lower time.theta to 0.5, or use more steps (time.steps)"
