@@ -1,6 +1,7 @@
 //! Problem 4.1 on a mesh: spaces, matrices, loads and the contact boundary.
 
 mod relaxation;
+mod weight;
 
 use std::sync::{Arc, OnceLock};
 
@@ -17,6 +18,7 @@ use crate::tensor::{Sym, SymMap, safe_scale};
 use crate::time::Rule;
 pub use relaxation::Relaxation;
 pub(crate) use relaxation::Relaxed;
+use weight::Weight;
 
 /// The discrete problem without its state: spaces, matrices, loads and contact boundary.
 #[derive(Debug)]
@@ -31,7 +33,7 @@ pub struct Discretization {
     pub q: Space,
     /// (·, ·)_{L²}, on scalars and by components on vectors.
     pub mass: BlockMatrix,
-    /// The form of inertia with the mass of nodes in contact redistributed, and these nodes; none if all keep their own.
+    /// The form of inertia with the mass of nodes in contact moved, and by what map; none if all keep their own.
     moved: Option<(BlockMatrix, NodalMap)>,
     /// Density ρ (kg/m³) and heat capacity as weights of the mass matrix: one number if uniform.
     density: Weight,
@@ -73,40 +75,6 @@ pub struct Discretization {
     pub worn: WornSides,
     /// The ways of fluids along contact points.
     pub ways: Ways,
-}
-
-/// Weight of (·, ·)_{L²}: one number if it is uniform, otherwise a weighted form of its own.
-#[derive(Debug)]
-enum Weight {
-    Same(f64),
-    Varying(BlockMatrix),
-}
-
-impl Weight {
-    fn new(mesh: &Mesh, graph: &Arc<Graph>, values: &[Coefficient<f64>]) -> Weight {
-        let constant = |value: &Coefficient<f64>| value.constant();
-        match values.iter().map(constant).collect::<Option<Vec<f64>>>().as_deref() {
-            Some([first, rest @ ..]) if rest.iter().all(|value| value.to_bits() == first.to_bits()) => {
-                Weight::Same(*first)
-            }
-            _ => Weight::Varying(forms::weighted_inner_h(mesh, graph, values).repeated()),
-        }
-    }
-
-    /// The number that multiplies the form.
-    fn factor(&self) -> f64 {
-        match self {
-            Weight::Same(value) => *value,
-            Weight::Varying(_) => 1.0,
-        }
-    }
-
-    fn form<'a>(&'a self, mass: &'a BlockMatrix) -> &'a BlockMatrix {
-        match self {
-            Weight::Same(_) => mass,
-            Weight::Varying(form) => form,
-        }
-    }
 }
 
 /// Laws of the body at one temperature field, with their matrices if they are linear in the strain.

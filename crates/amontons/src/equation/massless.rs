@@ -16,6 +16,7 @@
 use super::system::{Step, on_degrees};
 use crate::inclusion::PointState;
 use crate::linalg::zeros;
+use crate::space::Space;
 
 /// What the equations of nodes without mass have more than those at t_ϑ.
 pub(crate) struct Massless {
@@ -56,11 +57,9 @@ impl Massless {
         load
     }
 
-    /// Makes the residual at prescribed degrees of freedom the reaction at the end of the step.
-    pub fn reactions(&self, residual: &[f64]) -> Vec<f64> {
-        let mut reactions = residual.to_vec();
-        self.dofs.iter().for_each(|&i| reactions[i] /= 1.0 - self.rest);
-        reactions
+    /// Makes the forces of contact those that the equations have.
+    pub fn share(&self, forces: &mut [f64]) {
+        forces.iter_mut().for_each(|force| *force *= 1.0 - self.rest);
     }
 
     /// Power at the velocity `w` of what is added to the load and of the share of the forces of contact that is not in
@@ -70,6 +69,25 @@ impl Massless {
         let forces = on_degrees(step.boundary, &step.discrete.v, states.iter().map(force));
         self.dofs.iter().zip(&self.added).map(|(&i, added)| w[i] * (added + self.rest * forces[i])).sum()
     }
+}
+
+/// The reactions of the supports by the residual of (4.1), those of nodes without mass at the end of the step; their
+/// work along the prescribed rates in the time k, and by how much it is more than that of the residual, J.
+pub(crate) fn reactions(
+    massless: Option<&Massless>,
+    space: &Space,
+    residual: &[f64],
+    (rates, k): (&[f64], f64),
+) -> (Vec<f64>, [f64; 2]) {
+    let work = |reactions: &[f64]| reactions.iter().zip(rates).map(|(r, w)| k * r * w).sum::<f64>();
+    let seen = space.prescribed_of(residual);
+    let before = work(&seen);
+    let Some(Massless { dofs, rest, .. }) = massless else { return (seen, [before, 0.0]) };
+    let mut at_end = residual.to_vec();
+    dofs.iter().for_each(|&i| at_end[i] /= 1.0 - rest);
+    let at_end = space.prescribed_of(&at_end);
+    let after = work(&at_end);
+    (at_end, [after, after - before])
 }
 
 impl Step<'_> {

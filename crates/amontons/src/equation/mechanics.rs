@@ -7,14 +7,15 @@ use super::StepError;
 use super::apart::Whole;
 use super::fluid::Pools;
 use super::given::Given;
-use super::massless::Massless;
+use super::iterate::{Hold, Iterate, begun, products_apart};
+use super::massless::{Massless, reactions};
 use super::power::{PowerTerms, Powers};
 use super::system::{
     ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, contact_forces, on_degrees, over_blocks, without_contact,
 };
 use crate::discretization::Warmed;
 use crate::inclusion::residual::Residual;
-use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Solved, Undetermined};
+use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Solved};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::state::{Rigid, State};
 use crate::tensor::Point;
@@ -221,8 +222,8 @@ impl Mechanics {
 /// Equation (4.1) in a step, with the data known before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
-    /// The loads without and with the pressure of fluids, those with what the equations of nodes without mass have more,
-    /// and the wet points.
+    /// The loads without and with the pressure of fluids, those with what the equations of nodes without mass have
+    /// more, and the wet points.
     dry: Arc<Vec<f64>>,
     applied: Arc<Vec<f64>>,
     load: Arc<Vec<f64>>,
@@ -349,9 +350,7 @@ impl<'a> Equation<'a> {
         let more = self.step.take(&mut v);
         let rigid: Vec<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
         let (force, mut contact_force) = contact_forces(self.step, &states);
-        if self.massless.is_some() {
-            contact_force.iter_mut().for_each(|force| *force *= rule.contact_share());
-        }
+        self.massless.iter().for_each(|massless| massless.share(&mut contact_force));
         let rigid = self.step.driven(&rigid, &v, [&self.load, &contact_force], &states);
         let whole = self.step.apart.map(|_| self.step.with_rigid(&rigid, &v));
         let w: &[f64] = whole.as_ref().unwrap_or(&v);
@@ -377,44 +376,45 @@ impl<'a> Equation<'a> {
         } else {
             discrete.mechanical_products_then([&u, &self.step.rates(&v)], &self.warmed, &mut rest, of_block)
         };
-        let support_rates = discrete.v.prescribed_of(w);
+        let rates = discrete.v.prescribed_of(w);
         let held_work = k * dot(&hold.forces, &w[..hold.forces.len()]);
         let more = self.massless.as_ref().map_or(0.0, |massless| k * massless.power(self.step, &states, w));
         rest.iter_mut().zip(&hold.forces).for_each(|(rest, force)| *rest -= force);
         let at = Iterate { rigid, hold, ..Iterate::new(self.step, v, multipliers, products) };
-        let ([_, load, thermal, mass_w, bar, b_w, a_u], powers) = over_blocks(&blocks);
+        let (largest, powers) = over_blocks(&blocks);
         rest.iter_mut().zip(&at.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
-        let reactions = discrete.v.prescribed_of(&rest);
-        let work = |reactions: &[f64]| reactions.iter().zip(&support_rates).map(|(r, w)| k * r * w).sum::<f64>();
-        let worked = work(&reactions);
-        let (reactions, massless_work) = match &self.massless {
-            None => (reactions, 0.0),
-            Some(massless) => {
-                let at_end = discrete.v.prescribed_of(&massless.reactions(&rest));
-                let left = work(&at_end) - worked;
-                (at_end, more - left)
-            }
-        };
-        let support_work = work(&reactions) + held_work;
+        let (reactions, [reaction_work, added]) = reactions(self.massless.as_ref(), &discrete.v, &rest, (&rates, k));
+        let (support_work, massless_work) = (reaction_work + held_work, more - added);
         discrete.v.mask(&mut rest);
-        let known =
-            self.step.drives(&self.given.advance).iter().map(|drive| self.step.at_points(drive)).fold(load, f64::max);
-        let acting = (inertia * mass_w.max(bar)).max(thermal).max(known);
-        let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
-        let scale = [b_w, a_u, max_abs(&at.relaxing)].into_iter().fold(acting.max(contact), f64::max);
-        let value = self.step.relative(max_abs(&rest), scale, "mechanics")?;
+        let residual = self.residual(&rest, largest, [&at.relaxing, &contact_force])?;
         Ok(Balanced {
             at,
             u,
             states,
-            residual: Residual { value, scale, acting, contact },
+            residual,
             force,
             reactions,
             support_work,
             massless_work,
             powers: Powers::new(powers),
         })
+    }
+
+    /// The residual with the largest entries of its terms.
+    fn residual(
+        &self,
+        rest: &[f64],
+        [_, load, thermal, mass_w, bar, b_w, a_u]: [f64; 7],
+        [relaxing, contact_force]: [&[f64]; 2],
+    ) -> Result<Residual, StepError> {
+        let (step, inertia) = (self.step, self.inertia());
+        let known = step.drives(&self.given.advance).iter().map(|drive| step.at_points(drive)).fold(load, f64::max);
+        let acting = (inertia * mass_w.max(bar)).max(thermal).max(known);
+        let contact = step.discrete.v.largest_at(&step.boundary.nodes, contact_force);
+        let scale = [b_w, a_u, max_abs(relaxing)].into_iter().fold(acting.max(contact), f64::max);
+        let value = step.relative(max_abs(rest), scale, "mechanics")?;
+        Ok(Residual { value, scale, acting, contact })
     }
 
     /// The iterate `next`. If its residual exceeds the previous one, the best of ever shorter fractions of the way to
@@ -492,40 +492,6 @@ impl<'a> Equation<'a> {
     }
 }
 
-/// A velocity with its terms of (4.1), or with those of the previous state. It excludes the rigid motions if they are
-/// split off.
-#[derive(Default)]
-pub(crate) struct Iterate<'a> {
-    pub w: Vec<f64>,
-    pub rigid: Vec<Rigid>,
-    pub multipliers: Multipliers,
-    pub mass_w: Cow<'a, [f64]>,
-    pub a_u: Cow<'a, [f64]>,
-    pub a_w: Cow<'a, [f64]>,
-    pub b_w: Cow<'a, [f64]>,
-    /// Σ ∫ 𝓖ε(z):ε(·) of the relaxing branches; empty without branches.
-    pub relaxing: Vec<f64>,
-    /// Springs that hold undetermined rigid motions.
-    pub hold: Hold,
-}
-
-/// Undetermined rigid motions and the springs that hold them.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Hold {
-    pub loose: Vec<Undetermined>,
-    /// The forces of the springs over all degrees of freedom, N; empty if there are none.
-    pub forces: Vec<f64>,
-}
-
-impl Hold {
-    /// Interpolates to another one: the fraction α of the way.
-    fn towards(&self, other: &Hold, alpha: f64) -> Hold {
-        let before = self.forces.iter().copied().chain(std::iter::repeat(0.0));
-        let forces = other.forces.iter().zip(before).map(|(new, old)| old + alpha * (new - old)).collect();
-        Hold { loose: other.loose.clone(), forces }
-    }
-}
-
 /// The sum of the terms of (4.1) without contact.
 fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6]) -> f64 {
     load + thermal - inertia * (mass_w - bar) - b_w - a_u
@@ -568,52 +534,4 @@ pub(crate) struct Balanced {
     pub massless_work: f64,
     /// The sums that the audit needs.
     pub powers: Powers,
-}
-
-impl Iterate<'_> {
-    /// The iterate at a velocity, with its M w, a(u, ·), a(w, ·) and b(w, ·).
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, products: [Vec<f64>; 4]) -> Self {
-        let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
-        let relaxing = step.relaxing(&w);
-        Iterate { relaxing, w, rigid: Vec::new(), multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
-    }
-}
-
-/// Data of the contact points and the iterate at the start of a half-step: at w_{n−1}, and at (u_D(t_n) − ū)/σ if the
-/// displacement is prescribed.
-fn begun<'a>(step: &Step<'a>, warmed: &Warmed) -> (Given, Iterate<'a>) {
-    let Step { discrete, old, bar, products, t, rule, .. } = *step;
-    let mut w = copy(&old.w);
-    let replacing = step.replacing(|inputs| &inputs.displacements);
-    let changes = discrete.v.prescribe_rates([t, rule.span], &replacing, bar.u, &mut w);
-    let given = Given::new(step, &w);
-    let mut multipliers = old.multipliers.clone();
-    // A point that no longer faces the other body has lost contact.
-    for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
-        (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
-    }
-    let rigid = step.take(&mut w);
-    let now = if step.apart.is_some() {
-        let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
-        Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
-    } else if discrete.is_linear() && !changes && rule.is_of_one_step() {
-        // a(ū + γ w̄, ·) is obtained without another product.
-        let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + rule.gamma * a_w));
-        let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
-        let relaxing = step.relaxing(&w);
-        Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
-    } else {
-        let products = discrete.mechanical_products(&step.deformed(&w), &step.rates(&w), warmed);
-        Iterate::new(step, w, multipliers, products)
-    };
-    (given, now)
-}
-
-/// M w, a(d, ·), a(v, ·) and b(v, ·) if rigid motions W are split off: w = W + v.
-fn products_apart(step: &Step, [d, v]: [&[f64]; 2], rigid: &[Rigid], warmed: &Warmed) -> [Vec<f64>; 4] {
-    let mut products = step.discrete.mechanical_products(d, &step.rates(v), warmed);
-    let whole = step.with_rigid(rigid, &zeros(v.len()));
-    let inertia = step.discrete.inertia().1.apply(&step.rates(&whole));
-    products[0].iter_mut().zip(&inertia).for_each(|(sum, term)| *sum += term);
-    products
 }

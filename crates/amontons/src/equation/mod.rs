@@ -9,6 +9,7 @@ pub(crate) mod foundation;
 pub(crate) mod given;
 pub(crate) mod heat;
 mod inputs;
+pub(crate) mod iterate;
 mod massless;
 pub(crate) mod mechanics;
 mod memory;

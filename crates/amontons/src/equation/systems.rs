@@ -369,11 +369,7 @@ impl KeptRule {
     /// The rule of a problem, whose step lengths may differ from the kept one by round-off.
     fn in_problem(self, problem: &Problem) -> Rule {
         let k = problem.timeline.snapped(self.k);
-        if self.has_two_states {
-            problem.rule(self.analysis, k)
-        } else {
-            problem.starting_rule(self.analysis, k)
-        }
+        if self.has_two_states { problem.rule(self.analysis, k) } else { problem.starting_rule(self.analysis, k) }
     }
 
     fn of(rule: &Rule) -> KeptRule {

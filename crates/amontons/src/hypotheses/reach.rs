@@ -27,6 +27,7 @@ use crate::element::ShapeTable;
 use crate::field::{Coefficient, Field};
 use crate::forms;
 use crate::linalg::{BlockMatrix, EXACT, Layout, SolveError, System, dot};
+use crate::mass::MassMatrix;
 use crate::material::Material;
 use crate::mesh::CellMap;
 use crate::problem::{Problem, RegionLoad};
@@ -202,6 +203,9 @@ impl<'a> FreeBody<'a> {
         }
         if !problem.cyclic.is_empty() {
             return Some(("the body is a sector that is repeated about an axis", "cyclic".to_owned()));
+        }
+        if problem.mass == MassMatrix::Redistributed {
+            return Some(("nodes in contact have no mass", "time.mass".to_owned()));
         }
         if problem.materials.len() > 1 {
             return Some(("the body has several materials", "region".to_owned()));

@@ -96,8 +96,8 @@ impl<'a> Mechanical<'a> {
     pub fn new(step: MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
         let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
         let share = step.rule.contact_share();
-        let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space)
-            .weighted(share);
+        let interface =
+            Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space).weighted(share);
         let mut rho = condensed.map_or_else(
             || vec![0.0; interface.len()],
             |c| interface.stiffness(step.boundary, Some(step.space), step.unknown, c.scale()),

@@ -59,8 +59,8 @@ impl NodalMap {
 }
 
 impl BlockMatrix {
-    /// Pᵀ M P of this form M on scalars, whose graph has the pairs that [`NodalMap::joined`] adds. Sums go over nodes in
-    /// their order.
+    /// Pᵀ M P of this form M on scalars, whose graph has the pairs that [`NodalMap::joined`] adds. Sums go over nodes
+    /// in their order.
     #[must_use]
     pub fn congruent(&self, map: &NodalMap) -> BlockMatrix {
         let mut out = BlockMatrix::zero(self.graph(), 1, 1);

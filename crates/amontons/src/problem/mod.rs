@@ -46,8 +46,8 @@ pub use temperature::GivenTemperature;
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::field::Field;
 use crate::linalg::{Backend, Decided, Supernodal};
-use crate::material::{Dilatation, Material, Prony};
 use crate::mass::MassMatrix;
+use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{Cyclic, FacetSet, Mesh};
 use crate::units::{Extent, TemperatureScale, UnitSystem, Units};
 

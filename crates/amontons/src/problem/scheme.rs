@@ -155,13 +155,30 @@ impl ProblemData {
         }
         if self.mass == MassMatrix::Redistributed {
             let all = [
-                (rule.restitution.abs() > 0.0, "restitution", "a coefficient of restitution", "none: a node without mass has no impact"),
-                (rule.pressure == PressureRule::Plain, "pressure", "\"plain\"", "none: the pressure is that at the end of the step"),
-                (rule.friction == FrictionRule::End, "friction", "\"end\"", "none: a node without mass has one velocity in a step"),
+                (
+                    rule.restitution.abs() > 0.0,
+                    "restitution",
+                    "a coefficient of restitution",
+                    "none: a node without mass has no impact",
+                ),
+                (
+                    rule.pressure == PressureRule::Plain,
+                    "pressure",
+                    "\"plain\"",
+                    "none: the pressure is that at the end of the step",
+                ),
+                (
+                    rule.friction == FrictionRule::End,
+                    "friction",
+                    "\"end\"",
+                    "none: a node without mass has one velocity in a step",
+                ),
             ];
             for (_, key, found, expected) in all.into_iter().filter(|(is, ..)| *is) {
                 let found = format!("{found} with mass = \"redistributed\"");
-                faults.push(Fault::new(format!("time.{key}"), found, expected).hint("remove it, or use mass = \"consistent\""));
+                faults.push(
+                    Fault::new(format!("time.{key}"), found, expected).hint("remove it, or use mass = \"consistent\""),
+                );
             }
             return;
         }

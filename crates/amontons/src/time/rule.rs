@@ -149,8 +149,8 @@ impl Rule {
         self.start != Start::TwoStates
     }
 
-    /// The rule for a body whose nodes in contact have no mass: the laws of contact hold at the end of the step, and so do
-    /// the equations of these nodes, which are static.
+    /// The rule for a body whose nodes in contact have no mass: the laws of contact hold at the end of the step, and so
+    /// do the equations of these nodes, which are static.
     #[must_use]
     pub fn with_massless_contact(self) -> Rule {
         Rule { contact: None, ..self }

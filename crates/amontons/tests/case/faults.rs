@@ -35,7 +35,7 @@ spoiled! {
         "paper.toml:21:1: found `end` again, expected each key once in its table";
     duplicate_table: "[output]" => "[time]"
         "paper.toml:69:2: found `time` again, expected each key once in its table"
-        "paper.toml:70:1: time.every: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; `every` belongs to [output]";
+        "paper.toml:70:1: time.every: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, mass, pressure, restitution, scheme, steps, theta; `every` belongs to [output]";
     two_syntax_errors: "end = 1.0\nsteps = 64" => "end = \nsteps = "
         "paper.toml:20:7: found the end of the line, expected a value"
         "paper.toml:21:9: found the end of the line, expected a value";
@@ -48,7 +48,7 @@ spoiled! {
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
-        "paper.toml:20:1: time.young: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
+        "paper.toml:20:1: time.young: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, mass, pressure, restitution, scheme, steps, theta; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
         "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields, format";
     format_unknown: "[output]" => "[output]\nformat = \"vtkhd\""
@@ -423,7 +423,7 @@ fn a_key_given_twice_does_not_hide_other_faults() {
     let text = spoil(PAPER, "end = 1.0", "end = 1.0\nend = 2.0\nstepz = 3");
     let expected = [
         "paper.toml:21:1: found `end` again, expected each key once in its table",
-        "paper.toml:22:1: time.stepz: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, pressure, restitution, scheme, steps, theta; did you mean `steps`?",
+        "paper.toml:22:1: time.stepz: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, mass, pressure, restitution, scheme, steps, theta; did you mean `steps`?",
     ];
     assert_eq!(message(text, &[]), expected.join("\n"));
 }

@@ -44,11 +44,13 @@ fn outcome(text: &str, files: BTreeMap<String, std::sync::Arc<[u8]>>, frame: &Fr
     Ok(Outcome { mesh: (*problem.mesh).clone(), boundary: problem.contact_boundary(), memory, frame: frame.clone() })
 }
 
-/// The keys of `[time]` for backward Euler, for the ϑ-scheme, for BDF2, and for the contact-stabilised scheme.
+/// The keys of `[time]` for backward Euler, for the ϑ-scheme, for BDF2, for the contact-stabilised scheme, and for nodes in contact
+/// without mass.
 const EULER: &str = "";
 const THETA: &str = ", scheme = \"theta\", theta = 0.6, restitution = 0.3";
 const BDF2: &str = ", scheme = \"bdf2\"";
 const STABILISED: &str = ", scheme = \"contact-stabilised\"";
+const MASSLESS: &str = ", scheme = \"theta\", mass = \"redistributed\"";
 
 fn text(case: &Case, frame: &Frame, scheme: &str) -> String {
     let steps = STEPS + frame.later;
@@ -252,6 +254,15 @@ fn a_case_does_not_depend_on_its_description_stabilised() {
         assert!(error.contains("with time.scheme = \"contact-stabilised\""), "{error}");
     });
     assert!(pairs >= 60, "{pairs} pairs");
+}
+
+/// The same with nodes in contact without mass, of all cases that the ϑ-scheme takes and that have layers enough.
+#[test]
+fn a_case_does_not_depend_on_its_description_without_mass_in_contact() {
+    let pairs = described_otherwise(MASSLESS, |error| {
+        assert!(error.contains("with time.scheme = \"theta\"") || error.contains("time.mass"), "{error}");
+    });
+    assert!(pairs >= 40, "{pairs} pairs");
 }
 
 /// Compares the descriptions of all cases that run, and returns their number; `refused` is called for others.

@@ -21,6 +21,7 @@ mod manufactured;
 mod newton;
 mod phases;
 mod pyramids;
+mod redistributed;
 mod refinement;
 mod revolution;
 mod stabilised;
