@@ -18,9 +18,10 @@
 //! Source: H. B. Khenous, P. Laborde, Y. Renard, Eur. J. Mech. A/Solids 27 (2008) 918–932, who take the least change of
 //! M with the same pattern.
 
+use crate::contact::Contact;
 use crate::linalg::{BlockMatrix, Graph, NodalMap};
-use crate::mesh::Mesh;
 use crate::mesh::defects::{Component, components};
+use crate::mesh::{FacetSet, Mesh};
 use crate::problem::ProblemData;
 use crate::tensor::{Point, length, minus};
 
@@ -56,9 +57,9 @@ impl ProblemData {
         if self.mass == MassMatrix::Consistent || !self.physics.has_mechanics() {
             return Vec::new();
         }
-        let sides = self.contacts.iter().flat_map(|contact| contact.sides());
+        let sides = self.contacts.iter().flat_map(Contact::sides);
         let mut nodes: Vec<u32> =
-            sides.filter_map(|side| self.mesh.named(side)).flat_map(|side| side.node_list()).collect();
+            sides.filter_map(|side| self.mesh.named(side)).flat_map(FacetSet::node_list).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let mut linked: Vec<u32> = Vec::new();

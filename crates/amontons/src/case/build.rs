@@ -74,10 +74,7 @@ pub(super) fn problem(
         temperature_scale: notes.scale,
         timeline: build.timeline.clone(),
         scheme: time_scheme(&raw.time),
-        mass: match raw.time.mass {
-            raw::MassMatrix::Consistent => MassMatrix::Consistent,
-            raw::MassMatrix::Redistributed => MassMatrix::Redistributed,
-        },
+        mass: mass(raw.time.mass),
         physics,
         materials,
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
@@ -166,6 +163,13 @@ fn workload(problem: &ProblemData) -> Workload {
         joins: problem.contacts.iter().any(joins),
         slenderness: problem.mesh.slenderness(),
         is_plane: problem.mesh.dim < 3,
+    }
+}
+
+fn mass(raw: raw::MassMatrix) -> MassMatrix {
+    match raw {
+        raw::MassMatrix::Consistent => MassMatrix::Consistent,
+        raw::MassMatrix::Redistributed => MassMatrix::Redistributed,
     }
 }
 

@@ -22,8 +22,8 @@ use crate::space::Space;
 pub(crate) struct Massless {
     /// Their degrees of freedom.
     dofs: Vec<usize>,
-    /// 1 − ϑ.
-    rest: f64,
+    /// ϑ.
+    level: f64,
     /// What is added to the load, N, one number per degree of freedom.
     added: Vec<f64>,
 }
@@ -47,7 +47,7 @@ impl Massless {
             theta * at_end[i] - load[i] + (1.0 - theta) * before
         };
         let added = dofs.iter().map(of).collect();
-        Some(Massless { dofs, rest: 1.0 - theta, added })
+        Some(Massless { dofs, level: theta, added })
     }
 
     /// The load with what is added to it.
@@ -59,7 +59,9 @@ impl Massless {
 
     /// Makes the forces of contact those that the equations have.
     pub fn share(&self, forces: &mut [f64]) {
-        forces.iter_mut().for_each(|force| *force *= 1.0 - self.rest);
+        for force in forces {
+            *force *= self.level;
+        }
     }
 
     /// Power at the velocity `w` of what is added to the load and of the share of the forces of contact that is not in
@@ -67,7 +69,7 @@ impl Massless {
     pub fn power(&self, step: &Step, states: &[PointState], w: &[f64]) -> f64 {
         let force = |state: &PointState| std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]);
         let forces = on_degrees(step.boundary, &step.discrete.v, states.iter().map(force));
-        self.dofs.iter().zip(&self.added).map(|(&i, added)| w[i] * (added + self.rest * forces[i])).sum()
+        self.dofs.iter().zip(&self.added).map(|(&i, added)| w[i] * (added + (1.0 - self.level) * forces[i])).sum()
     }
 }
 
@@ -82,9 +84,11 @@ pub(crate) fn reactions(
     let work = |reactions: &[f64]| reactions.iter().zip(rates).map(|(r, w)| k * r * w).sum::<f64>();
     let seen = space.prescribed_of(residual);
     let before = work(&seen);
-    let Some(Massless { dofs, rest, .. }) = massless else { return (seen, [before, 0.0]) };
+    let Some(Massless { dofs, level, .. }) = massless else { return (seen, [before, 0.0]) };
     let mut at_end = residual.to_vec();
-    dofs.iter().for_each(|&i| at_end[i] /= 1.0 - rest);
+    for &i in dofs {
+        at_end[i] /= level;
+    }
     let at_end = space.prescribed_of(&at_end);
     let after = work(&at_end);
     (at_end, [after, after - before])

@@ -203,7 +203,10 @@ impl Mechanics {
         let (now, then) = (tractions(self.seen()), tractions(&self.seen().clone().at(temperature.to_vec())));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
         let mut change = on_degrees(step.boundary, &step.discrete.v, change);
-        change.iter_mut().for_each(|force| *force *= step.rule.contact_share());
+        let share = step.rule.contact_share();
+        for force in &mut change {
+            *force *= share;
+        }
         change
     }
 

@@ -237,7 +237,9 @@ impl Step<'_> {
         if self.rule.balances_contact_at_end() {
             let of_step: Vec<(usize, f64)> = self.massless_dofs().map(|i| (i, at_level[i])).collect();
             let mut w = self.end(&self.old.w, at_level);
-            of_step.into_iter().for_each(|(i, velocity)| w[i] = velocity);
+            for (i, velocity) in of_step {
+                w[i] = velocity;
+            }
             return w;
         }
         if self.rule.start != Start::Admissible {

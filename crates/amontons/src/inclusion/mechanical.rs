@@ -102,7 +102,9 @@ impl<'a> Mechanical<'a> {
             || vec![0.0; interface.len()],
             |c| interface.stiffness(step.boundary, Some(step.space), step.unknown, c.scale()),
         );
-        rho.iter_mut().for_each(|rho| *rho /= share);
+        for rho in &mut rho {
+            *rho /= share;
+        }
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
             false => Response::Function,
             true if rho > 0.0 => Response::Multiplier { lambda: step.rule.span / rho },

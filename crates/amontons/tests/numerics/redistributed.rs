@@ -89,7 +89,7 @@ fn mass_centre_and_inertia_stay() {
     for (element, number) in cells().zip(0..) {
         let mesh = distorted(element, 5, 0.2);
         let all: &[&str] = if mesh.dim == 1 { &["left"] } else { &["bottom", "right"] };
-        let sides = &all[..1 + number % all.len()];
+        let sides = &all[..=(number % all.len())];
         let [moved, own] =
             [MassMatrix::Redistributed, MassMatrix::Consistent].map(|mass| discretized(&mesh, sides, mass));
         let (form, before) = (moved.inertia().1, own.inertia().1);
