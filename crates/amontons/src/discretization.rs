@@ -152,7 +152,11 @@ impl Discretization {
         };
         let ((mass, [a, b], d, [m, e]), (f, q_h)) = rayon::join(matrices, loads);
         let density = Weight::new(&mesh, &graph, &each(|m| &m.density));
-        let moved = map.and_then(|map| Some((redistributed(&mesh, density.form(&mass), &map).ok()?.repeated(), map)));
+        // Without mass any matrix will do.
+        let moved = map.map(|map| {
+            let form = density.form(&mass);
+            (redistributed(&mesh, form, &map).unwrap_or_else(|_| form.congruent(&map)).repeated(), map)
+        });
         Discretization {
             mass,
             moved,

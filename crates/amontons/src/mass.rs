@@ -18,12 +18,10 @@
 //! Source: H. B. Khenous, P. Laborde, Y. Renard, Eur. J. Mech. A/Solids 27 (2008) 918–932, who take the least change of
 //! M with the same pattern.
 
-use crate::contact::Contact;
 use crate::linalg::{BlockMatrix, Graph, NodalMap};
+use crate::mesh::Mesh;
 use crate::mesh::defects::{Component, components};
-use crate::mesh::{FacetSet, Mesh};
-use crate::problem::ProblemData;
-use crate::tensor::{Point, length, minus};
+use crate::tensor::{Point, Sym, dot, minus};
 
 /// The mass matrix of the inertia term.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,8 +33,9 @@ pub enum MassMatrix {
     Redistributed,
 }
 
-/// Largest change of an entry by the second step, relative to it: up to it M_r is positive.
-const MOST: f64 = 0.5;
+/// Largest change of an entry by the second step, relative to it: no mass vanishes or changes its sign. A bar needs
+/// four cells, whose M_r is as positive as M.
+const MOST: f64 = 0.9;
 /// Pivot, over the first one, that is round-off: the nodes with mass lie in a plane.
 const SINGULAR: f64 = 1e-10;
 
@@ -47,33 +46,6 @@ pub(crate) enum NotMoved {
     AllInContact(u32),
     /// The nodes of its body that are not in contact cannot have its inertia.
     TooFew(u32),
-}
-
-impl ProblemData {
-    /// The nodes without mass, ascending: those of all sides in contact if the mass is redistributed. A node that
-    /// follows another one in a cyclic body has none if the other one has none.
-    #[must_use]
-    pub fn massless_nodes(&self) -> Vec<u32> {
-        if self.mass == MassMatrix::Consistent || !self.physics.has_mechanics() {
-            return Vec::new();
-        }
-        let sides = self.contacts.iter().flat_map(Contact::sides);
-        let mut nodes: Vec<u32> =
-            sides.filter_map(|side| self.mesh.named(side)).flat_map(FacetSet::node_list).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let mut linked: Vec<u32> = Vec::new();
-        for link in &self.links().nodes {
-            let is_in = [link.node, link.to].map(|node| nodes.binary_search(&node).is_ok());
-            if is_in[0] != is_in[1] {
-                linked.push(if is_in[0] { link.to } else { link.node });
-            }
-        }
-        nodes.append(&mut linked);
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
-    }
 }
 
 /// The map P of nodal velocities: that of each massless node is the mean of those of the nodes with mass in the least
@@ -136,11 +108,12 @@ pub(crate) fn redistributed(mesh: &Mesh, form: &BlockMatrix, map: &NodalMap) -> 
     Ok(moved)
 }
 
-/// The affine functions y = (1, x) of a body, with positions from its middle over its size.
+/// The affine functions y = (1, x) of a body, with positions from its middle along its principal axes, each over the
+/// extent of the body: slender bodies are as well determined as others.
 struct Affine<'a> {
     mesh: &'a Mesh,
     middle: Point,
-    size: f64,
+    axes: Vec<Point>,
 }
 
 impl<'a> Affine<'a> {
@@ -148,14 +121,17 @@ impl<'a> Affine<'a> {
         let places = || body.nodes.iter().map(|&node| &mesh.points[node as usize]);
         let share = 1.0 / body.nodes.len() as f64;
         let middle: Point = std::array::from_fn(|c| share * places().map(|x| x[c]).sum::<f64>());
-        let size = places().map(|x| length(&minus(x, &middle))).fold(0.0, f64::max);
-        Affine { mesh, middle, size }
+        let spread =
+            Sym::from_fn(3, |i, j| places().map(|x| minus(x, &middle)).map(|x| x[i] * x[j]).sum::<f64>() * share);
+        let axes = spread.principal_axes().into_iter().take(mesh.dim);
+        Affine { mesh, middle, axes: axes.map(|(square, axis)| axis.map(|c| c / square.max(0.0).sqrt())).collect() }
     }
 
     /// The values at a node.
     fn at(&self, node: u32) -> [f64; 4] {
-        let [x, y, z] = minus(&self.mesh.points[node as usize], &self.middle).map(|c| c / self.size);
-        [1.0, x, y, z]
+        let x = minus(&self.mesh.points[node as usize], &self.middle);
+        let along = |c: usize| self.axes.get(c).map_or(0.0, |axis| dot(axis, &x));
+        [1.0, along(0), along(1), along(2)]
     }
 
     /// The pairs r ≤ s of the functions, by which symmetric matrices are numbered.

@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use super::{Fault, ProblemData};
 use crate::contact::{Contact, GraphKind};
-use crate::field::Coefficient;
-use crate::forms;
-use crate::linalg::Graph;
+use crate::element::ShapeTable;
+use crate::linalg::{BlockMatrix, Graph};
 use crate::mass::{MassMatrix, NotMoved, means, redistributed};
 use crate::material::Material;
-use crate::mesh::FacetSet;
+use crate::mesh::{CellMap, FacetSet};
 use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimeScheme};
 
 impl ProblemData {
@@ -142,8 +141,22 @@ impl ProblemData {
         }
         let cells = Graph::of_mesh(&self.mesh);
         let map = means(&cells, massless)?;
-        let density: Vec<Coefficient<f64>> = self.materials.iter().map(|m| m.density.clone()).collect();
-        let form = forms::weighted_inner_h(&self.mesh, &Arc::new(map.joined(&cells)), &density);
+        let mut form = BlockMatrix::zero(&Arc::new(map.joined(&cells)), 1, 1);
+        for block in &self.mesh.blocks {
+            let Some(material) = self.material_of(block.region) else { continue };
+            let table = ShapeTable::new(block.element, 2 * block.element.degree);
+            let (mut at, size) = (CellMap::new(&self.mesh, &table), block.element.nodes.len());
+            for cell in block.cells() {
+                let mut own = vec![0.0; size * size];
+                for (q, weight) in table.weights.iter().enumerate() {
+                    at.at(cell, q);
+                    let mass = weight * at.measure * material.density.at(&at.position);
+                    let pairs = table.values(q).iter().flat_map(|a| table.values(q).iter().map(move |b| a * b));
+                    own.iter_mut().zip(pairs).for_each(|(sum, product)| *sum += mass * product);
+                }
+                form.add(cell, &own);
+            }
+        }
         redistributed(&self.mesh, &form, &map).map(|_| ())
     }
 

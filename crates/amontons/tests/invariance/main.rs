@@ -44,8 +44,8 @@ fn outcome(text: &str, files: BTreeMap<String, std::sync::Arc<[u8]>>, frame: &Fr
     Ok(Outcome { mesh: (*problem.mesh).clone(), boundary: problem.contact_boundary(), memory, frame: frame.clone() })
 }
 
-/// The keys of `[time]` for backward Euler, for the ϑ-scheme, for BDF2, for the contact-stabilised scheme, and for nodes in contact
-/// without mass.
+/// The keys of `[time]` for backward Euler, for the ϑ-scheme, for BDF2, for the contact-stabilised scheme, and for
+/// nodes in contact without mass.
 const EULER: &str = "";
 const THETA: &str = ", scheme = \"theta\", theta = 0.6, restitution = 0.3";
 const BDF2: &str = ", scheme = \"bdf2\"";

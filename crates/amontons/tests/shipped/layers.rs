@@ -14,6 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["mesh"],
     &["material", "contact", "space"],
     &["linalg"],
+    &["mass"],
     &["problem"],
     &["rigid"],
     &["inclusion"],
