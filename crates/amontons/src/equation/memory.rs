@@ -49,7 +49,9 @@ impl Accumulated {
         let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
-        let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
+        let foundation = self.foundation.iter().zip(&exchange.foundation);
+        let foundation = foundation.map(|(start, at)| Some(step.rule.end([(*start)?, (*at)?]))).collect();
+        let passed = passed.collect();
         let wet = fluid::after(step, &self.wet, &mechanics.wet, states);
         let rates = advance.iter().zip(&self.advance).map(|(now, before)| (now - before) / k);
         let advance_rate = rates.collect();

@@ -46,6 +46,7 @@ impl Made {
             w: step.end_velocity(step.rates(&w).into_owned()),
             theta_rate: step.theta_rate(&theta),
             earlier: None,
+            settling: 0,
             theta,
             multipliers: at.multipliers,
             branches: old.branches.iter().zip(branches).map(|(old, branch)| step.end(old, branch)).collect(),

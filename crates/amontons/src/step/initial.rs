@@ -74,6 +74,7 @@ pub(super) fn state(
         theta,
         theta_rate: Vec::new(),
         earlier: None,
+        settling: 0,
         multipliers,
         branches,
         carried: Carried::default(),
