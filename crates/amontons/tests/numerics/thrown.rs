@@ -162,8 +162,8 @@ fn holds(name: &str, problem: &Problem, memory: &Memory) {
     let is_plain = name.contains("plain");
     let of_euler = matches!(problem.scheme, TimeScheme::BackwardEuler | TimeScheme::Theta { .. }) && !is_plain;
     let is_stabilised = problem.scheme == TimeScheme::ContactStabilised;
-    // Softening layers, capacities of the temperature and moving supports leave the scheme no sign.
-    let has_sign = of_euler && !name.contains("softening");
+    // Layers that soften leave the scheme no sign, and nor does wear between bodies, which moves from points to nodes.
+    let has_sign = of_euler && !name.contains("softening") && !name.contains("wear");
     for pair in memory.states.windows(2) {
         let [before, now] = [0, 1].map(|i| &pair[i].ledger);
         let (step, size) = (pair[1].step, now.turned_over);
@@ -181,8 +181,7 @@ fn holds(name: &str, problem: &Problem, memory: &Memory) {
             ("friction", now.friction_dissipation - before.friction_dissipation, !name.contains("\"end\"")),
             ("viscosity", now.viscous_dissipation - before.viscous_dissipation, true),
         ] {
-            // What the pressure of a stiff layer is beyond its law, as sharply as the law is asked to hold.
-            assert!(!has_sign || taken >= -1e-9 * size, "step {step}: {what} gives {taken:e} of {size:e}\n{name}");
+            assert!(!has_sign || taken >= -1e-11 * size, "step {step}: {what} gives {taken:e} of {size:e}\n{name}");
         }
     }
 }
@@ -205,9 +204,13 @@ fn thrown(count: usize, seed: u64) -> [usize; 3] {
                     continue;
                 }
             };
-            let Ok(memory) = outcome(&problem, 1) else {
-                counts[2] += 1;
-                continue;
+            let memory = match outcome(&problem, 1) {
+                Ok(memory) => memory,
+                Err(error) => {
+                    println!("{error}\n{text}");
+                    counts[2] += 1;
+                    continue;
+                }
             };
             counts[0] += 1;
             holds(&text, &problem, &memory);
@@ -227,4 +230,12 @@ fn identities_close_in_every_scheme() {
     let [ended, refused, failed] = thrown(25, 51);
     println!("{ended} ended, {refused} refused, {failed} failed");
     assert!(ended > 100 && failed * 50 <= ended, "{ended} ended, {refused} refused, {failed} failed");
+}
+
+#[test]
+#[ignore = "four hundred bodies take a minute: cargo test --release --test numerics -- --ignored"]
+fn identities_close_in_every_scheme_of_many_bodies() {
+    let [ended, refused, failed] = thrown(400, 1_000_003);
+    println!("{ended} ended, {refused} refused, {failed} failed");
+    assert!(ended > 1600 && failed * 50 <= ended, "{ended} ended, {refused} refused, {failed} failed");
 }

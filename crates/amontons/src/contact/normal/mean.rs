@@ -13,8 +13,9 @@ use crate::time::{PressureRule, Rule};
 /// whatever the step; for ϑ > ½ a law that does not soften dissipates. At ϑ = 1 it is p_ν(r₁). With
 /// [`PressureRule::Plain`] it is p_ν((1 − ϑ) r₀ + ϑ r₁), which gains or loses energy where the gap closes or opens.
 ///
-/// A damped law presses by p_ν(r̄, ṙ) − p_ν(r̄, 0) more, with r̄ = (1 − ϑ) r₀₊ + ϑ r₁₊ and ṙ = (r₁₊ − r₀₊)/k, and by no
-/// tension that the law does not have. Its work along r₁ − r₀ is never negative if damping resists.
+/// A damped law presses by this times the ratio of the means of p_ν(r, ṙ) and p_ν(r, 0) along the way from r₀ to r₁, with
+/// ṙ = (r₁ − r₀)/k: by no tension that the law does not have, and with work beyond that of the energy which is never
+/// negative if damping resists. Where the layer bears nothing at rest, the mean of p_ν(r, ṙ) over the step is added.
 ///
 /// Source: O. Gonzalez, Comput. Methods Appl. Mech. Engrg. 190 (2000) 1763.
 #[derive(Debug)]
@@ -68,18 +69,37 @@ impl<'a> MeanPressure<'a> {
         }
     }
 
-    /// The pressure `at_rest` with what damping adds to it.
+    /// The pressure `at_rest` with damping.
     fn damped(&self, x: &Point, z: f64, at_rest: Pressure) -> Pressure {
-        let [from, to] = [self.start, z].map(|r| r.max(0.0));
-        let (r, rate) = (from + self.theta * (to - from), (to - from) / self.length);
-        let [moving, resting] = [rate, 0.0].map(|rate| self.law.pressure(x, r, rate, 0.0));
-        let value = at_rest.value + (moving.value - resting.value);
-        if value < 0.0 && moving.value >= 0.0 {
-            return Pressure::default();
-        }
+        let (moved, [from, to]) = (z - self.start, [self.start, z].map(|r| r.max(0.0)));
         let in_end = if z > 0.0 { 1.0 } else { 0.0 };
-        let beyond = self.theta * (moving.slope - resting.slope) + moving.by_rate / self.length;
-        Pressure { value, slope: at_rest.slope + in_end * beyond, by_rate: 0.0 }
+        if self.rule == PressureRule::Plain {
+            let rate = (to - from) / self.length;
+            let at = self.law.pressure(x, self.start + self.theta * moved, rate, 0.0);
+            return Pressure { slope: self.theta * at.slope + in_end * at.by_rate / self.length, by_rate: 0.0, ..at };
+        }
+        // Means over the way within the layer, of the law at the rate of the step and at rest, with their slopes in z.
+        let mean = |rate: f64| {
+            GAUSS.into_iter().fold([0.0; 2], |[value, slope], [s, weight]| {
+                let p = self.law.pressure(x, from + s * (to - from), rate, 0.0);
+                let by_rate = if rate.abs() > 0.0 { p.by_rate / self.length } else { 0.0 };
+                [value + weight * p.value, slope + weight * (in_end * s * p.slope + by_rate)]
+            })
+        };
+        let ([moving, by_moving], [resting, by_resting]) = (mean(moved / self.length), mean(0.0));
+        if resting > 0.0 {
+            let factor = moving / resting;
+            let slope = at_rest.slope * factor + at_rest.value * (by_moving - factor * by_resting) / resting;
+            return Pressure { value: at_rest.value * factor, slope, by_rate: 0.0 };
+        }
+        // A dashpot alone, and a layer that pulls: over the share of the step in which the point is in the layer.
+        let share = if moved.abs() > 0.0 { (to - from) / moved } else { in_end };
+        let by_share = if moved.abs() > 0.0 { (in_end - share) / moved } else { 0.0 };
+        Pressure {
+            value: at_rest.value + share * (moving - resting),
+            slope: at_rest.slope + share * (by_moving - by_resting) + by_share * (moving - resting),
+            by_rate: 0.0,
+        }
     }
 
     /// Mean of p_ν between both penetrations, and its derivative in the second one.
