@@ -372,7 +372,7 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
     let mut sum = Foundations::default();
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let at = |all: &[Option<f64>]| all.get(side).copied().flatten();
-        let all = [&step.old.surface.foundation, step.bar.foundation, &heat.exchange.foundation].map(|all| at(all));
+        let all = [&step.old.surface.foundation, step.bar.foundation, &heat.exchange.foundation].map(at);
         let (Some(foundation), [Some(before), Some(bar), Some(at_level)]) = (&contact.foundation_heat, all) else {
             continue;
         };

@@ -114,7 +114,7 @@ impl Mixed {
         let foundation = state.surface.foundation.iter().zip(&earlier.foundation);
         let foundation = foundation.map(|(now, before)| Some((4.0 * (*now)? - (*before)?) / 3.0)).collect();
         let branches = branches.map(|(now, before)| mix(now, before)).collect();
-        Mixed { branches, foundation, u, w, theta, mass_w, mass_theta }
+        Mixed { u, w, theta, branches, foundation, mass_w, mass_theta }
     }
 
     pub fn bar(&self) -> Bar<'_> {

@@ -123,8 +123,8 @@ fn text(draw: &mut Draw, scheme: &str) -> String {
         )
     } else {
         let held = if draw.within(0.0, 1.0) < 0.3 {
-            let mut moved = ["0", "0", "0"].map(str::to_owned);
-            moved[along] = "\"-0.04*sin(8*t)\"".to_owned();
+            let mut moved = ["0"; 3];
+            moved[along] = "\"-0.04*sin(8*t)\"";
             format!("[[boundary]]\non = \"{far}\"\ndisplacement = [{}]\n", moved[..dim].join(", "))
         } else {
             String::new()
