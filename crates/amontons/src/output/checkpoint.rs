@@ -39,7 +39,7 @@ use crate::tensor::Point;
 use crate::time::Pace;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 23;
+const VERSION: u32 = 24;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 

@@ -11,6 +11,7 @@ mod data;
 mod drive;
 mod equilibrium;
 mod fluid;
+mod jump;
 mod loads;
 mod pairs;
 use crate::time::{TimeScheme, Timeline};
@@ -34,10 +35,11 @@ pub use boundary::{BoundaryCondition, Convection, Release, Support};
 pub use choices::Choice;
 pub(crate) use data::{Datum, DatumRole, MaterialSample};
 pub use equilibrium::StartState;
+pub(crate) use jump::PrescribedJump;
 pub use loads::RegionLoad;
 pub use physics::Physics;
 pub use rigid::RigidPart;
-use schedule::Schedule;
+use schedule::{Conditions, Schedule};
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 pub use temperature::GivenTemperature;
@@ -243,13 +245,15 @@ impl Problem {
     /// contact.
     #[must_use]
     pub fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
-        let mut data = self.0.clone();
-        for (number, contact) in data.contacts.iter_mut().enumerate() {
-            if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {
-                load.found = found(number);
+        let (mut data, mut all) = (self.0.clone(), Conditions::clone(&self.1.all));
+        for contacts in [&mut data.contacts, &mut all.contacts] {
+            for (number, contact) in contacts.iter_mut().enumerate() {
+                if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {
+                    load.found = found(number);
+                }
             }
         }
-        Problem(data, self.1.clone())
+        Problem(data, Schedule { all: Arc::new(all), ..self.1.clone() })
     }
 
     /// Returns the problem with a backend that repeats earlier decisions about its linear systems.

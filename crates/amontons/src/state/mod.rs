@@ -2,11 +2,13 @@
 
 mod carried;
 mod ledger;
+mod misfit;
 mod report;
 mod surface;
 
 pub use carried::{Carried, Rigid};
 pub use ledger::Ledger;
+pub use misfit::{Misfit, MisfitOf};
 pub use report::{ContactReport, Contraction, CouplingReport, Reactions, StepReport};
 pub use surface::Accumulated;
 
@@ -149,4 +151,6 @@ pub struct Counts {
     pub contact_steps: usize,
     /// Steps that reverse the velocity: at their end it is nearly that of their start with the other sign.
     pub reversed_steps: usize,
+    /// Conditions that began with a phase where the body was not.
+    pub misfits: Vec<Misfit>,
 }

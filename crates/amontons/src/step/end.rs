@@ -23,7 +23,7 @@ impl Made {
             residual_max: old.residual_max.max(self.residual()),
             passes_total: old.passes_total + self.report.passes,
             contraction_max: old.contraction_max.max(self.report.contraction.unwrap_or_default()),
-            ..*old
+            ..old.clone()
         }
     }
 
