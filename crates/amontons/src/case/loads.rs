@@ -123,6 +123,10 @@ impl Build<'_> {
         for (path, load) in raw.load.each() {
             let Some(datum) = &load.temperature else { continue };
             let key = format!("{path}.temperature");
+            if all.iter().any(|before| before.region.is_none()) {
+                let hint = "remove it: temperatures that are given do not add up";
+                self.note(&key, At::Value, "a given temperature again", "one of all of the body", Some(hint));
+            }
             let field = self.field(&key, datum, &mesh.points);
             all.push(GivenTemperature { region: None, field, key });
         }

@@ -6,6 +6,7 @@ mod bodies;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod acting;
 mod backends;
 mod bar;
 mod bdf2;
