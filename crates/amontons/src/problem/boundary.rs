@@ -390,7 +390,7 @@ impl ProblemData {
         let (contact, before) = (&self.contacts[side], &self.contacts[..side]);
         let is_same = |other: &Contact| other.on == contact.on && other.obstacle.is_none() && other.acts();
         if let Some(first) = before.iter().position(is_same).filter(|_| contact.obstacle.is_none()) {
-            let hint = format!(
+            let mut hint = format!(
                 "merge it with entry {} of the file, which is on the same side, or give one of them an `obstacle`",
                 first + 1
             );
@@ -399,6 +399,7 @@ impl ProblemData {
             if both != [true; 2] {
                 let phase = self.timeline.phases().next().map_or("", |phase| &phase.name);
                 expected += &format!(" and phase: both act in \"{phase}\"");
+                hint = format!("name different phases in both, {hint}");
             }
             faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), expected).hint(hint));
         }

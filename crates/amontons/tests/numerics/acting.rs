@@ -11,8 +11,9 @@ use amontons::time::{During, TimePhase, TimeScheme, Timeline};
 
 use crate::common::{changed, paper};
 
-const SCHEMES: [TimeScheme; 4] =
-    [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2, TimeScheme::ContactStabilised];
+fn schemes() -> [TimeScheme; 4] {
+    [TimeScheme::BackwardEuler, TimeScheme::theta(0.5), TimeScheme::Bdf2, TimeScheme::ContactStabilised]
+}
 
 /// A rod of length 1 with E = 4 in one cell, so that m = ρ/3 moves on a spring κ = 4. A tool presses its right end.
 const ROD: &str = r#"
@@ -62,9 +63,9 @@ fn closes(states: &[State]) {
     for state in states {
         let ledger = &state.ledger;
         let scale = ledger.turned_over.max(f64::MIN_POSITIVE);
-        assert!(ledger.closing_error.abs() <= 1e-13 * scale, "{}: {ledger:?}", state.step);
+        assert!(ledger.closing_error.abs() <= 1e-12 * scale, "{}: {ledger:?}", state.step);
         let scale = ledger.heat_turned_over.max(f64::MIN_POSITIVE);
-        assert!(ledger.heat_closing_error.abs() <= 1e-13 * scale, "{}: {ledger:?}", state.step);
+        assert!(ledger.heat_closing_error.abs() <= 1e-12 * scale, "{}: {ledger:?}", state.step);
     }
 }
 
@@ -128,7 +129,7 @@ fn a_released_rod_swings_with_the_frequency_and_the_energy_of_the_scheme() {
         near(state.ledger.kinetic + state.ledger.elastic, 0.02, 1e-15);
     }
     goes_on(&problem, &run.states);
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         let problem = changed(&problem, |data| data.scheme = scheme);
         let run = self::run(&problem);
         closes(&run.states);
@@ -139,13 +140,13 @@ fn a_released_rod_swings_with_the_frequency_and_the_energy_of_the_scheme() {
 /// The end of an elastic rod goes −δ, δ, −δ in the period 4L/c.
 #[test]
 fn a_released_rod_swings_with_its_period() {
-    let text = ROD.replace("n = 1\n", "n = 200\n").replace("density = 3.0", "density = 4.0");
+    let text = ROD.replace("n = 1\n", "n = 50\n").replace("density = 3.0", "density = 4.0");
     let text = text.replace("end = 2.0\nsteps = 4\nanalysis = \"quasistatic\"", "end = 9.0\nsteps = 1600");
     let problem = changed(&read(&text), |data| data.scheme = TimeScheme::theta(0.5));
     let states = run(&problem).states;
     let end = |t: usize| *states[4 + 200 * t].u.last().expect("a node");
     for (t, expected) in [(0, -0.1), (1, 0.0), (2, 0.1), (3, 0.0), (4, -0.1), (6, 0.1), (8, -0.1)] {
-        near(end(t), expected, 2e-3);
+        near(end(t), expected, 4e-3);
     }
     closes(&states);
 }
@@ -154,7 +155,7 @@ fn a_released_rod_swings_with_its_period() {
 #[test]
 fn a_layer_takes_its_energy_with_it_and_brings_it() {
     let text = ROD.replace("{ law = \"signorini\" }", "{ law = \"compliance\", stiffness = 12 }");
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         let problem = changed(&read(&text), |data| data.scheme = scheme);
         let run = run(&problem);
         let [pressed, free] = [4, 5].map(|n| &run.states[n]);
@@ -193,7 +194,7 @@ fn two_tools_press_one_side_one_after_the_other() {
     goes_on(&problem, &run.states);
     // In a phase with inertia the second one begins where the rod has gone through it.
     let text = text.replace("end = 2.0\nsteps = 4\nanalysis = \"quasistatic\"", "end = 2.0\nsteps = 40");
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         let problem = changed(&read(&text), |data| data.scheme = scheme);
         let run = self::run(&problem);
         closes(&run.states);
@@ -219,7 +220,7 @@ fn grip(scheme: TimeScheme, set: &[&str]) -> Problem {
 
 #[test]
 fn heat_and_energy_close_where_a_grip_ends_and_begins() {
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         for coupling in ["staggered", "fixed-point", "monolithic"] {
             let problem = grip(scheme, &[&format!("scheme.coupling=\"{coupling}\"")]);
             let run = run(&problem);
@@ -233,7 +234,7 @@ fn heat_and_energy_close_where_a_grip_ends_and_begins() {
             }
             let open = run.reports[3..7].iter().flat_map(|report| &report.contact.states);
             assert!(open.clone().all(|state| state.status == Status::Open && !state.bears()));
-            assert!(open.count() > 0 && run.reports[10].contact.states.iter().any(|state| state.bears()));
+            assert!(open.count() > 0 && run.reports[7..11].iter().any(|report| report.contact.states.iter().any(|state| state.bears())));
             if coupling == "staggered" {
                 goes_on(&problem, &run.states);
             }
@@ -244,7 +245,7 @@ fn heat_and_energy_close_where_a_grip_ends_and_begins() {
 /// A contact that acts in all phases by name has the bits of one without `phases`.
 #[test]
 fn a_contact_of_all_phases_is_a_contact() {
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         let named = changed(&grip(scheme, &[]), |data| {
             data.contacts[0].during = During::phases(["press", "free", "again", "rest"]);
         });
@@ -304,7 +305,7 @@ analysis = "quasistatic"
 fn a_tie_that_begins_bears_only_what_is_loaded_after() {
     let tie = "normal = { law = \"bilateral\" }\nfriction = { law = \"stick\" }\n";
     for contact in [tie, "normal = { law = \"bilateral\" }\n"] {
-        for scheme in SCHEMES {
+        for scheme in schemes() {
             let problem = glued(scheme, contact);
             let run = run(&problem);
             for (n, report) in run.reports.iter().enumerate() {
@@ -321,7 +322,7 @@ fn a_tie_that_begins_bears_only_what_is_loaded_after() {
 #[test]
 fn a_tie_that_begins_with_inertia_holds_its_distance() {
     let tie = "normal = { law = \"bilateral\" }\nfriction = { law = \"stick\" }\n";
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         let problem = changed(&glued(scheme, tie), |data| {
             data.timeline = Timeline::in_phases(vec![
                 TimePhase::quasistatic("lift", 1.0, 2),
@@ -492,4 +493,123 @@ fn systems_stay_where_a_contact_ends() {
         run.step().expect("a step");
     }
     assert_eq!(run.snapshot().work.factorizations, 1);
+}
+
+/// A block that a tool presses and drags, and that another one catches, turned by an angle.
+fn turned(angle: f64, scheme: TimeScheme) -> (Problem, [f64; 2]) {
+    let (sine, cosine) = angle.sin_cos();
+    let drag = format!("[{:?}, {:?}]", -0.3 * sine, 0.3 * cosine);
+    let text = format!(
+        r#"
+name = "block"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [1.0, 0.7]
+n = [4, 3]
+[material]
+density = 1.0
+elasticity = {{ law = "isotropic", young = 4.0, poisson = 0.3, stress_state = "plane-strain" }}
+[[boundary]]
+on = "left"
+displacement = [0, 0]
+[[contact]]
+on = "right"
+gap = "-0.02*t"
+foundation_velocity = {drag}
+normal = {{ law = "compliance", stiffness = 200.0 }}
+friction = {{ law = "coulomb", coefficient = 0.3 }}
+phases = ["press"]
+[[contact]]
+on = "right"
+gap = 0.005
+normal = {{ law = "signorini" }}
+friction = {{ law = "coulomb", coefficient = 0.2 }}
+phases = ["catch"]
+[[phase]]
+name = "press"
+end = 1.0
+steps = 4
+analysis = "quasistatic"
+[[phase]]
+name = "catch"
+end = 2.0
+steps = 20
+"#
+    );
+    let problem = changed(&read(&text), |data| {
+        data.scheme = scheme;
+        let mut mesh = (*data.mesh).clone();
+        for x in &mut mesh.points {
+            *x = [cosine * x[0] - sine * x[1], sine * x[0] + cosine * x[1], 0.0];
+        }
+        data.mesh = mesh.into();
+    });
+    (problem, [sine, cosine])
+}
+
+#[test]
+fn a_block_that_is_turned_moves_alike() {
+    for scheme in schemes() {
+        let (plain, _) = turned(0.0, scheme);
+        let plain = run(&plain);
+        closes(&plain.states);
+        assert!(plain.reports[3].contact.states.iter().any(|state| state.status == Status::Slip));
+        for angle in [1.0, 2.5] {
+            let (problem, [sine, cosine]) = turned(angle, scheme);
+            for (a, b) in run(&problem).states.iter().zip(&plain.states) {
+                for (a, b) in a.u.chunks_exact(2).zip(b.u.chunks_exact(2)) {
+                    near(a[0], cosine * b[0] - sine * b[1], 1e-10);
+                    near(a[1], sine * b[0] + cosine * b[1], 1e-10);
+                }
+            }
+        }
+    }
+}
+
+/// Right and left change their places: the bits change their sign.
+#[test]
+fn a_rod_that_is_mirrored_moves_alike() {
+    let text = ROD.replace("end = 2.0\nsteps = 4\nanalysis = \"quasistatic\"", "end = 2.0\nsteps = 40");
+    let mirrored = text.replace("\"right\"", "\"\"").replace("\"left\"", "\"right\"").replace("\"\"", "\"left\"");
+    let [one, other] = [text, mirrored].map(|text| run(&read(&text)).states);
+    for (a, b) in one.iter().zip(&other) {
+        a.u.iter().zip(b.u.iter().rev()).for_each(|(a, b)| near(*a, -b, 1e-15));
+    }
+}
+
+/// Steps that choose their lengths, and a steady phase, know of contacts that act in some phases only.
+#[test]
+fn chosen_steps_and_steady_phases_know_their_contacts() {
+    for scheme in [TimeScheme::BackwardEuler, TimeScheme::theta(0.5)] {
+        let problem = changed(&grip(scheme, &[]), |data| {
+            data.timeline = Timeline::in_phases(vec![
+                TimePhase::quasistatic("press", 0.25, 1).automatic(1e-2),
+                TimePhase::dynamic("free", 0.5, 1).automatic(5e-2),
+                TimePhase::dynamic("again", 0.75, 1).automatic(5e-2),
+                TimePhase::quasistatic("rest", 1.0, 1).automatic(1e-2),
+            ]);
+        });
+        let run = run(&problem);
+        closes(&run.states);
+        let acts = |report: &amontons::state::StepReport| report.contact.states.iter().any(|state| state.bears());
+        for (state, report) in run.states[1..].iter().zip(&run.reports) {
+            let phase = state.phase(&problem.timeline).expect("a phase").name.as_str();
+            assert!(!acts(report) || ["press", "again"].contains(&phase), "{phase}");
+        }
+        assert!(run.reports.iter().any(acts));
+    }
+    let steady = changed(&grip(TimeScheme::BackwardEuler, &[]), |data| {
+        data.boundary.iter_mut().for_each(|condition| condition.temperature = Some(1.0.into()));
+        data.timeline = Timeline::in_phases(vec![
+            TimePhase::steady("press", 0.25, 1),
+            TimePhase::steady("free", 0.5, 1),
+            TimePhase::dynamic("again", 0.75, 4),
+            TimePhase::steady("rest", 1.0, 1),
+        ]);
+    });
+    let run = run(&steady);
+    closes(&run.states);
+    assert!(run.states[1].ledger.heat_contact.abs() > 1e-3);
+    assert_eq!(run.states[1].ledger.heat_contact.to_bits(), run.states[2].ledger.heat_contact.to_bits());
 }

@@ -3,7 +3,6 @@
 //! Data tell where a displacement is prescribed at t = 0, and where it is prescribed before and after the start of a
 //! phase. Where a side was free, or a contact begins, the run tells.
 
-use super::super::sample::at;
 use super::super::{Finding, FindingId};
 use super::{gaps, warning};
 use crate::problem::{PrescribedJump, Problem, StartState};
@@ -37,7 +36,7 @@ fn at_start(problem: &Problem) -> Vec<Finding> {
         let distance = distance(problem, jump.size, jump.boundary);
         let message = format!(
             "at t = 0 {distance} from its initial displacement, at {}: {ONE_STEP}",
-            at(&jump.at)
+            problem.mesh.place(&jump.at)
         );
         let repair = "let it change from the initial displacement, as a ramp in t does, give `initial.displacement`, or let a quasistatic phase bring the side there first";
         warning(FindingId::PhaseJump, &place(problem, jump.boundary), [jump.size, jump.way], message, repair)
@@ -66,7 +65,7 @@ fn between(problem: &Problem, number: usize) -> Vec<Finding> {
     let mut u = vec![0.0; problem.mesh.points.len() * problem.mesh.dim];
     held.prescribe(start.t, &mut u);
     let jumps = after.jumps_from(&space, &u, [start.t, end.k], |jump| held.mask_free(jump));
-    jumps.iter().map(|jump| of_phase(&after, number, jump.boundary, [jump.size, jump.way], &at(&jump.at))).collect()
+    jumps.iter().map(|jump| of_phase(&after, number, jump.boundary, [jump.size, jump.way], &problem.mesh.place(&jump.at))).collect()
 }
 
 /// The warning of a jump at the start of a phase, with its size and the way of the condition in a step.
@@ -103,7 +102,7 @@ pub(super) fn of_run(problem: &Problem, misfits: &[Misfit]) -> Vec<Finding> {
     let of = |misfit: &Misfit| match misfit.of {
         MisfitOf::Displacement(boundary) => {
             let problem = problem.in_phase(misfit.phase);
-            Some(of_phase(&problem, misfit.phase, boundary, [misfit.size, 0.0], &at(&misfit.at)))
+            Some(of_phase(&problem, misfit.phase, boundary, [misfit.size, 0.0], &problem.mesh.place(&misfit.at)))
         }
         MisfitOf::Contact(contact) => inside(problem, misfit, contact),
     };
@@ -135,7 +134,7 @@ fn inside(problem: &Problem, misfit: &Misfit, number: usize) -> Option<Finding> 
         where_begins(problem, misfit.phase),
         contact.on,
         problem.units().write(misfit.size, Measure::Length),
-        at(&misfit.at)
+        problem.mesh.place(&misfit.at)
     );
     let (id, repair) = if stays {
         let repair = "let a quasistatic phase begin the contact, whose steps close the distance, or let it begin where the side is outside; leave it if the distance is meant to stay";
