@@ -25,10 +25,17 @@ fn acts(load: &RegionLoad) -> bool {
 }
 
 impl Build<'_> {
+    /// The body force and the heat source that act in all of the body in all phases.
+    pub fn load_of_all(&mut self, raw: &raw::Case, mesh: &Mesh) -> (Vec<Field>, Field) {
+        raw.load.of_all().map_or((Vec::new(), Field::ZERO), |load| {
+            let body_force = self.vector("load.body_force", &load.body_force, &mesh.points);
+            (body_force, self.field("load.heat_source", &load.heat_source, &mesh.points))
+        })
+    }
+
     /// The loads of single regions: their own, and gravity by their densities.
     pub fn region_loads(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<RegionLoad> {
-        let gravity =
-            raw.load.of_all().map_or_else(Vec::new, |load| self.gravity("load.gravity", &load.gravity, mesh));
+        let gravity = raw.load.of_all().map_or_else(Vec::new, |load| self.gravity("load.gravity", &load.gravity, mesh));
         let mut all = Vec::new();
         for region in 0..mesh.regions.len().max(1) {
             let name = mesh.regions.get(region);

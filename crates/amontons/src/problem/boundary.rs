@@ -356,8 +356,7 @@ impl ProblemData {
                     );
                 }
             }
-            let heat =
-                self.contacts.iter().find(|c| c.on == b.on && c.acts() && c.warms_from_foundation());
+            let heat = self.contacts.iter().find(|c| c.on == b.on && c.acts() && c.warms_from_foundation());
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
                     Fault::new(

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::schedule::Schedule;
-use super::{Conditions, Fault, Faults, MaterialSample, Problem, ProblemData, StartState, Support};
+use super::{Fault, Faults, MaterialSample, Problem, ProblemData, Scheduled, StartState, Support};
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
@@ -57,7 +57,7 @@ impl ProblemData {
         if !faults.is_empty() {
             return Err(Faults(faults));
         }
-        let all = Arc::new(Conditions::of(&self));
+        let all = Arc::new(Scheduled::of(&self));
         let changes = self.changes_conditions();
         let own = Problem(self, Schedule { all, phase: if changes { usize::MAX } else { 0 } });
         let own = own.in_phase(0);

@@ -13,6 +13,7 @@ mod equilibrium;
 mod fluid;
 mod jump;
 mod loads;
+mod misfit;
 mod pairs;
 use crate::time::{TimeScheme, Timeline};
 pub use pairs::with_supports;
@@ -37,9 +38,10 @@ pub(crate) use data::{Datum, DatumRole, MaterialSample};
 pub use equilibrium::StartState;
 pub(crate) use jump::PrescribedJump;
 pub use loads::RegionLoad;
+pub use misfit::{Misfit, MisfitOf};
 pub use physics::Physics;
 pub use rigid::RigidPart;
-use schedule::{Conditions, Schedule};
+use schedule::{Schedule, Scheduled};
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 pub use temperature::GivenTemperature;
@@ -245,7 +247,7 @@ impl Problem {
     /// contact.
     #[must_use]
     pub fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
-        let (mut data, mut all) = (self.0.clone(), Conditions::clone(&self.1.all));
+        let (mut data, mut all) = (self.0.clone(), Scheduled::clone(&self.1.all));
         for contacts in [&mut data.contacts, &mut all.contacts] {
             for (number, contact) in contacts.iter_mut().enumerate() {
                 if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {

@@ -36,14 +36,7 @@ impl RigidPart {
     /// A part without loads.
     #[must_use]
     pub fn on(on: impl Into<String>) -> RigidPart {
-        RigidPart {
-            on: on.into(),
-            force: Vec::new(),
-            moment: Vec::new(),
-            during: During::Run,
-            at: None,
-            turns: true,
-        }
+        RigidPart { on: on.into(), force: Vec::new(), moment: Vec::new(), during: During::Run, at: None, turns: true }
     }
 
     /// True if the part is all cells of this region.

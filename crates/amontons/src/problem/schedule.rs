@@ -13,22 +13,22 @@ use crate::time::{During, TimePhase, Timeline};
 /// All conditions of a run, and the phase whose conditions a problem has.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
-    pub all: Arc<Conditions>,
+    pub all: Arc<Scheduled>,
     pub phase: usize,
 }
 
 /// What may act in some phases only.
 #[derive(Clone, Debug)]
-pub(super) struct Conditions {
+pub(super) struct Scheduled {
     pub boundary: Vec<BoundaryCondition>,
     pub contacts: Vec<Contact>,
     loads: Vec<RegionLoad>,
     rigid: Vec<RigidPart>,
 }
 
-impl Conditions {
-    pub fn of(data: &ProblemData) -> Conditions {
-        Conditions {
+impl Scheduled {
+    pub fn of(data: &ProblemData) -> Scheduled {
+        Scheduled {
             boundary: data.boundary.clone(),
             contacts: data.contacts.clone(),
             loads: data.region_loads.clone(),
@@ -38,7 +38,7 @@ impl Conditions {
 
     /// The data with these conditions in the place of their own.
     fn into_data(self, data: ProblemData) -> ProblemData {
-        let Conditions { boundary, contacts, loads, rigid } = self;
+        let Scheduled { boundary, contacts, loads, rigid } = self;
         ProblemData { boundary, contacts, region_loads: loads, rigid, ..data }
     }
 
@@ -56,7 +56,7 @@ impl Conditions {
 
     /// The conditions in a phase. Those that do not act there keep their places: a side is free and insulated, a
     /// contact is one that never acts, and a load is zero.
-    fn in_phase(&self, timeline: &Timeline, phase: usize) -> Conditions {
+    fn in_phase(&self, timeline: &Timeline, phase: usize) -> Scheduled {
         let acts = |during: &During| timeline.phases().nth(phase).is_none_or(|phase| during.has(phase));
         let mut own = self.clone();
         for condition in own.boundary.iter_mut().filter(|condition| !acts(&condition.during)) {
@@ -78,7 +78,6 @@ impl Conditions {
 }
 
 impl BoundaryCondition {
-
     /// The part of the condition that matrices and their unknowns depend on: everything but values.
     fn form(&self) -> BoundaryCondition {
         let zero = || Field::ZERO;
@@ -99,7 +98,7 @@ impl ProblemData {
     /// True if conditions begin or end with a phase.
     #[must_use]
     pub fn changes_conditions(&self) -> bool {
-        Conditions::of(self).change()
+        Scheduled::of(self).change()
     }
 
     /// The data as each phase has them, with that phase alone in the timeline; the data themselves if no condition
@@ -109,7 +108,7 @@ impl ProblemData {
             return vec![Cow::Borrowed(self)];
         }
         let phases = self.timeline.phases().enumerate();
-        let all = Conditions::of(self);
+        let all = Scheduled::of(self);
         let of = |(number, phase): (usize, &TimePhase)| {
             let own = all.in_phase(&self.timeline, number).into_data(self.clone());
             ProblemData {
@@ -232,9 +231,8 @@ impl Problem {
     /// True if the same conditions act in two phases.
     #[must_use]
     pub fn has_same_conditions(&self, phases: [usize; 2]) -> bool {
-        let acts = |during: &During, phase: usize| {
-            self.timeline.phases().nth(phase).is_none_or(|phase| during.has(phase))
-        };
+        let acts =
+            |during: &During, phase: usize| self.timeline.phases().nth(phase).is_none_or(|phase| during.has(phase));
         self.1.all.durings().all(|during| acts(during, phases[0]) == acts(during, phases[1]))
     }
 
@@ -287,6 +285,6 @@ impl Problem {
     /// The data with all conditions of the run, to be changed and checked again.
     #[must_use]
     pub fn into_data(self) -> ProblemData {
-        Conditions::clone(&self.1.all).into_data(self.0)
+        Scheduled::clone(&self.1.all).into_data(self.0)
     }
 }

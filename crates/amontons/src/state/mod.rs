@@ -2,13 +2,11 @@
 
 mod carried;
 mod ledger;
-mod misfit;
 mod report;
 mod surface;
 
 pub use carried::{Carried, Rigid};
 pub use ledger::Ledger;
-pub use misfit::{Misfit, MisfitOf};
 pub use report::{ContactReport, Contraction, CouplingReport, Reactions, StepReport};
 pub use surface::Accumulated;
 
@@ -18,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
+use crate::problem::Misfit;
 use crate::time::{Instant, Pace, TimePhase, Timeline};
 
 /// Motion in a step, relative to the displacement, below which its sense does not matter.

@@ -10,8 +10,8 @@ use crate::equation::acting::{boundary_at, contacts_at};
 use crate::equation::foundation::{at_rest, frames, opened};
 use crate::forms;
 use crate::linalg::dot;
-use crate::problem::{PrescribedJump, Problem};
-use crate::state::{Misfit, MisfitOf, State, StepReport};
+use crate::problem::{Misfit, MisfitOf, PrescribedJump, Problem};
+use crate::state::{State, StepReport};
 use crate::tensor::{self, Point};
 use crate::time::{Instant, Interval};
 

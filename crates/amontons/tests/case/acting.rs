@@ -124,8 +124,15 @@ fn phases_beside_one_span_of_time_are_refused() {
 fn what_is_not_spoiled_has_no_fault() {
     assert_eq!(told(&Source::new("bar.toml", BAR), &[]), "no fault");
     // A side may be held while no contact acts on it.
-    let held = BAR.replacen("[[contact]]", "[[boundary]]\non = \"right\"\ndisplacement = [0]\nphases = [\"press\"]\n[[contact]]", 1);
-    let held = held.replace("phases = [\"press\"]\n[[contact]]\non = \"right\"\nname", "phases = [\"spin\"]\n[[contact]]\non = \"right\"\nname");
+    let held = BAR.replacen(
+        "[[contact]]",
+        "[[boundary]]\non = \"right\"\ndisplacement = [0]\nphases = [\"press\"]\n[[contact]]",
+        1,
+    );
+    let held = held.replace(
+        "phases = [\"press\"]\n[[contact]]\non = \"right\"\nname",
+        "phases = [\"spin\"]\n[[contact]]\non = \"right\"\nname",
+    );
     assert_eq!(told(&Source::new("bar.toml", held.replace("[\"hold\", \"spin\"]", "[\"hold\"]")), &[]), "no fault");
 }
 

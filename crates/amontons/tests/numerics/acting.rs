@@ -2,7 +2,6 @@
 
 use amontons::case::{self, Source};
 use amontons::contact::Status;
-use amontons::hypotheses::{self, Finding, FindingId};
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings, Stepping};
@@ -16,7 +15,7 @@ fn schemes() -> [TimeScheme; 4] {
 }
 
 /// A rod of length 1 with E = 4 in one cell, so that m = ρ/3 moves on a spring κ = 4. A tool presses its right end.
-const ROD: &str = r#"
+pub const ROD: &str = r#"
 name = "rod"
 units = "dimensionless"
 [mesh]
@@ -46,20 +45,20 @@ steps = 4
 analysis = "quasistatic"
 "#;
 
-fn read(text: &str) -> Problem {
+pub fn read(text: &str) -> Problem {
     let case = case::parse(&Source::new("case.toml", text), &[]);
     case.unwrap_or_else(|error| panic!("{error}")).problem
 }
 
 /// A run without a certificate, with all states and reports.
-fn run(problem: &Problem) -> Memory {
+pub fn run(problem: &Problem) -> Memory {
     let mut memory = Memory::new().states_every(1).reports();
     run::run(problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).expect("a run");
     memory
 }
 
 /// Asserts that both identities close to round-off after each step.
-fn closes(states: &[State]) {
+pub fn closes(states: &[State]) {
     for state in states {
         let ledger = &state.ledger;
         let scale = ledger.turned_over.max(f64::MIN_POSITIVE);
@@ -89,15 +88,6 @@ fn goes_on(problem: &Problem, states: &[State]) {
             assert!(again.state() == &states[step], "step {step} after a break at {from}");
         }
     }
-}
-
-fn found(findings: &[Finding], id: FindingId) -> Vec<&Finding> {
-    findings.iter().filter(|finding| finding.id == id).collect()
-}
-
-/// The findings at the end of a run.
-fn warned(problem: &Problem) -> Vec<Finding> {
-    run::run(problem, &Settings::default(), &mut []).expect("a run").findings
 }
 
 #[test]
@@ -234,7 +224,10 @@ fn heat_and_energy_close_where_a_grip_ends_and_begins() {
             }
             let open = run.reports[3..7].iter().flat_map(|report| &report.contact.states);
             assert!(open.clone().all(|state| state.status == Status::Open && !state.bears()));
-            assert!(open.count() > 0 && run.reports[7..11].iter().any(|report| report.contact.states.iter().any(|state| state.bears())));
+            assert!(
+                open.count() > 0
+                    && run.reports[7..11].iter().any(|report| report.contact.states.iter().any(|state| state.bears()))
+            );
             if coupling == "staggered" {
                 goes_on(&problem, &run.states);
             }
@@ -419,71 +412,6 @@ fn a_load_of_a_rigid_part_acts_in_its_phases() {
     near(run.states[5].u[1], 0.2, 1e-14);
     closes(&run.states);
     goes_on(&problem, &run.states);
-}
-
-#[test]
-fn a_displacement_that_begins_elsewhere_in_a_dynamic_phase_is_told() {
-    let begins = "[[boundary]]\non = \"right\"\ndisplacement = [0.03]\nphases = [\"free\"]\n[[phase]]\nname = \"press\"";
-    let text = ROD.replace("[[phase]]\nname = \"press\"", begins);
-    let dynamic = text.replace("end = 2.0\nsteps = 4\nanalysis = \"quasistatic\"", "end = 2.0\nsteps = 40");
-    assert!(found(&warned(&read(&text)), FindingId::PhaseJump).is_empty());
-    let warnings = warned(&read(&dynamic));
-    let [jump] = found(&warnings, FindingId::PhaseJump)[..] else { panic!("{warnings:?}") };
-    assert_eq!(
-        jump.message,
-        "at t = 1, where the phase \"free\" begins, the displacement that is prescribed on \"right\" is 0.13 away from where the side is then, at x = 1.0: the first step brings it there, with a velocity that is the larger the shorter the step, and waves by it"
-    );
-    // It begins where the side is, and goes on from there.
-    let ramp = dynamic.replace("displacement = [0.03]", "displacement = [\"0.1*(t - 2)\"]");
-    assert!(found(&warned(&read(&ramp)), FindingId::PhaseJump).is_empty());
-    // A contact that ends in it is physics.
-    let plain = ROD.replace("end = 2.0\nsteps = 4\nanalysis = \"quasistatic\"", "end = 2.0\nsteps = 40");
-    assert!(found(&warned(&read(&plain)), FindingId::PhaseJump).is_empty());
-}
-
-#[test]
-fn jumps_that_the_data_tell_are_told_before_the_run() {
-    let of = |first: &str, second: &str, analysis: &str| {
-        let text = ROD.replace(
-            "[[contact]]\non = \"right\"\ngap = \"-0.1*t\"\nnormal = { law = \"signorini\" }\n",
-            &format!("[[boundary]]\non = \"right\"\ndisplacement = [{first}]\n"),
-        );
-        let second = format!(
-            "[[boundary]]\non = \"right\"\ndisplacement = [{second}]\nphases = [\"free\"]\n[[phase]]\nname = \"press\""
-        );
-        let text = text.replace("[[phase]]\nname = \"press\"", &second);
-        let text = text.replace("steps = 4\nanalysis = \"quasistatic\"", &format!("steps = 4\nanalysis = \"{analysis}\""));
-        let findings = hypotheses::findings(&read(&text));
-        found(&findings, FindingId::PhaseJump).iter().map(|f| (f.place.clone(), f.value.unwrap_or(0.0))).collect::<Vec<_>>()
-    };
-    assert!(of("\"0.1*t\"", "0.2", "quasistatic").is_empty());
-    let one = of("\"0.1*t\"", "0.2", "dynamic");
-    assert!(one.len() == 1 && one[0].0 == "boundary[2].displacement" && (one[0].1 - 0.1).abs() < 1e-15, "{one:?}");
-    assert!(of("\"0.1*t\"", "\"0.1*t\"", "dynamic").is_empty());
-    let both = of("0.1", "0.1", "dynamic");
-    assert!(both.len() == 1 && both[0].0 == "boundary[1].displacement", "{both:?}");
-    assert_eq!(of("\"if(t > 0, 0.1, 0)\"", "0.1", "dynamic").len(), 1);
-}
-
-#[test]
-fn a_side_that_is_inside_where_a_contact_begins_is_told() {
-    let text = ROD.replace("phases = [\"press\"]", "phases = [\"free\"]").replace("gap = \"-0.1*t\"", "gap = 0.0");
-    let pulled = "[[boundary]]\non = \"right\"\ntraction = [0.4]\n[[contact]]";
-    let text = text.replace("[[contact]]", pulled);
-    let warnings = warned(&read(&text));
-    let [inside] = found(&warnings, FindingId::StartInside)[..] else { panic!("{warnings:?}") };
-    assert_eq!(
-        inside.message,
-        "at t = 1, where the phase \"free\" begins and with it the contact, \"right\" is inside its foundation by up to 0.1, at x = 1.0: the first step pushes it out"
-    );
-    let dynamic = text.replace("end = 2.0\nsteps = 4\nanalysis = \"quasistatic\"", "end = 2.0\nsteps = 40");
-    let problem = changed(&read(&dynamic), |data| data.scheme = TimeScheme::theta(0.5));
-    let warnings = warned(&problem);
-    assert!(found(&warnings, FindingId::StartKept)[0].message.ends_with("so that this distance stays"));
-    closes(&run(&problem).states);
-    // An interference that the gap gives is meant.
-    let meant = text.replace("traction = [0.4]", "traction = [0]").replace("gap = 0.0", "gap = -0.1");
-    assert!(found(&warned(&read(&meant)), FindingId::StartInside).is_empty());
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod coupling;
 mod elements;
 mod forms;
 mod iterations;
+mod jumps;
 mod manufactured;
 mod newton;
 mod phases;

@@ -5,8 +5,7 @@
 
 use super::super::{Finding, FindingId};
 use super::{gaps, warning};
-use crate::problem::{PrescribedJump, Problem, StartState};
-use crate::state::{Misfit, MisfitOf};
+use crate::problem::{Misfit, MisfitOf, PrescribedJump, Problem, StartState};
 use crate::time::{Analysis, TimePhase};
 use crate::units::Measure;
 
@@ -65,7 +64,10 @@ fn between(problem: &Problem, number: usize) -> Vec<Finding> {
     let mut u = vec![0.0; problem.mesh.points.len() * problem.mesh.dim];
     held.prescribe(start.t, &mut u);
     let jumps = after.jumps_from(&space, &u, [start.t, end.k], |jump| held.mask_free(jump));
-    jumps.iter().map(|jump| of_phase(&after, number, jump.boundary, [jump.size, jump.way], &problem.mesh.place(&jump.at))).collect()
+    jumps
+        .iter()
+        .map(|jump| of_phase(&after, number, jump.boundary, [jump.size, jump.way], &problem.mesh.place(&jump.at)))
+        .collect()
 }
 
 /// The warning of a jump at the start of a phase, with its size and the way of the condition in a step.

@@ -5,8 +5,7 @@ use super::super::{Finding, FindingId};
 use super::{begins, warning};
 use crate::contact::Leak;
 use crate::linalg::PATTERNS;
-use crate::problem::Problem;
-use crate::state::Misfit;
+use crate::problem::{Misfit, Problem};
 use crate::tensor::Point;
 use crate::units::Measure;
 
