@@ -2,6 +2,7 @@
 
 use crate::common::{spoil, told};
 use amontons::case::{self, Source};
+use amontons::contact::Contact;
 use amontons::time::During;
 
 const BAR: &str = r#"name = "bar"
@@ -143,7 +144,7 @@ fn contacts_and_loads_are_those_of_the_phase_asked_for() {
         let problem = problem.in_phase(phase);
         let loads = problem.region_loads.iter().map(|load| !load.body_force.is_empty() || load.gravity.is_some());
         let rigid = problem.rigid.iter().map(|part| !part.force.is_empty());
-        let contacts = problem.contacts.iter().map(|contact| contact.acts());
+        let contacts = problem.contacts.iter().map(Contact::acts);
         contacts.chain(loads).chain(rigid).collect::<Vec<_>>()
     };
     let expected = [
