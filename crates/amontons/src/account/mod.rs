@@ -230,8 +230,8 @@ fn penetrations_before(step: &Step, m: &Mechanics) -> Vec<f64> {
         };
         return points.zip(m.given.frames.iter().zip(&m.end.states)).map(of).collect();
     }
-    let then = Interval { start: old.t, end: old.t, level: old.t, ..Interval::default() };
-    let frames = frames(problem, boundary, &old.u, (&[], [&old.surface.advance; 2]), then);
+    let advance = [&*old.surface.advance; 2];
+    let frames = frames(problem, boundary, &old.u, (&step.worn(), advance), Interval::at(old.t));
     points.zip(&frames).map(|(point, frame)| along(point, &old.u, &frame.normal) - frame.gap).collect()
 }
 

@@ -30,6 +30,7 @@ impl Accumulated {
             passed: vec![Passed::default(); problem.contacts.len()],
             advance: vec![0.0; problem.contacts.len()],
             advance_rate: vec![0.0; problem.contacts.len()],
+            offset: Vec::new(),
             wet: fluid::dry(problem, discrete),
         }
     }
@@ -54,7 +55,7 @@ impl Accumulated {
         let passed = passed.collect();
         let wet = fluid::after(step, &self.wet, &mechanics.wet, states);
         let rates = advance.iter().zip(&self.advance).map(|(now, before)| (now - before) / k);
-        let advance_rate = rates.collect();
-        Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, wet }
+        let (advance_rate, offset) = (rates.collect(), self.offset.clone());
+        Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, offset, wet }
     }
 }

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
+use crate::problem::Misfit;
 use crate::time::{Instant, Pace, TimePhase, Timeline};
 
 /// Motion in a step, relative to the displacement, below which its sense does not matter.
@@ -154,4 +155,6 @@ pub struct Counts {
     pub contact_steps: usize,
     /// Steps that reverse the velocity: at their end it is nearly that of their start with the other sign.
     pub reversed_steps: usize,
+    /// Conditions that began with a phase where the body was not.
+    pub misfits: Vec<Misfit>,
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::change::{released, supported};
+use super::change::{met, misfits, released, supported};
 use super::initial::{self, extremes, first_temperature};
 use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
@@ -230,12 +230,15 @@ impl March {
             return Cow::Borrowed(old);
         }
         let mut begun = old.clone();
-        if changes {
-            supported(&self.problem.in_phase(was.phase), &self.discrete, &mut begun);
-        }
         if rests {
             begun.w.fill(0.0);
             begun.surface.advance_rate.fill(0.0);
+        }
+        if changes {
+            let before = self.problem.in_phase(was.phase);
+            begun.counts.misfits.extend(misfits(&before, &self.problem, &self.discrete, now, &begun));
+            supported(&before, &self.discrete, &mut begun);
+            met(&before, &self.problem, &self.discrete, now, &mut begun);
         }
         // Rates of three states hold no jump.
         begun.earlier = begun.earlier.filter(|_| !rests && !changes);

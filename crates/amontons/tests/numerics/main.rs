@@ -6,6 +6,7 @@ mod bodies;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod acting;
 mod backends;
 mod bar;
 mod bdf2;
@@ -17,6 +18,7 @@ mod coupling;
 mod elements;
 mod forms;
 mod iterations;
+mod jumps;
 mod layers;
 mod manufactured;
 mod newton;
