@@ -352,11 +352,17 @@ impl Discretization {
         (!conductivity.is_empty()).then(slope)
     }
 
+    /// True if the heat content is linear in the temperature.
+    #[must_use]
+    pub fn stores_linearly(&self) -> bool {
+        self.warm.capacity.is_empty()
+    }
+
     /// Stored heat per basis function, without the scale of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy H,
     /// which is cθ for a constant capacity.
     #[must_use]
     pub fn stored_heat(&self, theta: &[f64]) -> Vec<f64> {
-        if self.warm.capacity.is_empty() {
+        if self.stores_linearly() {
             self.storage().1.apply(theta)
         } else {
             forms::stored_heat(&self.mesh, &self.warm.capacity, theta)

@@ -1,16 +1,21 @@
 //! The ledger after a step: every term of the energy and heat identities.
 
+use std::borrow::Cow;
+
 use crate::arrays::per_point;
-use crate::contact::{GraphKind, arrays};
+use crate::contact::{GraphKind, MeanPressure, PointOnBoundary, arrays};
 use crate::discretization::Relaxed;
+use crate::equation::acting::contacts_at;
+use crate::equation::foundation::frames;
 use crate::equation::heat::{Amounts, Heat};
 use crate::equation::mechanics::Mechanics;
 use crate::equation::power::Powers;
 use crate::equation::system::{Step, difference};
+use crate::inclusion::{Frame, PointState};
 use crate::linalg::dot;
 use crate::state::Ledger;
-use crate::tensor;
-use crate::time::Start;
+use crate::tensor::{self, Point};
+use crate::time::{Interval, Start};
 
 /// Closing error, relative to the energy or heat turned over, above which the round-off of the terms is examined.
 const TELLING: f64 = 1e-11;
@@ -62,7 +67,7 @@ pub(crate) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_coupling: before.heat_coupling + coupling,
         heat_friction: before.heat_friction + if step.problem.physics.has_heat() { energy.friction } else { 0.0 },
         heat_pairs: before.heat_pairs + rubbed,
-        heat_scheme: before.heat_scheme + scheme,
+        heat_scheme: before.heat_scheme + scheme + foundations.scheme,
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
@@ -163,24 +168,24 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
     let k = rule.moving();
     let changes = contacts.iter().any(|contact| contact.normal.at_time(step.level).is_some());
     let mut sum = OnContact { load_work, ..OnContact::default() };
-    // Energy of the layer at the start of the step, with the laws at the end of the step.
+    // Energy at the end of the step less the work along the penetration, with the laws at the time of the equations.
     let mut start = 0.0;
+    let at_end = if changes { contacts_at(step.problem, step.t) } else { Cow::Borrowed(contacts) };
+    let starts = if changes || damps(step) { penetrations_before(step, m) } else { vec![0.0; boundary.points.len()] };
     let asked = per_point(&arrays(contacts), boundary.points.len().min(m.end.states.len()), |i| {
         let (point, state) = (&boundary.points[i], &m.end.states[i]);
-        let normal = &contacts[point.contact].normal;
-        let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
-        // A pressure that is a mean over the step does not belong to a rate.
-        let is_at_end = step.rule.is_at_end() || step.rule.balances_contact_at_end();
-        let is_function = normal.graph() == GraphKind::Function && is_at_end;
-        (normal.potential(&point.x, state.penetration), is_function.then(at_rest))
+        let energy = at_end[point.contact].normal.potential(&point.x, state.penetration);
+        (energy, at_rest(step, point, state, starts.get(i).copied()))
     });
-    let states = m.end.states.iter().zip(&asked);
-    for ((point, frame), (state, (energy, at_rest))) in boundary.points.iter().zip(&m.given.frames).zip(states) {
+    let states = m.end.states.iter().zip(&asked).zip(&starts);
+    for ((point, frame), ((state, (energy, at_rest)), before)) in
+        boundary.points.iter().zip(&m.given.frames).zip(states)
+    {
         let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
         let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, m.w()), &state.normal);
         if changes {
-            let before = state.penetration - k * (w_nu - frame.gap_rate) + state.opened;
-            start += point.weight * normal.potential(&point.x, before);
+            let along = [state.penetration, *before].map(|r| normal.potential(&point.x, r));
+            start += point.weight * (energy - (along[0] - along[1]));
         }
         let rubbed = step.rubbing(frame) * point.weight * tensor::dot(&state.q, &state.slip);
         sum.friction += rubbed;
@@ -208,6 +213,47 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         sum.stiffening = start - old.ledger.contact_energy;
     }
     sum
+}
+
+/// The penetration of each point at the start of the step: r₀ = r₁ − k (w_ν − ġ) + [h], or of a step that adds to two
+/// states, in which nothing wears, that of the state there.
+fn penetrations_before(step: &Step, m: &Mechanics) -> Vec<f64> {
+    let Step { problem, boundary, old, .. } = *step;
+    let along = |point: &PointOnBoundary, v: &[f64], normal: &Point| {
+        tensor::dot(&boundary.vector_at(point, step.discrete.mesh.dim, v), normal)
+    };
+    let points = boundary.points.iter();
+    if step.rule.is_of_one_step() {
+        let of = |(point, (frame, state)): (_, (&Frame, &PointState))| {
+            let w_nu = along(point, m.w(), &state.normal);
+            state.penetration - step.rule.moving() * (w_nu - frame.gap_rate) + state.opened
+        };
+        return points.zip(m.given.frames.iter().zip(&m.end.states)).map(of).collect();
+    }
+    let advance = [&*old.surface.advance; 2];
+    let frames = frames(problem, boundary, &old.u, (&step.worn(), advance), Interval::at(old.t));
+    points.zip(&frames).map(|(point, frame)| along(point, &old.u, &frame.normal) - frame.gap).collect()
+}
+
+/// True if pressures that are means over the step depend on a rate.
+fn damps(step: &Step) -> bool {
+    let are_means = !step.rule.is_at_end() && !step.rule.balances_contact_at_end();
+    are_means && step.contacts.iter().any(|contact| contact.normal.lipschitz_in_rate() != Some(0.0))
+}
+
+/// The pressure of a layer without damping, or `None` where pressures do not depend on the rate.
+///
+/// At the end of the step it is asked of every function: what a multiplier is beyond the law is round-off there.
+fn at_rest(step: &Step, point: &PointOnBoundary, state: &PointState, start: Option<f64>) -> Option<f64> {
+    let normal = step.contacts[point.contact].normal.as_ref();
+    if normal.graph() != GraphKind::Function {
+        return None;
+    }
+    if step.rule.is_at_end() || step.rule.balances_contact_at_end() {
+        return Some(normal.pressure(&point.x, state.penetration, 0.0, 0.0).value);
+    }
+    let mean = MeanPressure::of(normal, start?, &step.rule);
+    (normal.lipschitz_in_rate() != Some(0.0)).then(|| mean.at_rest(&point.x, state.penetration).value)
 }
 
 /// Sum of the absolute heat contents and flows of a step, which may cancel over the body.
@@ -314,6 +360,8 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
 #[derive(Default)]
 struct Foundations {
     content: f64,
+    /// What the rate of the step times k is beyond the change of their content.
+    scheme: f64,
     /// Heat lost to the surroundings in the step.
     lost: f64,
     /// Change of content minus what came in plus what went out, and the absolute amounts.
@@ -325,11 +373,11 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
     let mut sum = Foundations::default();
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let at = |all: &[Option<f64>]| all.get(side).copied().flatten();
-        let (Some(foundation), Some(before), Some(after)) =
-            (&contact.foundation_heat, at(&step.old.surface.foundation), at(&heat.exchange.foundation))
-        else {
+        let all = [&step.old.surface.foundation, step.bar.foundation, &heat.exchange.foundation].map(at);
+        let (Some(foundation), [Some(before), Some(bar), Some(at_level)]) = (&contact.foundation_heat, all) else {
             continue;
         };
+        let after = step.rule.end([before, at_level]);
         let points = step
             .boundary
             .points
@@ -342,10 +390,16 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
                 step.rule.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip))
             })
             .sum();
-        let lost = step.rule.k * foundation.exchange * (after - foundation.surroundings.value(&[0.0; 3], step.level));
+        let lost =
+            step.rule.k * foundation.exchange * (at_level - foundation.surroundings.value(&[0.0; 3], step.level));
         sum.content += foundation.capacity * after;
         sum.lost += lost;
-        let kept = if step.rule.is_steady() { 0.0 } else { foundation.capacity * (after - before) };
+        let kept = match step.rule.start {
+            Start::State if step.rule.is_steady() => 0.0,
+            Start::State | Start::Admissible => foundation.capacity * (after - before),
+            Start::TwoStates => step.rule.k / step.rule.delta * foundation.capacity * (at_level - bar),
+        };
+        sum.scheme += kept - foundation.capacity * (after - before);
         sum.error += kept - received + lost;
         sum.moved += received.abs() + lost.abs();
     }

@@ -62,6 +62,7 @@ pub(super) fn problem(
     build.thickness(raw.thickness, &mut mesh);
     let (physics, materials) = (physics(&raw, &mut build.findings), build.materials(&raw, &mesh));
     let (region_loads, temperature) = (build.region_loads(&raw, &mesh), build.temperature(&raw, &mesh));
+    let (body_force, heat_source) = build.load_of_all(&raw, &mesh);
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     build.places(&mut raw.boundary, &mut mesh);
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
@@ -77,8 +78,8 @@ pub(super) fn problem(
         mass: mass(raw.time.mass),
         physics,
         materials,
-        body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
-        heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
+        body_force,
+        heat_source,
         region_loads,
         temperature,
         cyclic: build.cyclic(raw.cyclic),

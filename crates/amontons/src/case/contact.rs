@@ -14,6 +14,7 @@ use crate::contact::{
 };
 use crate::field::{Field, Law, LawKind};
 use crate::mesh::Mesh;
+use crate::time::During;
 
 /// The law of a contact without one, which a case with heat only does not evaluate.
 fn no_pressure() -> Law<dyn NormalLaw> {
@@ -67,6 +68,7 @@ impl Build<'_> {
                 force: self.field(&format!("{path}.preload.force"), &preload.force, &[]),
                 until: preload.until,
             }),
+            during: raw.phases.map_or(During::Run, During::Phases),
             on: raw.on.clone(),
             name: raw.name,
             pair,

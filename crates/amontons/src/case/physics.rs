@@ -76,7 +76,7 @@ fn required(
 ) {
     for (prefix, material) in materials {
         if mechanics {
-            let needs_density = has_inertia(raw) || !raw.load.gravity.is_empty();
+            let needs_density = has_inertia(raw) || raw.load.each().iter().any(|(_, load)| !load.gravity.is_empty());
             needs(prefix, "density", material.density.is_some() || !needs_density, findings);
             needs(prefix, "elasticity", material.elasticity.is_some(), findings);
         }
@@ -112,7 +112,8 @@ fn stores_heat(raw: &raw::Case) -> bool {
 
 /// True if a given temperature replaces the heat equation.
 pub(super) fn is_warmed(raw: &raw::Case) -> bool {
-    raw.load.temperature.is_some() || raw.region.iter().any(|region| region.temperature.is_some())
+    raw.load.each().iter().any(|(_, load)| load.temperature.is_some())
+        || raw.region.iter().any(|region| region.temperature.is_some())
 }
 
 /// Notes keys of the heat equation in addition to a given temperature. Friction and wear may depend on it.
@@ -209,8 +210,10 @@ fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
 /// The data of heat outside the materials: path and description.
 pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
-    if !matches!(raw.load.heat_source, Datum::Number(value) if value == 0.0) {
-        found.push(("load.heat_source".to_owned(), "a heat source"));
+    for (path, load) in raw.load.each() {
+        if !matches!(load.heat_source, Datum::Number(value) if value == 0.0) {
+            found.push((format!("{path}.heat_source"), "a heat source"));
+        }
     }
     let heated = raw.region.iter().enumerate().filter(|(_, region)| !is_zero_datum(&region.heat_source));
     found.extend(heated.map(|(i, _)| (format!("region[{i}].heat_source"), "a heat source")));
@@ -250,18 +253,21 @@ pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
 /// The data of mechanics outside the materials: path and description.
 pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
-    if !raw.load.body_force.is_empty() {
-        found.push(("load.body_force".to_owned(), "a body force"));
-    }
-    if !raw.load.gravity.is_empty() {
-        found.push(("load.gravity".to_owned(), "gravity"));
+    for (path, load) in raw.load.each() {
+        if !load.body_force.is_empty() {
+            found.push((format!("{path}.body_force"), "a body force"));
+        }
+        if !load.gravity.is_empty() {
+            found.push((format!("{path}.gravity"), "gravity"));
+        }
     }
     let loaded = raw.region.iter().enumerate().filter(|(_, region)| !region.body_force.is_empty());
     found.extend(loaded.map(|(i, _)| (format!("region[{i}].body_force"), "a body force")));
     found.extend((0..raw.rigid.len()).map(|i| (format!("rigid[{i}]"), "a rigid part")));
     let warmed = raw.region.iter().enumerate().filter(|(_, region)| region.temperature.is_some());
     let warmed = warmed.map(|(i, _)| format!("region[{i}].temperature"));
-    let warmed = warmed.chain(raw.load.temperature.as_ref().map(|_| "load.temperature".to_owned()));
+    let of_body = raw.load.each().into_iter().filter(|(_, load)| load.temperature.is_some());
+    let warmed = warmed.chain(of_body.map(|(path, _)| format!("{path}.temperature")));
     found.extend(warmed.map(|key| (key, "a temperature that is given")));
     for (i, b) in raw.boundary.iter().enumerate() {
         let given = [

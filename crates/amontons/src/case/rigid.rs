@@ -4,12 +4,13 @@ use super::build::Build;
 use super::place::At;
 use super::raw;
 use crate::problem::RigidPart;
+use crate::time::During;
 
 impl Build<'_> {
     /// The sides and regions that move as rigid bodies, without faulty entries.
     pub fn rigid(&mut self, entries: Vec<raw::Rigid>) -> Vec<RigidPart> {
         let mut all = Vec::new();
-        for (i, raw::Rigid { on, force, moment, at, guided }) in entries.into_iter().enumerate() {
+        for (i, raw::Rigid { on, force, moment, phases, at, guided }) in entries.into_iter().enumerate() {
             let path = format!("rigid[{i}]");
             if !at.is_empty() && at.len() != self.dim {
                 let (found, expected) = (format!("{} coordinates", at.len()), format!("{} coordinates", self.dim));
@@ -19,7 +20,9 @@ impl Build<'_> {
             let place = std::array::from_fn(|c| at.get(c).copied().unwrap_or_default());
             let [force, moment] = [("force", force), ("moment", moment)]
                 .map(|(key, data)| self.vector(&format!("{path}.{key}"), &data, &[place]));
-            all.push(RigidPart { on, force, moment, at: (!at.is_empty()).then_some(place), turns: !guided });
+            let during = phases.map_or(During::Run, During::Phases);
+            let at = (!at.is_empty()).then_some(place);
+            all.push(RigidPart { on, force, moment, during, at, turns: !guided });
         }
         all
     }

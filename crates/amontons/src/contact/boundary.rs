@@ -10,6 +10,7 @@ use crate::field::{Field, Law};
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
 use crate::quadrature::{QuadratureRule, Shape};
 use crate::tensor::Point;
+use crate::time::During;
 
 #[cfg(test)]
 mod tests;
@@ -63,6 +64,8 @@ pub struct Contact {
     pub preload: Option<Preload>,
     /// A fluid that enters where the contact is open; `None` without a fluid.
     pub fluid: Option<Fluid>,
+    /// The phases in which the contact acts.
+    pub during: During,
 }
 
 impl Contact {
@@ -87,6 +90,7 @@ impl Contact {
             foundation_velocity: Vec::new(),
             preload: None,
             fluid: None,
+            during: During::Run,
         }
     }
 

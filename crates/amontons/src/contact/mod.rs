@@ -11,6 +11,7 @@ mod foundation;
 mod friction;
 mod graded;
 mod heat;
+mod idle;
 mod means;
 pub mod mortar;
 mod names;

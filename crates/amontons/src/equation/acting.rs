@@ -63,10 +63,17 @@ pub(crate) fn boundary_at(discrete: &Discretization, problem: &Problem, old: &St
     updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
 }
 
-/// The contacts of a problem with their laws at a time.
+/// The contacts of a problem with their laws at a time, and idle those that do not act in its phase. This is the only
+/// place that leaves them out: all that is computed on Γ_C takes its laws from here.
 pub(crate) fn contacts_at(problem: &Problem, t: f64) -> Cow<'_, [Contact]> {
-    if problem.contacts.iter().all(|contact| contact.at_time(t).is_none()) {
+    if problem.contacts.iter().all(|contact| contact.acts() && contact.at_time(t).is_none()) {
         return Cow::Borrowed(&problem.contacts);
     }
-    Cow::Owned(problem.contacts.iter().map(|contact| contact.at_time(t).unwrap_or_else(|| contact.clone())).collect())
+    let at = |contact: &Contact| {
+        if !contact.acts() {
+            return contact.idle();
+        }
+        contact.at_time(t).unwrap_or_else(|| contact.clone())
+    };
+    Cow::Owned(problem.contacts.iter().map(at).collect())
 }

@@ -3,6 +3,7 @@
 use super::system::Step;
 use crate::contact::obstacle::ObstacleLoad;
 use crate::contact::{Contact, ContactBoundary, Obstacle, PointOnBoundary};
+use crate::discretization::Discretization;
 use crate::inclusion::{Drive, Frame, PointState};
 use crate::problem::Problem;
 use crate::state::Accumulated;
@@ -81,6 +82,24 @@ pub(crate) fn frames(
     frames
 }
 
+/// The depth by which the gap is open at each contact point beyond the data, and the opening of the gap per depth worn
+/// off; empty if nothing wears and no bilateral contact began with a phase. Open are the depth worn off, and the
+/// distance at which such a contact began and that it keeps.
+pub(crate) fn opened(
+    discrete: &Discretization,
+    contacts: &[Contact],
+    boundary: &ContactBoundary,
+    surface: &Accumulated,
+) -> Vec<[f64; 2]> {
+    let Accumulated { wear, worn, offset, .. } = surface;
+    let mut all = discrete.worn.at_points(contacts, boundary, wear, &worn.depths);
+    if all.is_empty() && !offset.is_empty() {
+        all = vec![[0.0, 1.0]; boundary.points.len()];
+    }
+    all.iter_mut().zip(offset).for_each(|([depth, _], offset)| *depth += offset);
+    all
+}
+
 /// v_F of the datum; empty for a foundation at rest.
 fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
     let components: Vec<Vec<f64>> = contact.foundation_velocity.iter().map(|field| field.values(x, t)).collect();
@@ -96,6 +115,10 @@ impl Step<'_> {
     pub(crate) fn drives(&self, advance: &[f64]) -> Vec<Drive> {
         let k = self.rule.k;
         let of = |(contact, of): (usize, &Contact)| {
+            // A tool that does not act stays where it is.
+            if !of.acts() {
+                return None;
+            }
             if let Some(force) = of.preload.as_ref().and_then(|preload| preload.force_in([self.old.t, self.t])) {
                 return Some(Drive { contact, direction: None, force, inertia: [0.0; 2] });
             }
@@ -116,10 +139,9 @@ impl Step<'_> {
         drive.force.abs() / points.max(1) as f64
     }
 
-    /// The depth worn off at each contact point, and the opening of its gap per depth worn off; empty if nothing wears.
+    /// What opens the gap at each contact point, as [`opened`] has it.
     pub(crate) fn worn(&self) -> Vec<[f64; 2]> {
-        let Accumulated { wear, worn, .. } = &self.old.surface;
-        self.discrete.worn.at_points(self.contacts, self.boundary, wear, &worn.depths)
+        opened(self.discrete, self.contacts, self.boundary, &self.old.surface)
     }
 
     /// The moment of the forces on both bodies of each contact.
@@ -144,18 +166,22 @@ pub(crate) fn temperatures(step: &Step) -> Vec<f64> {
     all
 }
 
-/// True for each contact point at rest against the foundation at t = 0. A bound that drops when slip starts is the
-/// static one there.
-pub(crate) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
-    // The velocity of an obstacle at t = 0 is computed by differences over the first step. For a motion that starts
-    // from rest they cancel except for round-off.
-    let k = problem.timeline.instant(1).k;
+/// True for each contact point at rest against the foundation at a time `t`, at which a step of length `k` starts. A
+/// bound that drops when slip starts is the static one there.
+pub(crate) fn at_rest(
+    problem: &Problem,
+    boundary: &ContactBoundary,
+    [u, w]: [&[f64]; 2],
+    [t, k]: [f64; 2],
+) -> Vec<bool> {
+    // The velocity of an obstacle at t is computed by differences over the step. For a motion that starts from rest
+    // they cancel except for round-off.
     let start = |obstacle: &Obstacle, x: &Point| -> [Point; 2] {
-        let first = obstacle.motion(0.0, &|of| (4.0 * of(0.5 * k) - 3.0 * of(0.0) - of(k)) / k);
-        let mean = obstacle.motion(0.0, &|of| (of(k) - of(0.0)) / k);
+        let first = obstacle.motion(t, &|of| (4.0 * of(t + 0.5 * k) - 3.0 * of(t) - of(t + k)) / k);
+        let mean = obstacle.motion(t, &|of| (of(t + k) - of(t)) / k);
         [first.at(x), mean.at(x)]
     };
-    let frames = frames(problem, boundary, u, (&[], [&[]; 2]), Interval::default());
+    let frames = frames(problem, boundary, u, (&[], [&[]; 2]), Interval::at(t));
     let points = boundary.points.iter().zip(&frames);
     points
         .map(|(point, frame)| {

@@ -8,7 +8,7 @@ use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, over_blocks, without_contact};
 use crate::inclusion::residual::Residual;
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState};
-use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, sum_block, zeros};
+use crate::linalg::{SolveError, Tangent, by_blocks, copy, map, map_block, max_abs, sum_block, zeros};
 use crate::time::{Rule, Start};
 
 /// Most iterations of a nonlinear heat half-step.
@@ -80,7 +80,7 @@ impl Begun {
             let [mass_theta, d_theta] = if theta == old.theta {
                 [copy(&products.mass_theta), copy(&products.d_theta)]
             } else {
-                discrete.thermal_products(&theta)
+                step.thermal_products(&theta)
             };
             Begun { supply: step.supply(), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
@@ -178,7 +178,7 @@ impl Begun {
                 mixing = Mixing::default();
             } else {
                 self.theta = mixing.next(&start, &self.theta);
-                [self.mass_theta, self.d_theta] = step.discrete.thermal_products(&self.theta);
+                [self.mass_theta, self.d_theta] = step.thermal_products(&self.theta);
             }
             previous = balance.residual.value;
             self.reduced = self.reduce(step, half)?;
@@ -206,7 +206,7 @@ impl Begun {
             });
             (largest, sum_block([mass_theta, coupling, supply], |entries| entries))
         };
-        let (made, blocks) = discrete.thermal_products_then(theta, &mut rest, of_block);
+        let (made, blocks) = step.thermal_products_then(theta, &mut rest, of_block);
         let ([mass_theta, bar, d_theta, coupling, supply, _], sums) = over_blocks(&blocks);
         discrete.q.gather(&mut rest);
         let reactions = discrete.q.prescribed_of(&rest);
@@ -306,6 +306,35 @@ fn through(step: &Step, exchange: &Exchange) -> (f64, f64) {
     })
 }
 
+impl Step<'_> {
+    /// The stored heat and d(θ, ·) at the time of the equations.
+    fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
+        self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
+    }
+
+    /// The same with the results of `then` on blocks of them, as in [`crate::discretization::Discretization::thermal_products_then`].
+    ///
+    /// Stored heat is H₀ + ϑ (H₁ − H₀), which is that of θ_ϑ if it is linear in the temperature: the heat content at
+    /// the end of the step is then that of the temperature there, and the rate is of second order at ϑ = ½.
+    fn thermal_products_then<T: Send + 'static>(
+        &self,
+        theta: &[f64],
+        rest: &mut [f64],
+        then: impl Fn(usize, [&[f64]; 2], &mut [f64]) -> T + Sync,
+    ) -> ([Vec<f64>; 2], Vec<T>) {
+        let Step { discrete, rule, .. } = *self;
+        if rule.is_at_end() || discrete.stores_linearly() {
+            return discrete.thermal_products_then(theta, rest, then);
+        }
+        let end = self.end(&self.old.theta, theta.to_vec());
+        let (mut stored, conducted) = rayon::join(|| discrete.stored_heat(&end), || discrete.apply_d(theta));
+        let start = self.products.mass_theta.iter();
+        stored.iter_mut().zip(start).for_each(|(stored, start)| *stored = rule.between([*start, *stored]));
+        let made = by_blocks([&stored, &conducted], rest, then);
+        ([stored, conducted], made)
+    }
+}
+
 impl Heat {
     /// Factorizes the symmetric part of the tangent of (4.2) at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
@@ -330,7 +359,7 @@ struct Given {
 
 impl Given {
     fn new(step: &Step, theta: &[f64]) -> Given {
-        let lumped = step.problem.contacts.iter().zip(&step.old.surface.foundation).map(|(contact, before)| {
+        let lumped = step.problem.contacts.iter().zip(step.bar.foundation).map(|(contact, before)| {
             let (foundation, before) = (contact.foundation_heat.as_ref()?, (*before)?);
             let surroundings = foundation.surroundings.value(&[0.0; 3], step.level);
             Some(Lumped {

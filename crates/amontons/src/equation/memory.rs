@@ -30,6 +30,7 @@ impl Accumulated {
             passed: vec![Passed::default(); problem.contacts.len()],
             advance: vec![0.0; problem.contacts.len()],
             advance_rate: vec![0.0; problem.contacts.len()],
+            offset: Vec::new(),
             wet: fluid::dry(problem, discrete),
         }
     }
@@ -49,10 +50,12 @@ impl Accumulated {
         let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
-        let (foundation, passed) = (exchange.foundation.clone(), passed.collect());
+        let foundation = self.foundation.iter().zip(&exchange.foundation);
+        let foundation = foundation.map(|(start, at)| Some(step.rule.end([(*start)?, (*at)?]))).collect();
+        let passed = passed.collect();
         let wet = fluid::after(step, &self.wet, &mechanics.wet, states);
         let rates = advance.iter().zip(&self.advance).map(|(now, before)| (now - before) / k);
-        let advance_rate = rates.collect();
-        Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, wet }
+        let (advance_rate, offset) = (rates.collect(), self.offset.clone());
+        Accumulated { wear, worn, friction_work, foundation, passed, advance, advance_rate, offset, wet }
     }
 }

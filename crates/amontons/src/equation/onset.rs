@@ -2,7 +2,7 @@
 
 use super::system::Step;
 use crate::contact::{GraphKind, PointOnBoundary};
-use crate::inclusion::{Frame, Onset};
+use crate::inclusion::{Frame, Onset, PointState};
 use crate::linalg::max_abs;
 use crate::tensor::{Point, dot, length};
 use crate::time::{ContactRule, FrictionRule};
@@ -20,6 +20,21 @@ impl Step<'_> {
             if self.contacts.iter().any(|contact| contact.normal.is_rigid()) { self.touches(frames) } else { 0.0 };
         let points = self.boundary.points.iter().zip(frames).enumerate();
         points.map(|(i, (point, frame))| self.onset(i, point, frame, touches, rule)).collect()
+    }
+
+    /// True if a point hit a rigid foundation in the step: it bears pressure, did not in the step before, and approached.
+    /// A point without mass does not hit.
+    pub fn hits(&self, frames: &[Frame], states: &[PointState]) -> bool {
+        if !self.discrete.massless().is_empty() {
+            return false;
+        }
+        let least = TOUCHES[0] * max_abs(&self.old.w);
+        let points = self.boundary.points.iter().zip(frames).zip(states).enumerate();
+        points.into_iter().any(|(i, ((point, frame), state))| {
+            let is_graph = self.contacts[point.contact].normal.graph() == GraphKind::Multivalued;
+            let is_new = state.pressure > 0.0 && self.old.multipliers.p.get(i).is_none_or(|p| *p <= 0.0);
+            is_graph && is_new && self.at(point, &self.old.w, frame).0 - frame.gap_rate > least
+        })
     }
 
     /// Gap that counts as contact, m.

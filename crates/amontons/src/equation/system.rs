@@ -72,6 +72,8 @@ pub(crate) struct Bar<'a> {
     pub w: &'a [f64],
     pub theta: &'a [f64],
     pub branches: &'a [Vec<f64>],
+    /// θ̄_F of each foundation with a heat capacity, K.
+    pub foundation: &'a [Option<f64>],
     /// Products of w̄ and θ̄ with the forms of inertia and storage, as in [`Products`].
     pub mass_w: &'a [f64],
     pub mass_theta: &'a [f64],
@@ -80,8 +82,9 @@ pub(crate) struct Bar<'a> {
 impl<'a> Bar<'a> {
     /// The state that the step starts from.
     pub fn of(state: &'a State, products: &'a Products) -> Bar<'a> {
-        let State { u, w, theta, branches, .. } = state;
-        Bar { u, w, theta, branches, mass_w: &products.mass_w, mass_theta: &products.mass_theta }
+        let State { u, w, theta, branches, surface, .. } = state;
+        let foundation = &surface.foundation;
+        Bar { u, w, theta, branches, foundation, mass_w: &products.mass_w, mass_theta: &products.mass_theta }
     }
 }
 
@@ -91,6 +94,7 @@ pub(crate) struct Mixed {
     w: Vec<f64>,
     theta: Vec<f64>,
     branches: Vec<Vec<f64>>,
+    foundation: Vec<Option<f64>>,
     mass_w: Vec<f64>,
     mass_theta: Vec<f64>,
 }
@@ -101,13 +105,21 @@ impl Mixed {
         let branches = state.branches.iter().zip(&earlier.branches);
         let [u, w, theta] =
             [(&state.u, &earlier.u), (&state.w, &earlier.w), (&state.theta, &earlier.theta)].map(|(a, b)| mix(a, b));
-        let (mass_w, mass_theta) = (discrete.inertia().1.apply(&w), discrete.storage().1.apply(&theta));
-        Mixed { branches: branches.map(|(now, before)| mix(now, before)).collect(), u, w, theta, mass_w, mass_theta }
+        let mass_w = discrete.inertia().1.apply(&w);
+        let mass_theta = if discrete.stores_linearly() {
+            discrete.storage().1.apply(&theta)
+        } else {
+            mix(&discrete.stored_heat(&state.theta), &discrete.stored_heat(&earlier.theta))
+        };
+        let foundation = state.surface.foundation.iter().zip(&earlier.foundation);
+        let foundation = foundation.map(|(now, before)| Some((4.0 * (*now)? - (*before)?) / 3.0)).collect();
+        let branches = branches.map(|(now, before)| mix(now, before)).collect();
+        Mixed { u, w, theta, branches, foundation, mass_w, mass_theta }
     }
 
     pub fn bar(&self) -> Bar<'_> {
-        let Mixed { u, w, theta, branches, mass_w, mass_theta } = self;
-        Bar { u, w, theta, branches, mass_w, mass_theta }
+        let Mixed { u, w, theta, branches, foundation, mass_w, mass_theta } = self;
+        Bar { u, w, theta, branches, foundation, mass_w, mass_theta }
     }
 }
 

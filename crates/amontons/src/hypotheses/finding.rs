@@ -101,10 +101,12 @@ findings! {
     ContactHeld = "contact-held", Warning, Mechanics;
     /// Pairs that overlap at rest, or whose facets are deep compared with the gap.
     PairGap = "pair-gap", Warning, Mechanics;
-    /// Sides that are inside an obstacle at the start.
+    /// Sides that are inside an obstacle at the start, or where their contact begins.
     StartInside = "start-inside", Warning, Mechanics;
     /// Penetrations of rigid foundations at the start that the scheme keeps.
     StartKept = "start-kept", Warning, Mechanics;
+    /// Prescribed displacements that begin away from where their side is, where inertia acts.
+    PhaseJump = "phase-jump", Warning, Mechanics;
     /// Obstacles from files whose size is far from that of the body.
     ObstacleSize = "obstacle-size", Warning, Mechanics;
     /// An expansion tensor of the size of α.

@@ -43,6 +43,7 @@ use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::linalg::SolveError;
 use crate::problem::{Physics, Problem};
+use crate::time::During;
 
 pub use domain::{Constant, DomainConstants, domain_constants};
 pub use finding::{Finding, FindingId, FindingStatus, Kind, UnknownFinding};
@@ -271,8 +272,11 @@ fn say_phase(problem: &Problem, findings: &mut [Finding]) {
         [FindingId::Printed, FindingId::Needed, FindingId::StepUnique, FindingId::TimeStep, FindingId::ContactPossible];
     let phase = problem.timeline.phases().nth(problem.phase());
     let Some(phase) = phase.filter(|_| problem.changes_conditions_of_run()) else { return };
+    let all_act = problem.contacts.iter().all(|contact| contact.during == During::Run);
+    let contacts = if all_act { "" } else { ", and as if all contacts acted in it" };
     for finding in findings.iter_mut().filter(|finding| of_supports.contains(&finding.id)) {
-        finding.message += &format!("; judged with the conditions of the phase \"{}\" alone", phase.name);
+        let name = &phase.name;
+        finding.message += &format!("; judged with the conditions of the phase \"{name}\" alone{contacts}");
     }
 }
 

@@ -173,7 +173,7 @@ impl<'a> Mechanical<'a> {
         let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
         let start = self.opening(i) + rule.span * frame.gap_rate;
         let law = contact.normal.as_ref();
-        let mean = MeanPressure::new(law, start, rule.level, rule.contact.unwrap_or_default().pressure);
+        let mean = MeanPressure::of(law, start, &rule);
         let impact = Impact::new(law, start + rule.span * self.step.onset(i).approach);
         let normal: &dyn NormalLaw = match law.graph() {
             _ if rule.contact.is_none() => law,

@@ -39,7 +39,7 @@ use crate::tensor::Point;
 use crate::time::Pace;
 
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 23;
+const VERSION: u32 = 24;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -140,6 +140,7 @@ struct CheckpointBody {
     theta: Vec<f64>,
     theta_rate: Vec<f64>,
     earlier: Option<Earlier>,
+    settling: u32,
     p: Vec<f64>,
     q: Vec<Point>,
     sticks: Vec<bool>,
@@ -303,6 +304,7 @@ impl CheckpointBody {
             theta: state.theta,
             theta_rate: state.theta_rate,
             earlier: state.earlier,
+            settling: state.settling,
             p: state.multipliers.p,
             q: state.multipliers.q,
             sticks: state.multipliers.sticks,
@@ -336,6 +338,7 @@ impl CheckpointBody {
             theta: self.theta,
             theta_rate: self.theta_rate,
             earlier: self.earlier,
+            settling: self.settling,
             multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
             carried: self.carried,

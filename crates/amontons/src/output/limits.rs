@@ -5,7 +5,7 @@ use crate::contact::{Contact, ContactPoint, Leak};
 use crate::hypotheses::warnings::{Figures, Penetration};
 use crate::material::{Material, OperatorConstants};
 use crate::model::cell_heights;
-use crate::problem::Problem;
+use crate::problem::{Problem, ProblemData};
 use crate::tensor::{Point, Sym};
 
 /// The figures of a run up to a step.
@@ -28,7 +28,8 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         strain,
         strain_at,
         temperature: state.temperatures,
-        outside: outside(problem, state.temperatures, strain, state.t),
+        // Data of phases that are over have warmed and cooled the body, too.
+        outside: outside(&problem.clone().into_data(), state.temperatures, strain, state.t),
         loose: report.map(|report| report.loose.clone()).unwrap_or_default(),
         steps: state.step,
         contact_steps: state.counts.contact_steps,
@@ -41,6 +42,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         recovered: recovered(last),
         stiff: strain * stiffness(problem),
         systems: [last.work.contact_factorizations, last.discretization.boundary.nodes.len() * mesh.dim],
+        misfits: state.counts.misfits.clone(),
         penetration: sides.max_by(|a, b| (a.depth / a.cell).total_cmp(&(b.depth / b.cell))),
     }
 }
@@ -91,7 +93,7 @@ fn few(last: &Snapshot) -> Option<(usize, usize)> {
 /// Excess of temperatures below and above the bounds of the maximum principle of (2.4): without sinks no temperature is
 /// below all data, without sources none is above. The bound allows for the heat 𝓡:ε(u) with the strain of the last
 /// step.
-fn outside(problem: &Problem, [low, high]: [f64; 2], strain: f64, t: f64) -> [Option<f64>; 2] {
+fn outside(problem: &ProblemData, [low, high]: [f64; 2], strain: f64, t: f64) -> [Option<f64>; 2] {
     let [least, largest] = problem.temperature_bounds();
     let [sinks, sources] = problem.heat_signs();
     let rubbing = ContactPoint { friction_power: 1.0, ..ContactPoint::default() };

@@ -313,7 +313,7 @@ impl ProblemData {
 
     /// Checks that sides exist, are named once, and bear no two conditions that exclude each other.
     pub(super) fn check_boundary(&self, faults: &mut Vec<Fault>) {
-        for (side, contact) in self.contacts.iter().enumerate() {
+        for (side, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| contact.acts()) {
             let path = self.contact_path(side);
             if contact.normal.graph() != GraphKind::Function && contact.quadrature == Quadrature::Gauss {
                 let hint = "more points than nodes have no unique pressures";
@@ -356,8 +356,7 @@ impl ProblemData {
                     );
                 }
             }
-            let heat =
-                self.contacts.iter().find(|c| c.on == b.on && c.pair.is_none() && c.heat.conductance_bound() > 0.0);
+            let heat = self.contacts.iter().find(|c| c.on == b.on && c.acts() && c.warms_from_foundation());
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
                     Fault::new(
@@ -388,13 +387,19 @@ impl ProblemData {
     /// Checks that at most one contact of a side has no obstacle, and that each contact has a name of its own.
     fn check_once(&self, side: usize, path: &str, faults: &mut Vec<Fault>) {
         let (contact, before) = (&self.contacts[side], &self.contacts[..side]);
-        let is_same = |other: &Contact| other.on == contact.on && other.obstacle.is_none();
+        let is_same = |other: &Contact| other.on == contact.on && other.obstacle.is_none() && other.acts();
         if let Some(first) = before.iter().position(is_same).filter(|_| contact.obstacle.is_none()) {
-            let hint = format!(
+            let mut hint = format!(
                 "merge it with entry {} of the file, which is on the same side, or give one of them an `obstacle`",
                 first + 1
             );
-            let expected = "one [[contact]] entry without `obstacle` per side";
+            let both = [contact, &self.contacts[first]].map(|of| of.during == During::Run);
+            let mut expected = "one [[contact]] entry without `obstacle` per side".to_owned();
+            if both != [true; 2] {
+                let phase = self.timeline.phases().next().map_or("", |phase| &phase.name);
+                expected += &format!(" and phase: both act in \"{phase}\"");
+                hint = format!("name different phases in both, {hint}");
+            }
             faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), expected).hint(hint));
         }
         let goes_by = |(number, other): &(usize, &Contact)| {
@@ -475,7 +480,7 @@ impl ProblemData {
     fn check_displacement(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         let given =
             [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
-        let on_contact = self.contacts.iter().any(|c| c.bearing() == b.on);
+        let on_contact = self.contacts.iter().any(|c| c.bearing() == b.on && c.acts());
         for (key, _) in given.iter().filter(|(_, given)| *given && on_contact) {
             faults.push(
                 Fault::new(

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::schedule::Schedule;
-use super::{BoundaryCondition, Fault, Faults, MaterialSample, Problem, ProblemData, StartState, Support};
+use super::{Fault, Faults, MaterialSample, Problem, ProblemData, Scheduled, StartState, Support};
 use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
@@ -58,7 +58,7 @@ impl ProblemData {
         if !faults.is_empty() {
             return Err(Faults(faults));
         }
-        let all: Arc<[BoundaryCondition]> = self.boundary.clone().into();
+        let all = Arc::new(Scheduled::of(&self));
         let changes = self.changes_conditions();
         let own = Problem(self, Schedule { all, phase: if changes { usize::MAX } else { 0 } });
         let own = own.in_phase(0);
@@ -182,7 +182,7 @@ impl ProblemData {
         // Per part: displacement held, temperature held; ρ or c missing.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
-        let foundations = self.contacts.iter().filter(|c| c.pair.is_none());
+        let foundations = self.contacts.iter().filter(|c| c.pair.is_none() && c.acts());
         let exchange = foundations.map(|c| (c.on.as_str(), [true, c.warms_from_foundation()]));
         let sides =
             self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
@@ -285,9 +285,11 @@ impl ProblemData {
         check("load.body_force".into(), filled(&self.body_force));
         for (i, load) in self.region_loads.iter().enumerate() {
             let [own, common] = &load.keys;
-            check(format!("{own}.body_force"), filled(&load.body_force));
+            let is_new = self.region_loads.iter().take(i).all(|before| before.keys[0] != *own);
+            check(format!("{own}.body_force"), filled(&load.body_force).filter(|_| is_new));
             // Gravity is the same in all regions.
-            let gravity = load.gravity.as_ref().filter(|_| i == 0);
+            let is_first = self.region_loads.iter().take(i).all(|before| before.keys[1] != *common);
+            let gravity = load.gravity.as_ref().filter(|_| is_first);
             check(format!("{common}.gravity"), gravity.map(|(fields, _)| fields.len()));
         }
         check("initial.displacement".into(), filled(&self.initial.displacement));

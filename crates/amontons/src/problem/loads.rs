@@ -1,6 +1,7 @@
 //! Loads of regions.
 
 use crate::field::{Coefficient, Field};
+use crate::time::During;
 
 /// A body force and a heat source in one region, which add to those of the whole body.
 #[derive(Clone, Debug)]
@@ -14,6 +15,8 @@ pub struct RegionLoad {
     pub gravity: Option<(Vec<Field>, Coefficient<f64>)>,
     /// q₀ in W/m³.
     pub heat_source: Field,
+    /// The phases in which the load acts.
+    pub during: During,
     /// Keys of body force and heat source, and of gravity, in the case file: for messages.
     pub keys: [String; 2],
 }
@@ -27,6 +30,7 @@ impl RegionLoad {
             body_force: Vec::new(),
             gravity: None,
             heat_source: Field::ZERO,
+            during: During::Run,
             keys: [format!("region[{region}]"), "load".to_owned()],
         }
     }

@@ -11,7 +11,9 @@ mod data;
 mod drive;
 mod equilibrium;
 mod fluid;
+mod jump;
 mod loads;
+mod misfit;
 mod pairs;
 use crate::time::{TimeScheme, Timeline};
 pub use pairs::with_supports;
@@ -35,10 +37,12 @@ pub use boundary::{BoundaryCondition, Convection, Release, Support};
 pub use choices::Choice;
 pub(crate) use data::{Datum, DatumRole, MaterialSample};
 pub use equilibrium::StartState;
+pub(crate) use jump::PrescribedJump;
 pub use loads::RegionLoad;
+pub use misfit::{Misfit, MisfitOf};
 pub use physics::Physics;
 pub use rigid::RigidPart;
-use schedule::Schedule;
+use schedule::{Schedule, Scheduled};
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 pub use temperature::GivenTemperature;
@@ -247,13 +251,15 @@ impl Problem {
     /// contact.
     #[must_use]
     pub fn with_found(&self, found: &dyn Fn(usize) -> Option<Field>) -> Problem {
-        let mut data = self.0.clone();
-        for (number, contact) in data.contacts.iter_mut().enumerate() {
-            if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {
-                load.found = found(number);
+        let (mut data, mut all) = (self.0.clone(), Scheduled::clone(&self.1.all));
+        for contacts in [&mut data.contacts, &mut all.contacts] {
+            for (number, contact) in contacts.iter_mut().enumerate() {
+                if let Some(load) = contact.obstacle.as_mut().and_then(|obstacle| obstacle.load.as_mut()) {
+                    load.found = found(number);
+                }
             }
         }
-        Problem(data, self.1.clone())
+        Problem(data, Schedule { all: Arc::new(all), ..self.1.clone() })
     }
 
     /// Returns the problem with a backend that repeats earlier decisions about its linear systems.

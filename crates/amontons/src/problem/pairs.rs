@@ -38,7 +38,9 @@ impl ProblemData {
             return;
         }
         let same = |other: &Contact| {
-            other.pair.is_some() && other.sides().collect::<BTreeSet<_>>() == contact.sides().collect::<BTreeSet<_>>()
+            other.pair.is_some()
+                && other.acts()
+                && other.sides().collect::<BTreeSet<_>>() == contact.sides().collect::<BTreeSet<_>>()
         };
         if let Some(first) = self.contacts[..number].iter().position(same) {
             let found = format!("\"{}\" and \"{}\" again", contact.on, pair.with);
@@ -72,8 +74,9 @@ impl ProblemData {
     /// heat]` per part.
     pub(super) fn join_parts(&self, part_of: &[usize], held: &mut [[bool; 2]]) {
         for what in [0, 1] {
-            let joins =
-                |contact: &&Contact| contact.pair.is_some() && (what == 0 || contact.heat.conductance_bound() > 0.0);
+            let joins = |contact: &&Contact| {
+                contact.pair.is_some() && contact.acts() && (what == 0 || contact.heat.conductance_bound() > 0.0)
+            };
             let groups: Vec<BTreeSet<usize>> = self
                 .contacts
                 .iter()

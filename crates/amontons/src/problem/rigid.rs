@@ -9,6 +9,7 @@ use crate::mesh::defects::components;
 use crate::mesh::{Mesh, cross};
 use crate::space::{RigidNodes, Space};
 use crate::tensor::{Point, dot, length};
+use crate::time::During;
 
 /// A side, region, edge or set of points that moves as one rigid body with small rotations, and its loads.
 ///
@@ -23,6 +24,8 @@ pub struct RigidPart {
     /// Moment in N m about the point of action of the force: three fields of time in space, one in the plane; empty for
     /// none.
     pub moment: Vec<Field>,
+    /// The phases in which force and moment act.
+    pub during: During,
     /// Point of action of the force, m, or `None` for the centre of the area of a side or the volume of a region.
     pub at: Option<Point>,
     /// True if it can rotate; otherwise it keeps its direction, as a guided platen.
@@ -33,7 +36,7 @@ impl RigidPart {
     /// A part without loads.
     #[must_use]
     pub fn on(on: impl Into<String>) -> RigidPart {
-        RigidPart { on: on.into(), force: Vec::new(), moment: Vec::new(), at: None, turns: true }
+        RigidPart { on: on.into(), force: Vec::new(), moment: Vec::new(), during: During::Run, at: None, turns: true }
     }
 
     /// True if the part is all cells of this region.

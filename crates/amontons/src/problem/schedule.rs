@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::boundary::{BoundaryCondition, Convection, Release, unknown};
-use super::{Fault, Initial, Problem, ProblemData};
+use super::{Fault, Initial, Problem, ProblemData, RegionLoad, RigidPart};
+use crate::contact::Contact;
 use crate::field::Field;
 use crate::tensor::Point;
 use crate::time::{During, TimePhase, Timeline};
@@ -12,20 +13,71 @@ use crate::time::{During, TimePhase, Timeline};
 /// All conditions of a run, and the phase whose conditions a problem has.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
-    pub all: Arc<[BoundaryCondition]>,
+    pub all: Arc<Scheduled>,
     pub phase: usize,
 }
 
-impl BoundaryCondition {
-    /// The condition in a phase: itself, or a free and insulated side.
-    fn in_phase(&self, timeline: &Timeline, phase: usize) -> BoundaryCondition {
-        let acts = timeline.phases().nth(phase).is_none_or(|phase| self.during.has(phase));
-        if acts {
-            return self.clone();
+/// What may act in some phases only.
+#[derive(Clone, Debug)]
+pub(super) struct Scheduled {
+    pub boundary: Vec<BoundaryCondition>,
+    pub contacts: Vec<Contact>,
+    loads: Vec<RegionLoad>,
+    rigid: Vec<RigidPart>,
+}
+
+impl Scheduled {
+    pub fn of(data: &ProblemData) -> Scheduled {
+        Scheduled {
+            boundary: data.boundary.clone(),
+            contacts: data.contacts.clone(),
+            loads: data.region_loads.clone(),
+            rigid: data.rigid.clone(),
         }
-        BoundaryCondition { during: During::NEVER, ..BoundaryCondition::on(self.on.clone()) }
     }
 
+    /// The data with these conditions in the place of their own.
+    fn into_data(self, data: ProblemData) -> ProblemData {
+        let Scheduled { boundary, contacts, loads, rigid } = self;
+        ProblemData { boundary, contacts, region_loads: loads, rigid, ..data }
+    }
+
+    /// When each of them acts.
+    fn durings(&self) -> impl Iterator<Item = &During> {
+        let boundary = self.boundary.iter().map(|condition| &condition.during);
+        let contacts = self.contacts.iter().map(|contact| &contact.during);
+        let loads = self.loads.iter().map(|load| &load.during).chain(self.rigid.iter().map(|part| &part.during));
+        boundary.chain(contacts).chain(loads)
+    }
+
+    fn change(&self) -> bool {
+        self.durings().any(|during| *during != During::Run)
+    }
+
+    /// The conditions in a phase. Those that do not act there keep their places: a side is free and insulated, a
+    /// contact is one that never acts, and a load is zero.
+    fn in_phase(&self, timeline: &Timeline, phase: usize) -> Scheduled {
+        let acts = |during: &During| timeline.phases().nth(phase).is_none_or(|phase| during.has(phase));
+        let mut own = self.clone();
+        for condition in own.boundary.iter_mut().filter(|condition| !acts(&condition.during)) {
+            let free = BoundaryCondition::on(condition.on.clone());
+            *condition = BoundaryCondition { during: During::NEVER, ..free };
+        }
+        for contact in own.contacts.iter_mut().filter(|contact| !acts(&contact.during)) {
+            contact.during = During::NEVER;
+        }
+        for load in own.loads.iter_mut().filter(|load| !acts(&load.during)) {
+            let keys = load.keys.clone();
+            *load = RegionLoad { during: During::NEVER, keys, ..RegionLoad::on(load.region) };
+        }
+        for part in own.rigid.iter_mut().filter(|part| !acts(&part.during)) {
+            (part.force, part.moment, part.during) = (Vec::new(), Vec::new(), During::NEVER);
+        }
+        own
+    }
+}
+
+impl BoundaryCondition {
     /// The part of the condition that matrices and their unknowns depend on: everything but values.
     fn form(&self) -> BoundaryCondition {
         let zero = || Field::ZERO;
@@ -46,7 +98,7 @@ impl ProblemData {
     /// True if conditions begin or end with a phase.
     #[must_use]
     pub fn changes_conditions(&self) -> bool {
-        self.boundary.iter().any(|condition| condition.during != During::Run)
+        Scheduled::of(self).change()
     }
 
     /// The data as each phase has them, with that phase alone in the timeline; the data themselves if no condition
@@ -56,25 +108,40 @@ impl ProblemData {
             return vec![Cow::Borrowed(self)];
         }
         let phases = self.timeline.phases().enumerate();
-        let of = |(number, phase): (usize, &TimePhase)| ProblemData {
-            boundary: self.boundary.iter().map(|condition| condition.in_phase(&self.timeline, number)).collect(),
-            timeline: Timeline::in_phases(vec![phase.clone()]),
-            initial: if number == 0 { self.initial.clone() } else { Initial::default() },
-            ..self.clone()
+        let all = Scheduled::of(self);
+        let of = |(number, phase): (usize, &TimePhase)| {
+            let own = all.in_phase(&self.timeline, number).into_data(self.clone());
+            ProblemData {
+                timeline: Timeline::in_phases(vec![phase.clone()]),
+                initial: if number == 0 { self.initial.clone() } else { Initial::default() },
+                ..own
+            }
         };
         phases.map(|phase| Cow::Owned(of(phase))).collect()
+    }
+
+    /// The places of what may act in some phases only, each once, and when it acts.
+    fn places_in_phases(&self) -> Vec<(String, &During)> {
+        let boundary = self.boundary.iter().enumerate().map(|(i, of)| (format!("boundary[{i}]"), &of.during));
+        let contacts = self.contacts.iter().enumerate().map(|(i, of)| (self.contact_path(i), &of.during));
+        let rigid = self.rigid.iter().enumerate().map(|(i, of)| (format!("rigid[{i}]"), &of.during));
+        let mut all: Vec<_> = boundary.chain(contacts).chain(rigid).collect();
+        // A load of several regions is one entry.
+        for load in &self.region_loads {
+            if all.iter().all(|(path, _)| *path != load.keys[0]) {
+                all.push((load.keys[0].clone(), &load.during));
+            }
+        }
+        all
     }
 
     /// Checks the phases of conditions. Returns true if all of them are known.
     pub(super) fn check_phases(&self, faults: &mut Vec<Fault>) -> bool {
         let before = faults.len();
         let names: Vec<&str> = self.timeline.phases().map(|phase| phase.name.as_str()).collect();
-        for (i, condition) in self.boundary.iter().enumerate() {
-            let path = format!("boundary[{i}].phases");
-            let During::Phases(own) = &condition.during else {
-                self.check_release(i, condition, faults);
-                continue;
-            };
+        for (path, during) in self.places_in_phases() {
+            let path = format!("{path}.phases");
+            let During::Phases(own) = during else { continue };
             if !self.timeline.has_phases() {
                 let fault = Fault::new(path, format!("{own:?} in a run without phases"), "no such key");
                 faults.push(fault.hint("give the run its [[phase]] entries, or remove `phases`"));
@@ -93,7 +160,16 @@ impl ProblemData {
                     faults.push(unknown(format!("{path}[{j}]"), name, "phases", &names));
                 }
             }
+        }
+        for (i, condition) in self.boundary.iter().enumerate() {
             self.check_release(i, condition, faults);
+        }
+        for (i, part) in self.rigid.iter().enumerate() {
+            if part.during != During::Run && part.force.is_empty() && part.moment.is_empty() {
+                let found = "phases of a part without a force and a moment";
+                let fault = Fault::new(format!("rigid[{i}].phases"), found, "`force` or `moment` beside it");
+                faults.push(fault.hint("remove it: a rigid part is rigid in all phases"));
+            }
         }
         faults.len() == before
     }
@@ -136,23 +212,28 @@ impl Problem {
         if !self.changes_conditions_of_run() || phase == self.1.phase {
             return self.clone();
         }
-        let boundary = self.1.all.iter().map(|condition| condition.in_phase(&self.timeline, phase)).collect();
-        Problem(ProblemData { boundary, ..self.0.clone() }, Schedule { phase, ..self.1.clone() })
+        let own = self.1.all.in_phase(&self.timeline, phase);
+        Problem(own.into_data(self.0.clone()), Schedule { phase, ..self.1.clone() })
+    }
+
+    /// The contacts of the run, with the phases in which they act.
+    #[must_use]
+    pub fn contacts_of_run(&self) -> &[Contact] {
+        &self.1.all.contacts
     }
 
     /// True if conditions begin or end with a phase.
     #[must_use]
     pub fn changes_conditions_of_run(&self) -> bool {
-        self.1.all.iter().any(|condition| condition.during != During::Run)
+        self.1.all.change()
     }
 
     /// True if the same conditions act in two phases.
     #[must_use]
     pub fn has_same_conditions(&self, phases: [usize; 2]) -> bool {
-        let acts = |condition: &BoundaryCondition, phase: usize| {
-            self.timeline.phases().nth(phase).is_none_or(|phase| condition.during.has(phase))
-        };
-        self.1.all.iter().all(|condition| acts(condition, phases[0]) == acts(condition, phases[1]))
+        let acts =
+            |during: &During, phase: usize| self.timeline.phases().nth(phase).is_none_or(|phase| during.has(phase));
+        self.1.all.durings().all(|during| acts(during, phases[0]) == acts(during, phases[1]))
     }
 
     /// What is wrong if a pair has other contact points in another phase: where both sides are held in all directions
@@ -204,6 +285,6 @@ impl Problem {
     /// The data with all conditions of the run, to be changed and checked again.
     #[must_use]
     pub fn into_data(self) -> ProblemData {
-        ProblemData { boundary: self.1.all.to_vec(), ..self.0 }
+        Scheduled::clone(&self.1.all).into_data(self.0)
     }
 }

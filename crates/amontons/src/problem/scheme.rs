@@ -7,7 +7,6 @@ use crate::contact::{Contact, GraphKind};
 use crate::element::ShapeTable;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::mass::{MassMatrix, NotMoved, means, redistributed};
-use crate::material::Material;
 use crate::mesh::{CellMap, FacetSet};
 use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, TimeScheme};
 
@@ -55,11 +54,6 @@ impl ProblemData {
             let path = self.contact_path(side);
             for (key, found, expected) in of_contact(contact, self.scheme) {
                 refuse(format!("{path}.{key}"), found, expected);
-            }
-        }
-        for material in &self.materials {
-            for (key, found, expected) in of_material(material) {
-                refuse(format!("material.{key}"), found, expected);
             }
         }
     }
@@ -211,42 +205,23 @@ fn of_contact(contact: &Contact, scheme: TimeScheme) -> Vec<(&'static str, &'sta
         TimeScheme::ContactStabilised => Some(ContactRule::default()),
         TimeScheme::BackwardEuler | TimeScheme::Bdf2 => None,
     };
-    let is_mean = rule.is_some();
     let law = &contact.normal;
-    let is_damped = law.lipschitz_in_rate() != Some(0.0);
-    let changes = law.at_time(0.0).is_some();
-    // A law that varies falls most where its constant is largest.
-    let steepest = law.graded().map_or([0.0; 3], |graded| graded.extremes()[0].x);
-    let falls = law.least_slope(&steepest, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
-    let heat = contact.foundation_heat.is_some();
     let obstacle = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
-    let function = "a pressure that is a nondecreasing function of the penetration, or a rigid foundation";
-    let is_graph = law.graph() != GraphKind::Function && !law.is_rigid();
+    let is_stop = law.graph() != GraphKind::Function && !law.is_rigid();
     let wears = contact.wear.is_some();
     let wears_at_end = wears && rule.is_some_and(|rule| rule.friction == FrictionRule::End);
     let all = [
-        (is_mean && is_graph, "normal", "a law with a rigid stop behind a layer", function),
+        (
+            rule.is_some() && is_stop,
+            "normal",
+            "a law with a rigid stop behind a layer",
+            "a layer, or a rigid foundation",
+        ),
         (wears_at_end, "wear", "wear with time.friction = \"end\"", "wear with time.friction = \"mean\""),
-        (wears && !is_mean, "wear", "wear, whose depth is a sum over steps of first order", "none"),
-        (is_mean && is_damped, "normal", "a law that depends on the rate of the penetration", function),
-        (changes, "normal", "a law that changes with time", function),
-        (is_mean && falls, "normal", "a law that softens", function),
+        (wears && rule.is_none(), "wear", "wear, whose depth is a sum over steps of first order", "none"),
         (contact.preload.is_some(), "preload", "a preload", "none"),
         (contact.fluid.is_some(), "fluid", "a fluid", "none"),
-        (heat, "heat", "a foundation that warms up", "a foundation of a given temperature"),
         (obstacle, "obstacle.load", "an obstacle under a force", "an obstacle whose motion is given"),
     ];
-    all.into_iter().filter(|(is, ..)| *is).map(|(_, key, found, expected)| (key, found, expected)).collect()
-}
-
-/// What of a material a scheme other than backward Euler does not take.
-fn of_material(material: &Material) -> Vec<(&'static str, &'static str, &'static str)> {
-    let varies = !material.heat_capacity.temperatures().is_empty() || !material.conductivity.temperatures().is_empty();
-    let all = [(
-        varies,
-        "conductivity",
-        "heat laws that depend on the temperature",
-        "a conductivity and a capacity that do not",
-    )];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, key, found, expected)| (key, found, expected)).collect()
 }

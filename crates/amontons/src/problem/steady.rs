@@ -2,6 +2,7 @@
 
 use super::{Fault, ProblemData};
 use crate::contact::Contact;
+use crate::time::{Analysis, TimePhase};
 
 impl ProblemData {
     /// True if mechanics and heat are solved together in some step, as in each step of a steady phase.
@@ -12,9 +13,11 @@ impl ProblemData {
 
     /// Checks that all contacts may come to a steady state.
     pub(super) fn check_steady(&self, faults: &mut Vec<Fault>) {
-        let Some(number) = self.timeline.first_steady() else { return };
-        let at = if self.timeline.has_phases() { format!("phase[{number}]") } else { "time".to_owned() };
+        let is_steady = |phase: &TimePhase| phase.analysis == Analysis::Steady;
         for (side, contact) in self.contacts.iter().enumerate() {
+            let acts = |phase: &TimePhase| is_steady(phase) && contact.during.has(phase);
+            let Some(number) = self.timeline.phases().position(acts) else { continue };
+            let at = if self.timeline.has_phases() { format!("phase[{number}]") } else { "time".to_owned() };
             for (key, found, expected) in of_contact(contact) {
                 let found = format!("{found}, with {at}.analysis = \"steady\"");
                 let fault = Fault::new(format!("{}.{key}", self.contact_path(side)), found, expected);

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
+use crate::problem::Misfit;
 use crate::time::{Instant, Pace, TimePhase, Timeline};
 
 /// Motion in a step, relative to the displacement, below which its sense does not matter.
@@ -40,6 +41,9 @@ pub struct State {
     pub multipliers: Multipliers,
     /// The state one step before, if the next step adds to both.
     pub earlier: Option<Earlier>,
+    /// Steps in which a next one adds to this state alone, in a scheme that adds to two: a rigid foundation was hit, and
+    /// the velocities before it say nothing of those after.
+    pub settling: u32,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: Vec<Vec<f64>>,
     /// u with the rigid motions of far-moved bodies split off; empty if no body has moved far.
@@ -108,6 +112,8 @@ pub struct Earlier {
     pub theta: Vec<f64>,
     /// State of the branches that relax.
     pub branches: Vec<Vec<f64>>,
+    /// θ_F of each contact, K, or `None` if its foundation has no heat capacity.
+    pub foundation: Vec<Option<f64>>,
     /// u with the rigid motions split off; empty if they are not.
     pub carried: Carried,
 }
@@ -116,8 +122,8 @@ impl Earlier {
     /// Keeps a state from which a step of length `k` in s is made.
     #[must_use]
     pub fn of(state: &State, k: f64) -> Earlier {
-        let State { u, w, theta, branches, carried, .. } = state.clone();
-        Earlier { k, u, w, theta, branches, carried }
+        let State { u, w, theta, branches, surface, carried, .. } = state.clone();
+        Earlier { k, u, w, theta, branches, foundation: surface.foundation, carried }
     }
 }
 
@@ -149,4 +155,6 @@ pub struct Counts {
     pub contact_steps: usize,
     /// Steps that reverse the velocity: at their end it is nearly that of their start with the other sign.
     pub reversed_steps: usize,
+    /// Conditions that began with a phase where the body was not.
+    pub misfits: Vec<Misfit>,
 }

@@ -24,6 +24,9 @@ pub struct Accumulated {
     pub advance: Vec<f64>,
     /// The mean rate of δ in the last step, m/s.
     pub advance_rate: Vec<f64>,
+    /// Distance from the body at rest at which a bilateral contact that began with a phase holds its points, m, per
+    /// contact point; empty if there is none.
+    pub offset: Vec<f64>,
     /// Wetted places, which fluids have reached.
     pub wet: Wet,
 }

@@ -83,13 +83,13 @@ impl March {
         self.products = None;
         let (mut state, _) = self.attempt(old, now, now.t, 0)?;
         self.products = None;
-        state.earlier = self.before(old, now, now.k);
+        state.earlier = self.before([old, &state], now, now.k);
         Ok(state)
     }
 
     fn half(&mut self, old: &State, now: &Instant, t: f64) -> Result<(State, StepReport), StepError> {
         let (mut state, report) = self.advance(old, now, t, 1)?;
-        state.earlier = self.before(old, now, 0.5 * now.k);
+        state.earlier = self.before([old, &state], now, 0.5 * now.k);
         Ok((state, report))
     }
 
@@ -98,7 +98,7 @@ impl March {
     fn unjudged(&mut self, old: &State, pace: &Pace) -> Result<(State, StepReport), StepError> {
         let now = self.problem.timeline.next(old.step, pace, pace.level);
         let (mut state, report) = self.advance(old, &now, now.t, 0)?;
-        state.earlier = self.before(old, &now, now.k);
+        state.earlier = self.before([old, &state], &now, now.k);
         let mut judged = pace.clone().noted(now.k, HALVINGS as usize);
         judged.budget.error = [0.0; GAUGED];
         judged.chosen.unjudged += 1;

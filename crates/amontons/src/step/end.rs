@@ -23,7 +23,7 @@ impl Made {
             residual_max: old.residual_max.max(self.residual()),
             passes_total: old.passes_total + self.report.passes,
             contraction_max: old.contraction_max.max(self.report.contraction.unwrap_or_default()),
-            ..*old
+            ..old.clone()
         }
     }
 
@@ -46,6 +46,7 @@ impl Made {
             w: step.end_velocity(step.rates(&w).into_owned()),
             theta_rate: step.theta_rate(&theta),
             earlier: None,
+            settling: 0,
             theta,
             multipliers: at.multipliers,
             branches: old.branches.iter().zip(branches).map(|(old, branch)| step.end(old, branch)).collect(),
@@ -84,7 +85,13 @@ impl Made {
 }
 
 /// What happened at the contact points.
-fn at_points(step: &Step, states: Vec<PointState>, exchange: Exchange) -> ContactReport {
+fn at_points(step: &Step, mut states: Vec<PointState>, exchange: Exchange) -> ContactReport {
+    for (point, state) in step.boundary.points.iter().zip(&mut states) {
+        // A body that has passed the place of a foundation that does not act does not penetrate it.
+        if step.problem.contacts.get(point.contact).is_some_and(|contact| !contact.acts()) {
+            state.penetration = state.penetration.min(0.0);
+        }
+    }
     ContactReport {
         moments: step.moments(&states),
         weights: step.boundary.points.iter().map(|point| point.weight).collect(),

@@ -64,7 +64,8 @@ pub(super) fn state(
         heat_turned_over: heat_content.abs() + heat_foundation.abs(),
         ..Ledger::default()
     };
-    let free = || Multipliers::free(at_rest(problem, boundary, &u, &w));
+    let first = [0.0, problem.timeline.instant(1).k];
+    let free = || Multipliers::free(at_rest(problem, boundary, [&u, &w], first));
     let multipliers = equilibrium.map_or_else(free, |found| found.multipliers.clone());
     Ok(State {
         step: 0,
@@ -74,6 +75,7 @@ pub(super) fn state(
         theta,
         theta_rate: Vec::new(),
         earlier: None,
+        settling: 0,
         multipliers,
         branches,
         carried: Carried::default(),
@@ -102,8 +104,8 @@ fn stored_in_layers(problem: &Problem, discrete: &Discretization, u: &[f64], adv
     let foundation = frames(problem, boundary, u, (&[], [advance; 2]), Interval::default());
     for (point, frame) in boundary.points.iter().zip(foundation) {
         let r = tensor::dot(&boundary.vector_at(point, dim, u), &frame.normal) - frame.gap;
-        energy += point.weight
-            * problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
+        let contact = problem.contacts.get(point.contact).filter(|contact| contact.acts());
+        energy += point.weight * contact.map_or(0.0, |contact| contact.normal.potential(&point.x, r));
     }
     energy
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use super::change::{released, supported};
+use super::change::{met, misfits, released, supported};
 use super::initial::{self, extremes, first_temperature};
 use super::{Kept, Scheme, alone, datum};
 use crate::account::audit;
@@ -24,6 +24,9 @@ use crate::time::{Analysis, HALVINGS, Instant, Rule, Start};
 
 /// Residual of the iteration on Γ_C below which its failure may be due to round-off of the velocities.
 const NOISE: f64 = 1e-2;
+/// Steps from one in which a rigid foundation is hit to the first one whose start and end both have velocities of after
+/// it: in the step of the impact bodies move by what the gap was, in the next one they come to rest on the foundation.
+const SETTLING: u32 = 2;
 
 /// The scheme of a run for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
 ///
@@ -227,12 +230,15 @@ impl March {
             return Cow::Borrowed(old);
         }
         let mut begun = old.clone();
-        if changes {
-            supported(&self.problem.in_phase(was.phase), &self.discrete, &mut begun);
-        }
         if rests {
             begun.w.fill(0.0);
             begun.surface.advance_rate.fill(0.0);
+        }
+        if changes {
+            let before = self.problem.in_phase(was.phase);
+            begun.counts.misfits.extend(misfits(&before, &self.problem, &self.discrete, now, &begun));
+            supported(&before, &self.discrete, &mut begun);
+            met(&before, &self.problem, &self.discrete, now, &mut begun);
         }
         // Rates of three states hold no jump.
         begun.earlier = begun.earlier.filter(|_| !rests && !changes);
@@ -278,7 +284,9 @@ impl March {
         Mechanics::is_unique(&now, mechanics, end)
     }
 
-    /// Makes a step, or a part of it, as a whole. If round-off of the displacement may have caused a failure, the rigid
+    /// Makes a step, or a part of it, as a whole. A step that adds to two states and hits a rigid foundation is made anew
+    /// by backward Euler: the velocities before an impact would throw the body back, by how much depends on where in the
+    /// step it is hit. If round-off of the displacement may have caused a failure, the rigid
     /// motions of bodies are split off from their deformation, in this and all later steps.
     pub(super) fn attempt(
         &mut self,
@@ -296,6 +304,14 @@ impl March {
             self.bodies();
         }
         let made = self.make_step(old, now, t, halvings);
+        let adds_to_both = self.rule(old, now, halvings).start == Start::TwoStates;
+        if let Ok((state, _)) = &made
+            && state.settling == SETTLING
+            && adds_to_both
+        {
+            let alone = State { earlier: None, ..old.clone() };
+            return self.make_step(&alone, now, t, halvings);
+        }
         let Err(error) = made else { return made };
         if !old.carried.rigid.is_empty() || !is_noise(&error) {
             return Err(error);
@@ -370,7 +386,11 @@ impl March {
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
         }
+        let hits = now.hits(&made.mechanics.given.frames, &made.mechanics.end.states);
         let (mut state, mut report, products) = made.end(&now, ledger);
+        if rule_of(problem, whole).start == Start::TwoStates {
+            state.settling = if hits { SETTLING } else { old.settling.saturating_sub(1) };
+        }
         state.counts.krylov_iterations += systems.iterations() - before;
         report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
         // Products are computed anew if they are of a deformation, as after a break, or were taken before the end of a
@@ -478,9 +498,10 @@ impl March {
         found.map(|(state, _)| state).map_err(|source| SetupError::Equilibrium { source: Box::new(source) })
     }
 
-    /// What the next step of the length `k` in s adds to, if it adds to two states: that from which this one was made.
-    pub(super) fn before(&self, old: &State, now: &Instant, k: f64) -> Option<Earlier> {
-        let adds_to_both = rule_of(&self.problem, now).start == Start::TwoStates;
+    /// What the next step of the length `k` in s adds to besides `state`, if it adds to two states: that from which
+    /// this one was made.
+    pub(super) fn before(&self, [old, state]: [&State; 2], now: &Instant, k: f64) -> Option<Earlier> {
+        let adds_to_both = rule_of(&self.problem, now).start == Start::TwoStates && state.settling == 0;
         adds_to_both.then(|| Earlier::of(old, k))
     }
 
@@ -491,7 +512,7 @@ impl March {
         let made = match accuracy {
             Some(accuracy) => self.choose(old, accuracy),
             None => self.advance(old, now, now.t, 0).map(|(mut state, report)| {
-                state.earlier = self.before(old, now, now.k);
+                state.earlier = self.before([old, &state], now, now.k);
                 state.pace = self.problem.timeline.after(&old.pace, now, 0);
                 (state, report)
             }),

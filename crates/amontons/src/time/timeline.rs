@@ -77,6 +77,12 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// An interval of no length.
+    #[must_use]
+    pub fn at(t: f64) -> Interval {
+        Interval { start: t, end: t, level: t, before: None, within: 0.0 }
+    }
+
     /// The times with those changes that go on for ever made in the length of the step.
     #[must_use]
     pub fn lasting(self) -> Interval {

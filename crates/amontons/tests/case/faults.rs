@@ -529,7 +529,7 @@ spoiled! {
     contact_twice_on_a_side: "[contact]  " => "[[contact]]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]  "
         "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected one [[contact]] entry without `obstacle` per side; merge it with entry 1 of the file, which is on the same side, or give one of them an `obstacle`";
     contact_unknown_key_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nfrction = 1 #"
-        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of automatic, close, fluid, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, name, nonmortar, normal, obstacle, on, preload, quadrature, wear, with; did you mean `friction`?";
+        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of automatic, close, fluid, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, name, nonmortar, normal, obstacle, on, phases, preload, quadrature, wear, with; did you mean `friction`?";
     contact_law_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nwear = { law = \"archard\", coefficient = -1 } #"
         "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness)";
     foundation_surroundings_in_space: "" => "" set "contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }"

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod acting;
 mod bodies;
 mod boundary;
 mod conditions;

@@ -180,3 +180,33 @@ fn a_change_of_conditions_starts_the_formula_anew() {
     assert!(differs(0) < 1e-15 && differs(10) < 1e-15, "{:e} {:e}", differs(0), differs(10));
     assert!(differs(9) > 1e-6 && differs(11) > 1e-6, "{:e} {:e}", differs(9), differs(11));
 }
+
+/// A step that hits a rigid wall and the two after it are made by backward Euler, from each state with the same bits.
+#[test]
+fn an_impact_starts_the_formula_anew() {
+    let text = format!(
+        "{ROD}[time]\nend = 0.4\nsteps = 100\n[initial]\nvelocity = [\"x\"]\n[contact]\non = \"right\"\ngap = 0.1003\n\
+         normal = {{ law = \"signorini\" }}\n"
+    );
+    let read = |scheme: &str| {
+        let keys = words(&[&format!("time.scheme={scheme}")]);
+        let case = case::parse(&case::Source::new("rod.toml", text.as_str()), &keys);
+        case.unwrap_or_else(|error| panic!("{error}")).problem
+    };
+    let memory = solve(&read("bdf2"));
+    closes("hit", &memory);
+    let hit = memory.reports.iter().position(|report| report.contact.states[0].pressure > 0.0).expect("it hits");
+    for (n, pair) in memory.states.windows(2).enumerate() {
+        let next = |scheme: &str| {
+            let mut march = March::new(&read(scheme)).expect("a regular system");
+            march.step(&pair[0]).expect("a step").0
+        };
+        assert!(next("bdf2") == pair[1], "step {} goes on with other bits", pair[1].step);
+        let differs = apart(&next("euler"), &pair[1])[0];
+        if (hit..hit + 3).contains(&n) {
+            assert!(differs < 1e-15, "step {}: {differs:e}", pair[1].step);
+        } else if n > 0 && n < hit || n == hit + 3 {
+            assert!(differs > 1e-9, "step {}: {differs:e}", pair[1].step);
+        }
+    }
+}

@@ -6,6 +6,7 @@ mod bodies;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod acting;
 mod backends;
 mod bar;
 mod bdf2;
@@ -17,8 +18,11 @@ mod coupling;
 mod elements;
 mod forms;
 mod iterations;
+mod jumps;
+mod layers;
 mod manufactured;
 mod newton;
+mod orders;
 mod phases;
 mod pyramids;
 mod redistributed;
@@ -27,3 +31,4 @@ mod revolution;
 mod stabilised;
 mod steady;
 mod theta;
+mod thrown;

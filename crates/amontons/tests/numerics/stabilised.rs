@@ -232,8 +232,8 @@ fn data_that_it_does_not_take_are_refused() {
             "contact.normal: found a rigid foundation of a rigid part, with time.scheme = \"contact-stabilised\", expected a part that deforms",
         ),
         (
-            &["contact.normal={ law = \"damped\", stiffness = 20.0, damping = 5.0 }"],
-            "contact.normal: found a law that depends on the rate of the penetration, with time.scheme = \"contact-stabilised\"",
+            &["contact.normal={ law = \"stop\", stiffness = 20.0, depth = 0.1 }"],
+            "contact.normal: found a law with a rigid stop behind a layer, with time.scheme = \"contact-stabilised\"",
         ),
         (
             &["time.theta=0.5"],

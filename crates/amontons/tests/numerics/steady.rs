@@ -113,15 +113,13 @@ fn hot_sliding_has_the_pressure_of_its_closed_form() {
 
 #[test]
 fn beyond_the_critical_speed_there_is_no_steady_state() {
-    for share in [1.001, 1.5, 4.0] {
-        for (dim, reversed) in [(1, false), (2, true)] {
-            let problem = rod(dim, 0, reversed, share * CRITICAL);
-            let told = made(&problem).map(|_| ()).expect_err("a rod that presses on without end");
-            let RunError::Step { source, .. } = &told else { panic!("{told}") };
-            assert!(matches!(source, StepError::NotSteady { step: 1, .. }), "{source}");
-            let text = source.to_string();
-            assert!(text.contains("there may be none, as above the critical speed of sliding"), "{text}");
-        }
+    for (share, dim, reversed) in [(1.001, 1, false), (1.5, 2, true), (4.0, 1, true)] {
+        let problem = rod(dim, 0, reversed, share * CRITICAL);
+        let told = made(&problem).map(|_| ()).expect_err("a rod that presses on without end");
+        let RunError::Step { source, .. } = &told else { panic!("{told}") };
+        assert!(matches!(source, StepError::NotSteady { step: 1, .. }), "{source}");
+        let text = source.to_string();
+        assert!(text.contains("there may be none, as above the critical speed of sliding"), "{text}");
     }
 }
 

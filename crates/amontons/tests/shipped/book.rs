@@ -75,9 +75,9 @@ fn every_block_of_the_guides_is_a_case() {
     let expected = [
         ("case.md", (1, 2)),
         ("coming-from.md", (0, 1)),
-        ("contact.md", (1, 15)),
+        ("contact.md", (1, 16)),
         ("large.md", (0, 1)),
-        ("loads.md", (0, 6)),
+        ("loads.md", (0, 7)),
         ("materials.md", (0, 6)),
         ("meshes.md", (0, 6)),
         ("results.md", (0, 3)),

@@ -126,6 +126,7 @@ fn steps_that_take_many_systems() {
             recovered: None,
             stiff: 0.0,
             systems,
+            misfits: Vec::new(),
         };
         of_run(&problem, &figures).into_iter().find(|finding| finding.id.as_str() == "many-systems")
     };

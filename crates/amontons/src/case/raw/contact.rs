@@ -134,6 +134,12 @@ pub(in crate::case) struct Contact {
     /// Fluid that enters where the contact is open, and presses its sides apart there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fluid: Option<Fluid>,
+    /// Names of the phases in which the contact acts; without the key it acts in all of them.
+    ///
+    /// In the others nothing presses, rubs or exchanges heat there. Two contacts that act in different phases may be on
+    /// one side.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phases: Option<Vec<String>>,
 }
 
 /// Wear law.

@@ -75,9 +75,9 @@ pub(in crate::case) struct Case {
     /// Regions of the mesh with their own material, one entry per region.
     #[serde(default)]
     pub region: Vec<Region>,
-    /// Loads in the body.
+    /// Loads in the body, or one entry per load that acts in some phases or in one region only.
     #[serde(default)]
-    pub load: Load,
+    pub load: Loads,
     /// Conditions on the sides, one entry per side.
     ///
     /// A side without displacement and traction is free of load; a side without temperature and heat
@@ -286,10 +286,54 @@ fn yes() -> bool {
     true
 }
 
+/// Loads of the body: `[load]`; several: `[[load]]`.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a table, or an array of tables")]
+pub(in crate::case) enum Loads {
+    /// One.
+    One(#[serde(deserialize_with = "one_load")] Box<Load>),
+    /// Several, which add up.
+    Several(Vec<Load>),
+}
+
+/// Reads a load from a table: an array without entries is no load.
+fn one_load<'de, D: serde::Deserializer<'de>>(raw: D) -> Result<Box<Load>, D::Error> {
+    let table = toml::Table::deserialize(raw)?;
+    Load::deserialize(table).map(Box::new).map_err(serde::de::Error::custom)
+}
+
+impl Default for Loads {
+    fn default() -> Loads {
+        Loads::One(Box::default())
+    }
+}
+
+impl Loads {
+    /// The loads with their paths in the case file.
+    pub fn each(&self) -> Vec<(String, &Load)> {
+        match self {
+            Loads::One(load) => vec![("load".to_owned(), &**load)],
+            Loads::Several(all) => all.iter().enumerate().map(|(i, load)| (format!("load[{i}]"), load)).collect(),
+        }
+    }
+
+    /// The load that acts in all of the body in all phases, if it is the only one.
+    pub fn of_all(&self) -> Option<&Load> {
+        match self {
+            Loads::One(load) if load.phases.is_none() && load.on.is_none() => Some(load),
+            _ => None,
+        }
+    }
+}
+
 /// Loads.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Load {
+    /// Name of the region in which the load acts; without the key it acts in all of the body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
     /// Body force f₀ in N/m³, one entry per component; empty for zero.
     #[serde(default)]
     pub body_force: Vec<Datum>,
@@ -305,6 +349,9 @@ pub(in crate::case) struct Load {
     /// Materials then need no `heat_capacity` and `conductivity`, and no other key of heat may stand beside it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature: Option<Datum>,
+    /// Names of the phases in which the load acts; without the key it acts in all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phases: Option<Vec<String>>,
 }
 
 /// State at t = 0: (2.11). The expressions do not use t.

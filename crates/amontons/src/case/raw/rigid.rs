@@ -23,6 +23,10 @@ pub(in crate::case) struct Rigid {
     /// space; empty for none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moment: Vec<Datum>,
+    /// Names of the phases in which force and moment act; without the key they act in all of them. The part is rigid in
+    /// all phases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phases: Option<Vec<String>>,
     /// Where the force acts, coordinates in m; default: the centre of the area of the side, of the volume of the
     /// region.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

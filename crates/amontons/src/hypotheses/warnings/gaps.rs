@@ -59,7 +59,7 @@ fn of_pair(
     let sets = names.map(|name| mesh.facets.get(name));
     let depths = sets.map(|set| set.map_or(0.0, |set| depth(mesh, set)));
     let round_off = sets.iter().flatten().map(|set| round_off(mesh, set)).fold(0.0, f64::max);
-    let overlap = if !closes && low < -round_off { -low } else { 0.0 };
+    let overlap = if contact.acts() && !closes && low < -round_off { -low } else { 0.0 };
     let (mean, varies) = variation(&points);
     let deep = depths[0].max(depths[1]);
     if contact.is_tie() {
@@ -128,7 +128,7 @@ pub(super) fn of_obstacles(problem: &Problem) -> Vec<Finding> {
         return Vec::new();
     }
     let boundary = problem.contact_boundary();
-    let sides = problem.contacts.iter().enumerate();
+    let sides = problem.contacts.iter().enumerate().filter(|(_, contact)| contact.acts());
     sides.filter_map(|(number, contact)| of_obstacle(problem, &boundary.points, number, contact)).collect()
 }
 
@@ -147,7 +147,7 @@ fn of_obstacle(problem: &Problem, points: &[PointOnBoundary], number: usize, con
     };
     let depths: Vec<(&PointOnBoundary, f64)> =
         points.iter().filter(|point| point.contact == number).map(|point| (point, inside(point))).collect();
-    let limit = round_off(mesh, set).max(depth(mesh, set));
+    let limit = limit(mesh, set);
     let (deepest, most) = *depths.iter().filter(|(_, depth)| *depth > limit).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let message = format!(
         "at t = 0 \"{}\" is inside the obstacle by up to {}, at {}, and at {} of its {} contact points: the first step pushes it out",
@@ -160,6 +160,11 @@ fn of_obstacle(problem: &Problem, points: &[PointOnBoundary], number: usize, con
     let repair = "let the obstacle start outside of the body: move it, turn its normal, or turn the sign of its level, which is positive outside of the obstacle; leave it if an interference is meant";
     let place = format!("{}.obstacle", problem.contact_path(number));
     Some(warning(FindingId::StartInside, &place, [most, limit], message, repair))
+}
+
+/// The depth up to which a side is not inside what it faces: its facets cut in by so much.
+pub(super) fn limit(mesh: &Mesh, set: &FacetSet) -> f64 {
+    round_off(mesh, set).max(depth(mesh, set))
 }
 
 /// The overlap depth that is round-off on a side, m.

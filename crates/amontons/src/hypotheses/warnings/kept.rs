@@ -22,7 +22,8 @@ pub(super) fn at_start(problem: &Problem) -> Vec<Finding> {
     let (space, boundary) = (problem.displacement_space(), problem.contact_boundary());
     let u = space.interpolate(&problem.mesh, &problem.initial.displacement, 0.0);
     let least = ROUND_OFF * problem.mesh.points.iter().map(length).fold(0.0, f64::max);
-    let contacts = problem.contacts.iter().enumerate().filter(|(_, contact)| contact.normal.is_rigid());
+    let contacts =
+        problem.contacts.iter().enumerate().filter(|(_, contact)| contact.acts() && contact.normal.is_rigid());
     contacts.filter_map(|(number, _)| of_contact(problem, &boundary, &u, number, least)).collect()
 }
 

@@ -10,8 +10,9 @@
 //! | `rigid-on-rigid` | a rigid part meets a rigid foundation, or another rigid part, by rigid contact | the data |
 //! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep compared with the gap between them | the gap of the mesh |
 //! | `obstacle-size` | an obstacle from a file is far larger or smaller than the body | its extent |
-//! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
-//! | `start-kept` | a scheme that holds velocities keeps a penetration of a rigid foundation at t = 0 | its gap |
+//! | `start-inside` | a side is inside an obstacle at t = 0, or where its contact begins with a phase | distances at the contact points |
+//! | `start-kept` | a scheme that holds velocities keeps a penetration of a rigid foundation at t = 0, or where its contact begins | its gap, the run |
+//! | `phase-jump` | a dynamic phase begins with a displacement that is prescribed away from where the side is | the data, the run |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
 //! | `mean-dilatation` | the mean dilatation is requested for linear simplices, where it has no effect | the cells |
@@ -33,6 +34,7 @@
 //! | `nodal-stress` | stresses recovered at the nodes are far from those in the cells | the run |
 //! | `many-systems` | steps take ten times the contact systems that were predicted | the run |
 
+mod begins;
 mod effect;
 mod gaps;
 mod jump;
@@ -77,6 +79,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(gaps::of_pairs(problem));
     findings.extend(gaps::of_obstacles(problem));
     findings.extend(kept::at_start(problem));
+    findings.extend(begins::of_data(problem));
     findings.extend(sizes::of_obstacles(problem));
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));

@@ -2,10 +2,10 @@
 
 use super::super::sample::at;
 use super::super::{Finding, FindingId};
-use super::warning;
+use super::{begins, warning};
 use crate::contact::Leak;
 use crate::linalg::PATTERNS;
-use crate::problem::Problem;
+use crate::problem::{Misfit, Problem};
 use crate::tensor::Point;
 use crate::time::Analysis;
 use crate::units::Measure;
@@ -72,6 +72,8 @@ pub struct Figures {
     pub stiff: f64,
     /// Number of contact systems factorized, and the unknowns of one.
     pub systems: [usize; 2],
+    /// What began with a phase where the body was not.
+    pub misfits: Vec<Misfit>,
 }
 
 /// A penetration relative to the cells of the side.
@@ -102,7 +104,7 @@ pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
         nodal_stress(problem, figures),
         many_systems(figures),
     ];
-    parts.into_iter().flatten().collect()
+    parts.into_iter().flatten().chain(begins::of_run(problem, &figures.misfits)).collect()
 }
 
 fn strain(figures: &Figures) -> Option<Finding> {

@@ -29,7 +29,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
         rest.iter().take(dim).all(|c| c.abs() < ACROSS)
     };
     let mut findings = Vec::new();
-    for (side, contact) in problem.contacts.iter().enumerate().filter(|(_, contact)| contact.pair.is_none()) {
+    for (side, contact) in of_foundations(problem) {
         let on_side = || boundary.points.iter().filter(|p| p.contact == side);
         let candidates: Vec<_> =
             on_side().filter(|p| p.nodes.iter().all(|&(i, _)| held(boundary.nodes[i], &p.normal))).collect();
@@ -74,12 +74,18 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
     findings
 }
 
+/// The contacts with foundations that act in the phase of a problem, with their numbers.
+fn of_foundations(problem: &Problem) -> impl Iterator<Item = (usize, &Contact)> {
+    problem.contacts.iter().enumerate().filter(|(_, contact)| contact.pair.is_none() && contact.acts())
+}
+
 /// `part-free`: warns about parts of the body without contact that can move or turn without strain.
 pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
     let mesh = &*problem.mesh;
     let parts = components(mesh);
     let mut has_contact = vec![false; mesh.points.len()];
-    let sides = problem.contacts.iter().flat_map(Contact::sides).filter_map(|side| mesh.facets.get(side));
+    let acting = problem.contacts.iter().filter(|contact| contact.acts());
+    let sides = acting.flat_map(Contact::sides).filter_map(|side| mesh.facets.get(side));
     sides.flat_map(FacetSet::node_list).for_each(|node| has_contact[node as usize] = true);
     let motions = rigid_motions(problem, &parts);
     let free: Vec<(usize, &Component, usize)> = parts

@@ -65,6 +65,7 @@ fn earlier(state: &State, discretization: &Discretization) -> Result<(), Checkpo
     same("earlier displacements", earlier.u.len(), nodes * dim)?;
     same("earlier velocities", earlier.w.len(), nodes * dim)?;
     same("earlier temperatures", earlier.theta.len(), nodes)?;
+    same("earlier foundations", earlier.foundation.len(), state.surface.foundation.len())?;
     same("earlier branches", earlier.branches.len(), state.branches.len())?;
     for (earlier, now) in earlier.branches.iter().zip(&state.branches) {
         same("earlier numbers of a branch", earlier.len(), now.len())?;

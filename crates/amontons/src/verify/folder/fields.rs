@@ -79,6 +79,7 @@ impl Fields {
             theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], <[f64]>::to_vec),
             theta_rate: Vec::new(),
             earlier: None,
+            settling: 0,
             step: 0,
             t: 0.0,
             multipliers: Multipliers::default(),
