@@ -34,7 +34,7 @@ pub enum MassMatrix {
 }
 
 /// Largest change of an entry by the second step, relative to it: no mass vanishes or changes its sign. A bar needs
-/// four cells, whose M_r is as positive as M.
+/// four cells, whose M_r is as positive as M; with three the change is 1.2 times an entry, and M_r is not positive.
 const MOST: f64 = 0.9;
 /// Pivot, over the first one, that is round-off: the nodes with mass lie in a plane.
 const SINGULAR: f64 = 1e-10;
@@ -96,7 +96,9 @@ pub(crate) fn redistributed(mesh: &Mesh, form: &BlockMatrix, map: &NodalMap) -> 
         }
         let theta = affine.change(&moved, &body, lost).ok_or(NotMoved::TooFew(first))?;
         let factor = |i: usize, j: u32| affine.of_pair(&theta, i as u32, j);
-        let largest = |i: usize| moved.row(i).map(move |(j, _)| factor(i, j as u32).abs()).fold(0.0, f64::max);
+        // Rows and columns of nodes without mass stay zero.
+        let masses = |i: usize| moved.row(i).filter(|(_, value)| value.iter().any(|value| value.abs() > 0.0));
+        let largest = |i: usize| masses(i).map(|(j, _)| factor(i, j as u32).abs()).fold(0.0, f64::max);
         let most = body.nodes.iter().map(|&i| largest(i as usize)).fold(0.0, f64::max);
         if most.is_nan() || most > MOST {
             return Err(NotMoved::TooFew(first));

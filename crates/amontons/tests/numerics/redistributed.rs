@@ -439,7 +439,6 @@ fn a_steel_bar_rebounds_with_its_velocity() {
         (along(&form.apply(&state.w)) / along(&form.apply(&memory.states[0].w)), energy)
     };
     let [(with_impacts, before), (own, energy)] = ["rigid", "redistributed"].map(rebound);
-    println!("{with_impacts} {before}, {own} {energy}");
     assert!((-with_impacts - 0.973).abs() < 0.002, "{with_impacts}");
-    assert!(-own > 0.975 && (energy - 1.0).abs() < 1e-3, "{own}, {energy}");
+    assert!(before < 0.992 && -own > 0.977 && (energy - 1.0).abs() < 2e-3, "{before}, {own}, {energy}");
 }
