@@ -96,8 +96,7 @@ pub(super) fn problem(
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
-    let findings = build.certain();
-    let (inputs, references) = build.loader.copies();
+    let (findings, (inputs, references)) = (build.certain(), build.loader.copies());
     let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped: build.of_file.skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
