@@ -312,7 +312,7 @@ impl Step<'_> {
         self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
     }
 
-    /// The same with the results of `then` on blocks of them, as in [`crate::discretization::Discretization::thermal_products_then`].
+    /// The same with the results of `then` on blocks of them, as `thermal_products_then` of the discretization.
     ///
     /// Stored heat is H₀ + ϑ (H₁ − H₀), which is that of θ_ϑ if it is linear in the temperature: the heat content at
     /// the end of the step is then that of the temperature there, and the rate is of second order at ϑ = ½.

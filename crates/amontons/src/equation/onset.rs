@@ -22,8 +22,8 @@ impl Step<'_> {
         points.map(|(i, (point, frame))| self.onset(i, point, frame, touches, rule)).collect()
     }
 
-    /// True if a point hit a rigid foundation in the step: it bears pressure, did not in the step before, and approached.
-    /// A point without mass does not hit.
+    /// True if a point hit a rigid foundation in the step: it bears pressure, did not in the step before, and
+    /// approached. A point without mass does not hit.
     pub fn hits(&self, frames: &[Frame], states: &[PointState]) -> bool {
         if !self.discrete.massless().is_empty() {
             return false;

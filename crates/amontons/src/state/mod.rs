@@ -41,8 +41,8 @@ pub struct State {
     pub multipliers: Multipliers,
     /// The state one step before, if the next step adds to both.
     pub earlier: Option<Earlier>,
-    /// Steps in which a next one adds to this state alone, in a scheme that adds to two: a rigid foundation was hit, and
-    /// the velocities before it say nothing of those after.
+    /// Steps in which a next one adds to this state alone, in a scheme that adds to two: a rigid foundation was hit,
+    /// and the velocities before it say nothing of those after.
     pub settling: u32,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: Vec<Vec<f64>>,

@@ -284,10 +284,10 @@ impl March {
         Mechanics::is_unique(&now, mechanics, end)
     }
 
-    /// Makes a step, or a part of it, as a whole. A step that adds to two states and hits a rigid foundation is made anew
-    /// by backward Euler: the velocities before an impact would throw the body back, by how much depends on where in the
-    /// step it is hit. If round-off of the displacement may have caused a failure, the rigid
-    /// motions of bodies are split off from their deformation, in this and all later steps.
+    /// Makes a step, or a part of it, as a whole. A step that adds to two states and hits a rigid foundation is made
+    /// anew by backward Euler: the velocities before an impact would throw the body back, by how much depends on where
+    /// in the step it is hit. If round-off of the displacement may have caused a failure, the rigid motions of bodies
+    /// are split off from their deformation, in this and all later steps.
     pub(super) fn attempt(
         &mut self,
         old: &State,

@@ -1,6 +1,6 @@
 //! Pairs of runs that must agree: a case and the same case turned, mirrored, shifted, renumbered, in other units, later
 //! in time, or said in another way. Fields and contact forces agree to 1e-10 of their largest magnitude, iteration
-//! counts to 10 %.
+//! counts to 10 % or one in every second step.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod cases;
@@ -171,7 +171,8 @@ fn difference(base: &Outcome, other: &Outcome) -> Result<(), String> {
         [reports.iter().map(|r| r.newton_mechanics).sum::<usize>(), reports.iter().map(|r| r.newton_heat).sum()]
     };
     for (a, b) in count(&base.memory.reports).into_iter().zip(count(later)) {
-        if a.abs_diff(b) as f64 > 0.1 * a.max(b) as f64 {
+        // Round-off decides whether a step ends with one more.
+        if a.abs_diff(b) as f64 > (0.1 * a.max(b) as f64).max(0.5 * base.memory.reports.len() as f64) {
             told.push(format!("{a} iterations against {b}"));
         }
     }

@@ -52,8 +52,8 @@ fn orders_where_contact_opens() {
     }
 }
 
-/// Where a rigid wall is hit and left: of about the first order, with errors that depend on where in a step the wall is
-/// hit, and the contact-stabilised scheme of the second to its own limit.
+/// Where a rigid wall is hit and left: of about the first order, with errors that depend on where in a step the wall
+/// is hit, and the contact-stabilised scheme of the second to its own limit.
 #[test]
 fn orders_where_a_wall_is_hit() {
     let keys = |scheme: &'static str| [scheme, "contact.normal={ law = \"signorini\" }"];
@@ -67,7 +67,8 @@ fn orders_where_a_wall_is_hit() {
     assert!((found - 2.0).abs() < 0.4, "order {found}");
 }
 
-/// A block that sticks and slips: of the first order or nearly so in all schemes, with errors that are much smaller at ϑ = ½.
+/// A block that sticks and slips: of the first order or nearly so in all schemes, with errors that are much smaller at
+/// ϑ = ½.
 #[test]
 fn orders_where_friction_sticks_and_slips() {
     let text = std::fs::read_to_string(common::file("crates/amontons/tests/reference/time/stick-slip-midpoint.toml"));
@@ -89,4 +90,17 @@ fn orders_where_friction_sticks_and_slips() {
     }
     let [euler, half] = [["time.scheme=euler"], ["time.scheme=theta"]].map(|keys| error(&keys));
     assert!(half < 0.1 * euler, "{half:e} and {euler:e}");
+}
+
+/// A wave in a rod that friction stops, with 600 steps of half a cell: u(0) = F²/(qEA) = 0.01 and, where the load has
+/// acted for 0.1, 0.0075 by characteristics.
+#[test]
+fn a_friction_wave_needs_few_steps() {
+    let file = common::file("crates/amontons/benchmarks/friction-wave.toml");
+    let keys = ["mesh.n=[250, 1]", "time.steps=600"].map(str::to_owned);
+    let memory = solve(&case::read(&file, &keys).unwrap_or_else(|error| panic!("{error}")).problem);
+    for (step, expected) in [(600, 0.01), (200, 0.0075)] {
+        let found = memory.states[step].u[0];
+        assert!((found - expected).abs() < 0.005 * expected, "step {step}: {found}, expected {expected}");
+    }
 }

@@ -13,9 +13,10 @@ use crate::time::{PressureRule, Rule};
 /// whatever the step; for ϑ > ½ a law that does not soften dissipates. At ϑ = 1 it is p_ν(r₁). With
 /// [`PressureRule::Plain`] it is p_ν((1 − ϑ) r₀ + ϑ r₁), which gains or loses energy where the gap closes or opens.
 ///
-/// A damped law presses by this times the ratio of the means of p_ν(r, ṙ) and p_ν(r, 0) along the way from r₀ to r₁, with
-/// ṙ = (r₁ − r₀)/k: by no tension that the law does not have, and with work beyond that of the energy which is never
-/// negative if damping resists. Where the layer bears nothing at rest, the mean of p_ν(r, ṙ) over the step is added.
+/// A damped law presses by this times the ratio of the means of p_ν(r, ṙ) and p_ν(r, 0) along the way from r₀ to r₁,
+/// with ṙ = (r₁ − r₀)/k: by no tension that the law does not have, and with work beyond that of the energy which is
+/// never negative if damping resists. Where the layer bears nothing at rest, the mean of p_ν(r, ṙ) over the step is
+/// added.
 ///
 /// Source: O. Gonzalez, Comput. Methods Appl. Mech. Engrg. 190 (2000) 1763.
 #[derive(Debug)]
