@@ -129,7 +129,7 @@ impl Discretization {
         // The check of the problem has found that the mass can be moved.
         let massless = Some(problem.massless_nodes()).filter(|nodes| !nodes.is_empty());
         let map = massless.and_then(|nodes| means(&cells, nodes).ok());
-        let graph = Arc::new(map.as_ref().map_or_else(|| cells.clone(), |map| map.joined(&cells)));
+        let graph = Arc::new(map.as_ref().map(|map| map.joined(&cells)).unwrap_or(cells));
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();

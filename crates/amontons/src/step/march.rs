@@ -386,11 +386,10 @@ impl March {
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
         }
-        let hits = now.hits(&made.mechanics.given.frames, &made.mechanics.end.states);
+        let adds_to_both = rule_of(problem, whole).start == Start::TwoStates;
+        let hits = adds_to_both && now.hits(&made.mechanics.given.frames, &made.mechanics.end.states);
         let (mut state, mut report, products) = made.end(&now, ledger);
-        if rule_of(problem, whole).start == Start::TwoStates {
-            state.settling = if hits { SETTLING } else { old.settling.saturating_sub(1) };
-        }
+        state.settling = if hits { SETTLING } else { old.settling.saturating_sub(1) };
         state.counts.krylov_iterations += systems.iterations() - before;
         report.contact.boundary = (!Arc::ptr_eq(&boundary, &discrete.boundary)).then(|| Arc::clone(&boundary));
         // Products are computed anew if they are of a deformation, as after a break, or were taken before the end of a
