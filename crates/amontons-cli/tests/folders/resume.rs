@@ -142,6 +142,15 @@ fn branches_of_both_kinds_go_on_to_the_same_bits() {
     goes_on(&["material.prony=[{ ratio = 1, time = '0.1 + x' }, { ratio = 0.5, time = 0.2 }]"]);
 }
 
+/// So does a run of a formula of two states that is broken off in the step in which points hit a rigid foundation, with
+/// two steps from one state to come, and a foundation that warms up.
+#[test]
+fn steps_of_two_states_go_on_to_the_same_bits() {
+    let hits = ["contact.normal={ law = 'signorini' }", "contact.gap=0.005"];
+    goes_on(&[&hits[..], &["time.scheme=bdf2", "contact.foundation={ heat_capacity = 0.5 }"]].concat());
+    goes_on(&[&hits[..], &["time.scheme=theta", "time.mass=redistributed"]].concat());
+}
+
 /// A run with these settings that was broken off goes on to the bits of one that was not; the counts of its solver.
 fn goes_on(overrides: &[&str]) -> serde_json::Value {
     let set: Vec<&str> = overrides.iter().flat_map(|&value| ["--set", value]).collect();
