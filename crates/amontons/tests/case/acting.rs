@@ -1,6 +1,6 @@
 //! Contacts and loads of phases in the case file: one thing spoiled each, with the exact message.
 
-use crate::common::{spoil, told};
+use crate::common::told;
 use amontons::case::{self, Source};
 use amontons::contact::Contact;
 use amontons::time::During;
@@ -51,18 +51,7 @@ end = 3.0
 steps = 10
 "#;
 
-/// A test each: `name: "old" => "new" set "KEY=VALUE" "line of the message"… ;`
-macro_rules! spoiled {
-    ($($name:ident: $old:literal => $new:literal $(set $set:literal)* $($line:literal)+;)*) => {
-        $(#[test]
-        fn $name() {
-            let found = told(&Source::new("bar.toml", spoil(BAR, $old, $new)), &[$($set),*]);
-            assert_eq!(found, [$($line),+].join("\n"));
-        })*
-    };
-}
-
-spoiled! {
+spoiled! { BAR
     a_phase_of_a_contact_that_is_unknown: "phases = [\"press\"]" => "phases = [\"pres\"]"
         "bar.toml:16:11: contact[0].phases[0]: found \"pres\", expected one of the phases press, hold, spin; did you mean \"press\"?";
     a_phase_of_a_contact_twice: "[\"hold\", \"spin\"]" => "[\"hold\", \"hold\"]"

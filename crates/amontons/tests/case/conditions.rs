@@ -39,18 +39,7 @@ end = 3.0
 steps = 10
 "#;
 
-/// A test each: `name: "old" => "new" set "KEY=VALUE" "line of the message"… ;`
-macro_rules! spoiled {
-    ($($name:ident: $old:literal => $new:literal $(set $set:literal)* $($line:literal)+;)*) => {
-        $(#[test]
-        fn $name() {
-            let found = told(&Source::new("bar.toml", spoil(BAR, $old, $new)), &[$($set),*]);
-            assert_eq!(found, [$($line),+].join("\n"));
-        })*
-    };
-}
-
-spoiled! {
+spoiled! { BAR
     a_phase_that_is_unknown: "[\"spin\"]" => "[\"spn\"]"
         "bar.toml:19:11: boundary[2].phases[0]: found \"spn\", expected one of the phases press, hold, spin; did you mean \"spin\"?";
     a_phase_that_is_far_from_all: "[\"press\", \"hold\"]" => "[\"press\", \"cooling\"]"

@@ -4,6 +4,19 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+/// A test each, of a case `bar.toml` with one thing spoiled: the constant of its text, and then `name: "old" => "new" set
+/// "KEY=VALUE" "line of the message"… ;`
+macro_rules! spoiled {
+    ($text:ident $($name:ident: $old:literal => $new:literal $(set $set:literal)* $($line:literal)+;)*) => {
+        $(#[test]
+        fn $name() {
+            let source = amontons::case::Source::new("bar.toml", crate::common::spoil($text, $old, $new));
+            let found = crate::common::told(&source, &[$($set),*]);
+            assert_eq!(found, [$($line),+].join("\n"));
+        })*
+    };
+}
+
 mod acting;
 mod bodies;
 mod boundary;

@@ -26,18 +26,7 @@ end = 3.0
 steps = 10
 "#;
 
-/// A test each: `name: "old" => "new" set "KEY=VALUE" "line of the message"… ;`
-macro_rules! spoiled {
-    ($($name:ident: $old:literal => $new:literal $(set $set:literal)* $($line:literal)+;)*) => {
-        $(#[test]
-        fn $name() {
-            let found = told(&Source::new("bar.toml", spoil(BAR, $old, $new)), &[$($set),*]);
-            assert_eq!(found, [$($line),+].join("\n"));
-        })*
-    };
-}
-
-spoiled! {
+spoiled! { BAR
     a_time_beside_phases: "[material]" => "[time]\nend = 3.0\nsteps = 12\n[material]"
         "bar.toml:7:7: time.end: found 3.0 beside phases, expected no such key; remove it: each [[phase]] has its `end`"
         "bar.toml:8:9: time.steps: found 12 beside phases, expected no such key; remove it: each [[phase]] has its `steps`";
