@@ -84,6 +84,15 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Modes of the state at the end of a run: squeal and hot spots, with a count that shows that none is missing
+    Modes {
+        /// The case file; `[stability]` says what is looked for
+        case: PathBuf,
+        #[command(flatten)]
+        modes: ModesArguments,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Draw a finished run or study
     Plot {
         /// The results folder
@@ -265,6 +274,19 @@ pub struct StudyArguments {
     pub each: Vec<String>,
 }
 
+#[derive(Debug, Args)]
+pub struct ModesArguments {
+    /// Find the modes for each value, with one table and a picture of frequency and growth; repeatable: all combinations
+    #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
+    pub each: Vec<String>,
+    /// Find the value of a key between two numbers at which a mode begins to grow
+    #[arg(long, value_name = "KEY=FROM,TO")]
+    pub critical: Option<String>,
+    /// Write an animation of a mode (GIF), by its number in the table
+    #[arg(long, value_name = "N")]
+    pub animate: Option<NonZeroUsize>,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VaryArgument {
     /// Mesh and step together
@@ -378,6 +400,7 @@ impl Command {
             | Command::Resume { common, .. }
             | Command::Check { common, .. }
             | Command::Converge { common, .. }
+            | Command::Modes { common, .. }
             | Command::Verify { common, .. }
             | Command::Reproduce { common, .. } => Some(common),
             Command::Plot { .. }

@@ -10,6 +10,7 @@ mod faults;
 mod import;
 mod materials;
 mod model;
+mod modes;
 mod new;
 mod plain;
 mod print;

@@ -12,6 +12,7 @@ use amontons::mesh::MeshFileError;
 use amontons::output::{CheckpointError, OutputError, Summary};
 use amontons::plot::PlotError;
 use amontons::run::RunError;
+use amontons::stability::StabilityError;
 use amontons::verify::VerifyError;
 use serde_json::{Value, json};
 
@@ -42,6 +43,8 @@ pub enum CommandFailure {
         message: String,
         table: Value,
     },
+    /// Modes that were not found.
+    Modes(StabilityError),
     /// A mesh file that cannot be read.
     Mesh(MeshFileError),
     /// Constants of the domain that cannot be computed.
@@ -134,6 +137,8 @@ impl CommandFailure {
             CommandFailure::Case(CaseError::Faults { .. }) => CASE,
             CommandFailure::Exists(_) | CommandFailure::Request(_) | CommandFailure::Usage(_) => USAGE,
             CommandFailure::Verification { .. } => CHECK,
+            CommandFailure::Modes(StabilityError::Problem(_)) => CASE,
+            CommandFailure::Modes(_) => SOLVER,
             CommandFailure::Mesh(error) if error.is_unreadable() => FILE,
             CommandFailure::Mesh(_) => MESH,
             CommandFailure::Constants(_) => SOLVER,
@@ -174,6 +179,7 @@ impl CommandFailure {
             CommandFailure::Request(message)
             | CommandFailure::Usage(message)
             | CommandFailure::Verification { message, .. } => message.clone(),
+            CommandFailure::Modes(error) => error.to_string(),
             CommandFailure::Mesh(error) => error.to_string(),
             CommandFailure::Constants(error) => format!("the constants of the domain: {error}"),
             CommandFailure::Plot(error) => error.to_string(),

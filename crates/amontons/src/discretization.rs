@@ -1,5 +1,6 @@
 //! Problem 4.1 on a mesh: spaces, matrices, loads and the contact boundary.
 
+mod linearised;
 mod relaxation;
 mod weight;
 

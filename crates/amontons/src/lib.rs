@@ -63,6 +63,7 @@ pub mod quadrature;
 pub mod rigid;
 pub mod run;
 pub mod space;
+pub mod stability;
 pub mod state;
 pub mod step;
 pub mod tensor;

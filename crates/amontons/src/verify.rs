@@ -12,6 +12,7 @@ use crate::output::{
     OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values,
 };
 use crate::run::{RunError, Settings, run};
+use crate::stability::{Modes, StabilityError, Wanted, modes};
 
 mod folder;
 
@@ -97,7 +98,7 @@ pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -
     }
     let name = &case.problem.name;
     let mut recorder = Recorder::new(name, &case)?;
-    let reads_run = |check: &Check| matches!(check, Check::Probe { .. } | Check::History { .. });
+    let reads_run = |check: &Check| matches!(check, Check::Probe { .. } | Check::History { .. } | Check::Mode { .. });
     let mut verdicts = Vec::new();
     if expected.is_some() || checks.iter().any(reads_run) {
         let summary = run(&case.problem, settings, &mut [&mut recorder])?;
@@ -116,6 +117,7 @@ pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -
             Check::History { column, time, take, .. } => recorder.column(column, *time, *take).ok_or_else(|| {
                 VerifyError::Check(format!("{name}: history.csv has no {column} at t = {}", time.unwrap_or_default()))
             })?,
+            Check::Mode { mode, is_frequency, .. } => recorder.mode(name, *mode, *is_frequency)?,
             Check::Order { study, error, .. } => studies.order(study, *error)?,
             Check::Error { error, .. } => studies.own_error(*error)?,
         };
@@ -134,6 +136,8 @@ fn title(check: &Check) -> String {
             (None, ColumnTake::Min) => format!("smallest {column}"),
             (None, ColumnTake::Max) => format!("largest {column}"),
         },
+        Check::Mode { mode, is_frequency: true, .. } => format!("frequency of mode {mode}"),
+        Check::Mode { mode, is_frequency: false, .. } => format!("growth of mode {mode}"),
         Check::Order { study, error, .. } => {
             let vary = match (study.vary, study.power) {
                 (Vary::Both, 2) => "h with k ~ h²",
@@ -253,6 +257,9 @@ struct Recorder {
     set: ProbeSet,
     /// Values of each probe, by the index of its check: one value per time, including t = 0.
     probes: Vec<(usize, Vec<f64>)>,
+    /// What modes are looked for, if a check names one, and those found.
+    wanted: Option<Wanted>,
+    modes: Option<Result<Modes, StabilityError>>,
 }
 
 impl Recorder {
@@ -263,6 +270,7 @@ impl Recorder {
                 |(i, check)| if let Check::Probe { probe, .. } = check { Some((probe.clone(), i)) } else { None },
             )
             .unzip();
+        let names_mode = case.verify.iter().flat_map(|v| &v.checks).any(|check| matches!(check, Check::Mode { .. }));
         let failed = |(i, error): (usize, ProbeError)| {
             VerifyError::Check(format!("{name}: {}: {error}", probes.get(i).map_or("", |probe| &probe.name)))
         };
@@ -272,6 +280,8 @@ impl Recorder {
             history: Vec::new(),
             set: ProbeSet::new(&case.problem, &probes).map_err(failed)?,
             probes: indices.into_iter().map(|i| (i, Vec::new())).collect(),
+            wanted: names_mode.then(|| case.stability.wanted(&case.problem)),
+            modes: None,
         })
     }
 
@@ -285,6 +295,20 @@ impl Recorder {
     fn probe(&self, index: usize, time: f64) -> Option<f64> {
         let (_, values) = self.probes.iter().find(|(i, _)| *i == index)?;
         interpolate(&self.times, values, time)
+    }
+
+    /// A value of a mode.
+    fn mode(&self, name: &str, number: usize, is_frequency: bool) -> Result<f64, VerifyError> {
+        let failed = |error: String| VerifyError::Check(format!("{name}: {error}"));
+        let modes = match &self.modes {
+            Some(Ok(modes)) if modes.missing == 0 => &modes.modes,
+            Some(Ok(modes)) => return Err(failed(format!("the count finds {} more modes", modes.missing))),
+            Some(Err(error)) => return Err(failed(error.to_string())),
+            None => return Err(failed("no state to find modes of".to_owned())),
+        };
+        let mode = number.checked_sub(1).and_then(|at| modes.get(at));
+        let mode = mode.ok_or_else(|| failed(format!("found {} modes, expected mode {number}", modes.len())))?;
+        Ok(if is_frequency { mode.hertz() } else { mode.growth })
     }
 
     fn column(&self, name: &str, time: Option<f64>, take: ColumnTake) -> Option<f64> {
@@ -325,7 +349,10 @@ impl Sink for Recorder {
         Ok(())
     }
 
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
+    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        if let (Some(wanted), Some(report)) = (&self.wanted, last.report) {
+            self.modes = Some(modes(last.problem, last.discretization, last.state, report, wanted));
+        }
         Ok(())
     }
 

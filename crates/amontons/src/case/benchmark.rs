@@ -47,7 +47,7 @@ impl Build<'_> {
                         None,
                     );
                 }
-                raw::Check::Order { .. } | raw::Check::Error { .. } => {}
+                raw::Check::Mode { .. } | raw::Check::Order { .. } | raw::Check::Error { .. } => {}
             }
             let probe = self.checked_probe(i, raw, problem);
             checks.extend(check(raw, probe));
@@ -118,6 +118,11 @@ fn check(raw: &raw::Check, probe: Option<Probe>) -> Option<Check> {
             },
             error: (*error).into(),
             is: comparison(*reference, *tolerance, Some(1.0)),
+        },
+        raw::Check::Mode { mode, of, reference, tolerance, scale } => Check::Mode {
+            mode: *mode,
+            is_frequency: matches!(of, raw::ModeValue::Frequency),
+            is: comparison(*reference, *tolerance, *scale),
         },
         raw::Check::Error { error, reference, tolerance, scale } => {
             Check::Error { error: (*error).into(), is: comparison(*reference, *tolerance, *scale) }

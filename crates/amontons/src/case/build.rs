@@ -24,6 +24,7 @@ use crate::material::Material;
 use crate::mesh::{Mesh, PlaneState, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData, StartState};
+use crate::stability::Search;
 use crate::tensor::Point;
 use crate::time::{Analysis, ContactRule, FrictionRule, PressureRule, Steps, TimePhase, TimeScheme, Timeline};
 use crate::units::{TemperatureScale, UnitSystem};
@@ -68,6 +69,7 @@ pub(super) fn problem(
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
     let of_sides = SideFacts::new(&mesh, &materials, &boundary);
     let contacts = contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect();
+    let stability = build.stability(raw.stability);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
         name: raw.name,
@@ -97,7 +99,16 @@ pub(super) fn problem(
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
     let (findings, (inputs, references)) = (build.certain(), build.loader.copies());
-    let built = |problem| Built { problem, probes, exact, verify, inputs, references, skipped: build.of_file.skipped };
+    let built = |problem| Built {
+        problem,
+        probes,
+        stability,
+        exact,
+        verify,
+        inputs,
+        references,
+        skipped: build.of_file.skipped,
+    };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
@@ -208,6 +219,7 @@ fn coupling(raw: raw::Coupling) -> Coupling {
 pub(super) struct Built {
     pub problem: Problem,
     pub probes: Vec<Probe>,
+    pub stability: Search,
     pub exact: Option<Exact>,
     pub verify: Option<Verify>,
     /// Copies of the files that it refers to.

@@ -55,6 +55,7 @@ mod side_facts;
 mod side_names;
 mod sides;
 mod solid;
+mod stability;
 mod study;
 mod syntax;
 mod table;

@@ -19,6 +19,7 @@ use crate::output::{
     CheckpointInterval, FieldsFormat, FolderOptions, Identity, Input, OutputField, Probe, fingerprint,
 };
 use crate::problem::Problem;
+use crate::stability::Search;
 
 /// A case, ready to run.
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub struct Case {
     pub probes: Vec<Probe>,
     /// Values that a run must reproduce.
     pub expected: Option<Expected>,
+    /// The search for modes of the state at the end.
+    pub stability: Search,
     /// The exact solution in closed form.
     pub exact: Option<Exact>,
     /// Reference values of a benchmark.
@@ -183,7 +186,7 @@ fn build_case(
     let notes = build::SchemaNotes { doubtful: &doubtful, limits: &limits, scale };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
-    let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references, skipped }| {
+    let case = built.map(|build::Built { problem, probes, stability, exact, verify, inputs, references, skipped }| {
         (
             Case {
                 problem,
@@ -193,6 +196,7 @@ fn build_case(
                 checkpoint,
                 probes,
                 expected,
+                stability,
                 exact,
                 verify,
                 cells,

@@ -60,6 +60,15 @@ pub enum Check {
         /// The reference order; the scale is 1.
         is: Comparison,
     },
+    /// A mode of the state at the end.
+    Mode {
+        /// Its number, from 1.
+        mode: usize,
+        /// True for its frequency in Hz, false for its growth in 1/s.
+        is_frequency: bool,
+        /// The reference value.
+        is: Comparison,
+    },
     /// An error against the exact solution on the mesh of the case.
     Error {
         /// The error.
@@ -73,9 +82,13 @@ impl Check {
     /// The reference value with its tolerance.
     #[must_use]
     pub fn comparison(&self) -> &Comparison {
-        let (Check::Probe { is, .. } | Check::History { is, .. } | Check::Order { is, .. } | Check::Error { is, .. }) =
-            self;
-        is
+        match self {
+            Check::Probe { is, .. }
+            | Check::History { is, .. }
+            | Check::Mode { is, .. }
+            | Check::Order { is, .. }
+            | Check::Error { is, .. } => is,
+        }
     }
 }
 

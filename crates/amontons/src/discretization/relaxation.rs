@@ -73,6 +73,15 @@ impl Relaxation {
         same.chain(varying).collect()
     }
 
+    /// τ in s and the form of the springs if τ is uniform; `None` if it varies in space.
+    #[must_use]
+    pub fn uniform(&self) -> Option<(f64, &BlockMatrix)> {
+        match &self.0 {
+            BranchKind::Same { time, form } => Some((*time, form)),
+            BranchKind::Varying { .. } => None,
+        }
+    }
+
     /// Length of the state: `fields`, the length of a displacement vector, if τ is uniform, otherwise that of the
     /// strains at all points.
     #[must_use]

@@ -97,7 +97,8 @@ impl SupernodalFactor {
         }
         let too_large = || SolveError::Memory { size };
         let lower = LowerTriangle::new(matrix, unknowns);
-        let symbolic = symbolic(&lower, size)?;
+        let (start, rows) = lower.transposed_pattern();
+        let symbolic = symbolic(size, &start, &rows)?;
         // The system may promise memory that it does not have; writing to it would end the program.
         let bytes = NUMBER * symbolic.len_val() as f64;
         if machine::physical_memory().is_some_and(|memory| bytes > memory.bytes) {
@@ -154,10 +155,8 @@ fn compact(root: &mut Task, values: &mut [f64]) -> usize {
 }
 
 /// Symbolic factorization: the pattern of the factor.
-fn symbolic(lower: &LowerTriangle, size: usize) -> Result<SymbolicCholesky<u32>, SolveError> {
-    // With the identity as order `faer` reads the upper half.
-    let (start, rows) = lower.transposed_pattern();
-    let pattern = SymbolicSparseColMatRef::new_checked(size, size, &start, None, &rows);
+pub(super) fn symbolic(size: usize, start: &[u32], rows: &[u32]) -> Result<SymbolicCholesky<u32>, SolveError> {
+    let pattern = SymbolicSparseColMatRef::new_checked(size, size, start, None, rows);
     let params = CholeskySymbolicParams {
         supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
         supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },

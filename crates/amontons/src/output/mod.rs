@@ -24,6 +24,7 @@ mod limits;
 mod lock;
 mod manifest;
 mod memory;
+mod modes;
 pub(crate) mod names;
 mod owned;
 mod packed;
@@ -64,6 +65,7 @@ pub use inputs::{Input, fingerprint};
 pub use inspect::{Inspection, inspect};
 pub use lock::FolderLock;
 pub use memory::Memory;
+pub use modes::{ModesFolder, ModesOf};
 pub use names::INPUTS;
 pub use packed::FieldsFormat;
 #[cfg(feature = "case")]

@@ -117,7 +117,7 @@ pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<WrittenFile, Output
     write_atomically(path, |out| write(out, &grid.points, cells, &arrays(&grid.point_data), &arrays(&grid.cell_data)))
 }
 
-fn connectivity(problem: &Problem) -> Cells {
+pub(super) fn connectivity(problem: &Problem) -> Cells {
     let mut cells = Cells { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
     for block in &problem.mesh.blocks {
         for cell in block.vtk_cells() {

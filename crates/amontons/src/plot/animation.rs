@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use gif::{Encoder, Frame, Repeat};
 
@@ -9,8 +10,11 @@ use super::color::{Color, INK, VERMILION, WHITE};
 use super::field::DrawnQuantity;
 use super::folder::Results;
 use super::picture::Picture;
-use super::{DrawnRun, Options, PictureKind, PlotError, RunPanel, frames, oblique, plane, raster};
+use super::{DrawnRun, HistoryColumns, Options, PictureKind, PlotError, RunPanel, frames, oblique, plane, raster};
 use crate::output::write_file;
+use crate::problem::Problem;
+use crate::stability::Mode;
+use crate::state::State;
 
 /// Largest number of frames, and of nodes in all frames together.
 const FRAMES: usize = 200;
@@ -46,6 +50,44 @@ pub fn animation(dir: &Path, kind: PictureKind, options: &Options) -> Result<Pat
     )?;
     write_file(&path, &bytes).map_err(|source| PlotError::Write { path: path.clone(), source })?;
     Ok(path)
+}
+
+/// Frames of a period of a mode.
+const PERIOD: usize = 24;
+/// Largest displacement of a drawn mode relative to the size of the body.
+const SWING: f64 = 0.08;
+
+/// Writes a period of a mode of a state as a GIF: the body as it moves, enlarged, or the temperature of a hot spot.
+///
+/// # Errors
+/// [`PlotError::Data`] for a rod, and if a value is not finite.
+pub fn mode_animation(problem: &Arc<Problem>, state: &State, mode: &Mode, path: &Path) -> Result<(), PlotError> {
+    let points = &problem.mesh.points;
+    let extent = (0..3).map(|c| {
+        let along = || points.iter().map(|x| x[c]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    let size = extent.fold(0.0, f64::max);
+    let largest = mode.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    let is_warm = mode.temperature.iter().any(|theta| theta[0].hypot(theta[1]) > 0.0);
+    let kind = if is_warm { PictureKind::Temperature } else { PictureKind::Deformed };
+    let factor = if largest > 0.0 { SWING * size / largest } else { 0.0 };
+    let frame = |i: usize| {
+        let (sine, cosine) = (std::f64::consts::TAU * i as f64 / PERIOD as f64).sin_cos();
+        let at = |all: &[[f64; 2]], factor: f64| -> Vec<f64> {
+            all.iter().map(|value| factor * (value[0] * cosine - value[1] * sine)).collect()
+        };
+        let swung = State {
+            u: at(&mode.displacement, factor),
+            theta: if is_warm { at(&mode.temperature, 1.0) } else { state.theta.clone() },
+            ..state.clone()
+        };
+        DrawnRun::of_state(problem, &swung, &[], HistoryColumns::default())
+    };
+    let runs = (0..PERIOD).map(frame).collect::<Result<Vec<_>, _>>()?;
+    let options = Options { scale_factor: Some(1.0), dimensionless: true, ..Options::default() };
+    let bytes = encode(&pictures(kind, &runs, &options)?, DrawnQuantity::of(kind), 1.0)?;
+    write_file(path, &bytes).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }
 
 /// The frames as pictures.

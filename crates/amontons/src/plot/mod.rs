@@ -57,7 +57,7 @@ use std::path::{Path, PathBuf};
 use crate::output::names::CASE;
 use crate::units::{Measure, UnitSystem, Units};
 
-pub use animation::animation;
+pub use animation::{animation, mode_animation};
 pub use body::PlaneMesh;
 pub use color::ColorMap;
 pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};

@@ -365,6 +365,8 @@ impl ResultFiles<'_> {
             let what = super::title(check);
             let computed = match check {
                 Check::History { column, time, take, .. } => history.and_then(|h| h.take(column, *time, *take)),
+                // A folder does not keep the slopes of the laws at its last step.
+                Check::Mode { .. } => None,
                 Check::Probe { probe, time, .. } => checkpoint.and_then(|end| {
                     let PhaseForms { problem, forms } = self.phases.at(end.state.step)?;
                     let now = Snapshot {

@@ -29,6 +29,7 @@ mod redistributed;
 mod refinement;
 mod revolution;
 mod stabilised;
+mod stability;
 mod steady;
 mod theta;
 mod thrown;

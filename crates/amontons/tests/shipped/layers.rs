@@ -24,7 +24,7 @@ const LAYERS: &[&[&str]] = &[
     &["hypotheses"],
     &["state"],
     &["equation"],
-    &["account"],
+    &["account", "stability"],
     &["step"],
     &["convergence"],
     &["output"],

@@ -16,6 +16,7 @@ mod phase;
 mod probe;
 mod rigid;
 mod side;
+mod stability;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -37,7 +38,8 @@ pub(in crate::case) use phase::{PhaseAnalysis, RunPhase, StepNumber};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use rigid::Rigid;
 pub(in crate::case) use side::{Locus, Side};
-pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
+pub(in crate::case) use stability::{Stability, StabilityKind};
+pub(in crate::case) use verify::{Check, ErrorName, ModeValue, Take, Vary, Verify};
 
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
 ///
@@ -108,6 +110,9 @@ pub(in crate::case) struct Case {
     /// Values recorded after every step in probes.csv, one entry per probe.
     #[serde(default)]
     pub probe: Vec<Probe>,
+    /// What `amontons modes` looks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     /// Values that a run of the case must reproduce.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected: Option<Expected>,

@@ -96,6 +96,23 @@ pub(in crate::case) enum Check {
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
     },
+    /// A mode of the state at the end, as `[stability]` asks for it.
+    Mode {
+        /// Its number in the table of `amontons modes`.
+        #[schemars(range(min = 1))]
+        mode: usize,
+        /// Which value of it.
+        of: ModeValue,
+        /// Reference value.
+        reference: f64,
+        /// Tolerance relative to the reference, or to `scale` if given.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+        /// Magnitude to which the tolerance is relative.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        scale: Option<f64>,
+    },
     /// An error against `[exact]` on the mesh and with the steps of the case.
     Error {
         /// The error.
@@ -110,6 +127,16 @@ pub(in crate::case) enum Check {
         #[schemars(extend("exclusiveMinimum" = 0))]
         scale: Option<f64>,
     },
+}
+
+/// A value of a mode.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum ModeValue {
+    /// Growth Re λ in 1/s.
+    Growth,
+    /// Frequency Im λ/2π in Hz.
+    Frequency,
 }
 
 /// Which value of a column is taken.

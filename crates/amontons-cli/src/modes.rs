@@ -1,0 +1,246 @@
+//! `modes`: the modes of the state at the end of a run, over values of keys, and the value at which one begins to grow.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use amontons::case::{self, Case, Source};
+use amontons::contact::names;
+use amontons::output::{ModesFolder, ModesOf, OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::plot::{self, SweepPlot, SweepSeries};
+use amontons::problem::Problem;
+use amontons::run::{self, Settings};
+use amontons::stability::{self, Mode, Modes, StabilityError, Wanted};
+use amontons::state::State;
+
+use crate::arguments::{Common, ModesArguments, OutputFormat};
+use crate::print;
+use crate::progress::Progress;
+use crate::status::CommandFailure;
+use crate::variants::{Variant, variants};
+
+mod critical;
+
+/// Growth relative to |λ| up to which it is the round-off of a mode that neither grows nor decays.
+pub const NEUTRAL: f64 = 1e-8;
+
+/// Runs a case to its end and finds the modes of its last state.
+pub fn execute(file: &Path, arguments: &ModesArguments, common: &Common) -> Result<(), CommandFailure> {
+    let source = common.source(file)?;
+    let name = case::parse(&source, &common.set)?.problem.name.clone();
+    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-modes")));
+    let progress = Progress::new(common);
+    let seeker = Seeker { source: &source, common, progress: &progress };
+    // Faults of all cases are reported before the first run begins.
+    let variants = variants(&arguments.each)?;
+    let cases = variants.iter().map(|variant| seeker.case(variant)).collect::<Result<Vec<Case>, _>>()?;
+    let folder = ModesFolder::create(&out, common.force)?;
+    let mut all = Vec::new();
+    let mut last = None;
+    for (number, (variant, case)) in variants.iter().zip(&cases).enumerate() {
+        let part = format!("{} of {}", number + 1, variants.len());
+        let found = seeker.find(case, &part)?;
+        let shapes = if variant.folder.is_empty() { "mode".to_owned() } else { variant.folder.clone() };
+        folder.shapes(&shapes, &found.problem, &found.modes)?;
+        all.push(ModesOf { values: variant.values.clone(), modes: found.modes.clone() });
+        last = Some(found);
+    }
+    let critical = match &arguments.critical {
+        Some(range) => Some(critical::find(&seeker, range)?),
+        None => None,
+    };
+    let Some(last) = last else { return Ok(()) };
+    if let Some(number) = arguments.animate {
+        animate(&last, number.get(), &out)?;
+    }
+    drop(progress);
+    let text = cases.first().map_or("", |case| &case.text);
+    folder.finish(text, &last.problem, &all)?;
+    picture(&name, &all, &out)?;
+    match common.format {
+        OutputFormat::Json => {
+            let mut value = folder.json(&last.problem, &all);
+            if let Some((critical, object)) = critical.as_ref().zip(value.as_object_mut()) {
+                object.insert("critical".to_owned(), critical.json());
+            }
+            print::json(&value)?;
+        }
+        OutputFormat::Text if common.quiet => {}
+        OutputFormat::Text => {
+            for of in &all {
+                print::text(&told(&name, &last.problem, of))?;
+            }
+            if let Some(critical) = critical {
+                print::text(&critical.text())?;
+            }
+            print::text(&format!("  results in {}\n", out.display()))?;
+        }
+    }
+    match all.iter().find(|of| of.modes.missing != 0) {
+        Some(of) => Err(CommandFailure::Modes(StabilityError::Missing { missing: of.modes.missing })),
+        None => Ok(()),
+    }
+}
+
+/// Finds the modes of variants of a case.
+pub struct Seeker<'a> {
+    source: &'a Source,
+    common: &'a Common,
+    progress: &'a Progress,
+}
+
+/// The modes of a case with its last state.
+pub struct FoundModes {
+    pub problem: Arc<Problem>,
+    pub state: State,
+    pub modes: Modes,
+}
+
+impl Seeker<'_> {
+    /// The case with the values of a variant.
+    pub fn case(&self, variant: &Variant) -> Result<Case, CommandFailure> {
+        let overrides: Vec<String> = self.common.set.iter().cloned().chain(variant.overrides()).collect();
+        Ok(case::parse(self.source, &overrides)?)
+    }
+
+    /// Runs a case and finds the modes of its last state.
+    pub fn find(&self, case: &Case, part: &str) -> Result<FoundModes, CommandFailure> {
+        self.progress.part(part, case.problem.timeline.steps());
+        self.progress.begin_steps();
+        let settings = Settings {
+            interrupt: Some(self.progress.interrupt_flag()),
+            certificate: false,
+            watch: Some(self.progress.watch()),
+            ..Settings::default()
+        };
+        let wanted = case.stability.wanted(&case.problem);
+        let mut seen = AtEnd { wanted: &wanted, progress: self.progress, found: None };
+        run::run(&case.problem, &settings, &mut [&mut seen]).map_err(|error| {
+            let hint = Some("modes need a state at the end of the run".to_owned());
+            CommandFailure::Run { error, hint }
+        })?;
+        seen.found.unwrap_or(Err(StabilityError::State(stability::Reason::NoStep))).map_err(CommandFailure::Modes)
+    }
+}
+
+/// Finds the modes of the last state of a run.
+struct AtEnd<'a> {
+    wanted: &'a Wanted,
+    progress: &'a Progress,
+    found: Option<Result<FoundModes, StabilityError>>,
+}
+
+impl Sink for AtEnd<'_> {
+    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        self.progress.done(now.state.step);
+        Ok(())
+    }
+
+    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        let Snapshot { problem, discretization, state, report: Some(report), .. } = *last else { return Ok(()) };
+        if state.is_last(&problem.timeline) {
+            let modes = stability::modes(problem, discretization, state, report, self.wanted);
+            let of = |modes| FoundModes { problem: Arc::new(problem.clone()), state: state.clone(), modes };
+            self.found = Some(modes.map(of));
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+/// Writes an animation of a mode.
+fn animate(found: &FoundModes, number: usize, out: &Path) -> Result<(), CommandFailure> {
+    let Some(mode) = found.modes.modes.get(number - 1) else {
+        let count = found.modes.modes.len();
+        return Err(CommandFailure::Usage(format!("--animate: found {number}, expected a mode between 1 and {count}")));
+    };
+    let path = out.join(format!("mode-{number}.gif"));
+    Ok(plot::mode_animation(&found.problem, &found.state, mode, &path)?)
+}
+
+/// Draws frequency and growth over the first key whose values are numbers.
+fn picture(name: &str, all: &[ModesOf], out: &Path) -> Result<(), CommandFailure> {
+    let keys = all.first().map_or(0, |of| of.values.len());
+    let number = |of: &ModesOf, key: usize| of.values.get(key).and_then(|(_, value)| value.parse::<f64>().ok());
+    let Some(key) = (0..keys).find(|&key| all.len() > 1 && all.iter().all(|of| number(of, key).is_some())) else {
+        return Ok(());
+    };
+    let most = all.iter().map(|of| of.modes.modes.len()).max().unwrap_or_default();
+    let lines = |value: fn(&Mode) -> f64| -> Vec<(String, Vec<[f64; 2]>)> {
+        let line = |mode: usize| {
+            let point = |of: &ModesOf| Some([number(of, key)?, value(of.modes.modes.get(mode)?)]);
+            (format!("{}", mode + 1), all.iter().filter_map(point).collect())
+        };
+        (0..most).map(line).collect()
+    };
+    let series = vec![
+        SweepSeries { quantity: "frequency in Hz".to_owned(), lines: lines(Mode::hertz) },
+        SweepSeries { quantity: "growth in 1/s".to_owned(), lines: lines(|mode| mode.growth) },
+    ];
+    let x_label = all.first().and_then(|of| of.values.get(key)).map_or_else(String::new, |(key, _)| key.clone());
+    let drawn = plot::sweep(&SweepPlot { title: format!("{name}: modes"), x_label, series })?;
+    drawn.save(&out.join("modes"), plot::Options::default().pixels)?;
+    Ok(())
+}
+
+/// The table of a search as text.
+fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> String {
+    let set: Vec<String> = values.iter().map(|(key, value)| format!(", {key} = {value}")).collect();
+    let [open, stick, slip] = modes.points;
+    let mut lines = vec![format!("{} modes of {name}{}", modes.kind.name(), set.concat())];
+    lines.push(format!("  contact points: {open} open, {stick} stick, {slip} slip"));
+    if modes.unsteady > UNSTEADY {
+        lines.push(format!(
+            "  the state is not steady: the body moves with up to {:.1e} of the velocity at which contacts slip",
+            modes.unsteady
+        ));
+    }
+    let contacts = names(&problem.contacts);
+    let header: Vec<String> = contacts.iter().map(|name| format!("{:>14}", format!("by {name}"))).collect();
+    lines.push(format!(
+        "  {:>4} {:>13} {:>14} {:>10} {:>9}{}",
+        "mode",
+        "frequency/Hz",
+        "growth/(1/s)",
+        "damping",
+        "residual",
+        header.concat()
+    ));
+    for (number, mode) in (1..).zip(&modes.modes) {
+        let by: Vec<String> = mode.by_contact.iter().map(|growth| format!("{growth:>14.5e}")).collect();
+        lines.push(format!(
+            "  {number:>4} {:>13.7e} {:>14.7e} {:>10.2e} {:>9.1e}{}",
+            mode.hertz(),
+            mode.growth,
+            mode.damping_ratio(),
+            mode.residual,
+            by.concat()
+        ));
+    }
+    let growing = modes.modes.iter().filter(|mode| mode.growth > NEUTRAL * mode.growth.hypot(mode.frequency)).count();
+    let region = &modes.region;
+    let [from, to] = region.frequency.map(|rate| rate / std::f64::consts::TAU);
+    let count = match modes.missing {
+        0 => "the count finds no other".to_owned(),
+        missing => format!("the count finds {missing} more that were not found"),
+    };
+    lines.push(format!(
+        "  {growing} of {} grow; frequencies {from:.4e} to {to:.4e} Hz, growth {:.4e} to {:.4e} 1/s: {count} ({} unknowns, \
+         {} factorizations)",
+        modes.modes.len(),
+        region.growth[0],
+        region.growth[1],
+        modes.unknowns,
+        modes.factorizations
+    ));
+    lines.join("\n") + "\n"
+}
+
+/// Velocity of the body over that of slip above which a state is called not steady.
+const UNSTEADY: f64 = 1e-6;

@@ -1,0 +1,183 @@
+//! The results folder of a search for modes: `modes.csv`, `modes.json`, and the shapes for ParaView.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::csv::join;
+use super::files::{create_folder, write_atomically, write_json};
+use super::names::{CASE, MANIFEST};
+use super::vtu::{connectivity, write_collection};
+use super::{FolderLock, OutputError};
+use crate::contact::names;
+use crate::problem::Problem;
+use crate::stability::{Mode, Modes};
+use crate::vtu::write::{WrittenArray as Array, write};
+
+/// The table of the modes.
+const TABLE: &str = "modes.csv";
+/// Folder of the shapes.
+const SHAPES: &str = "modes";
+
+/// A results folder that holds modes.
+#[derive(Debug)]
+pub struct ModesFolder {
+    path: PathBuf,
+    _lock: FolderLock,
+}
+
+/// The modes of one set of values of keys.
+#[derive(Clone, Debug)]
+pub struct ModesOf {
+    /// Keys with their values; empty if the case was taken as it is.
+    pub values: Vec<(String, String)>,
+    /// The modes.
+    pub modes: Modes,
+}
+
+impl ModesFolder {
+    /// A folder for modes, created if it does not exist.
+    ///
+    /// # Errors
+    /// The folder holds a run or a study, or modes and `force` is false; another process writes into it; or it cannot be
+    /// created.
+    pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<ModesFolder, OutputError> {
+        let path = path.into();
+        let holds = |found: &str, advice: &str| {
+            Err(OutputError::HoldsResults { path: path.clone(), found: found.to_owned(), advice: advice.to_owned() })
+        };
+        let is_there = |name: &str| path.join(name).symlink_metadata().is_ok();
+        if is_there(MANIFEST) || is_there("convergence.csv") {
+            return holds("a run or a study", "give another folder with --out");
+        }
+        if is_there(TABLE) && !force {
+            return holds("modes", "replace them with --force, or give another folder with --out");
+        }
+        create_folder(&path)?;
+        let lock = FolderLock::take(&path)?;
+        Ok(ModesFolder { path, _lock: lock })
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the shapes of the modes of a case, `modes/NAME-1.vtu` and so on, and their list `modes/NAME.pvd`, whose
+    /// times are the numbers of the modes.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn shapes(&self, name: &str, problem: &Problem, modes: &Modes) -> Result<(), OutputError> {
+        let folder = self.path.join(SHAPES);
+        create_folder(&folder)?;
+        let mut list = Vec::new();
+        for (number, mode) in (1..).zip(&modes.modes) {
+            let file = format!("{name}-{number}.vtu");
+            shape(&folder.join(&file), problem, mode)?;
+            list.push((f64::from(number), file));
+        }
+        write_collection(&folder.join(format!("{name}.pvd")), &list).map(|_| ())
+    }
+
+    /// The searches as JSON, as `modes.json` has them.
+    #[must_use]
+    pub fn json(&self, problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
+        json(problem, all)
+    }
+
+    /// Writes the tables: `modes.csv` with a row per mode, `modes.json` with the regions and counts, and the case.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn finish(&self, text: &str, problem: &Problem, all: &[ModesOf]) -> Result<(), OutputError> {
+        write_atomically(&self.path.join(CASE), |out| out.write_all(text.as_bytes()))?;
+        write_json(&self.path.join("modes.json"), &json(problem, all))?;
+        write_atomically(&self.path.join(TABLE), |out| {
+            writeln!(out, "{}", columns(problem, all).join(","))?;
+            for ModesOf { values, modes } in all {
+                for (number, mode) in modes.modes.iter().enumerate() {
+                    let values = values.iter().map(|(_, value)| quoted(value) + ",").collect::<String>();
+                    writeln!(out, "{values}{}", join(&row(number + 1, mode)))?;
+                }
+            }
+            Ok(())
+        })
+        .map(|_| ())
+    }
+}
+
+/// Text of a field that may hold commas.
+fn quoted(value: &str) -> String {
+    if value.contains([',', '"', '\n']) { format!("\"{}\"", value.replace('"', "\"\"")) } else { value.to_owned() }
+}
+
+/// Names of the columns: keys, then those of a mode.
+fn columns(problem: &Problem, all: &[ModesOf]) -> Vec<String> {
+    let keys = all.first().map_or(&[][..], |first| &first.values).iter().map(|(key, _)| quoted(key));
+    let own = ["mode", "frequency", "growth", "damping_ratio", "residual"].map(str::to_owned);
+    let contacts = names(&problem.contacts).into_iter().map(|name| quoted(&format!("growth_{name}")));
+    let bodies = all.first().map_or(&[][..], |first| &first.modes.bodies);
+    let bodies = bodies.iter().map(|name| quoted(&format!("share_{name}")));
+    keys.chain(own).chain(contacts).chain(bodies).collect()
+}
+
+/// The numbers of a mode.
+fn row(number: usize, mode: &Mode) -> Vec<f64> {
+    let own = [number as f64, mode.hertz(), mode.growth, mode.damping_ratio(), mode.residual];
+    own.into_iter().chain(mode.by_contact.iter().copied()).chain(mode.by_body.iter().copied()).collect()
+}
+
+/// The searches as JSON.
+fn json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
+    let hertz = |range: [f64; 2]| range.map(|rate| rate / std::f64::consts::TAU);
+    let contacts = names(&problem.contacts);
+    let one = |ModesOf { values, modes }: &ModesOf| {
+        let of = |mode: &Mode| {
+            serde_json::json!({
+                "frequency": mode.hertz(),
+                "growth": mode.growth,
+                "damping_ratio": mode.damping_ratio(),
+                "residual": mode.residual,
+                "growth_by_contact": contacts.iter().zip(&mode.by_contact).collect::<std::collections::BTreeMap<_, _>>(),
+                "share_by_body": modes.bodies.iter().zip(&mode.by_body).collect::<std::collections::BTreeMap<_, _>>(),
+            })
+        };
+        let [open, stick, slip] = modes.points;
+        serde_json::json!({
+            "set": values.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>(),
+            "kind": modes.kind.name(),
+            "modes": modes.modes.iter().map(of).collect::<Vec<_>>(),
+            "region": { "frequency": hertz(modes.region.frequency), "growth": modes.region.growth },
+            "missing": modes.missing,
+            "unknowns": modes.unknowns,
+            "factorizations": modes.factorizations,
+            "dimension": modes.dimension,
+            "points": { "open": open, "stick": stick, "slip": slip },
+            "unsteady": modes.unsteady,
+        })
+    };
+    serde_json::json!({ "modes": all.iter().map(one).collect::<Vec<_>>() })
+}
+
+/// Writes real and imaginary part of a mode: a quarter of a period later the imaginary part is seen with the opposite
+/// sign.
+fn shape(path: &Path, problem: &Problem, mode: &Mode) -> Result<(), OutputError> {
+    let mesh = &problem.mesh;
+    let mut arrays = Vec::new();
+    for (at, name) in ["real", "imaginary"].into_iter().enumerate() {
+        if mode.displacement.len() == mesh.points.len() * mesh.dim {
+            let values: Vec<f64> = mode
+                .displacement
+                .chunks_exact(mesh.dim)
+                .flat_map(|node| (0..3).map(move |c| node.get(c).map_or(0.0, |value| value[at])))
+                .collect();
+            arrays.push(Array::reals(format!("displacement_{name}"), 3, values));
+        }
+        if mode.temperature.len() == mesh.points.len() {
+            let values: Vec<f64> = mode.temperature.iter().map(|value| value[at]).collect();
+            arrays.push(Array::reals(format!("temperature_{name}"), 1, values));
+        }
+    }
+    write_atomically(path, |out| write(out, &mesh.points, connectivity(problem), &arrays, &[])).map(|_| ())
+}

@@ -1,0 +1,159 @@
+//! Unknowns that conditions of the contact eliminate, and test functions on which its reactions do no work.
+//!
+//! A point that is held (a closed gap on a rigid foundation, a point that sticks) gives one condition c·x = 0 on the
+//! perturbation, and one reaction that acts on the equations by a column r. The perturbations that satisfy all
+//! conditions are x = Z ξ, and the tests on which no reaction acts are the columns of W, rᵀW = 0, so that the reactions
+//! drop out of Wᵀ T Z ξ = 0. With friction r has a part along the slip and is not c, so that W is not Z.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A linear function of the unknowns: their numbers and factors, each number once.
+pub(super) type Functional = Vec<(u32, f64)>;
+
+/// Part of a condition, relative to what it was, that is left when it follows from others.
+const NOTHING: f64 = 1e-9;
+
+/// A held component of a contact point: the condition on the unknowns, and the column of its reaction in the equations.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Held {
+    pub condition: Functional,
+    pub reaction: Functional,
+}
+
+/// A basis of the vectors on which some functionals vanish: each unknown as a combination of those that are left.
+#[derive(Clone, Debug)]
+pub(super) struct Basis(Vec<Functional>);
+
+impl Basis {
+    /// An unknown as a combination of those that are left.
+    pub fn of(&self, unknown: usize) -> &[(u32, f64)] {
+        self.0.get(unknown).map_or(&[], Vec::as_slice)
+    }
+
+    /// The unknowns of a vector on those that are left.
+    pub fn expand<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f64, Output = T>>(&self, x: &[T]) -> Vec<T> {
+        let of = |row: &Functional| {
+            let mut sum = T::default();
+            row.iter().for_each(|&(at, factor)| sum += x[at as usize] * factor);
+            sum
+        };
+        self.0.iter().map(of).collect()
+    }
+}
+
+/// The conditions and reactions that are eliminated, in reduced form: each has an unknown of its own that no other has.
+#[derive(Default)]
+struct Reduced {
+    rows: Vec<BTreeMap<u32, f64>>,
+    /// Row by its own unknown.
+    pivots: BTreeMap<u32, usize>,
+    /// The unknowns of all rows.
+    seen: BTreeSet<u32>,
+}
+
+impl Reduced {
+    /// A functional without the unknowns of the rows, and its largest entry among those that may be eliminated; `None`
+    /// if nothing is left of it.
+    fn rest(&self, functional: &Functional, may: &impl Fn(u32) -> bool) -> Option<(BTreeMap<u32, f64>, u32)> {
+        let (mut rest, mut size) = (BTreeMap::new(), 0.0f64);
+        for &(unknown, factor) in functional {
+            *rest.entry(unknown).or_insert(0.0) += factor;
+            if may(unknown) {
+                size = size.max(factor.abs());
+            }
+        }
+        let known: Vec<(u32, f64)> =
+            rest.iter().filter(|(unknown, _)| self.pivots.contains_key(unknown)).map(|(u, f)| (*u, *f)).collect();
+        for (unknown, factor) in known {
+            if let Some(row) = self.pivots.get(&unknown).and_then(|row| self.rows.get(*row)) {
+                row.iter().for_each(|(other, value)| *rest.entry(*other).or_insert(0.0) -= factor * value);
+            }
+            rest.remove(&unknown);
+        }
+        let largest = rest.iter().filter(|(unknown, _)| may(**unknown)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let (pivot, value) = largest.map(|(unknown, value)| (*unknown, *value))?;
+        if value.abs() <= NOTHING * size {
+            return None;
+        }
+        rest.values_mut().for_each(|factor| *factor /= value);
+        Some((rest, pivot))
+    }
+
+    /// Adds a row that was reduced, with its own unknown.
+    fn add(&mut self, (new, pivot): (BTreeMap<u32, f64>, u32)) {
+        for row in self.rows.iter_mut().filter(|_| self.seen.contains(&pivot)) {
+            if let Some(factor) = row.remove(&pivot) {
+                new.iter().filter(|(unknown, _)| **unknown != pivot).for_each(|(unknown, value)| {
+                    *row.entry(*unknown).or_insert(0.0) -= factor * value;
+                });
+            }
+        }
+        self.seen.extend(new.keys());
+        self.pivots.insert(pivot, self.rows.len());
+        self.rows.push(new);
+    }
+}
+
+/// Z and W for held components: `may` tells the unknowns that may be eliminated. A component that others hold already,
+/// or whose reaction does no work, is left out. Returns the number of unknowns that are left, Z and W; unknown and test
+/// of the same number belong to the same degree of freedom wherever that is possible.
+pub(super) fn eliminate(size: usize, held: &[Held], may: impl Fn(u32) -> bool) -> (usize, Basis, Basis) {
+    let (mut conditions, mut reactions) = (Reduced::default(), Reduced::default());
+    for Held { condition, reaction } in held {
+        if let (Some(condition), Some(reaction)) = (conditions.rest(condition, &may), reactions.rest(reaction, &may)) {
+            conditions.add(condition);
+            reactions.add(reaction);
+        }
+    }
+    let [gone, untested] = [&conditions, &reactions].map(|reduced| &reduced.pivots);
+    let left: Vec<u32> = (0..size as u32).filter(|unknown| !gone.contains_key(unknown)).collect();
+    let mut number = vec![u32::MAX; size];
+    left.iter().enumerate().for_each(|(k, unknown)| number[*unknown as usize] = k as u32);
+    let mut tests = number.clone();
+    // Where a test is left of a degree of freedom that is eliminated, it takes the place of one that is not tested.
+    let mut places = untested.keys().filter(|unknown| !gone.contains_key(unknown));
+    for unknown in gone.keys().filter(|unknown| !untested.contains_key(unknown)) {
+        tests[*unknown as usize] = places.next().map_or(u32::MAX, |place| number[*place as usize]);
+    }
+    let basis = |reduced: &Reduced, number: &[u32]| {
+        let of = |unknown: u32| match reduced.pivots.get(&unknown).and_then(|row| reduced.rows.get(*row)) {
+            None => vec![(number[unknown as usize], 1.0)],
+            Some(row) => {
+                let others = row.iter().filter(|(other, value)| **other != unknown && **value != 0.0);
+                others.map(|(other, value)| (number[*other as usize], -value)).collect()
+            }
+        };
+        Basis((0..size as u32).map(of).collect())
+    };
+    (left.len(), basis(&conditions, &number), basis(&reactions, &tests))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Conditions vanish on Z, reactions on W, also where a condition is given twice and where tests take other places.
+    #[test]
+    fn conditions_and_reactions_vanish() {
+        let held = |condition: &[(u32, f64)], reaction: &[(u32, f64)]| Held {
+            condition: condition.to_vec(),
+            reaction: reaction.to_vec(),
+        };
+        let all = [
+            held(&[(0, 1.0), (1, 0.2)], &[(0, 0.1), (1, 1.0)]),
+            held(&[(2, 1.0), (3, -0.5), (0, 0.3)], &[(3, 1.0), (1, 0.5), (5, 2.0)]),
+            held(&[(2, 2.0), (3, -1.0), (0, 0.6)], &[(3, 1.0), (1, 0.4)]),
+        ];
+        let (left, z, w) = eliminate(6, &all, |unknown| unknown < 5);
+        assert_eq!(left, 4);
+        for k in 0..left {
+            let unit: Vec<f64> = (0..left).map(|j| if j == k { 1.0 } else { 0.0 }).collect();
+            let [x, y] = [&z, &w].map(|basis| basis.expand(&unit));
+            for Held { condition, reaction } in &all[..2] {
+                let on = |f: &Functional, v: &[f64]| f.iter().map(|(u, c)| c * v[*u as usize]).sum::<f64>();
+                assert!(on(condition, &x).abs() < 1e-15 && on(reaction, &y).abs() < 1e-15, "{k}");
+            }
+            assert!(x.iter().any(|x| x.abs() > 0.5) && y.iter().any(|y| y.abs() > 0.5));
+        }
+    }
+}

@@ -1,0 +1,398 @@
+//! Stability of steady sliding: squeal, hot spots, and both together.
+//!
+//! A steady state with closed points that slide or stick is perturbed by (u′, θ′) exp(λt). The perturbation solves
+//! T(λ)(u′, θ′) = 0 with the pencil of the polynomial module, and grows if Re λ > 0. Mechanics alone gives squeal: two
+//! modes of the pressed body that friction couples (N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun. 29
+//! (2002) 197). Without inertia, heat gives hot spots: where the pressure is larger, friction heats, and what expands
+//! presses more (R. A. Burton, V. Nerlikar, S. R. Kilaparti, Wear 24 (1973) 177).
+//!
+//! [`modes`] finds all eigenvalues in a region by Arnoldi's method about one shift, and shows by the argument principle
+//! that none is missing there. It linearises the laws with fixed normals and fixed opposite points: what the next step
+//! of the run would do, with a step that tends to zero.
+
+mod contact;
+mod count;
+mod eliminated;
+mod krylov;
+mod polynomial;
+mod search;
+mod shares;
+mod unknowns;
+
+use faer::c64;
+
+use crate::contact::{Contact, Status};
+use crate::discretization::Discretization;
+use crate::equation::acting::contacts_at;
+use crate::linalg::SolveError;
+use crate::problem::{Fault, Problem};
+use crate::state::{State, StepReport};
+use crate::tensor::length;
+use polynomial::{Forms, Polynomial};
+use shares::Shares;
+use unknowns::{Perturbed, Unknowns};
+
+/// Difference of two frequencies, relative to them, that is round-off.
+const SAME: f64 = 1e-7;
+
+/// What is perturbed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The motion, with inertia, at the temperature of the state: complex eigenvalues of squeal.
+    Squeal,
+    /// Motion without inertia, and temperature: growth of hot spots.
+    Thermal,
+    /// Motion with inertia, and temperature.
+    Coupled,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 3] = [Kind::Squeal, Kind::Thermal, Kind::Coupled];
+
+    /// The word in the case file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Squeal => "squeal",
+            Kind::Thermal => "thermal",
+            Kind::Coupled => "coupled",
+        }
+    }
+
+    /// The kind that suits a problem: squeal if inertia acts at the end of its run, otherwise hot spots.
+    #[must_use]
+    pub fn of(problem: &Problem) -> Kind {
+        let swings = problem.has_mass();
+        if swings || !problem.physics.has_heat() { Kind::Squeal } else { Kind::Thermal }
+    }
+}
+
+/// A part of the plane of λ: growth Re λ in 1/s and the angular frequency Im λ in rad/s, and with them the conjugates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// Least and largest growth, 1/s.
+    pub growth: [f64; 2],
+    /// Least and largest angular frequency, rad/s, not negative.
+    pub frequency: [f64; 2],
+}
+
+impl Region {
+    /// True if λ or its conjugate lies in the region.
+    #[must_use]
+    pub fn has(&self, [growth, frequency]: [f64; 2]) -> bool {
+        let within = |[from, to]: [f64; 2], value: f64| from <= value && value <= to;
+        within(self.growth, growth) && within(self.frequency, frequency.abs())
+    }
+
+    /// The corners around the upper half, counterclockwise from the lower right one; closed if the region does not
+    /// reach the real axis.
+    fn upper_path(&self) -> Vec<c64> {
+        let ([left, right], [below, above]) = (self.growth, self.frequency);
+        let mut path =
+            vec![c64::new(right, below), c64::new(right, above), c64::new(left, above), c64::new(left, below)];
+        if below > 0.0 {
+            path.push(path[0]);
+        }
+        path
+    }
+
+    /// Distance of a point to the farthest corner of the upper half.
+    fn farthest(&self, from: c64) -> f64 {
+        self.upper_path().into_iter().map(|corner| (corner - from).norm()).fold(0.0, f64::max)
+    }
+}
+
+/// What a case asks for, before its problem is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// What is perturbed; `None` for the kind that suits the problem.
+    pub kind: Option<Kind>,
+    /// The number of modes.
+    pub count: usize,
+    /// Least and largest frequency in Hz of all modes that are looked for.
+    pub hertz: Option<[f64; 2]>,
+    /// Least and largest growth of all modes that are looked for, 1/s.
+    pub growth: Option<[f64; 2]>,
+}
+
+impl Search {
+    /// What to look for in a problem. Where only frequencies are given, growth reaches as far as they do to both sides,
+    /// and where only growth is given, frequencies reach as far as it does.
+    #[must_use]
+    pub fn wanted(&self, problem: &Problem) -> Wanted {
+        let frequency = self.hertz.map(|range| range.map(|hertz| hertz * std::f64::consts::TAU));
+        let region = match (self.growth, frequency) {
+            (None, None) => None,
+            (Some(growth), Some(frequency)) => Some(Region { growth, frequency }),
+            (None, Some(frequency)) => Some(Region { growth: [-frequency[1], frequency[1]], frequency }),
+            (Some(growth), None) => {
+                let most = growth.into_iter().fold(0.0, |most: f64, growth| most.max(growth.abs()));
+                Some(Region { growth, frequency: [0.0, most] })
+            }
+        };
+        Wanted { kind: self.kind.unwrap_or_else(|| Kind::of(problem)), count: self.count, region }
+    }
+}
+
+/// What to look for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// What is perturbed.
+    pub kind: Kind,
+    /// The number of modes: those of lowest frequency, or of hot spots those of largest growth.
+    pub count: usize,
+    /// All modes of this region in place of a number of them.
+    pub region: Option<Region>,
+}
+
+/// A mode: a perturbation (u′, θ′) exp(λt).
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// Re λ in 1/s: the mode grows if it is positive.
+    pub growth: f64,
+    /// Im λ in rad/s, not negative.
+    pub frequency: f64,
+    /// ‖T(λ)x‖ over the sum of the sizes of its terms.
+    pub residual: f64,
+    /// What each contact adds to the growth, 1/s: the power of its forces over twice the energy of the mode, or of heat
+    /// that of its flux over the square of the temperature. The rest is what the body damps.
+    pub by_contact: Vec<f64>,
+    /// Share of each body in the kinetic energy, or of hot spots in the square of the temperature.
+    pub by_body: Vec<f64>,
+    /// u′ by node and component, real and imaginary part, largest component 1 m; without dimension but for the scale.
+    pub displacement: Vec<[f64; 2]>,
+    /// θ′ by node, K, in the scale of u′; of hot spots the largest temperature is 1 K.
+    pub temperature: Vec<[f64; 2]>,
+}
+
+impl Mode {
+    /// −Re λ/|λ|: negative for a mode that grows.
+    #[must_use]
+    pub fn damping_ratio(&self) -> f64 {
+        let size = self.growth.hypot(self.frequency);
+        if size > 0.0 { -self.growth / size } else { 0.0 }
+    }
+
+    /// Im λ/2π in Hz.
+    #[must_use]
+    pub fn hertz(&self) -> f64 {
+        self.frequency / std::f64::consts::TAU
+    }
+}
+
+/// The modes of a state.
+#[derive(Clone, Debug)]
+pub struct Modes {
+    /// What is perturbed.
+    pub kind: Kind,
+    /// All modes of the region, conjugates once: by frequency, or of hot spots by growth, the largest first.
+    pub modes: Vec<Mode>,
+    /// The region in which none is missing.
+    pub region: Region,
+    /// Eigenvalues that the count finds in the region beyond the modes, with conjugates. Other than zero only if the
+    /// memory was not enough to find them all.
+    pub missing: isize,
+    /// Number of unknowns of T.
+    pub unknowns: usize,
+    /// Factorizations of T(λ): one for the search, the others for the count; and the dimension of the Krylov space.
+    pub factorizations: usize,
+    /// Dimension of the Krylov space.
+    pub dimension: usize,
+    /// Contact points that are open, stick and slip.
+    pub points: [usize; 3],
+    /// Largest velocity of the body over the largest slip velocity: zero in a steady state.
+    pub unsteady: f64,
+    /// Names of the bodies of [`Mode::by_body`].
+    pub bodies: Vec<String>,
+}
+
+impl Modes {
+    /// The largest growth, 1/s.
+    #[must_use]
+    pub fn largest_growth(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.growth).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// Why a state cannot be linearised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The state has no step that led to it.
+    NoStep,
+    /// There is nothing to perturb.
+    NoUnknowns,
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Reason::NoStep => "found a state that no step of this session led to, expected the end of a step",
+            Reason::NoUnknowns => "found no displacement or temperature that is free, expected a body that can move",
+        })
+    }
+}
+
+/// Reason why modes were not found.
+#[derive(Debug, thiserror::Error)]
+pub enum StabilityError {
+    /// The problem has something without a steady state, or that is not linearised.
+    #[error("{0}")]
+    Problem(Fault),
+    /// The state cannot be linearised.
+    #[error("modes: {0}")]
+    State(Reason),
+    /// T(λ) is singular or does not fit into memory.
+    #[error("modes: {0}")]
+    Solve(#[from] SolveError),
+    /// The eigenvalues of a small dense matrix were not found.
+    #[error("modes: the eigenvalues of a matrix of {size} rows were not found")]
+    Eigenvalues {
+        /// Rows of the matrix.
+        size: usize,
+    },
+    /// An eigenvalue lies on the boundary of the region.
+    #[error("modes: found an eigenvalue on the boundary of the region near growth {:.6e} 1/s, angular frequency {:.6e} rad/s, expected a boundary between eigenvalues; move stability.growth or stability.frequency by a little", at[0], at[1])]
+    OnBoundary {
+        /// Growth and angular frequency near it.
+        at: [f64; 2],
+    },
+    /// The count finds modes that were not found.
+    #[error(
+        "modes: found {missing} fewer modes than the count finds in the region, expected all; narrow stability.frequency or stability.growth"
+    )]
+    Missing {
+        /// Number of modes that were not found, conjugates counted twice.
+        missing: isize,
+    },
+    /// Fewer modes exist than were asked for.
+    #[error("modes: found {found} modes, expected at least {count}; give stability.count a smaller number")]
+    TooFew {
+        /// Modes that exist.
+        found: usize,
+        /// Modes asked for.
+        count: usize,
+    },
+}
+
+/// Finds the modes of a state.
+///
+/// # Errors
+/// If a contact has no steady state, T is singular everywhere, or the boundary of the region meets an eigenvalue.
+pub fn modes(
+    problem: &Problem,
+    discrete: &Discretization,
+    state: &State,
+    report: &StepReport,
+    wanted: &Wanted,
+) -> Result<Modes, StabilityError> {
+    check(problem, discrete, wanted.kind)?;
+    let what = Perturbed {
+        displacement: problem.physics.has_mechanics(),
+        temperature: wanted.kind != Kind::Squeal && problem.physics.has_heat(),
+    };
+    let contacts = contacts_at(problem, state.t);
+    let boundary = report.contact.boundary.as_ref().unwrap_or(&discrete.boundary);
+    let points = contact::linearised(&contacts, boundary, report, what.temperature)?;
+    let unknowns = Unknowns::new(discrete, what);
+    if unknowns.size == 0 {
+        return Err(StabilityError::State(Reason::NoUnknowns));
+    }
+    let forms = forms(discrete, state, what, wanted.kind);
+    let pencil = Polynomial::new(unknowns, &forms, boundary, &points, discrete.mesh.dim);
+    let found = search::find(pencil, wanted, discrete.mesh.dim)?;
+    let shares = Shares::new(discrete, boundary, &contacts, &forms, wanted.kind);
+    let statuses = report.contact.states.iter().map(|state| state.status);
+    let count = |status: Status| statuses.clone().filter(|own| *own == status).count();
+    let mut modes: Vec<Mode> = found.pairs.iter().map(|pair| shares.mode(&found.pencil, pair)).collect();
+    if wanted.kind == Kind::Thermal {
+        modes.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+    } else {
+        modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        // Of two modes of one frequency, as above the onset of squeal, the growing one comes first.
+        let is_same = |a: &Mode, b: &Mode| b.frequency - a.frequency <= SAME * b.frequency;
+        for same in modes.chunk_by_mut(is_same) {
+            same.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+        }
+    }
+    let largest = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(0.0, f64::max);
+    let slip = largest(&mut report.contact.states.iter().map(|state| length(&state.slip)));
+    let velocity = largest(&mut state.w.chunks(discrete.mesh.dim).map(|w| w.iter().map(|c| c * c).sum::<f64>().sqrt()));
+    Ok(Modes {
+        kind: wanted.kind,
+        modes,
+        region: found.region,
+        missing: found.missing,
+        unknowns: found.pencil.size(),
+        factorizations: found.factorizations,
+        dimension: found.dimension,
+        points: [Status::Open, Status::Stick, Status::Slip].map(count),
+        unsteady: if slip > 0.0 { velocity / slip } else { 0.0 },
+        bodies: shares.names(),
+    })
+}
+
+/// Checks that all parts of the problem are linearised.
+fn check(problem: &Problem, discrete: &Discretization, kind: Kind) -> Result<(), StabilityError> {
+    let fault = |path: String, found: &str, expected: &str, hint: &str| {
+        Err(StabilityError::Problem(Fault::new(path, found, expected).hint(hint)))
+    };
+    let of = |contact: &Contact| {
+        let load = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
+        let all = [
+            (contact.wear.is_some(), "wear", "wear, which never ends"),
+            (contact.preload.is_some(), "preload", "a preload, whose section is drawn together"),
+            (contact.fluid.is_some(), "fluid", "a fluid"),
+            (load, "obstacle.load", "an obstacle under a force"),
+            (contact.foundation_heat.is_some() && kind != Kind::Squeal, "heat", "a foundation with a heat capacity"),
+        ];
+        all.into_iter().find(|(is, ..)| *is).map(|(_, key, found)| (key, found))
+    };
+    for (side, contact) in problem.contacts.iter().enumerate() {
+        if let Some((key, found)) = of(contact) {
+            let path = format!("{}.{key}", problem.contact_path(side));
+            return fault(path, found, "none in a search for modes", "remove it, or hold what it does fixed");
+        }
+    }
+    if !problem.cyclic.is_empty() {
+        let hint = "mesh the whole body: modes need not repeat from sector to sector";
+        return fault("cyclic".to_owned(), "a sector", "a whole body in a search for modes", hint);
+    }
+    if discrete.branches.iter().any(|branches| branches.uniform().is_none()) {
+        let hint = "give regions of their own a number each";
+        return fault("material".to_owned(), "relaxation times that vary in space", "numbers per region", hint);
+    }
+    if kind != Kind::Thermal && !problem.physics.has_mechanics() || kind != Kind::Squeal && !problem.physics.has_heat()
+    {
+        let found = format!(
+            "\"{}\" in a problem without {}",
+            kind.name(),
+            if problem.physics.has_heat() { "mechanics" } else { "heat" }
+        );
+        return fault("stability.kind".to_owned(), &found, "a kind whose equations are solved", "take another kind");
+    }
+    Ok(())
+}
+
+/// The forms of the body at a state.
+fn forms(discrete: &Discretization, state: &State, what: Perturbed, kind: Kind) -> Forms {
+    let State { u, w, theta, .. } = state;
+    let mut forms = Forms::default();
+    if what.displacement {
+        let [damping, stiffness] = discrete.mechanical_forms(u, w, theta);
+        (forms.damping, forms.stiffness) = (Some(damping), Some(stiffness));
+        forms.inertia = (kind != Kind::Thermal).then(|| discrete.inertia_matrix(1.0));
+        let branches = discrete.branches.iter().filter_map(|branches| branches.uniform());
+        forms.branches = branches.map(|(time, form)| (time.recip(), form.clone())).collect();
+    }
+    if what.temperature {
+        let [storage, conduction] = discrete.thermal_forms(theta);
+        forms.storage = Some(storage);
+        forms.conduction = [Some(conduction), discrete.thermal_slope(theta)].into_iter().flatten().collect();
+    }
+    if what.displacement && what.temperature {
+        forms.force = Some(discrete.mechanical_slope(u, w, theta).unwrap_or_else(|| discrete.m.clone()));
+        forms.heat = Some(discrete.e.clone());
+    }
+    forms
+}

@@ -1,0 +1,294 @@
+//! The pencil T(λ) = T₀ + λT₁ + λ²T₂ + Σ λ/(λ + 1/τ) A_τ of a perturbation u′, θ′ ~ exp(λt), on the unknowns that the
+//! contact leaves.
+//!
+//! With M, B, A, C and D of the body at the state, G the derivative of its forces in the temperature, E that of its heat
+//! in the displacement, A_τ the springs of its branches, and the contact of [`super::contact`]:
+//!
+//!     λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
+//!     λC θ′ + D θ′ − E u′ + Σ ω Nᵀ(q·ν)′ = 0
+
+use faer::c64;
+
+use super::contact::{Map, PointTerm};
+use super::eliminated::{Basis, Functional, Held, eliminate};
+use super::unknowns::{Unknowns, add, merged};
+use crate::contact::ContactBoundary;
+use crate::linalg::{BlockMatrix, ComplexMatrix};
+use crate::tensor::Point;
+
+/// The forms of the body at the state; none where it has none.
+#[derive(Default)]
+pub(super) struct Forms {
+    /// M, B, A: blocks d × d, or 1 × 1 for each component.
+    pub inertia: Option<BlockMatrix>,
+    pub damping: Option<BlockMatrix>,
+    pub stiffness: Option<BlockMatrix>,
+    /// 1/τ and A_τ of each group of branches.
+    pub branches: Vec<(f64, BlockMatrix)>,
+    /// G: force by temperature, and E: heat by displacement.
+    pub force: Option<BlockMatrix>,
+    pub heat: Option<BlockMatrix>,
+    /// C, and the parts of D.
+    pub storage: Option<BlockMatrix>,
+    pub conduction: Vec<BlockMatrix>,
+}
+
+/// T(λ) on a symmetric pattern.
+pub(super) struct Polynomial {
+    pattern: ComplexMatrix,
+    /// T₀, T₁, T₂, then A_τ by group, on the pattern.
+    terms: Vec<Vec<f64>>,
+    /// 1/τ of each group.
+    pub rates: Vec<f64>,
+    /// The unknowns with Z and W.
+    pub unknowns: Unknowns,
+    pub trial: Basis,
+    /// Factor of each unknown: x = scale ξ makes entries of one size.
+    pub scale: Vec<f64>,
+}
+
+/// Entries of one term: row, column, value.
+type Entries = Vec<(u32, u32, f64)>;
+
+/// The terms while they are assembled, on the unknowns before the contact eliminates some.
+struct Assembly<'a> {
+    unknowns: &'a Unknowns,
+    terms: Vec<Entries>,
+}
+
+impl Assembly<'_> {
+    /// Adds `factor` times a form, with rows and columns of displacement or temperature; blocks 1 × 1 of displacements
+    /// act on each component.
+    fn add(&mut self, term: usize, factor: f64, form: &BlockMatrix, [rows, columns]: [&[Functional]; 2], dim: usize) {
+        let (mut r, mut c) = form.block_shape();
+        let is_scalar = r == 1 && c == 1 && dim > 1;
+        if is_scalar {
+            (r, c) = (dim, dim);
+        }
+        for i in 0..form.graph().len() {
+            for (j, block) in form.row(i) {
+                for (a, b) in (0..r).flat_map(|a| (0..c).map(move |b| (a, b))) {
+                    let value = if is_scalar { f64::from(u8::from(a == b)) * block[0] } else { block[a * c + b] };
+                    if value != 0.0 {
+                        self.product(term, factor * value, &rows[i * r + a], &columns[j * c + b]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds a multiple of the product of two functionals.
+    fn product(&mut self, term: usize, factor: f64, row: &[(u32, f64)], column: &[(u32, f64)]) {
+        let entries = &mut self.terms[term];
+        for &(i, a) in row {
+            entries.extend(column.iter().map(|&(j, b)| (i, j, factor * a * b)));
+        }
+    }
+
+    /// Adds the laws of a contact point, and returns what it holds.
+    fn add_point(&mut self, boundary: &ContactBoundary, number: usize, term: &PointTerm) -> Vec<Held> {
+        let (point, unknowns) = (&boundary.points[number], self.unknowns);
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let jump = axes.map(|axis| unknowns.jump(boundary, point, &axis));
+        let temperatures = unknowns.temperatures(boundary, point);
+        let along = |direction: &Point| {
+            let mut sum = Functional::new();
+            jump.iter().zip(direction).for_each(|(jump, c)| add(&mut sum, *c, jump));
+            merged(sum)
+        };
+        // Heat out of one side, and into the other, whose values are negative in the jump.
+        let tests = [1.0, -1.0].map(|sign| sign * point.weight);
+        let maps: [(usize, &Map, &[Point; 2]); 2] =
+            [(0, &term.force_by_jump, &term.heat_by_jump), (1, &term.force_by_rate, &term.heat_by_rate)];
+        for (power, force, heat) in maps {
+            for c in 0..3 {
+                self.product(power, point.weight, &jump[c], &along(&force[c]));
+            }
+            for side in 0..2 {
+                self.product(power, tests[side], &temperatures[side], &along(&heat[side]));
+            }
+        }
+        for (on, temperature) in temperatures.iter().enumerate() {
+            self.product(0, point.weight, &along(&term.force_by_temperature[on]), temperature);
+            for side in 0..2 {
+                let factor = tests[side] * term.heat_by_temperature[side][on];
+                self.product(0, factor, &temperatures[side], temperature);
+            }
+        }
+        let held = |held: &super::contact::HeldComponent| {
+            let mut reaction = along(&held.force);
+            for side in 0..2 {
+                add(&mut reaction, [1.0, -1.0][side] * held.heat[side], &temperatures[side]);
+            }
+            Held { condition: along(&held.direction), reaction: merged(reaction) }
+        };
+        term.held.iter().map(held).collect()
+    }
+}
+
+impl Polynomial {
+    /// Assembles the pencil.
+    pub fn new(
+        unknowns: Unknowns,
+        forms: &Forms,
+        boundary: &ContactBoundary,
+        points: &[PointTerm],
+        dim: usize,
+    ) -> Polynomial {
+        let terms = 3 + forms.branches.len();
+        let mut assembly = Assembly { unknowns: &unknowns, terms: vec![Vec::new(); terms] };
+        let (u, theta) = (&unknowns.u[..], &unknowns.theta[..]);
+        let body = [(0, &forms.stiffness), (1, &forms.damping), (2, &forms.inertia)];
+        for (term, form) in body {
+            form.iter().for_each(|form| assembly.add(term, 1.0, form, [u, u], dim));
+        }
+        for (group, (_, form)) in forms.branches.iter().enumerate() {
+            assembly.add(3 + group, 1.0, form, [u, u], dim);
+        }
+        forms.force.iter().for_each(|form| assembly.add(0, -1.0, form, [u, theta], 1));
+        forms.heat.iter().for_each(|form| assembly.add(0, -1.0, form, [theta, u], 1));
+        forms.storage.iter().for_each(|form| assembly.add(1, 1.0, form, [theta, theta], 1));
+        forms.conduction.iter().for_each(|form| assembly.add(0, 1.0, form, [theta, theta], 1));
+        let held: Vec<Held> =
+            points.iter().enumerate().flat_map(|(i, point)| assembly.add_point(boundary, i, point)).collect();
+        let entries = assembly.terms;
+        let (size, trial, test) = eliminate(unknowns.size, &held, |unknown| unknowns.moves[unknown as usize]);
+        let rates = forms.branches.iter().map(|(rate, _)| *rate).collect();
+        let (pattern, terms) = condensed(size, entries, [&test, &trial]);
+        Polynomial { pattern, terms, rates, unknowns, trial, scale: vec![1.0; size] }
+    }
+
+    /// Number of unknowns.
+    pub fn size(&self) -> usize {
+        self.pattern.size()
+    }
+
+    /// Number of groups of branches.
+    pub fn branches(&self) -> usize {
+        self.rates.len()
+    }
+
+    /// Sets the scale by the diagonal at a rate in 1/s, and scales the terms.
+    pub fn balance(&mut self, rate: f64) {
+        let weights: Vec<f64> =
+            [1.0, rate, rate * rate].into_iter().chain(self.rates.iter().map(|own| rate / (rate + own))).collect();
+        let mut largest = vec![0.0f64; self.size()];
+        for j in 0..self.size() {
+            for k in self.range(j) {
+                if self.pattern.rows[k] as usize == j {
+                    largest[j] = self.terms.iter().zip(&weights).map(|(term, weight)| (term[k] * weight).abs()).sum();
+                }
+            }
+        }
+        let mean = largest.iter().filter(|d| **d > 0.0).map(|d| d.ln()).sum::<f64>();
+        let mean = (mean / largest.iter().filter(|d| **d > 0.0).count().max(1) as f64).exp();
+        self.scale = largest.iter().map(|d| if *d > 0.0 { d.sqrt().recip() } else { mean.sqrt().recip() }).collect();
+        for j in 0..self.size() {
+            for k in self.range(j) {
+                let factor = self.scale[j] * self.scale[self.pattern.rows[k] as usize];
+                self.terms.iter_mut().for_each(|term| term[k] *= factor);
+            }
+        }
+    }
+
+    fn range(&self, j: usize) -> std::ops::Range<usize> {
+        self.pattern.start[j] as usize..self.pattern.start[j + 1] as usize
+    }
+
+    /// T(λ).
+    pub fn at(&self, lambda: c64) -> ComplexMatrix {
+        let mut weights = vec![c64::new(1.0, 0.0), lambda, lambda * lambda];
+        weights.extend(self.rates.iter().map(|rate| lambda / (lambda + rate)));
+        let mut values = vec![c64::default(); self.pattern.rows.len()];
+        for (term, weight) in self.terms.iter().zip(weights) {
+            values.iter_mut().zip(term).for_each(|(value, entry)| *value += weight * *entry);
+        }
+        ComplexMatrix { values, ..self.pattern.clone() }
+    }
+
+    /// Adds factor T_i x to y: T₀, T₁, T₂, then A_τ.
+    pub fn add_product(&self, term: usize, factor: c64, x: &[c64], y: &mut [c64]) {
+        for (j, x) in x.iter().enumerate() {
+            let x = factor * *x;
+            for k in self.range(j) {
+                y[self.pattern.rows[k] as usize] += x * self.terms[term][k];
+            }
+        }
+    }
+
+    /// ‖T(λ)x‖ over the sum of the sizes of its terms.
+    pub fn residual(&self, lambda: c64, x: &[c64]) -> f64 {
+        let mut weights = vec![c64::new(1.0, 0.0), lambda, lambda * lambda];
+        weights.extend(self.rates.iter().map(|rate| lambda / (lambda + rate)));
+        let (mut sum, mut sizes) = (vec![c64::default(); x.len()], 0.0);
+        for (term, weight) in weights.into_iter().enumerate() {
+            let mut product = vec![c64::default(); x.len()];
+            self.add_product(term, weight, x, &mut product);
+            sizes += norm(&product);
+            sum.iter_mut().zip(&product).for_each(|(sum, product)| *sum += *product);
+        }
+        norm(&sum) / sizes
+    }
+
+    /// A rate of the slowest motions in 1/s, from the size of the diagonals and the number of unknowns: 2πf of a body
+    /// that swings, or that of the decay of heat. It only says where a search begins.
+    pub fn slow_rate(&self, dim: usize) -> f64 {
+        let mut sums = [[0.0; 3]; 2];
+        let mut count = [0.0f64; 2];
+        for j in 0..self.size() {
+            for k in self.range(j).filter(|k| self.pattern.rows[*k] as usize == j) {
+                let swings = self.terms[2][k] != 0.0;
+                count[usize::from(swings)] += 1.0;
+                sums[usize::from(swings)].iter_mut().zip(&self.terms).for_each(|(sum, term)| *sum += term[k].abs());
+            }
+        }
+        let [[d, c, _], [a, _, m]] = sums;
+        let cells = |count: f64, components: usize| (count / components as f64).max(1.0).powf(1.0 / dim as f64);
+        let swing = if m > 0.0 { (a / m).sqrt() / cells(count[1], dim) } else { f64::INFINITY };
+        let decay = if c > 0.0 && d > 0.0 { d / c / cells(count[0], 1).powi(2) } else { f64::INFINITY };
+        let found = if swing.is_finite() { swing } else { decay };
+        if found.is_finite() && found > 0.0 { found } else { 1.0 }
+    }
+}
+
+/// ‖x‖₂.
+pub(super) fn norm(x: &[c64]) -> f64 {
+    x.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt()
+}
+
+/// Wᵀ T Z of each term on one symmetric pattern.
+fn condensed(size: usize, terms: Vec<Entries>, [test, trial]: [&Basis; 2]) -> (ComplexMatrix, Vec<Vec<f64>>) {
+    let count = terms.len();
+    // Column, row, term, value; the term `count` marks an entry that the pattern has without a value.
+    let mut all: Vec<(u32, u32, u32, f64)> = Vec::new();
+    for (term, entries) in terms.into_iter().enumerate() {
+        for (i, j, value) in entries {
+            for &(row, a) in test.of(i as usize) {
+                for &(column, b) in trial.of(j as usize) {
+                    all.push((column, row, term as u32, a * b * value));
+                    all.push((row, column, count as u32, 0.0));
+                }
+            }
+        }
+    }
+    all.extend((0..size as u32).map(|j| (j, j, count as u32, 0.0)));
+    all.sort_by_key(|(column, row, term, _)| (*column, *row, *term));
+    let mut pattern = ComplexMatrix { start: vec![0; size + 1], ..ComplexMatrix::default() };
+    let mut values: Vec<Vec<f64>> = vec![Vec::new(); count];
+    let mut last = None;
+    for (column, row, term, value) in all {
+        if last != Some((column, row)) {
+            last = Some((column, row));
+            pattern.rows.push(row);
+            pattern.start[column as usize + 1] += 1;
+            values.iter_mut().for_each(|values| values.push(0.0));
+        }
+        if let Some(values) = values.get_mut(term as usize).and_then(|values| values.last_mut()) {
+            *values += value;
+        }
+    }
+    for j in 0..size {
+        pattern.start[j + 1] += pattern.start[j];
+    }
+    (pattern, values)
+}

@@ -1,0 +1,166 @@
+//! The search for all eigenvalues of a region: a Krylov space that grows until it has them, and the count.
+
+use faer::c64;
+
+use super::count::{Count, count};
+use super::krylov::{Krylov, Ritz};
+use super::polynomial::Polynomial;
+use super::{Kind, Region, StabilityError, Wanted};
+use crate::linalg::{Pattern, Pivots};
+use crate::machine;
+
+/// Part of the memory of the machine that the vectors of the space may take.
+const MEMORY: f64 = 0.25;
+/// Imaginary part of an eigenvalue, relative to its size, that is the round-off of a real one.
+const REAL: f64 = 1e-9;
+
+/// Distance of an eigenvalue to the shift over that of the nearest one above which it may be an infinite one, and the
+/// residual that tells a finite one.
+const FAR: f64 = 1e4;
+const TRUE: f64 = 1e-6;
+
+/// An eigenvalue of non-negative frequency with its vector.
+pub(super) struct Pair {
+    pub lambda: c64,
+    pub x: Vec<c64>,
+    pub residual: f64,
+}
+
+/// What was found.
+pub(super) struct Found {
+    pub pencil: Polynomial,
+    pub pairs: Vec<Pair>,
+    pub region: Region,
+    pub missing: isize,
+    pub factorizations: usize,
+    pub dimension: usize,
+}
+
+/// The eigenvalues that the space has found up to the first that it has not, by distance to the shift.
+struct Known {
+    ritz: Vec<Ritz>,
+    /// Distance within which all of the space are found.
+    radius: f64,
+}
+
+impl Known {
+    fn new(space: &Krylov, shift: c64) -> Result<Known, StabilityError> {
+        let mut ritz = space.ritz()?;
+        // Infinite eigenvalues, of unknowns without mass, are found as large numbers of no meaning.
+        let nearest = ritz.first().map_or(0.0, |first| (first.lambda - shift).norm());
+        ritz.retain(|ritz| {
+            let is_far = (ritz.lambda - shift).norm() > FAR * nearest;
+            !(is_far && ritz.is_found()) || space.polynomial().residual(ritz.lambda, &space.vector(ritz)) < TRUE
+        });
+        let found = ritz.iter().position(|ritz| !ritz.is_found()).unwrap_or(ritz.len());
+        let radius = match ritz.get(found) {
+            Some(next) => (next.lambda - shift).norm(),
+            None if space.is_exhausted() => f64::INFINITY,
+            None => ritz.last().map_or(0.0, |last| (last.lambda - shift).norm()),
+        };
+        ritz.truncate(found);
+        Ok(Known { ritz, radius })
+    }
+
+    /// The eigenvalues of non-negative frequency; those that are real up to round-off are made so.
+    fn upper(&self) -> impl Iterator<Item = (c64, &Ritz)> {
+        self.ritz.iter().filter_map(|ritz| {
+            let lambda = ritz.lambda;
+            let is_real = lambda.im.abs() <= REAL * lambda.norm();
+            let lambda = if is_real { c64::new(lambda.re, 0.0) } else { lambda };
+            (lambda.im >= 0.0).then_some((lambda, ritz))
+        })
+    }
+
+    /// All with their conjugates.
+    fn both(&self) -> Vec<c64> {
+        let upper = self.upper().map(|(lambda, _)| lambda);
+        upper.flat_map(|l| [l].into_iter().chain((l.im > 0.0).then(|| l.conj()))).collect()
+    }
+}
+
+/// The region of the wanted number of modes, if the space has them all and those next to them: to the middle between
+/// the last one and the next.
+fn region_of(known: &Known, wanted: &Wanted, shift: c64, all: bool) -> Option<Region> {
+    let mut upper: Vec<c64> = known.upper().map(|(lambda, _)| lambda).collect();
+    let (count, thermal) = (wanted.count, wanted.kind == Kind::Thermal);
+    if thermal {
+        upper.sort_by(|a, b| b.re.total_cmp(&a.re));
+    } else {
+        upper.sort_by(|a, b| a.im.total_cmp(&b.im));
+    }
+    let key = |lambda: &c64| if thermal { -lambda.re } else { lambda.im };
+    let last = key(upper.get(count.checked_sub(1)?)?);
+    // A pair that nearly meets, as at the onset of squeal, is not parted.
+    let size = upper.iter().take(count).map(|l| l.norm()).fold(0.0, f64::max);
+    let next = upper.iter().skip(count).map(key).find(|next| next - last > 1e-3 * size);
+    let next = match next {
+        Some(next) => next,
+        None if all => last + size,
+        None => return None,
+    };
+    let edge = 0.5 * (last + next);
+    if thermal {
+        let reach = (shift.re + edge).max(size);
+        let most = upper.iter().filter(|l| -l.re <= edge).map(|l| l.im).fold(0.0, f64::max);
+        return Some(Region { growth: [-edge, shift.re + reach], frequency: [0.0, (2.0 * most).max(reach)] });
+    }
+    let most = upper.iter().filter(|l| l.im <= edge).map(|l| l.re.abs()).fold(0.0, f64::max);
+    let most = (2.0 * most).max(0.5 * edge);
+    Some(Region { growth: [-most, most], frequency: [0.0, edge] })
+}
+
+/// Where the search begins: on the real axis, at the growth of the region or at a slow rate of the body, or within a
+/// region away from the axis.
+fn shift(wanted: &Wanted, slow: f64) -> c64 {
+    match wanted.region {
+        None => c64::new(0.5 * slow, 0.0),
+        Some(Region { growth, frequency }) => {
+            let [middle, height] = [growth, frequency].map(|[from, to]| 0.5 * (from + to));
+            // Off the middle, where a mode of no growth might lie.
+            let off = 0.0371 * (growth[1] - growth[0]).min(frequency[1]);
+            if frequency[0] > 0.0 { c64::new(middle + off, height) } else { c64::new(middle + off, 0.0) }
+        }
+    }
+}
+
+/// Finds the eigenpairs.
+pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Result<Found, StabilityError> {
+    let shift = shift(wanted, pencil.slow_rate(dim));
+    pencil.balance(shift.norm());
+    let matrix = pencil.at(shift);
+    let pattern = Pattern::new(&matrix)?;
+    let pivots = Pivots::new(&pattern, &matrix)?;
+    let mut space = Krylov::new(&pencil, &pivots, shift);
+    let memory = machine::physical_memory().map_or(f64::INFINITY, |memory| MEMORY * memory.bytes);
+    let most = ((memory / space.bytes() as f64) as usize).max(64);
+    let (mut by, mut factorizations) = (2 * wanted.count + 20, 1);
+    loop {
+        space.extend(by);
+        by = (space.dimension() / 4).max(10);
+        let known = Known::new(&space, shift)?;
+        let is_last = space.is_exhausted() || space.dimension() >= most;
+        let region = match wanted.region {
+            Some(region) => Some(region),
+            None => region_of(&known, wanted, shift, space.is_exhausted()),
+        };
+        let Some(region) = region.filter(|region| region.farthest(shift) <= known.radius || is_last) else {
+            if is_last {
+                return Err(StabilityError::TooFew { found: known.upper().count(), count: wanted.count });
+            }
+            continue;
+        };
+        let Count { missing, factorizations: made } = count(&pencil, &pattern, &region, &known.both())?;
+        factorizations += made;
+        if missing != 0 && !is_last {
+            continue;
+        }
+        let inside = known.upper().filter(|(lambda, _)| region.has([lambda.re, lambda.im]));
+        let pairs = inside.map(|(lambda, ritz)| {
+            let x = space.vector(ritz);
+            Pair { lambda, residual: pencil.residual(lambda, &x), x }
+        });
+        let (pairs, dimension) = (pairs.collect(), space.dimension());
+        return Ok(Found { pairs, region, missing, factorizations, dimension, pencil });
+    }
+}
