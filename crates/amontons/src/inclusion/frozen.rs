@@ -1,9 +1,12 @@
 //! The equations of the contact points of a solved step, with all that the iteration chose frozen.
 
+use super::heat::HeatStep;
 use super::interface::{Local, LocalTangent};
 use super::mechanical::Mechanical;
 use super::normal::Response;
 use super::point::Multiplier;
+use crate::arrays::per_point;
+use crate::contact::arrays;
 use crate::linalg::{Condensed, Tangent};
 use crate::tensor::Point;
 
@@ -124,5 +127,24 @@ impl Mechanical<'_> {
             self.interface.add_tangent(i, slope, &mut sum);
         }
         sum
+    }
+}
+
+impl HeatStep<'_> {
+    /// Per point what leaves the side that bears it and what enters the other side of a pair, at nodal temperatures,
+    /// W/m².
+    #[must_use]
+    pub fn sides_at(&self, theta: &[f64]) -> Vec<[f64; 2]> {
+        let boundary = self.boundary;
+        let at = |nodes: &[(usize, f64)]| -> f64 {
+            nodes.iter().map(|&(node, value)| value * theta[boundary.nodes[node] as usize]).sum()
+        };
+        let of = |i: usize| {
+            let (own, other) = boundary.points[i].nodes.split_at(boundary.points[i].own);
+            let opposite = if other.is_empty() { self.foundation[i] } else { 0.0 - at(other) };
+            let flux = self.flux(i, at(own), opposite).value;
+            [flux, flux + self.rubbed(i)]
+        };
+        per_point(&arrays(self.contacts), boundary.points.len(), of)
     }
 }

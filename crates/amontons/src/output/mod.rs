@@ -70,6 +70,7 @@ pub use packed::FieldsFormat;
 pub(crate) use packed::StoredFields;
 pub use probe::ProbeSet;
 pub use probe_place::{Probe, ProbeError, ProbePlace, Take};
+pub(crate) use quantity::OF_WHOLE;
 pub use quantity::{Base, Quantity, Selection, quantities};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use shown::{Lives, ResultTable, Shown};
