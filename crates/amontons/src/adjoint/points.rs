@@ -4,7 +4,9 @@ use super::instance::{Instance, SolvedStep, data, inputs};
 use super::stencil::derivative;
 use crate::contact::Status;
 use crate::inclusion::{Local, LocalTangent, Mechanical, PointInput, PointOutput, PointState};
+use crate::linalg::max_abs;
 use crate::tensor::{Point, dot, length};
+use crate::time::Rule;
 
 /// Number of inputs and outputs of a point.
 pub(super) const INPUTS: usize = 8;
@@ -157,12 +159,10 @@ pub(super) struct PointMargin {
     pub point: usize,
 }
 
-/// The margins of all points of a step: |r|/(k max‖w‖) of open points, p/max p and (s − ‖q‖)/max p of closed ones, and
-/// ‖w_τ − v_F‖/max‖w‖ of those that slip.
-pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &crate::time::Rule) -> Vec<PointMargin> {
-    let dim = of.new.w.len() / of.new.theta.len().max(1);
-    let speed =
-        of.new.w.chunks(dim.max(1)).fold(0.0, |most: f64, w| most.max(w.iter().map(|w| w * w).sum::<f64>().sqrt()));
+/// The margins of all points of a step: |r|/(k max|w|) of open points, p/max p and (s − ‖q‖)/max p of closed ones, and
+/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component.
+pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
+    let speed = max_abs(&of.new.w);
     let pressure = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()));
     let over = |value: f64, scale: f64| (scale > 0.0).then(|| value / scale);
     let mut all = Vec::new();
