@@ -1,7 +1,7 @@
 //! The states of a run, for the sweep from its end to its start.
 
 use super::error::GradientError;
-use super::instance::Instance;
+use super::instance::ProblemInstance;
 use crate::contact::Flux;
 use crate::inclusion::PointState;
 use crate::problem::Fault;
@@ -10,7 +10,7 @@ use crate::step::{March, Scheme};
 
 /// A state with the contact points and their heat fluxes in the step that led to it.
 #[derive(Clone)]
-pub(super) struct Kept {
+pub(super) struct KeptStep {
     pub state: State,
     pub states: Vec<PointState>,
     pub flux: Vec<Flux>,
@@ -18,29 +18,29 @@ pub(super) struct Kept {
 
 /// The states of a run. If they do not fit into the memory that is granted, every m-th one is kept, m about the root of
 /// the number of steps, and those between two of them are made again.
-pub(super) struct History {
+pub(super) struct RunHistory {
     march: March,
     every: usize,
     /// The states 0, m, 2m, ….
-    kept: Vec<Kept>,
+    kept: Vec<KeptStep>,
     /// The states from `first` on, up to the next kept one.
-    segment: Vec<Kept>,
+    segment: Vec<KeptStep>,
     first: usize,
     /// Report of the last step.
     pub report: StepReport,
     pub steps: usize,
 }
 
-impl History {
+impl RunHistory {
     /// Makes the run; `granted` is the memory for its states in bytes, and `go_on` is asked before each step.
-    pub fn new(base: &Instance, granted: usize, go_on: &dyn Fn() -> bool) -> Result<History, GradientError> {
-        let Instance { problem, discrete } = base;
+    pub fn new(base: &ProblemInstance, granted: usize, go_on: &dyn Fn() -> bool) -> Result<RunHistory, GradientError> {
+        let ProblemInstance { problem, discrete } = base;
         let mut march = March::on(problem, discrete, &problem.backend)?;
         let steps = problem.timeline.steps();
         let start = march.initial()?;
         let numbers = 2 * start.u.len() + start.theta.len() + 32 * discrete.boundary.points.len();
         let every = if numbers * size_of::<f64>() * steps <= granted { 1 } else { steps.isqrt().max(1) };
-        let mut kept = vec![Kept { state: start, states: Vec::new(), flux: Vec::new() }];
+        let mut kept = vec![KeptStep { state: start, states: Vec::new(), flux: Vec::new() }];
         let mut now = kept.last().map(|kept| kept.state.clone());
         let mut last = None;
         while let Some(state) = now.take().filter(|state| !state.is_last(&problem.timeline)) {
@@ -49,7 +49,7 @@ impl History {
             }
             let (state, report) = made(&mut march, &state)?;
             if state.step % every == 0 {
-                kept.push(Kept::of(&state, &report));
+                kept.push(KeptStep::of(&state, &report));
             }
             (now, last) = (Some(state), Some(report));
         }
@@ -57,11 +57,11 @@ impl History {
             let fault = Fault::new("time.steps", "no step", "a positive number of steps");
             return Err(GradientError::refused(fault));
         };
-        Ok(History { march, every, kept, segment: Vec::new(), first: steps + 1, report, steps })
+        Ok(RunHistory { march, every, kept, segment: Vec::new(), first: steps + 1, report, steps })
     }
 
     /// The states n − 1 and n.
-    pub fn around(&mut self, n: usize) -> Result<[&Kept; 2], GradientError> {
+    pub fn around(&mut self, n: usize) -> Result<[&KeptStep; 2], GradientError> {
         if self.every == 1 {
             return self.kept.get(n - 1).zip(self.kept.get(n)).map(|(a, b)| [a, b]).ok_or(GradientError::Interrupted);
         }
@@ -72,7 +72,7 @@ impl History {
             while self.first != first && self.segment.len() <= self.every.min(self.steps - first) {
                 let Some(from) = self.segment.last() else { break };
                 let (state, report) = made(&mut self.march, &from.state)?;
-                self.segment.push(Kept::of(&state, &report));
+                self.segment.push(KeptStep::of(&state, &report));
             }
             self.first = first;
         }
@@ -81,9 +81,9 @@ impl History {
     }
 }
 
-impl Kept {
-    fn of(state: &State, report: &StepReport) -> Kept {
-        Kept { state: state.clone(), states: report.contact.states.clone(), flux: report.contact.flux.clone() }
+impl KeptStep {
+    fn of(state: &State, report: &StepReport) -> KeptStep {
+        KeptStep { state: state.clone(), states: report.contact.states.clone(), flux: report.contact.flux.clone() }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::equation::foundation::temperatures;
 use crate::equation::given::Given;
 use crate::equation::system::{Bar, Products, Step};
 use crate::inclusion::{Chosen, HeatStep, Local, Loose, Mechanical, PointInput, PointOutput, PointState};
-use crate::linalg::zeros;
+use crate::linalg::{max_abs, zeros};
 use crate::problem::{Physics, Problem};
 use crate::pulse::Pulse;
 use crate::state::State;
@@ -19,7 +19,7 @@ use crate::tensor::{Point, dot};
 use crate::time::Rule;
 
 /// A problem with its forms.
-pub(super) struct Instance {
+pub(super) struct ProblemInstance {
     pub problem: Problem,
     pub discrete: Arc<Discretization>,
 }
@@ -36,7 +36,7 @@ pub(super) struct SolvedStep<'a> {
 }
 
 /// The equations of a step at given unknowns.
-pub(super) struct Residual {
+pub(super) struct StepResidual {
     /// (4.1) per degree of freedom, N, and (4.2) per node, W.
     pub mechanics: Vec<f64>,
     pub heat: Vec<f64>,
@@ -49,14 +49,16 @@ pub(super) struct Residual {
     pub work: Vec<f64>,
     /// The states of the contact points.
     pub states: Vec<PointState>,
+    /// Largest terms of (4.1) and of (4.2), whose round-off the residuals contain.
+    pub sizes: [f64; 2],
     /// What follows from the unknowns: ū + γw, and the branches.
     pub u: Vec<f64>,
     pub branches: Vec<Vec<f64>>,
 }
 
-impl Instance {
-    pub fn new(problem: &Problem) -> Instance {
-        Instance { problem: problem.clone(), discrete: Arc::new(Discretization::new(problem)) }
+impl ProblemInstance {
+    pub fn new(problem: &Problem) -> ProblemInstance {
+        ProblemInstance { problem: problem.clone(), discrete: Arc::new(Discretization::new(problem)) }
     }
 
     /// The rule of step n.
@@ -102,7 +104,7 @@ impl Instance {
     }
 
     /// The equations of a step at its unknowns w, θ and `forces`, (p, q) of each point in its own basis.
-    pub fn residual(&self, of: &SolvedStep, forces: &[Local]) -> Residual {
+    pub fn residual(&self, of: &SolvedStep, forces: &[Local]) -> StepResidual {
         self.step(of.n, of.old, |step| {
             let given = data(step, of.new);
             let term = given.frozen(step, of.unknown, of.chosen);
@@ -119,13 +121,14 @@ impl Instance {
                 step.rubbing(frame) * dot(&state.q, &state.slip)
             };
             let work = states.iter().zip(&given.frames).map(rubbed).collect();
-            let (mechanics, u) = balance(step, &of.new.w, &states);
+            let (mechanics, u, acting) = balance(step, &of.new.w, &states);
             let mut rates = of.new.w.clone();
             let free = step.replacing(|inputs| &inputs.displacements);
             step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
-            let (heat, temperatures) = warming(step, &of.new.theta, &states);
+            let (heat, temperatures, flowing) = warming(step, &of.new.theta, &states);
+            let sizes = [acting, flowing];
             let branches = step.branches(&of.new.w);
-            Residual { mechanics, heat, rates, temperatures, points, work, states, u, branches }
+            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches }
         })
     }
 }
@@ -183,8 +186,8 @@ pub(super) fn driving(step: &Step) -> Vec<f64> {
     }
 }
 
-/// The residual of (4.1) at a velocity and forces of contact, and ū + γw.
-fn balance(step: &Step, w: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>) {
+/// The residual of (4.1) at a velocity and forces of contact, ū + γw, and the largest term.
+fn balance(step: &Step, w: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>, f64) {
     let (discrete, rule) = (step.discrete, step.rule);
     let u: Vec<f64> = step.bar.u.iter().zip(w).map(|(u, w)| u + rule.gamma * w).collect();
     let theta = driving(step);
@@ -193,21 +196,23 @@ fn balance(step: &Step, w: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>
     let mut rest = zeros(w.len());
     let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
     step.boundary.scatter(discrete.v.components, states.iter().map(force), &mut rest);
+    let largest = [&a_u, &b_w, &*load, &thermal, &rest].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
+    let largest = largest.max(inertia * max_abs(&mass_w).max(max_abs(step.bar.mass_w)));
     for (i, rest) in rest.iter_mut().enumerate() {
         *rest += inertia * (mass_w[i] - step.bar.mass_w[i]) + b_w[i] + a_u[i] - load[i] - thermal[i];
     }
     let relaxing = step.relaxing(w);
     rest.iter_mut().zip(&relaxing).for_each(|(rest, force)| *rest += force);
-    (rest, u)
+    (rest, u, largest)
 }
 
 /// The residual of (4.2) at a temperature and states of the contact points, and the temperature with its prescribed
-/// values; both are empty without heat.
-fn warming(step: &Step, theta: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>) {
+/// values, both empty without heat, and the largest term.
+fn warming(step: &Step, theta: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>, f64) {
     if !step.problem.physics.has_heat() {
         let given =
             if step.problem.physics == Physics::Warmed { step.problem.given_temperature(step.t) } else { Vec::new() };
-        return (Vec::new(), given);
+        return (Vec::new(), given, 0.0);
     }
     let discrete = step.discrete;
     let [stored, conducted] = discrete.thermal_products(theta);
@@ -217,12 +222,14 @@ fn warming(step: &Step, theta: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<
     let foundation = temperatures(step);
     let on_boundary = heat_step(step, &foundation, states);
     step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut rest);
+    let largest = [&conducted, &coupling, &*supply, &rest].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
+    let largest = largest.max(storage * max_abs(&stored).max(max_abs(step.bar.mass_theta)));
     for (i, rest) in rest.iter_mut().enumerate() {
         *rest += storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - coupling[i] - supply[i];
     }
     let mut prescribed = theta.to_vec();
     discrete.q.prescribe_with(step.t, &step.replacing(|inputs| &inputs.temperatures), &mut prescribed);
-    (rest, prescribed)
+    (rest, prescribed, largest)
 }
 
 /// The heat exchange of a step on Γ_C at states of the contact points, to evaluate its laws.

@@ -31,33 +31,34 @@ mod points;
 mod scope;
 mod stencil;
 mod sweep;
+#[cfg(all(test, feature = "case"))]
+mod tests;
 mod transpose;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use error::{GradientError, RefusedGradient};
-use history::History;
-use instance::{Instance, Residual, SolvedStep};
-use outputs::{Output, Reader};
+use history::RunHistory;
+use instance::{ProblemInstance, SolvedStep, StepResidual};
+use outputs::{GradientOutput, OutputReader};
 pub use parameter::Parameter;
 use parameter::Variants;
-use points::{Forced, LinearPoint, PointMargin, linearised, margins};
+use points::{Forced, LinearPoint, PointMargin, TOUCHES, linearised, margins};
 use serde::Serialize;
-use sweep::{Around, LinearStep, Multiplied, OfPoints, Weights};
-use transpose::Factors;
+use sweep::{Around, LinearStep, Multiplied, OfPoints, StateWeights};
+use transpose::TransposedFactors;
 
 use crate::inclusion::Local;
 use crate::output::Probe;
-use crate::problem::Problem;
+use crate::problem::{Fault, Problem};
 use crate::state::{State, StepReport};
 use crate::step::initial_state;
 
 /// Memory granted to the states of a run, bytes.
 const GRANTED: usize = 1 << 30;
-/// Margin up to which a contact point counts as on a change of its state.
-const TOUCHES: f64 = 1e-9;
-/// Kink of a parameter, relative to its derivative and to value over parameter, above which there is no derivative.
-const KINK: [f64; 2] = [1e-4, 1e-7];
+/// Kink of a parameter relative to the derivative above which there is none, and the roundings that are no kink.
+const KINK: f64 = 1e-4;
+const ROUNDINGS: f64 = 256.0;
 /// Number of sizes of the step of a parameter.
 const SIZES: i32 = 3;
 
@@ -80,7 +81,7 @@ pub struct GradientRequest<'a> {
 
 /// Derivatives of numbers at the end of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Gradient {
+pub struct GradientTable {
     /// Names of the outputs and parameters, with their values.
     pub outputs: Vec<(String, f64)>,
     /// The parameters.
@@ -103,14 +104,14 @@ pub struct Gradient {
 /// # Errors
 /// If the problem has a feature whose derivative is not there, if a name is unknown, if a parameter changes the number
 /// of steps, nodes or contact points, or if a step fails.
-pub fn gradient(request: &GradientRequest) -> Result<Gradient, GradientError> {
-    let base = Instance::new(request.problem);
+pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientError> {
+    let base = ProblemInstance::new(request.problem);
     scope::check(request.problem, &base.discrete)?;
-    let named = |name: &String| Output::named(name, request.problem, request.probes);
-    let outputs = request.outputs.iter().map(named).collect::<Result<Vec<Output>, GradientError>>()?;
+    let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
+    let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
     let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
-    let mut history = History::new(&base, request.memory.unwrap_or(GRANTED), &go_on)?;
-    let mut whole = Whole { request, base: &base, outputs: &outputs, history: &mut history, go_on: &go_on };
+    let mut history = RunHistory::new(&base, request.memory.unwrap_or(GRANTED), &go_on)?;
+    let mut whole = WholeSweep { request, base: &base, outputs: &outputs, history: &mut history, go_on: &go_on };
     let (derivatives, near) = whole.derivatives(None)?;
     let ties: Vec<PointMargin> = near.iter().copied().filter(|near| near.value <= TOUCHES).collect();
     let nearest = near.iter().min_by(|a, b| a.value.total_cmp(&b.value)).copied();
@@ -121,10 +122,10 @@ pub fn gradient(request: &GradientRequest) -> Result<Gradient, GradientError> {
         _ => None,
     };
     let last = whole.last()?;
-    let values = outputs.iter().map(|output| Ok(Reader::new(&base, output)?.value(&last.0, &last.1)));
+    let values = outputs.iter().map(|output| Ok(OutputReader::new(&base, output)?.value(&last.0, &last.1)));
     let values = values.collect::<Result<Vec<f64>, GradientError>>()?;
     let place = |near: PointMargin| Some((near.n, base.discrete.boundary.points.get(near.point)?.x));
-    Ok(Gradient {
+    Ok(GradientTable {
         outputs: request.outputs.iter().cloned().zip(values).collect(),
         parameters: request.parameters.iter().map(|parameter| (parameter.name.clone(), parameter.value)).collect(),
         derivatives,
@@ -135,19 +136,19 @@ pub fn gradient(request: &GradientRequest) -> Result<Gradient, GradientError> {
     })
 }
 
-/// Sums over the steps: the derivative and its kink, by output.
-type Sums = Vec<[f64; 2]>;
+/// Sums over the steps: the derivative, its kink, and the round-off of both, by output.
+type Sums = Vec<[f64; 3]>;
 
 /// The sweep over all steps.
-struct Whole<'a> {
+struct WholeSweep<'a> {
     request: &'a GradientRequest<'a>,
-    base: &'a Instance,
-    outputs: &'a [Output],
-    history: &'a mut History,
+    base: &'a ProblemInstance,
+    outputs: &'a [GradientOutput],
+    history: &'a mut RunHistory,
     go_on: &'a dyn Fn() -> bool,
 }
 
-impl Whole<'_> {
+impl WholeSweep<'_> {
     /// The last state with the report of its step.
     fn last(&mut self) -> Result<(State, StepReport), GradientError> {
         let (steps, report) = (self.history.steps, self.history.report.clone());
@@ -160,7 +161,7 @@ impl Whole<'_> {
         let mut sizes = vec![0; count];
         loop {
             let (sums, near) = self.sweep(forced.as_ref(), &sizes)?;
-            let lost = |j: usize| sums[j].iter().any(|[slope, _]| slope.is_nan());
+            let lost = |j: usize| sums[j].iter().any(|[slope, ..]| slope.is_nan());
             let again: Vec<usize> = (0..count).filter(|&j| lost(j) && sizes[j] + 1 < SIZES).collect();
             if again.is_empty() {
                 let by_output = (0..self.outputs.len()).map(|i| sums.iter().map(|sums| sums[i][0]).collect()).collect();
@@ -173,28 +174,24 @@ impl Whole<'_> {
     }
 
     /// Returns an error if a derivative is none, because the data have a kink.
-    fn check(&mut self, sums: &[Sums]) -> Result<(), GradientError> {
-        let last = self.last()?;
-        for (i, output) in self.outputs.iter().enumerate() {
-            let value = Reader::new(self.base, output)?.value(&last.0, &last.1).abs();
-            for (parameter, sums) in self.request.parameters.iter().zip(sums) {
-                let [slope, kink] = sums[i];
-                let scale = if parameter.value == 0.0 { 0.0 } else { value / parameter.value.abs() };
-                let small = KINK[0] * slope.abs() + KINK[1] * scale;
-                if !slope.is_finite() || (kink.abs() > small && parameter.value != 0.0) {
-                    return Err(parameter.kink());
-                }
+    fn check(&self, sums: &[Sums]) -> Result<(), GradientError> {
+        for (parameter, sums) in self.request.parameters.iter().zip(sums) {
+            let is_smooth = |[slope, kink, rounded]: &[f64; 3]| {
+                slope.is_finite() && kink.abs() <= KINK * slope.abs() + ROUNDINGS * rounded
+            };
+            if !sums.iter().all(is_smooth) {
+                return Err(parameter.kink());
             }
         }
         Ok(())
     }
 
-    fn factors(&self, factors: Option<Factors>, n: usize) -> Result<Factors, GradientError> {
+    fn factors(&self, factors: Option<TransposedFactors>, n: usize) -> Result<TransposedFactors, GradientError> {
         let rule = self.base.rule(n);
         if let Some(factors) = factors.filter(|factors| factors.rule == rule) {
             return Ok(factors);
         }
-        let made = Factors::new(&self.base.problem, &self.base.discrete, rule);
+        let made = TransposedFactors::new(&self.base.problem, &self.base.discrete, rule);
         made.map_err(|(part, source)| GradientError::Linear { step: n, part, source })
     }
 
@@ -205,8 +202,8 @@ impl Whole<'_> {
         sizes: &[i32],
     ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
         let (base, request, outputs) = (self.base, self.request, self.outputs);
-        let (mut sums, mut near) = (vec![vec![[0.0; 2]; outputs.len()]; request.parameters.len()], Vec::new());
-        let mut ended: Vec<(Weights, Option<OfPoints>)> = Vec::new();
+        let (mut sums, mut near) = (vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()], Vec::new());
+        let mut ended: Vec<(StateWeights, Option<OfPoints>)> = Vec::new();
         let (mut variants, mut factors): (Vec<Variants>, _) = (Vec::new(), None);
         let (last, steps) = (self.last()?, self.history.steps);
         for n in (1..=steps).rev() {
@@ -242,8 +239,7 @@ impl Whole<'_> {
                 let around = Around { h: variants.h, all: [a, b, &here, c, d] };
                 let free = [&base.discrete.v.free[..], &base.discrete.q.free[..]];
                 for (sum, multiplied) in sums.iter_mut().zip(&multiplied) {
-                    let more = multiplied.by_parameter(&around, free);
-                    sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+                    add(sum, multiplied.by_parameter(&around, free));
                 }
             }
             factors = Some(made);
@@ -253,7 +249,11 @@ impl Whole<'_> {
     }
 }
 
-fn kink(base: &Instance, n: usize, i: usize) -> GradientError {
+fn add(sum: &mut [f64; 3], more: [f64; 3]) {
+    sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+}
+
+fn kink(base: &ProblemInstance, n: usize, i: usize) -> GradientError {
     GradientError::Kink { step: n, x: base.discrete.boundary.points.get(i).map_or([0.0; 3], |point| point.x) }
 }
 
@@ -271,13 +271,19 @@ fn keep_least(near: &mut Vec<PointMargin>, more: Vec<PointMargin>) {
 
 /// The derivatives of the outputs by the last state.
 fn at_end(
-    base: &Instance,
-    outputs: &[Output],
+    base: &ProblemInstance,
+    outputs: &[GradientOutput],
     (state, report): &(State, StepReport),
     points: &[LinearPoint],
-) -> Result<Vec<(Weights, Option<OfPoints>)>, GradientError> {
+) -> Result<Vec<(StateWeights, Option<OfPoints>)>, GradientError> {
     let slopes = |output| {
-        let (weights, of_points) = Reader::new(base, output)?.slopes(state, report, points);
+        let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
+        let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
+        if all.chain(of_points.iter().flatten()).any(|slope| !slope.is_finite()) {
+            let found = "a number with a kink here, such as the largest of several equal ones";
+            let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
+            return Err(GradientError::refused(fault));
+        }
         Ok((weights, Some(of_points)))
     };
     outputs.iter().map(slopes).collect()
@@ -285,18 +291,18 @@ fn at_end(
 
 /// Adds ∂o/∂m of the outputs at fixed unknowns of the last step.
 fn add_outputs(
-    outputs: &[Output],
+    outputs: &[GradientOutput],
     variants: &Variants,
-    (base, here): (&Instance, &Residual),
-    all: &[Residual; 4],
+    (base, here): (&ProblemInstance, &StepResidual),
+    all: &[StepResidual; 4],
     ((state, report), sums): (&(State, StepReport), &mut Sums),
 ) -> Result<(), GradientError> {
-    let at = |instance, residual: &Residual, output| {
+    let at = |instance, residual: &StepResidual, output| {
         let mut report = report.clone();
         for (to, from) in report.contact.states.iter_mut().zip(&residual.states) {
             *to = crate::inclusion::PointState { status: to.status, ..*from };
         }
-        Ok::<[f64; 1], GradientError>([Reader::new(instance, output)?.value(state, &report)])
+        Ok::<[f64; 1], GradientError>([OutputReader::new(instance, output)?.value(state, &report)])
     };
     for (output, sum) in outputs.iter().zip(sums) {
         let [a, b, c, d] = &variants.all;
@@ -304,20 +310,19 @@ fn add_outputs(
         let after = [at(c, &all[2], output)?, at(d, &all[3], output)?];
         let [one, two, middle] = values.each_ref();
         let [[slope], [bent]] = stencil::central(variants.h, [one, two, middle, &after[0], &after[1]]);
-        sum[0] += slope;
-        sum[1] += bent;
+        add(sum, [slope, bent, f64::EPSILON * middle[0].abs() / variants.h]);
     }
     Ok(())
 }
 
 /// Adds the derivatives through the initial state.
 fn add_start(
-    base: &Instance,
+    base: &ProblemInstance,
     variants: &[Variants],
-    ended: &[(Weights, Option<OfPoints>)],
+    ended: &[(StateWeights, Option<OfPoints>)],
     sums: &mut [Sums],
 ) -> Result<(), GradientError> {
-    let state = |of: &Instance| initial_state(&of.problem, &of.discrete, None);
+    let state = |of: &ProblemInstance| initial_state(&of.problem, &of.discrete, None);
     let here = state(base)?;
     for (variants, sums) in variants.iter().zip(sums) {
         let [a, b, c, d] = variants.all.each_ref().map(state);
@@ -325,9 +330,26 @@ fn add_start(
         for ((weights, _), sum) in ended.iter().zip(sums) {
             let values = all.each_ref().map(|state| [weights.product(state)]);
             let [[slope], [bent]] = stencil::central(variants.h, values.each_ref());
-            sum[0] += slope;
-            sum[1] += bent;
+            add(sum, [slope, bent, f64::EPSILON * values[2][0].abs() / variants.h]);
         }
     }
     Ok(())
+}
+
+impl GradientTable {
+    /// The table as CSV: a row per output and parameter.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let margin = self.margin.map_or_else(String::new, |margin| format!("{margin:?}"));
+        let mut text = "output,parameter,value,at,derivative,margin,beyond\n".to_owned();
+        for (i, (output, value)) in self.outputs.iter().enumerate() {
+            for (j, (parameter, at)) in self.parameters.iter().enumerate() {
+                let slope = |of: &[Vec<f64>]| of.get(i).and_then(|row| row.get(j)).map(|slope| format!("{slope:?}"));
+                let here = slope(&self.derivatives).unwrap_or_default();
+                let beyond = self.beyond.as_deref().and_then(slope).unwrap_or_default();
+                text += &format!("{output},{parameter},{value:?},{at:?},{here},{margin},{beyond}\n");
+            }
+        }
+        text
+    }
 }

@@ -1,10 +1,10 @@
 //! The numbers at the end of a run whose derivatives are asked for.
 
 use super::error::GradientError;
-use super::instance::{Instance, global};
+use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
 use super::stencil::derivative;
-use super::sweep::{OfPoints, Weights};
+use super::sweep::{OfPoints, StateWeights};
 use crate::inclusion::PointState;
 use crate::output::{OF_WHOLE, Probe, ProbeSet, Snapshot, Work};
 use crate::problem::{Fault, Problem};
@@ -12,7 +12,7 @@ use crate::state::{State, StepReport};
 
 /// A number at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Output {
+pub(super) struct GradientOutput {
     pub name: String,
     kind: OutputKind,
 }
@@ -34,9 +34,9 @@ const FORCE: &str = "final.contact.force.";
 const FRICTION_WORK: &str = "energy.friction_dissipation";
 const WEAR_VOLUME: &str = "final.contact.wear_volume";
 
-impl Output {
+impl GradientOutput {
     /// The output of a name: a column of `probes.csv`, or a figure of `summary.json`.
-    pub fn named(name: &str, problem: &Problem, probes: &[Probe]) -> Result<Output, GradientError> {
+    pub fn named(name: &str, problem: &Problem, probes: &[Probe]) -> Result<GradientOutput, GradientError> {
         let dim = problem.mesh.dim;
         let column = name.strip_prefix("probes.").unwrap_or(name);
         let columns = |probe: &Probe| -> Vec<String> {
@@ -62,7 +62,7 @@ impl Output {
                 let fault = Fault::new(path, found, "a probe of the body or of contact points");
                 Err(GradientError::refused(fault.hint(format!("the force on contacts is {FORCE}0"))))
             }
-            Some(kind) => Ok(Output { name: name.to_owned(), kind }),
+            Some(kind) => Ok(GradientOutput { name: name.to_owned(), kind }),
             None => {
                 let mut known: Vec<String> = probes.iter().flat_map(columns).collect();
                 known.push(FRICTION_WORK.to_owned());
@@ -78,14 +78,14 @@ impl Output {
 }
 
 /// An output of a problem, ready to be evaluated.
-pub(super) struct Reader<'a> {
-    instance: &'a Instance,
-    output: &'a Output,
+pub(super) struct OutputReader<'a> {
+    instance: &'a ProblemInstance,
+    output: &'a GradientOutput,
     set: Option<ProbeSet>,
 }
 
-impl<'a> Reader<'a> {
-    pub fn new(instance: &'a Instance, output: &'a Output) -> Result<Reader<'a>, GradientError> {
+impl<'a> OutputReader<'a> {
+    pub fn new(instance: &'a ProblemInstance, output: &'a GradientOutput) -> Result<OutputReader<'a>, GradientError> {
         let set = match &output.kind {
             OutputKind::Probe(probe, _) => {
                 let made = ProbeSet::new(&instance.problem, std::slice::from_ref(&**probe));
@@ -99,12 +99,12 @@ impl<'a> Reader<'a> {
             }
             _ => None,
         };
-        Ok(Reader { instance, output, set })
+        Ok(OutputReader { instance, output, set })
     }
 
     /// The value at a state with the report of its step.
     pub fn value(&self, state: &State, report: &StepReport) -> f64 {
-        let Instance { problem, discrete } = self.instance;
+        let ProblemInstance { problem, discrete } = self.instance;
         let points = &discrete.boundary.points;
         let over = |of: &[f64]| points.iter().zip(of).map(|(point, value)| point.weight * value).sum();
         match &self.output.kind {
@@ -133,9 +133,9 @@ impl<'a> Reader<'a> {
     }
 
     /// The derivatives by the last state and by the states of its contact points.
-    pub fn slopes(&self, state: &State, report: &StepReport, points: &[LinearPoint]) -> (Weights, OfPoints) {
+    pub fn slopes(&self, state: &State, report: &StepReport, points: &[LinearPoint]) -> (StateWeights, OfPoints) {
         let mut last = (state.clone(), report.clone());
-        let mut found = (Weights::zero(state), vec![[0.0; 6]; points.len()]);
+        let mut found = (StateWeights::zero(state), vec![[0.0; 6]; points.len()]);
         let scale = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let or = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
         let dim = self.instance.problem.mesh.dim;

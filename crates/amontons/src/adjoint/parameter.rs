@@ -1,7 +1,7 @@
 //! The parameters, and the problems at values around theirs.
 
 use super::error::GradientError;
-use super::instance::{Instance, SolvedStep};
+use super::instance::{ProblemInstance, SolvedStep};
 use super::stencil::STEP;
 use crate::inclusion::Local;
 use crate::problem::{Fault, Problem};
@@ -25,7 +25,7 @@ const DECADES: i32 = 13;
 /// The problems at −2h, −h, h and 2h of a parameter.
 pub(super) struct Variants {
     pub h: f64,
-    pub all: [Instance; 4],
+    pub all: [ProblemInstance; 4],
 }
 
 impl Parameter<'_> {
@@ -33,7 +33,7 @@ impl Parameter<'_> {
     /// of the decades from 1 on that leaves all contact points of the last step on their branches.
     pub(super) fn variants(
         &self,
-        base: &Instance,
+        base: &ProblemInstance,
         last: (&SolvedStep, &[Local]),
         shrunk: i32,
     ) -> Result<Variants, GradientError> {
@@ -58,19 +58,19 @@ impl Parameter<'_> {
         GradientError::refused(fault.hint("take differences to one side"))
     }
 
-    fn around(&self, base: &Instance, h: f64) -> Result<Variants, GradientError> {
+    fn around(&self, base: &ProblemInstance, h: f64) -> Result<Variants, GradientError> {
         let at = |j: f64| {
             let problem = (self.problem)(self.value + j * h).map_err(GradientError::refused)?;
-            let instance = Instance::new(&problem);
+            let instance = ProblemInstance::new(&problem);
             self.compare(base, &instance)?;
-            Ok::<Instance, GradientError>(instance)
+            Ok::<ProblemInstance, GradientError>(instance)
         };
         Ok(Variants { h, all: [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?] })
     }
 
     /// Checks that a problem has the steps, nodes and contact points of another one.
-    fn compare(&self, base: &Instance, other: &Instance) -> Result<(), GradientError> {
-        let counts = |of: &Instance| {
+    fn compare(&self, base: &ProblemInstance, other: &ProblemInstance) -> Result<(), GradientError> {
+        let counts = |of: &ProblemInstance| {
             let (problem, discrete) = (&of.problem, &of.discrete);
             [
                 (problem.timeline.steps(), "steps"),
@@ -98,8 +98,12 @@ impl Parameter<'_> {
         Ok(())
     }
 
-    fn scale_of_zero(&self, base: &Instance, (last, forces): (&SolvedStep, &[Local])) -> Result<f64, GradientError> {
-        let branches = |of: &Instance| -> Vec<[bool; 2]> {
+    fn scale_of_zero(
+        &self,
+        base: &ProblemInstance,
+        (last, forces): (&SolvedStep, &[Local]),
+    ) -> Result<f64, GradientError> {
+        let branches = |of: &ProblemInstance| -> Vec<[bool; 2]> {
             of.residual(last, forces).points.iter().map(|point| point.branch).collect()
         };
         let here = branches(base);

@@ -1,6 +1,6 @@
 //! The derivatives of the equations of the contact points at a solution, and how near the points are to a kink.
 
-use super::instance::{Instance, SolvedStep, data, inputs};
+use super::instance::{ProblemInstance, SolvedStep, data, inputs};
 use super::stencil::derivative;
 use crate::contact::Status;
 use crate::inclusion::{Local, LocalTangent, Mechanical, PointInput, PointOutput, PointState};
@@ -8,6 +8,8 @@ use crate::linalg::max_abs;
 use crate::tensor::{Point, dot, length};
 use crate::time::Rule;
 
+/// Margin up to which a contact point counts as on a change of its state.
+pub(super) const TOUCHES: f64 = 1e-9;
 /// Number of inputs and outputs of a point.
 pub(super) const INPUTS: usize = 8;
 pub(super) const OUTPUTS: usize = 7;
@@ -41,7 +43,7 @@ impl LinearPoint {
         std::array::from_fn(|a| std::array::from_fn(|b| self.by[b + 3][a]))
     }
 
-    /// Weights of the outputs turned into weights of the inputs.
+    /// StateWeights of the outputs turned into weights of the inputs.
     pub fn back(&self, outputs: &[f64; OUTPUTS]) -> [f64; INPUTS] {
         self.by.map(|by| by.iter().zip(outputs).map(|(by, output)| by * output).sum())
     }
@@ -67,13 +69,17 @@ pub(super) fn forces(term: Option<&Mechanical>, states: &[PointState]) -> Vec<Lo
 }
 
 /// The linearised points of a step, or the first one that no direction leaves on its branch.
-pub(super) fn linearised(base: &Instance, of: &SolvedStep, forced: Option<&Forced>) -> Result<Vec<LinearPoint>, usize> {
+pub(super) fn linearised(
+    base: &ProblemInstance,
+    of: &SolvedStep,
+    forced: Option<&Forced>,
+) -> Result<Vec<LinearPoint>, usize> {
     base.step(of.n, of.old, |step| {
         let given = data(step, of.new);
         let Some(term) = given.frozen(step, of.unknown, of.chosen) else { return Ok(Vec::new()) };
         let inputs = inputs(step, &given, &term, of.new, &forces(Some(&term), of.states));
         let outputs: Vec<PointOutput> = inputs.iter().enumerate().map(|(i, at)| term.equations(i, at)).collect();
-        let scales = Scales::new(of, &inputs, &outputs, step.rule.span);
+        let scales = InputScales::new(of, &inputs, &outputs, step.rule.span);
         let all = inputs.iter().zip(&outputs).zip(&given.frames).enumerate();
         all.map(|(i, ((input, output), frame))| {
             let branch = forced
@@ -116,12 +122,12 @@ fn changed(input: &PointInput, j: usize, by: f64) -> PointInput {
     input
 }
 
-/// Scales of the inputs of each point: those of its own penetration, traction and slip, or the largest ones of all
+/// InputScales of the inputs of each point: those of its own penetration, traction and slip, or the largest ones of all
 /// points where it has none.
-struct Scales(Vec<[f64; INPUTS]>);
+struct InputScales(Vec<[f64; INPUTS]>);
 
-impl Scales {
-    fn new(of: &SolvedStep, inputs: &[PointInput], outputs: &[PointOutput], span: f64) -> Scales {
+impl InputScales {
+    fn new(of: &SolvedStep, inputs: &[PointInput], outputs: &[PointOutput], span: f64) -> InputScales {
         let warm = inputs.iter().fold(0.0, |warm: f64, input| warm.max(input.temperature.abs()));
         let raw = |(i, (input, output)): (usize, (&PointInput, &PointOutput))| {
             let rho = of.chosen.rho().get(i).copied().filter(|rho| *rho > 0.0).unwrap_or(0.0);
@@ -141,7 +147,7 @@ impl Scales {
             () if most > 0.0 => most,
             () => 1.0,
         };
-        Scales(raw.iter().map(|raw| std::array::from_fn(|j| or(raw[j], most[j]))).collect())
+        InputScales(raw.iter().map(|raw| std::array::from_fn(|j| or(raw[j], most[j]))).collect())
     }
 
     fn of(&self, i: usize, j: usize) -> f64 {
@@ -168,11 +174,19 @@ pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> V
     let mut all = Vec::new();
     for (i, (state, point)) in of.states.iter().zip(points).enumerate() {
         let [presses, sticks] = point.branch;
+        let Some(rho) = of.chosen.rho().get(i).copied().filter(|rho| *rho > 0.0) else { continue };
         let mut add = |value: Option<f64>, beyond: [bool; 2]| {
             all.extend(value.map(|value| PointMargin { value, beyond, n: of.n, point: i }));
         };
         if !presses {
             add(over(state.penetration.abs(), rule.k * speed), [true, sticks]);
+            continue;
+        }
+        // A point that hardly touches bears a pressure of the stiffness of the body times a length.
+        let depth = state.penetration.abs().max(rule.span / rho * state.pressure.abs());
+        let touches = over(depth, rule.k * speed).filter(|margin| *margin <= TOUCHES);
+        if touches.is_some() {
+            add(touches, [false, sticks]);
             continue;
         }
         add(over(state.pressure.abs(), pressure), [false, sticks]);

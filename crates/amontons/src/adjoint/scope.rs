@@ -21,9 +21,9 @@ pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), 
     Err(GradientError::refused(Fault::new(path, format!("{found}, with derivatives of a run"), expected).hint(hint)))
 }
 
-type Refusal = (String, &'static str, &'static str);
+type OutOfScope = (String, &'static str, &'static str);
 
-fn of_time(problem: &Problem) -> Option<Refusal> {
+fn of_time(problem: &Problem) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
     let timeline = &problem.timeline;
     match () {
@@ -40,7 +40,7 @@ fn of_time(problem: &Problem) -> Option<Refusal> {
     }
 }
 
-fn of_body(problem: &Problem, discrete: &Discretization) -> Option<Refusal> {
+fn of_body(problem: &Problem, discrete: &Discretization) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
     match () {
         () if problem.physics == Physics::Heat => told("physics", "heat alone", "mechanics, with or without heat"),

@@ -9,6 +9,9 @@ pub(super) const STEP: f64 = 1.0 / 1024.0;
 /// Number of times that the step is divided by [`SHRINK`] to stay on one branch.
 const TRIES: i32 = 4;
 const SHRINK: f64 = 8.0;
+/// Kink relative to the derivative above which a function is not smooth, and roundings of its values that are no kink.
+const KINK: f64 = 1e-4;
+const ROUNDINGS: f64 = 64.0;
 
 /// Values at −2h, −h, 0, h and 2h to the derivative, and to a number that is far below it where the function is smooth
 /// and of its size where it has a kink.
@@ -25,20 +28,22 @@ pub(super) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) 
 }
 
 /// The derivative of the numbers of a function at 0, on a branch, for an argument of this scale. `None` if neither side
-/// of 0 is on the branch.
+/// of 0 is on the branch, or if the function has a kink within it.
 pub(super) fn derivative<const N: usize, B: PartialEq + Copy>(
     of: impl Fn(f64) -> ([f64; N], B),
     scale: f64,
     wanted: B,
 ) -> Option<[f64; N]> {
-    let mut other = None;
+    let (at, mut other) = (of(0.0).0, None);
     for shrunk in 0..TRIES {
         let h = STEP * scale / SHRINK.powi(shrunk);
         let values = [-2.0, -1.0, 1.0, 2.0].map(|j| of(j * h));
         let first = values[0].1;
-        if values.iter().all(|(_, branch)| *branch == first) {
-            let [a, b, c, d] = &values;
-            let [found, _] = central(h, [&a.0, &b.0, &[0.0; N], &c.0, &d.0]);
+        let [a, b, c, d] = &values;
+        let [found, bent] = central(h, [&a.0, &b.0, &at, &c.0, &d.0]);
+        let rounded = |i: usize| ROUNDINGS * f64::EPSILON * a.0[i].abs().max(d.0[i].abs()) / h.abs();
+        let is_smooth = (0..N).all(|i| bent[i].abs() <= KINK * found[i].abs() + rounded(i));
+        if is_smooth && values.iter().all(|(_, branch)| *branch == first) {
             if first == wanted {
                 return Some(found);
             }
@@ -46,12 +51,11 @@ pub(super) fn derivative<const N: usize, B: PartialEq + Copy>(
             other.get_or_insert(found);
         }
     }
-    let at = of(0.0).0;
     for h in [1.0, -1.0].map(|sign| sign * STEP * scale) {
         for shrunk in 0..TRIES {
             let h = h / SHRINK.powi(shrunk);
             let values = [1.0, 2.0, 3.0, 4.0].map(|j| of(j * h));
-            if values.iter().all(|(_, branch)| *branch == wanted) {
+            if values.iter().all(|(_, branch)| *branch == wanted) && other.is_none() {
                 let [a, b, c, d] = values.map(|(value, _)| value);
                 let of = |i: usize| (-25.0 * at[i] + 48.0 * a[i] - 36.0 * b[i] + 16.0 * c[i] - 3.0 * d[i]) / (12.0 * h);
                 return Some(std::array::from_fn(of));

@@ -1,10 +1,10 @@
 //! One step of the sweep from the end of a run to its start.
 
 use super::error::GradientError;
-use super::instance::{Instance, Residual, SolvedStep};
+use super::instance::{ProblemInstance, SolvedStep, StepResidual};
 use super::points::{INPUTS, LinearPoint};
 use super::stencil;
-use super::transpose::{Factors, Transposed, onto_sides, sides_of, unweighted};
+use super::transpose::{Transposed, TransposedFactors, onto_sides, sides_of, unweighted};
 use crate::contact::Flux;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
@@ -14,7 +14,7 @@ use crate::tensor::dot as inner;
 
 /// The derivatives of an output by a state: what comes after it.
 #[derive(Clone, Debug)]
-pub(super) struct Weights {
+pub(super) struct StateWeights {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     pub theta: Vec<f64>,
@@ -24,10 +24,10 @@ pub(super) struct Weights {
     pub work: Vec<f64>,
 }
 
-impl Weights {
+impl StateWeights {
     /// No weights, of the size of a state.
-    pub fn zero(state: &State) -> Weights {
-        Weights {
+    pub fn zero(state: &State) -> StateWeights {
+        StateWeights {
             u: zeros(state.u.len()),
             w: zeros(state.w.len()),
             theta: zeros(state.theta.len()),
@@ -58,7 +58,7 @@ pub(super) struct Multiplied {
     transposed: Transposed,
     heat: [Vec<f64>; 2],
     /// The weights of the state at the end of the step.
-    after: Weights,
+    after: StateWeights,
     /// ω of the contact points, and the branches on which they are taken.
     areas: Vec<f64>,
     branches: Vec<[bool; 2]>,
@@ -66,7 +66,7 @@ pub(super) struct Multiplied {
 
 /// A step, linearised.
 pub(super) struct LinearStep<'a> {
-    pub base: &'a Instance,
+    pub base: &'a ProblemInstance,
     pub solved: SolvedStep<'a>,
     pub points: &'a [LinearPoint],
     pub flux: &'a [Flux],
@@ -76,8 +76,8 @@ impl LinearStep<'_> {
     /// Makes the weights of the state at the end of the step those of the state at its start.
     pub fn back(
         &self,
-        factors: &mut Factors,
-        weights: &mut Weights,
+        factors: &mut TransposedFactors,
+        weights: &mut StateWeights,
         direct: Option<&OfPoints>,
     ) -> Result<Multiplied, GradientError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
@@ -100,7 +100,7 @@ impl LinearStep<'_> {
     }
 
     /// The derivatives by (p, q), penetration, slip and wear of each point of what follows from them in the step.
-    fn outputs(&self, after: &Weights, heat: &[f64]) -> Vec<[f64; 7]> {
+    fn outputs(&self, after: &StateWeights, heat: &[f64]) -> Vec<[f64; 7]> {
         self.base.step(self.solved.n, self.solved.old, |step| {
             let seen = if heat.is_empty() { vec![[0.0; 2]; self.points.len()] } else { sides_of(step, heat) };
             let of = |(i, point): (usize, &LinearPoint)| {
@@ -130,7 +130,7 @@ impl LinearStep<'_> {
     }
 
     /// The right-hand side of the transposed mechanical half-step.
-    fn right(&self, step: &Step, after: &Weights, inputs: &[[f64; INPUTS]]) -> (Vec<f64>, Vec<Local>) {
+    fn right(&self, step: &Step, after: &StateWeights, inputs: &[[f64; INPUTS]]) -> (Vec<f64>, Vec<Local>) {
         let rule = step.rule;
         let at_points = self
             .points
@@ -155,7 +155,7 @@ impl LinearStep<'_> {
     fn onto_start(
         &self,
         step: &Step,
-        weights: &mut Weights,
+        weights: &mut StateWeights,
         (found, heat): (&Transposed, &[f64]),
         inputs: &[[f64; INPUTS]],
     ) {
@@ -205,7 +205,7 @@ impl LinearStep<'_> {
 }
 
 impl LinearPoint {
-    /// Weights of (p, q), penetration, slip and wear turned into weights of the inputs.
+    /// StateWeights of (p, q), penetration, slip and wear turned into weights of the inputs.
     fn weighted(&self, of: &[f64; 7]) -> [f64; INPUTS] {
         let [p, q1, q2, penetration, s1, s2, worn] = *of;
         let mut all = self.back(&[0.0, 0.0, 0.0, penetration, s1, s2, worn]);
@@ -217,21 +217,37 @@ impl LinearPoint {
 /// Values of the equations at −2h, −h, 0, h and 2h of a parameter.
 pub(super) struct Around<'a> {
     pub h: f64,
-    pub all: [&'a Residual; 5],
+    pub all: [&'a StepResidual; 5],
 }
 
 impl Multiplied {
-    /// The derivative of the output by a parameter through this step, and how much of a kink there is,
-    /// as [`stencil::central`] has it.
-    pub fn by_parameter(&self, around: &Around, free: [&[bool]; 2]) -> [f64; 2] {
+    /// The derivative of the output by a parameter through this step, how much of a kink there is, as
+    /// [`stencil::central`] has it, and the round-off of both.
+    pub fn by_parameter(&self, around: &Around, free: [&[bool]; 2]) -> [f64; 3] {
         let values = around.all.map(|residual| [self.product(residual, free)]);
         let [[slope], [kink]] = stencil::central(around.h, values.each_ref());
         let of_points = self.of_defects(around);
-        [slope - of_points[0], kink - of_points[1]]
+        [slope - of_points[0], kink - of_points[1], f64::EPSILON * self.size(around.all[2]) / around.h]
+    }
+
+    /// The sizes of the numbers whose sum [`Multiplied::product`] is.
+    fn size(&self, of: &StepResidual) -> f64 {
+        let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
+        let Multiplied { transposed, heat: [heat, held], after, areas, .. } = self;
+        let traction = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let mu = transposed.points.iter().zip(areas).map(|(mu, area)| area * sum(mu)).sum::<f64>();
+        of.sizes[0] * sum(&transposed.y)
+            + of.sizes[1] * sum(heat)
+            + traction * mu
+            + product(&transposed.prescribed, &of.rates)
+            + product(held, &of.temperatures)
+            + product(&after.u, &of.u)
+            + product(&after.work, &of.work)
     }
 
     /// The sum of all equations but those of the contact points, and of what follows from the unknowns.
-    fn product(&self, of: &Residual, [free_v, free_q]: [&[bool]; 2]) -> f64 {
+    fn product(&self, of: &StepResidual, [free_v, free_q]: [&[bool]; 2]) -> f64 {
         let Multiplied { transposed, heat: [heat, held], after, .. } = self;
         let on = |free: &[bool], y: &[f64], rest: &[f64]| -> f64 {
             free.iter().zip(y.iter().zip(rest)).filter(|(free, _)| **free).map(|(_, (y, rest))| y * rest).sum()

@@ -1,6 +1,6 @@
 //! The transposed systems of a step.
 
-use super::instance::{Instance, SolvedStep, data, global, heat_step};
+use super::instance::{ProblemInstance, SolvedStep, data, global, heat_step};
 use super::points::LinearPoint;
 use crate::contact::Flux;
 use crate::discretization::Discretization;
@@ -20,7 +20,7 @@ const PROXIMAL: f64 = 1.0 / (1u64 << 24) as f64;
 const REPETITIONS: usize = 3;
 
 /// The matrices of both half-steps with their factors.
-pub(super) struct Factors {
+pub(super) struct TransposedFactors {
     pub rule: Rule,
     pub mechanics: HalfStep,
     matrix: BlockMatrix,
@@ -37,12 +37,12 @@ pub(super) struct Transposed {
     pub prescribed: Vec<f64>,
 }
 
-impl Factors {
+impl TransposedFactors {
     pub fn new(
         problem: &Problem,
         discrete: &Discretization,
         rule: Rule,
-    ) -> Result<Factors, (&'static str, SolveError)> {
+    ) -> Result<TransposedFactors, (&'static str, SolveError)> {
         let half = |matrix: &BlockMatrix, space| HalfStep::new(matrix.clone(), discrete, space, &problem.backend);
         let matrix = discrete.mechanical_matrix(rule);
         let mechanics = half(&matrix, &discrete.v).map_err(|source| ("mechanics", source))?;
@@ -51,11 +51,11 @@ impl Factors {
             half(&matrix, &discrete.q).map(|half| (half, matrix))
         };
         let heat = problem.physics.has_heat().then(heat).transpose().map_err(|source| ("heat", source))?;
-        Ok(Factors { rule, mechanics, matrix, heat })
+        Ok(TransposedFactors { rule, mechanics, matrix, heat })
     }
 
     /// What the iteration on Γ_C chooses in the step.
-    pub fn chosen(&self, base: &Instance, n: usize, [old, new]: [&State; 2]) -> Chosen {
+    pub fn chosen(&self, base: &ProblemInstance, n: usize, [old, new]: [&State; 2]) -> Chosen {
         base.step(n, old, |step| {
             let given = data(step, new);
             let term = given.term(step, &self.mechanics.system, &self.mechanics.on_contact);
@@ -70,7 +70,7 @@ impl Factors {
     /// G_v and G_f the derivatives of the defects in velocity and force.
     pub fn mechanics(
         &mut self,
-        base: &Instance,
+        base: &ProblemInstance,
         of: &SolvedStep,
         points: &[LinearPoint],
         (right, force): (&[f64], &[Local]),
@@ -116,7 +116,7 @@ impl Factors {
     /// Jᵀ of the heat half-step: y with y = 0 where θ is prescribed, and the multipliers of the prescribed temperatures.
     pub fn heat(
         &mut self,
-        base: &Instance,
+        base: &ProblemInstance,
         of: &SolvedStep,
         flux: &[Flux],
         right: &[f64],

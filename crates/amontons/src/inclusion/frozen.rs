@@ -56,13 +56,6 @@ impl Chosen {
     pub fn rho(&self) -> &[f64] {
         &self.rho
     }
-
-    /// True if the pressure of a point with this law is neither a multiplier nor a function of its penetration, since
-    /// nothing there is unknown.
-    #[must_use]
-    pub fn is_given(&self, i: usize) -> bool {
-        self.response.get(i) == Some(&Response::Given)
-    }
 }
 
 impl Mechanical<'_> {
@@ -100,17 +93,19 @@ impl Mechanical<'_> {
         [0, 1].map(|a| !held[a] && moves(a))
     }
 
-    /// The equations of a point. Along tangents without friction q is zero.
+    /// The equations of a point. Along tangents without friction q is zero, and where nothing is unknown the force is as
+    /// it is.
     #[must_use]
     pub fn equations(&self, i: usize, at: &PointInput) -> PointOutput {
         let kinematics = self.kinematics_of(i, at.velocity, [at.opening, at.temperature]);
         let [p, q1, q2] = at.force;
         let multiplier = Multiplier { p, q: [q1, q2], sticks: at.sticks };
         let laws = self.laws_of(i, &kinematics, &multiplier, self.response[i]);
-        let (projected, rubs) = (laws.projected(), self.rubs_along(i));
-        let along = |a: usize| at.force[a] - if rubs[a - 1] { projected[a] } else { 0.0 };
+        let (projected, rubs, is_free) = (laws.projected(), self.rubs_along(i), self.rho[i] > 0.0);
+        let is_given = self.response[i] == Response::Given;
+        let along = |a: usize| at.force[a] - if is_free && rubs[a - 1] { projected[a] } else { 0.0 };
         PointOutput {
-            defect: [p - projected[0], along(1), along(2)],
+            defect: [if is_given { p } else { p - projected[0] }, along(1), along(2)],
             penetration: laws.penetration,
             slip: laws.friction.slip,
             worn: laws.worn,

@@ -17,6 +17,7 @@ mod earlier;
 mod files;
 mod fit;
 mod folder;
+mod gradient;
 mod identity;
 mod inputs;
 mod inspect;
@@ -59,6 +60,7 @@ pub(crate) use files::write_file;
 #[cfg(feature = "case")]
 pub(crate) use files::{LONGEST, sha256};
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
+pub use gradient::GradientFolder;
 pub use identity::Identity;
 pub use inputs::{Input, fingerprint};
 pub use inspect::{Inspection, inspect};
