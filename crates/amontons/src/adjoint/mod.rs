@@ -59,6 +59,8 @@ const GRANTED: usize = 1 << 30;
 /// Kink of a parameter relative to the derivative above which there is none, and the roundings that are no kink.
 const KINK: f64 = 1e-4;
 const ROUNDINGS: f64 = 256.0;
+/// Part of an output that counts as a rounding.
+const NOTHING: f64 = 16.0 * f64::EPSILON;
 /// Number of sizes of the step of a parameter.
 const SIZES: i32 = 3;
 
@@ -169,7 +171,9 @@ impl WholeSweep<'_> {
                 return Ok((by_output, near));
             }
             // A difference left the branch of a point on both sides.
-            again.into_iter().for_each(|j| sizes[j] += 1);
+            for j in again {
+                sizes[j] += 1;
+            }
         }
     }
 
@@ -279,6 +283,7 @@ fn at_end(
     let slopes = |output| {
         let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
         let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
+        let all = all.chain(weights.branches.iter().flatten());
         if all.chain(of_points.iter().flatten()).any(|slope| !slope.is_finite()) {
             let found = "a number with a kink here, such as the largest of several equal ones";
             let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
@@ -310,7 +315,7 @@ fn add_outputs(
         let after = [at(c, &all[2], output)?, at(d, &all[3], output)?];
         let [one, two, middle] = values.each_ref();
         let [[slope], [bent]] = stencil::central(variants.h, [one, two, middle, &after[0], &after[1]]);
-        add(sum, [slope, bent, f64::EPSILON * middle[0].abs() / variants.h]);
+        add(sum, [slope, bent, NOTHING * middle[0].abs() / variants.h]);
     }
     Ok(())
 }

@@ -148,6 +148,12 @@ impl<'a> OutputReader<'a> {
                     found.0.u[i] = self.slope(&mut last, u, |(state, _), h| state.u[i] += h);
                     found.0.w[i] = self.slope(&mut last, w, |(state, _), h| state.w[i] += h);
                 }
+                for b in 0..state.branches.len() {
+                    for i in node * dim..(node + 1) * dim {
+                        let slope = self.slope(&mut last, u, |(state, _), h| state.branches[b][i] += h);
+                        found.0.branches[b][i] = slope;
+                    }
+                }
                 found.0.theta[node] = self.slope(&mut last, theta, |(state, _), h| state.theta[node] += h);
             }
             return found;
@@ -187,7 +193,7 @@ impl<'a> OutputReader<'a> {
             change(&mut last, 0.0 - h);
             ([value], ())
         };
-        derivative(at, scale, ()).map_or(f64::NAN, |[slope]| slope)
+        derivative(at, scale, [0.0], ()).map_or(f64::NAN, |[slope]| slope)
     }
 }
 

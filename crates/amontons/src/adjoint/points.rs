@@ -86,12 +86,20 @@ pub(super) fn linearised(
                 .filter(|forced| forced.n == of.n && forced.point == i)
                 .map_or(output.branch, |forced| forced.branch);
             let mut by = [[0.0; OUTPUTS]; INPUTS];
+            let (rubs, sizes) = (term.rubs_along(i), scales.sizes(i, output));
             for (j, by) in by.iter_mut().enumerate() {
+                // Along these tangents nothing moves and nothing rubs.
+                if let 1 | 2 | 4 | 5 = j
+                    && !rubs[(j - 1) % 3]
+                {
+                    by[j % 3] = if j > 2 { 1.0 } else { 0.0 };
+                    continue;
+                }
                 let at = |change: f64| {
                     let output = term.equations(i, &changed(input, j, change));
                     (numbers(&output), output.branch)
                 };
-                *by = derivative(at, scales.of(i, j), branch).ok_or(i)?;
+                *by = derivative(at, scales.of(i, j), sizes, branch).ok_or(i)?;
             }
             Ok(LinearPoint {
                 basis: term.basis(i),
@@ -148,6 +156,12 @@ impl InputScales {
             () => 1.0,
         };
         InputScales(raw.iter().map(|raw| std::array::from_fn(|j| or(raw[j], most[j]))).collect())
+    }
+
+    /// The sizes of the terms of the outputs of a point.
+    fn sizes(&self, i: usize, output: &PointOutput) -> [f64; OUTPUTS] {
+        let [_, speed, _, p, q, _, depth, _] = self.0.get(i).copied().unwrap_or([1.0; INPUTS]);
+        [p.max(q), p.max(q), p.max(q), depth, speed, speed, output.worn]
     }
 
     fn of(&self, i: usize, j: usize) -> f64 {

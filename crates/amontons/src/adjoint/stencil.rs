@@ -27,11 +27,13 @@ pub(super) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) 
     ]
 }
 
-/// The derivative of the numbers of a function at 0, on a branch, for an argument of this scale. `None` if neither side
-/// of 0 is on the branch, or if the function has a kink within it.
+/// The derivative of the numbers of a function at 0, on a branch, for an argument of this scale; `sizes` are those of the
+/// terms that the numbers are sums of. `None` if neither side of 0 is on the branch, or if the function has a kink
+/// within it.
 pub(super) fn derivative<const N: usize, B: PartialEq + Copy>(
     of: impl Fn(f64) -> ([f64; N], B),
     scale: f64,
+    sizes: [f64; N],
     wanted: B,
 ) -> Option<[f64; N]> {
     let (at, mut other) = (of(0.0).0, None);
@@ -41,8 +43,12 @@ pub(super) fn derivative<const N: usize, B: PartialEq + Copy>(
         let first = values[0].1;
         let [a, b, c, d] = &values;
         let [found, bent] = central(h, [&a.0, &b.0, &at, &c.0, &d.0]);
-        let rounded = |i: usize| ROUNDINGS * f64::EPSILON * a.0[i].abs().max(d.0[i].abs()) / h.abs();
-        let is_smooth = (0..N).all(|i| bent[i].abs() <= KINK * found[i].abs() + rounded(i));
+        let is_straight = |i: usize| {
+            let moved = (a.0[i] - at[i]).abs().max((d.0[i] - at[i]).abs());
+            let size = sizes[i].max(a.0[i].abs()).max(d.0[i].abs());
+            (bent[i] * h).abs() <= KINK * moved + ROUNDINGS * f64::EPSILON * size
+        };
+        let is_smooth = (0..N).all(is_straight);
         if is_smooth && values.iter().all(|(_, branch)| *branch == first) {
             if first == wanted {
                 return Some(found);

@@ -12,7 +12,7 @@ use super::{PointValues, Snapshot};
 use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
-use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
+use crate::mesh::{Block, CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{Problem, ProblemData};
 use crate::quadrature::{QuadratureRule, rule};
 use crate::tensor::{Point, length};
@@ -119,7 +119,7 @@ impl ProbeSet {
             nodes.extend(probe.spots.iter().flat_map(|spot| &spot.nodes).map(|(node, _)| *node));
         }
         for &(block, cell, _) in &self.samples {
-            let cells = mesh.blocks.get(block as usize).map(|block| block.cells());
+            let cells = mesh.blocks.get(block as usize).map(Block::cells);
             nodes.extend(cells.and_then(|mut cells| cells.nth(cell as usize)).into_iter().flatten().copied());
         }
         Some(nodes)
