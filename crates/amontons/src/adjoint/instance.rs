@@ -244,3 +244,42 @@ pub(super) fn heat_step<'a>(step: &Step<'a>, foundation: &'a [f64], states: &'a 
         states,
     }
 }
+
+/// Residual of an equation relative to its largest term above which the step does not obey it.
+const MET: f64 = 1e-6;
+
+impl StepResidual {
+    /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
+    pub fn unmet(&self, base: &ProblemInstance, of: &SolvedStep) -> Option<&'static str> {
+        let discrete = &base.discrete;
+        let largest = |free: &[bool], rest: &[f64]| {
+            rest.iter().zip(free).filter(|(_, free)| **free).fold(0.0, |most: f64, (rest, _)| most.max(rest.abs()))
+        };
+        let apart = |a: &[f64], b: &[f64]| {
+            let most = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            most > MET * max_abs(a).max(max_abs(b))
+        };
+        let traction = self.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let points = discrete.boundary.points.iter().zip(&self.points).filter(|(point, _)| point.weight > 0.0);
+        let defect = points.fold(0.0, |most: f64, (_, point)| most.max(max_abs(&point.defect)));
+        let sum = |old: &[f64], more: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+            old.iter().zip(more).map(|(old, more)| old + more).collect()
+        };
+        let (old, new) = (&of.old.surface, &of.new.surface);
+        let worn = sum(&old.wear, &mut self.points.iter().map(|point| point.worn));
+        let work = sum(&old.friction_work, &mut self.work.iter().copied());
+        match () {
+            () if largest(&discrete.v.free, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
+            () if largest(&discrete.q.free, &self.heat) > MET * self.sizes[1] => Some("the balance of heat"),
+            () if apart(&self.rates, &of.new.w) => Some("the prescribed displacements"),
+            () if !self.temperatures.is_empty() && apart(&self.temperatures, &of.new.theta) => {
+                Some("the prescribed temperatures")
+            }
+            () if defect > MET * traction => Some("the laws of contact"),
+            () if apart(&self.u, &of.new.u) => Some("the displacement at the end of the step"),
+            () if apart(&worn, &new.wear) => Some("the depth of wear"),
+            () if apart(&work, &new.friction_work) => Some("the work of friction"),
+            () => None,
+        }
+    }
+}

@@ -224,6 +224,9 @@ impl WholeSweep<'_> {
             let forces: Vec<Local> = points.iter().map(|point| point.force).collect();
             keep_least(&mut near, margins(&solved, &points, &made.rule));
             let here = base.residual(&solved, &forces);
+            if let Some(unmet) = here.unmet(base, &solved) {
+                return Err(unknown_form(n, unmet));
+            }
             if n == steps {
                 let parameters = request.parameters.iter().zip(sizes);
                 let all = parameters.map(|(of, size)| of.variants(base, (&solved, &forces), *size));
@@ -251,6 +254,13 @@ impl WholeSweep<'_> {
         add_start(base, &variants, &ended, &mut sums)?;
         Ok((sums, near))
     }
+}
+
+/// The refusal of a step whose equations are not those that are differentiated.
+fn unknown_form(n: usize, unmet: &str) -> GradientError {
+    let found = format!("another form of {unmet}");
+    let fault = Fault::new(format!("step {n}"), found, "a step whose equations are those that are differentiated");
+    GradientError::refused(fault.hint("take differences of whole runs (`run --each`)"))
 }
 
 fn add(sum: &mut [f64; 3], more: [f64; 3]) {
