@@ -79,11 +79,13 @@ fn margin(table: &GradientTable) -> String {
     let place = format!("at ({x}, {y}, {z}) in step {step}");
     match table.ties {
         0 => format!("  margin {margin:.3e}, {place}: no contact point is on a change of state"),
-        1 => format!(
-            "  margin 0: the point {place} is on a change of state; the derivatives are one-sided, those of the other side stand beside them"
-        ),
-        ties => format!(
-            "  margin 0: {ties} contact points and steps are on a change of state, one {place}; the derivatives are one-sided, with the states found"
-        ),
+        1 => {
+            let other = "the derivatives are one-sided, those of the other side stand beside them";
+            format!("  margin 0: the point {place} is on a change of state; {other}")
+        }
+        ties => {
+            let found = "the derivatives are one-sided, with the states that were found";
+            format!("  margin 0: {ties} contact points and steps are on a change of state, one {place}; {found}")
+        }
     }
 }

@@ -300,7 +300,7 @@ fn a_point_at_its_bound_has_both_one_sided_derivatives() {
     assert!(here.min(there) <= 1e-9, "{here:e} {there:e}");
 }
 
-/// A turned body with a Maxwell branch, heat, friction of the slip speed and of the temperature, in general position.
+/// A turned body with a Maxwell branch, heat, friction of the slip speed and wear of the temperature.
 const TURNED: &str = r#"
 name = "turned"
 units = "dimensionless"
@@ -340,7 +340,7 @@ friction = { law = "static-kinetic", static = 0.4, kinetic = 0.3, decay_speed = 
 foundation_velocity = ["0.2*(1 + t)*cos(0.4)", "0.2*(1 + t)*sin(0.4)"]
 frictional_heat = 0.6
 heat = { law = "pressure", coefficient = 0.5, exponent = 0.95, foundation_temperature = 3.0 }
-wear = { law = "archard", coefficient = 0.002 }
+wear = { law = "archard-temperature", temperature = [0.0, 4.0], coefficient = [0.001, 0.004] }
 [[probe]]
 name = "corner"
 quantity = "displacement"
@@ -361,27 +361,44 @@ on = "body_bottom"
 take = "mean"
 "#;
 
-/// Differences of whole runs approach the derivatives with the square of the step.
-#[test]
-fn differences_of_runs_approach_the_derivatives() {
-    let outputs = ["corner_x", "stress", "pressure", "warm", "final.contact.force.1", "energy.friction_dissipation"];
-    let keys = [
-        "material.elasticity.poisson",
-        "material.density",
-        "material.prony[0].time",
-        "contact.normal.damping",
-        "contact.friction.static",
-        "contact.heat.exponent",
-        "contact.wear.coefficient",
-        "initial.velocity[1]",
-        "time.end",
-        "mesh.blocks[0].size[0]",
-        "mesh.blocks[0].turn.angle",
-        "load.body_force[1]",
-    ];
-    let found = by_keys(TURNED, &outputs, &keys, None).expect("a gradient");
-    let source = Source::new("turned", TURNED);
-    let known = derivatives_by_runs(&source, &outputs, &keys, [4e-3, 2e-3, 1e-3]);
+/// A block in space that slides on a rigid foundation in a direction that turns.
+const IN_SPACE: &str = r#"
+name = "in-space"
+units = "dimensionless"
+[mesh]
+kind = "box"
+size = [1.0, 0.8, 0.5]
+n = [2, 2, 1]
+[time]
+end = 1.0
+steps = 5
+[material]
+density = 1.0
+elasticity = { law = "isotropic", young = 50.0, poisson = 0.3 }
+viscosity = { law = "lame", first = 0.5, second = 1.0 }
+[[boundary]]
+on = "top"
+displacement = ["0.012*sin(3*t)", "0.009*t*t", "-0.02*t"]
+[contact]
+on = "bottom"
+gap = 0.0011
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.25 }
+foundation_velocity = ["0.02*t", "0.03*(1 - t)", 0]
+[[probe]]
+name = "corner"
+quantity = "displacement"
+at = [0.0, 0.0, 0.0]
+[[probe]]
+name = "pressure"
+quantity = "pressure"
+at = [0.5, 0.4, 0.0]
+"#;
+
+/// Compares the derivatives of a text by keys with differences of runs: their errors fall with the square of the step.
+fn check_by_runs(text: &str, outputs: &[&str], keys: &[&str]) {
+    let found = by_keys(text, outputs, keys, None).expect("a gradient");
+    let known = derivatives_by_runs(&Source::new("case", text), outputs, keys, [4e-3, 2e-3, 1e-3]);
     for (j, key) in keys.iter().enumerate() {
         for (i, output) in outputs.iter().enumerate() {
             let exact = found.derivatives[i][j];
@@ -393,6 +410,35 @@ fn differences_of_runs_approach_the_derivatives() {
             assert!(c.abs() <= 1e-4 * scale && (is_small || falls), "{output} by {key}: {a:e} {b:e} {c:e}");
         }
     }
+}
+
+/// Differences of whole runs approach the derivatives with the square of the step.
+#[test]
+fn differences_of_runs_approach_the_derivatives() {
+    let outputs = ["corner_x", "stress", "pressure", "warm", "final.contact.force.1", "energy.friction_dissipation"];
+    let keys = [
+        "material.elasticity.poisson",
+        "material.density",
+        "material.prony[0].time",
+        "contact.normal.damping",
+        "contact.friction.static",
+        "contact.heat.exponent",
+        "contact.wear.coefficient[1]",
+        "initial.velocity[1]",
+        "time.end",
+        "mesh.blocks[0].size[0]",
+        "mesh.blocks[0].turn.angle",
+        "load.body_force[1]",
+    ];
+    check_by_runs(TURNED, &outputs, &keys);
+}
+
+/// In space the direction of slip turns with the load.
+#[test]
+fn differences_of_runs_approach_the_derivatives_in_space() {
+    let outputs = ["corner_x", "corner_y", "pressure", "final.contact.force.0", "final.contact.force.1"];
+    let keys = ["material.elasticity.young", "contact.friction.coefficient", "contact.gap", "mesh.size[1]"];
+    check_by_runs(IN_SPACE, &outputs, &keys);
 }
 
 /// Central differences of whole runs, by key, relative step and output.
@@ -438,17 +484,12 @@ fn what_has_no_derivative_is_refused() {
     let told =
         |text: &str, outputs: &[&str], keys: &[&str]| by_keys(text, outputs, keys, None).unwrap_err().to_string();
     let young = ["material.elasticity.young"];
-    for (change, words) in [
-        (("steps = 20", "steps = 20\nscheme = \"bdf2\""), "time.scheme: found another scheme"),
-        (
-            (
-                "gap = 0.0011",
-                "gap = 0.0011\nobstacle = { shape = \"plane\", point = [0, 0], normal = [0, 1], geometry = \"updated\" }",
-            ),
-            "obstacle",
-        ),
+    let tool = "obstacle = { shape = \"plane\", point = [0, 0], normal = [0, 1], geometry = \"updated\" }";
+    for (at, more, words) in [
+        ("steps = 20", "scheme = \"bdf2\"", "time.scheme: found another scheme"),
+        ("gap = 0.0011", tool, "obstacle.updated: found an obstacle that is followed"),
     ] {
-        let found = told(&text.replace(change.0, change.1), &["corner_x"], &young);
+        let found = told(&text.replace(at, &format!("{at}\n{more}")), &["corner_x"], &young);
         assert!(found.contains(words), "{found}");
     }
     let found = told(&text, &["corner_z"], &young);
