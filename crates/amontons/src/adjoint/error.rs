@@ -27,7 +27,7 @@ pub enum GradientError {
         source: SolveError,
     },
     /// The derivative is asked for where a law has none on either side.
-    #[error("step {step}: contact point ({}, {}, {}) is on a kink of its laws that no direction leaves", .x[0], .x[1], .x[2])]
+    #[error("step {step}: the laws of the contact point ({}, {}, {}) have a kink where it is", .x[0], .x[1], .x[2])]
     Kink {
         /// The step n.
         step: usize,

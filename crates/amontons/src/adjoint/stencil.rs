@@ -1,8 +1,8 @@
 //! Derivatives by differences of functions that are smooth on one branch, of fourth order.
 //!
-//! A central difference of step h has the error h⁴ f⁽⁵⁾/30 and the round-off ε f/h: at h of a thousandth of the argument
-//! both are about 1e-12 of f′. Of a function with several branches all values are taken on the same one; where the
-//! argument lies between two, only on the side of the branch that is asked for.
+//! A central difference of step h has the error h⁴ f⁽⁵⁾/30 and the round-off ε f/h: at h of a thousandth of the
+//! argument both are about 1e-12 of f′. Of a function with several branches all values are taken on the same one; where
+//! the argument lies between two, only on the side of the branch that is asked for.
 
 /// Step relative to the scale of the argument.
 pub(super) const STEP: f64 = 1.0 / 1024.0;
@@ -27,8 +27,8 @@ pub(super) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) 
     ]
 }
 
-/// The derivative of the numbers of a function at 0, on a branch, for an argument of this scale; `sizes` are those of the
-/// terms that the numbers are sums of. `None` if neither side of 0 is on the branch, or if the function has a kink
+/// The derivative of the numbers of a function at 0, on a branch, for an argument of this scale; `sizes` are those of
+/// the terms that the numbers are sums of. `None` if neither side of 0 is on the branch, or if the function has a kink
 /// within it.
 pub(super) fn derivative<const N: usize, B: PartialEq + Copy>(
     of: impl Fn(f64) -> ([f64; N], B),

@@ -113,7 +113,7 @@ impl TransposedFactors {
         })
     }
 
-    /// Jᵀ of the heat half-step: y with y = 0 where θ is prescribed, and the multipliers of the prescribed temperatures.
+    /// Jᵀ of the heat half-step: y with y = 0 where θ is prescribed, and the multipliers of prescribed temperatures.
     pub fn heat(
         &mut self,
         base: &ProblemInstance,

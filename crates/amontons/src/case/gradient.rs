@@ -9,7 +9,8 @@ use super::path::{Path, Segment};
 use crate::adjoint::Parameter;
 use crate::problem::{Fault, Problem};
 
-/// The number at a key of a case with overrides, as a parameter of derivatives. A number with a unit is one in this unit.
+/// The number at a key of a case with overrides, as a parameter of derivatives. A number with a unit counts in this
+/// unit.
 ///
 /// # Errors
 /// If the case has no value there, or the value is no number.

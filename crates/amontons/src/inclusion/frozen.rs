@@ -93,8 +93,8 @@ impl Mechanical<'_> {
         [0, 1].map(|a| !held[a] && moves(a))
     }
 
-    /// The equations of a point. Along tangents without friction q is zero, and where nothing is unknown the force is as
-    /// it is.
+    /// The equations of a point. Along tangents without friction q is zero, and where nothing is unknown the force is
+    /// as it is.
     #[must_use]
     pub fn equations(&self, i: usize, at: &PointInput) -> PointOutput {
         let kinematics = self.kinematics_of(i, at.velocity, [at.opening, at.temperature]);
