@@ -93,6 +93,20 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Derivatives of numbers at the end of a run by keys of the case
+    Gradient {
+        /// The case file
+        case: PathBuf,
+        /// Numbers at the end: columns of probes, `final.contact.force.0`, `final.contact.wear_volume`,
+        /// `energy.friction_dissipation`
+        #[arg(long, value_delimiter = ',', required = true, value_name = "OUTPUT,OUTPUT,…")]
+        of: Vec<String>,
+        /// Keys with numbers, as for `--set`
+        #[arg(long, value_delimiter = ',', required = true, value_name = "KEY,KEY,…")]
+        with: Vec<String>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Draw a finished run or study
     Plot {
         /// The results folder
@@ -401,6 +415,7 @@ impl Command {
             | Command::Check { common, .. }
             | Command::Converge { common, .. }
             | Command::Modes { common, .. }
+            | Command::Gradient { common, .. }
             | Command::Verify { common, .. }
             | Command::Reproduce { common, .. } => Some(common),
             Command::Plot { .. }

@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use amontons::adjoint::GradientError;
 use amontons::case::{CaseError, StudyRequestError};
 use amontons::convergence::StudyError;
 use amontons::equation::SetupError;
@@ -34,6 +35,8 @@ pub enum CommandFailure {
         error: StudyError,
         folder: PathBuf,
     },
+    /// Derivatives that cannot be computed.
+    Gradient(GradientError),
     /// A study that does not fit the case.
     Request(String),
     /// Arguments that cannot be carried out.
@@ -60,6 +63,12 @@ pub enum CommandFailure {
 impl From<CaseError> for CommandFailure {
     fn from(error: CaseError) -> CommandFailure {
         CommandFailure::Case(error)
+    }
+}
+
+impl From<GradientError> for CommandFailure {
+    fn from(error: GradientError) -> CommandFailure {
+        CommandFailure::Gradient(error)
     }
 }
 
@@ -143,6 +152,11 @@ impl CommandFailure {
             CommandFailure::Mesh(_) => MESH,
             CommandFailure::Constants(_) => SOLVER,
             CommandFailure::Plot(_) => FILE,
+            CommandFailure::Gradient(error) => match error {
+                GradientError::Refused(_) => USAGE,
+                GradientError::Interrupted => INTERRUPTED,
+                _ => SOLVER,
+            },
             CommandFailure::Study { error, .. } => match error {
                 StudyError::Interrupted => INTERRUPTED,
                 StudyError::Setup { source: SetupError::Initial(_) | SetupError::Data(_), .. } => CASE,
@@ -183,6 +197,7 @@ impl CommandFailure {
             CommandFailure::Mesh(error) => error.to_string(),
             CommandFailure::Constants(error) => format!("the constants of the domain: {error}"),
             CommandFailure::Plot(error) => error.to_string(),
+            CommandFailure::Gradient(error) => error.to_string(),
             CommandFailure::Exists(path) => format!("{} already exists; give another name", path.display()),
             CommandFailure::Print(error) => format!("cannot write to standard output: {error}"),
         }

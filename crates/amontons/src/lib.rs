@@ -34,6 +34,7 @@
 pub struct Readme;
 
 mod account;
+pub mod adjoint;
 pub mod arrays;
 #[cfg(feature = "case")]
 pub mod case;

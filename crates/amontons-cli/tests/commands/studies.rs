@@ -51,6 +51,40 @@ fn converge_writes_table_and_picture_and_reuses_finished_levels() {
 }
 
 #[test]
+fn gradient_writes_a_table_and_refuses_what_has_no_derivative() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (out, case) = (folder.path().join("gradient"), paper());
+    let out_text = out.display().to_string();
+    let with = |of: &str, with: &str| {
+        let small = ["--set", "mesh.n=4", "--set", "time.steps=4", "--out", &out_text];
+        amontons(&[&["gradient", &case, "--of", of, "--with", with], &small[..]].concat())
+    };
+    let key = "contact.friction.coefficient";
+    let done = with("final.contact.force.0,energy.friction_dissipation", key);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let told = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(told.contains("final.contact.force.0") && told.contains("margin"), "{told}");
+    let table = text(&out.join("gradient.csv"));
+    let rows: Vec<&str> = table.lines().collect();
+    assert_eq!(rows[0], "output,parameter,value,at,derivative,margin,beyond");
+    assert!(rows.len() == 3 && rows[1].starts_with("final.contact.force.0,contact.friction.coefficient,"), "{table}");
+    assert!(out.join("gradient.json").exists() && out.join("case.toml").exists());
+    // Derivatives that are there are not overwritten.
+    assert_eq!(with("final.contact.force.0", key).status.code(), Some(2));
+    std::fs::remove_file(out.join("gradient.csv")).expect("the table");
+    for (of, by, message) in [
+        ("final.contact.force.7", key, "found no such number"),
+        ("final.contact.force.0", "contact.friction.law", "expected a key with a number"),
+        ("final.contact.force.0", "mesh.n", "expected"),
+    ] {
+        let done = with(of, by);
+        let told = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(2), "{told}");
+        assert!(told.contains(message), "{told}");
+    }
+}
+
+#[test]
 fn levels_that_do_not_fit_are_bad_usage() {
     let case = paper();
     for (arguments, message) in [

@@ -26,6 +26,7 @@ mod data;
 mod elasticity;
 mod fault;
 mod files;
+mod gradient;
 mod identity;
 mod laws;
 mod library;
@@ -64,6 +65,7 @@ mod verify;
 
 pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
+pub use gradient::parameter;
 pub use library::{KnownMaterial, materials};
 pub use parse::{Case, parse, read, source};
 pub use reference::{

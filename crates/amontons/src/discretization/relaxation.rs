@@ -94,6 +94,12 @@ impl Relaxation {
         }
     }
 
+    /// True if the state is a nodal field: τ is uniform.
+    #[must_use]
+    pub fn has_field(&self) -> bool {
+        matches!(self.0, BranchKind::Same { .. })
+    }
+
     /// The state z_ϑ = (z̄ + γ w)/(1 + γ/τ), or that of strains, e_ϑ = (ē + γ ε(w))/(1 + γ/τ).
     #[must_use]
     pub fn step(&self, rule: Rule, bar: &[f64], w: &[f64]) -> Vec<f64> {

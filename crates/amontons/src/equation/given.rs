@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::foundation::frames;
 use super::system::{HalfStep, Step};
-use crate::inclusion::{Drive, Frame, Mechanical, MechanicalStep, Multipliers, Onset, PointState};
+use crate::inclusion::{Chosen, Drive, Frame, Mechanical, MechanicalStep, Multipliers, Onset, PointState};
 use crate::linalg::{SolveError, System};
 use crate::state::Rigid;
 
@@ -102,6 +102,16 @@ impl Given {
     /// The term of (4.1) on Γ_C, or `None` without contact.
     pub fn term<'a>(&'a self, step: &Step<'a>, system: &System, unknown: &'a [Option<u32>]) -> Option<Mechanical<'a>> {
         Some(Mechanical::new(self.on_boundary(step, unknown)?, Some(system.condensed())))
+    }
+
+    /// The term with what the iteration of another step chose, or `None` without contact.
+    pub fn frozen<'a>(
+        &'a self,
+        step: &Step<'a>,
+        unknown: &'a [Option<u32>],
+        chosen: &Chosen,
+    ) -> Option<Mechanical<'a>> {
+        Some(Mechanical::new(self.on_boundary(step, unknown)?, None).frozen(chosen))
     }
 
     /// The data on Γ_C, or `None` without contact.

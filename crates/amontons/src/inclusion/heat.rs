@@ -120,7 +120,7 @@ impl PointFlux {
 impl HeatStep<'_> {
     /// The flux by the law out of the side that bears a point, at the temperatures of this side and of what it faces.
     /// The law is that of the side `on`.
-    fn flux(&self, i: usize, temperature: f64, opposite: f64) -> Flux {
+    pub(super) fn flux(&self, i: usize, temperature: f64, opposite: f64) -> Flux {
         let contact = &self.contacts[self.boundary.points[i].contact];
         if contact.sign() > 0.0 {
             contact.heat.flux(&self.at(i, temperature, opposite))

@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::STIFF;
 use super::frame::{Frame, Onset, PointDerivative, PointState};
 use super::friction::Slip;
-use super::interface::{Interface, LocalTangent, Row};
+use super::interface::{Interface, Local, LocalTangent, Row};
 use super::loose::{Holds, Loose, resisting};
 use super::multipliers::Multipliers;
 use super::newton::Term;
 use super::normal::Response;
-use super::point::{Kinematics, Laws, Multiplier, Site};
+use super::point::{Kinematics, Laws, Multiplier, Site, slowest, stiff_beside};
 use crate::arrays::per_point;
 use crate::contact::{
     Contact, ContactBoundary, ContactPoint, GraphKind, Impact, MeanPressure, NormalLaw, Status, arrays,
@@ -28,8 +28,6 @@ const SHARPEST: f64 = 1024.0;
 /// Relative change of a pressure within the round-off of the penetration above which the law jumps there. Of a law
 /// without a jump it is at most 1e-9 of the largest pressure, by the number above; a jump is of the order of one.
 const JUMP: f64 = 1e-3;
-/// Least stiffness of a point over ρ: a few iterations more, however unlike the parts are.
-const LEAST_STIFF: f64 = 1024.0;
 /// Iterates whose states are kept, to name the points that do not settle where a step fails.
 const SEEN: usize = 8;
 
@@ -151,17 +149,21 @@ impl<'a> Mechanical<'a> {
     }
 
     fn kinematics(&self, i: usize, w: &[f64]) -> Kinematics {
-        let [w_nu, t1, t2] = self.interface.jump(i, w);
-        let (frame, span) = (&self.step.frames[i], self.step.rule.span);
+        self.kinematics_of(i, self.interface.jump(i, w), [self.opening[i][0], self.step.temperature[i]])
+    }
+
+    /// The kinematics at a jump of the velocities, ū_ν − g in m and a temperature in K.
+    pub(super) fn kinematics_of(&self, i: usize, jump: Local, [opening, temperature]: [f64; 2]) -> Kinematics {
+        let ([w_nu, t1, t2], frame, span) = (jump, &self.step.frames[i], self.step.rule.span);
         // r = ū_ν + σ w_ν − g, at the end of the step.
-        let penetration = self.opening[i][0] + span * w_nu;
+        let penetration = opening + span * w_nu;
         let rate = w_nu - frame.gap_rate;
         // Rate of r₊ if r > 0, so that the pressure does not jump if the gap closes within the step.
         let rate = rate.min(penetration / span);
         let [v1, v2] = self.foundation[i];
         let [first, second] = self.held(i);
         let slip = [if first { 0.0 } else { t1 - v1 }, if second { 0.0 } else { t2 - v2 }];
-        Kinematics { penetration, rate, slip, temperature: self.step.temperature[i] }
+        Kinematics { penetration, rate, slip, temperature }
     }
 
     pub(super) fn laws_at(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
@@ -170,6 +172,11 @@ impl<'a> Mechanical<'a> {
 
     /// The laws at a point, its pressure found in a way of its own.
     pub(super) fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
+        self.laws_of(i, &self.kinematics(i, w), multiplier, response)
+    }
+
+    /// The laws at a point and its kinematics.
+    pub(super) fn laws_of(&self, i: usize, at: &Kinematics, multiplier: &Multiplier, response: Response) -> Laws {
         let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
         let start = self.opening(i) + rule.span * frame.gap_rate;
         let law = contact.normal.as_ref();
@@ -200,7 +207,7 @@ impl<'a> Mechanical<'a> {
             opening: frame.opening,
             slip_share: rule.slip_share(),
         };
-        Laws::new(&site, &self.kinematics(i, w), multiplier)
+        Laws::new(&site, at, multiplier)
     }
 
     /// This term with another treatment of friction.
@@ -268,7 +275,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// True if the foundation slides in a direction in which a plane body or a body of revolution does not move.
-    fn slides_out(&self, i: usize) -> bool {
+    pub(super) fn slides_out(&self, i: usize) -> bool {
         self.foundation[i].iter().skip(self.step.dim - 1).any(|v| *v != 0.0)
     }
 
@@ -576,25 +583,7 @@ impl Term for Mechanical<'_> {
     }
 }
 
-/// Stiffness of a point that sticks over ρ where rigid motions of stiff parts are held by soft ones. The round-off of
-/// stiff points is ε times their stiffness, and has to be as far below that of the soft parts as these are below their
-/// own points: κ the ratio of the largest and the least ρ, that is 2/√(ε κ), 2²⁷ where all are alike.
-fn stiff_beside(rho: &[f64]) -> f64 {
-    let some = || rho.iter().copied().filter(|rho| *rho > 0.0);
-    let (least, most) = (some().fold(f64::INFINITY, f64::min), some().fold(0.0, f64::max));
-    let ratio = if most > least { most / least } else { 1.0 };
-    (2.0 / (f64::EPSILON * ratio).sqrt()).clamp(LEAST_STIFF, STIFF)
-}
-
 /// The tangential components.
 fn tail(v: [f64; 3]) -> [f64; 2] {
     [v[1], v[2]]
-}
-
-/// Least length of the vectors between two: where slip turns round it stops in between.
-fn slowest(from: &Point, to: &Point) -> f64 {
-    let change: Point = std::array::from_fn(|c| to[c] - from[c]);
-    let squared = dot(&change, &change);
-    let part = if squared > 0.0 { (-dot(from, &change) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    length(&std::array::from_fn(|c| from[c] + part * change[c]))
 }

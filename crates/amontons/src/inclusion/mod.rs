@@ -19,6 +19,7 @@
 //! | `interface` | the rows of N with the basis of each contact point: jump, Nᵀ f, entries of Nᵀ T N |
 //! | `normal`, `friction`, `point` | (2.8), (2.9) and wear at a point, linearised |
 //! | `mechanical`, `heat` | the terms of both half-steps |
+//! | `frozen` | the equations of the points at a solution, for derivatives of a step |
 //! | `multipliers` | pressure and friction of the points, which a step starts from and ends with |
 //! | `passed` | heat that passes a contact, by what it passes by |
 //! | `newton` | the semismooth Newton iteration over a term |
@@ -29,6 +30,7 @@ mod descent;
 mod drive;
 mod frame;
 mod friction;
+mod frozen;
 mod heat;
 mod interface;
 mod loose;
@@ -45,6 +47,7 @@ mod solve;
 
 pub use drive::{Drive, Drives};
 pub use frame::{Frame, Onset, PointDerivative, PointState, PointTangent};
+pub use frozen::{Chosen, PointInput, PointOutput};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use loose::{Loose, Undetermined};

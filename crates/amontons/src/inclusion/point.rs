@@ -1,12 +1,16 @@
 //! The laws of contact at one point, linearised, the multipliers eliminated.
 
+use super::STIFF;
 use super::frame::{PointDerivative, PointState};
 use super::friction::{Friction, Shape, Slip, Tangential};
 use super::interface::{Local, LocalTangent, Row};
 use super::normal::{Approach, Normal, Response};
 use crate::contact::{Bound, Contact, ContactPoint, GraphKind, NormalLaw, Status};
-use crate::tensor::Point;
+use crate::tensor::{Point, dot, length};
 use crate::time::Rule;
+
+/// Least stiffness of a point over ρ: a few iterations more, however unlike the parts are.
+const LEAST_STIFF: f64 = 1024.0;
 
 /// The multipliers of one point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -279,4 +283,22 @@ fn load(graph: GraphKind, pressed: f64) -> (f64, f64) {
         _ if pressed > 0.0 => (pressed, 1.0),
         _ => (0.0, 0.0),
     }
+}
+
+/// Stiffness of a point that sticks over ρ where rigid motions of stiff parts are held by soft ones. The round-off of
+/// stiff points is ε times their stiffness, and has to be as far below that of the soft parts as these are below their
+/// own points: κ the ratio of the largest and the least ρ, that is 2/√(ε κ), 2²⁷ where all are alike.
+pub(super) fn stiff_beside(rho: &[f64]) -> f64 {
+    let some = || rho.iter().copied().filter(|rho| *rho > 0.0);
+    let (least, most) = (some().fold(f64::INFINITY, f64::min), some().fold(0.0, f64::max));
+    let ratio = if most > least { most / least } else { 1.0 };
+    (2.0 / (f64::EPSILON * ratio).sqrt()).clamp(LEAST_STIFF, STIFF)
+}
+
+/// Least length of the vectors between two: where slip turns round it stops in between.
+pub(super) fn slowest(from: &Point, to: &Point) -> f64 {
+    let change: Point = std::array::from_fn(|c| to[c] - from[c]);
+    let squared = dot(&change, &change);
+    let part = if squared > 0.0 { (-dot(from, &change) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    length(&std::array::from_fn(|c| from[c] + part * change[c]))
 }

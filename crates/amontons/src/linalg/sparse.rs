@@ -345,6 +345,22 @@ impl BlockMatrix {
         y
     }
 
+    /// Aᵀ x, for blocks that are not 1 × 1 acting on vectors. The sum is taken in the order of the rows.
+    #[must_use]
+    pub fn apply_transposed(&self, x: &[f64]) -> Vec<f64> {
+        let (rows, cols) = (self.rows, self.cols);
+        let mut y = zeros(self.graph.len() * cols);
+        for (i, x) in x.chunks_exact(rows.max(1)).enumerate() {
+            for (j, block) in self.row(i) {
+                for (x, block) in x.iter().zip(block.chunks_exact(cols.max(1))) {
+                    let at = y[j * cols..(j + 1) * cols].iter_mut();
+                    at.zip(block).for_each(|(y, entry)| *y += entry * x);
+                }
+            }
+        }
+        y
+    }
+
     /// Product rows for blocks of any shape; `x` has `components` values per column of a block.
     fn rows_of_any(&self, first: usize, components: usize, x: &[f64], y: &mut [f64]) {
         let (rows, cols) = (self.rows, self.cols);

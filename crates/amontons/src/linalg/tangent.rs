@@ -192,6 +192,19 @@ impl Tangent {
         part
     }
 
+    /// Jᵀ.
+    #[must_use]
+    pub fn transposed(&self) -> Tangent {
+        let turned = |point: &PointContribution| PointContribution {
+            force: point.jump.clone(),
+            jump: point.force.clone(),
+            weight: point.weight,
+            slope: std::array::from_fn(|a| std::array::from_fn(|b| point.slope[b][a])),
+        };
+        let points = self.points.iter().map(turned).collect();
+        Tangent { shares: self.shares.clone(), points, springs: self.springs.clone() }
+    }
+
     /// Adds `factor` times J x to y.
     pub fn add_product(&self, factor: f64, x: &[f64], y: &mut [f64]) {
         for point in &self.points {

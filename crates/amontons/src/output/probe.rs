@@ -12,7 +12,7 @@ use super::{PointValues, Snapshot};
 use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
-use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
+use crate::mesh::{Block, CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{Problem, ProblemData};
 use crate::quadrature::{QuadratureRule, rule};
 use crate::tensor::{Point, length};
@@ -107,6 +107,22 @@ impl ProbeSet {
     #[must_use]
     pub fn columns(&self) -> &[String] {
         &self.names
+    }
+
+    /// The nodes whose values the probes read, or `None` if a probe reads contact points or a side as a whole.
+    pub(crate) fn nodes(&self, mesh: &Mesh) -> Option<BTreeSet<u32>> {
+        let mut nodes = BTreeSet::new();
+        for probe in &self.probes {
+            if probe.whole.is_some() || matches!(probe.quantity.base, Base::Contact(_)) {
+                return None;
+            }
+            nodes.extend(probe.spots.iter().flat_map(|spot| &spot.nodes).map(|(node, _)| *node));
+        }
+        for &(block, cell, _) in &self.samples {
+            let cells = mesh.blocks.get(block as usize).map(Block::cells);
+            nodes.extend(cells.and_then(|mut cells| cells.nth(cell as usize)).into_iter().flatten().copied());
+        }
+        Some(nodes)
     }
 
     /// The values at a time, one per column. A contact pressure is NaN at t = 0, where it is not known.

@@ -121,7 +121,7 @@ const PRINCIPAL: &[(&str, Selection)] = &[
 const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 
 /// Quantities known for a side as a whole only: reactions, resultants and rotation.
-pub(super) const OF_WHOLE: [Base; 6] =
+pub(crate) const OF_WHOLE: [Base; 6] =
     [Base::Reaction, Base::ReactionHeat, Base::ReactionMoment, Base::TotalForce, Base::TotalMoment, Base::Rotation];
 
 /// What is known of a quantity without the selected part.

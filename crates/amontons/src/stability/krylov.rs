@@ -7,18 +7,29 @@
 //! One application solves T(σ)x = r. The method starts with two vectors, so that it finds both of a double eigenvalue,
 //! as bodies of revolution have them, and keeps all vectors: there is no restart to choose.
 
-use faer::{Mat, c64};
+use faer::linalg::matmul::matmul;
+use faer::traits::Conjugate;
+use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 
 use super::StabilityError;
 use super::polynomial::{Polynomial, norm};
 use crate::linalg::Pivots;
 
 /// Size of an eigenvalue's residual, relative to that of the operator, at which it counts as found.
-const FOUND: f64 = 1e-13;
+const FOUND: f64 = 1e-12;
 /// Size of a new vector, relative to what it was, that is round-off: the space is exhausted.
 const NOTHING: f64 = 1e-14;
 /// Vectors the method starts with.
 const FIRST: usize = 2;
+
+const ONE: c64 = c64::new(1.0, 0.0);
+
+/// y ← factor A x, or y ← y + factor A x.
+fn product<C: Conjugate<Canonical = c64>>(y: &mut [c64], a: MatRef<C>, x: &[c64], how: Accum, factor: c64) {
+    let rows = y.len();
+    let y = MatMut::from_column_major_slice_mut(y, rows, 1);
+    matmul(y, how, a, MatRef::from_column_major_slice(x, x.len(), 1), factor, Par::Seq);
+}
 
 /// An approximate eigenpair.
 #[derive(Clone, Debug)]
@@ -44,7 +55,8 @@ pub(super) struct Krylov<'a> {
     shift: c64,
     /// Size of v against x: the largest rate of interest, 1/s.
     rate: f64,
-    basis: Vec<Vec<c64>>,
+    /// The vectors of the basis, one after the other.
+    basis: Vec<c64>,
     /// Columns of the projected operator, each as long as the basis was after it.
     columns: Vec<Vec<c64>>,
     is_exhausted: bool,
@@ -95,22 +107,26 @@ impl<'a> Krylov<'a> {
         self.is_exhausted
     }
 
+    /// Number of vectors of the basis.
+    fn count(&self) -> usize {
+        self.basis.len() / self.length().max(1)
+    }
+
     /// Orthogonalizes a vector against the basis, twice, and appends it if something is left. Returns the coefficients.
     fn orthogonalized(&mut self, mut vector: Vec<c64>) -> Vec<c64> {
-        let before = norm(&vector);
-        let mut coefficients = vec![c64::default(); self.basis.len()];
+        let (before, length, count) = (norm(&vector), self.length(), self.count());
+        let mut coefficients = vec![c64::default(); count];
+        let basis = MatRef::from_column_major_slice(&self.basis[..], length, count);
         for _ in 0..2 {
-            for (coefficient, own) in coefficients.iter_mut().zip(&self.basis) {
-                let along: c64 = own.iter().zip(&vector).map(|(own, v)| own.conj() * *v).sum();
-                vector.iter_mut().zip(own).for_each(|(v, own)| *v -= along * *own);
-                *coefficient += along;
-            }
+            let mut along = vec![c64::default(); count];
+            product(&mut along, basis.adjoint(), &vector, Accum::Replace, ONE);
+            product(&mut vector, basis, &along, Accum::Add, -ONE);
+            coefficients.iter_mut().zip(&along).for_each(|(sum, along)| *sum += *along);
         }
         let left = norm(&vector);
         if left > NOTHING * before {
-            vector.iter_mut().for_each(|v| *v /= left);
             coefficients.push(c64::new(left, 0.0));
-            self.basis.push(vector);
+            self.basis.extend(vector.iter().map(|v| *v / left));
         }
         coefficients
     }
@@ -140,7 +156,8 @@ impl<'a> Krylov<'a> {
     /// Adds dimensions to the space.
     pub fn extend(&mut self, by: usize) {
         for _ in 0..by {
-            let Some(next) = self.basis.get(self.columns.len()) else {
+            let from = self.columns.len() * self.length();
+            let Some(next) = self.basis.get(from..from + self.length()) else {
                 self.is_exhausted = true;
                 return;
             };
@@ -166,7 +183,7 @@ impl<'a> Krylov<'a> {
             let size = norm(&vector);
             vector.iter_mut().for_each(|v| *v /= size);
             // The part of the image outside of the space.
-            let outside: f64 = (m..self.basis.len())
+            let outside: f64 = (m..self.count())
                 .map(|i| vector.iter().enumerate().map(|(j, v)| entry(i, j) * *v).sum::<c64>().norm_sqr())
                 .sum();
             if nu.norm() > 0.0 {
@@ -181,7 +198,7 @@ impl<'a> Krylov<'a> {
     /// The eigenvector x of T(λ), of size 1.
     pub fn vector(&self, ritz: &Ritz) -> Vec<c64> {
         let mut x = vec![c64::default(); self.polynomial.size()];
-        for (own, factor) in self.basis.iter().zip(&ritz.vector) {
+        for (own, factor) in self.basis.chunks_exact(self.length().max(1)).zip(&ritz.vector) {
             x.iter_mut().zip(own).for_each(|(x, own)| *x += *factor * *own);
         }
         let size = norm(&x);

@@ -23,7 +23,7 @@ pub(super) fn first_temperature(problem: &Problem, discrete: &Discretization) ->
 ///
 /// # Errors
 /// If initial data are not finite.
-pub(super) fn state(
+pub(crate) fn state(
     problem: &Problem,
     discrete: &Discretization,
     equilibrium: Option<&State>,

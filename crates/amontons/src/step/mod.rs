@@ -11,6 +11,7 @@ mod linearised;
 mod march;
 
 pub use crate::equation::{Kept, KeptRule};
+pub(crate) use initial::state as initial_state;
 pub use march::March;
 
 use std::fmt;

@@ -17,6 +17,7 @@ mod convergence;
 mod coupling;
 mod elements;
 mod forms;
+mod gradient;
 mod iterations;
 mod jumps;
 mod layers;

@@ -28,6 +28,7 @@ const LAYERS: &[&[&str]] = &[
     &["step"],
     &["convergence"],
     &["output"],
+    &["adjoint"],
     &["run", "case"],
     &["plot"],
     &["contract", "verify"],

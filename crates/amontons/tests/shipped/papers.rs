@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 17] = [
+const RESULTS: [&str; 19] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -60,6 +60,8 @@ const RESULTS: [&str; 17] = [
     "probes.csv",
     "contact.csv",
     "convergence.csv",
+    "gradient.csv",
+    "gradient.json",
     "report.md",
     "fields.pvd",
     "fields.vtkhdf",

@@ -1,0 +1,285 @@
+//! A problem with its forms, and the equations of one of its steps at given unknowns.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use crate::contact::Status;
+use crate::discretization::Discretization;
+use crate::equation::StepInputs;
+use crate::equation::acting::{boundary_at, contacts_at};
+use crate::equation::foundation::temperatures;
+use crate::equation::given::Given;
+use crate::equation::system::{Bar, Products, Step};
+use crate::inclusion::{Chosen, HeatStep, Local, Loose, Mechanical, PointInput, PointOutput, PointState};
+use crate::linalg::{max_abs, zeros};
+use crate::problem::{Physics, Problem};
+use crate::pulse::Pulse;
+use crate::state::State;
+use crate::tensor::{Point, dot};
+use crate::time::Rule;
+
+/// A problem with its forms.
+pub(super) struct ProblemInstance {
+    pub problem: Problem,
+    pub discrete: Arc<Discretization>,
+}
+
+/// A step: the state that it starts from, its unknowns, and what the iteration on Γ_C chose.
+#[derive(Clone, Copy)]
+pub(super) struct SolvedStep<'a> {
+    pub n: usize,
+    pub old: &'a State,
+    pub new: &'a State,
+    pub states: &'a [PointState],
+    pub chosen: &'a Chosen,
+    pub unknown: &'a [Option<u32>],
+}
+
+/// The equations of a step at given unknowns.
+pub(super) struct StepResidual {
+    /// (4.1) per degree of freedom, N, and (4.2) per node, W.
+    pub mechanics: Vec<f64>,
+    pub heat: Vec<f64>,
+    /// The velocities and temperatures, those that are prescribed by their data.
+    pub rates: Vec<f64>,
+    pub temperatures: Vec<f64>,
+    /// The contact points.
+    pub points: Vec<PointOutput>,
+    /// Work of friction in the step at each point, J/m².
+    pub work: Vec<f64>,
+    /// The states of the contact points.
+    pub states: Vec<PointState>,
+    /// Largest terms of (4.1) and of (4.2), whose round-off the residuals contain.
+    pub sizes: [f64; 2],
+    /// What follows from the unknowns: ū + γw, and the branches.
+    pub u: Vec<f64>,
+    pub branches: Vec<Vec<f64>>,
+}
+
+impl ProblemInstance {
+    pub fn new(problem: &Problem) -> ProblemInstance {
+        ProblemInstance { problem: problem.clone(), discrete: Arc::new(Discretization::new(problem)) }
+    }
+
+    /// The rule of step n.
+    pub fn rule(&self, n: usize) -> Rule {
+        let now = self.problem.timeline.instant(n);
+        self.problem.rule(now.analysis, now.k)
+    }
+
+    /// Something of a step that starts from a state.
+    pub fn step<T>(&self, n: usize, old: &State, of: impl FnOnce(&Step) -> T) -> T {
+        let (now, rule) = (self.problem.timeline.instant(n), self.rule(n));
+        // The times of a run are data too.
+        let start = now.t - now.k;
+        let old = &*if (old.t - start).abs() <= 1e-12 * now.t {
+            Cow::Borrowed(old)
+        } else {
+            Cow::Owned(State { t: start, ..old.clone() })
+        };
+        let level = rule.time([old.t, now.t]);
+        let products = Products::of(&self.discrete, old);
+        let contacts = contacts_at(&self.problem, level);
+        let boundary = boundary_at(&self.discrete, &self.problem, old);
+        let (loose, pulse, inputs) = (Arc::new(Loose::default()), Pulse::default(), StepInputs::default());
+        of(&Step {
+            problem: &self.problem,
+            contacts: &contacts,
+            discrete: &self.discrete,
+            boundary: &boundary,
+            old,
+            bar: Bar::of(old, &products),
+            products: &products,
+            n,
+            whole: [now.t, now.k],
+            rule,
+            t: now.t,
+            level,
+            apart: None,
+            pulse: &pulse,
+            may_be_halved: false,
+            loose: &loose,
+            inputs: &inputs,
+        })
+    }
+
+    /// The equations of a step at its unknowns w, θ and `forces`, (p, q) of each point in its own basis.
+    pub fn residual(&self, of: &SolvedStep, forces: &[Local]) -> StepResidual {
+        self.step(of.n, of.old, |step| {
+            let given = data(step, of.new);
+            let term = given.frozen(step, of.unknown, of.chosen);
+            let inputs = term.as_ref().map_or_else(Vec::new, |term| inputs(step, &given, term, of.new, forces));
+            let points: Vec<PointOutput> = term.as_ref().map_or_else(Vec::new, |term| {
+                inputs.iter().enumerate().map(|(i, input)| term.equations(i, input)).collect()
+            });
+            let states: Vec<PointState> = term.as_ref().map_or_else(Vec::new, |term| {
+                let of = |(i, (point, force))| state(&term.basis(i), point, force);
+                points.iter().zip(forces).enumerate().map(of).collect()
+            });
+            let rubbed = |(state, frame)| {
+                let state: &PointState = state;
+                step.rubbing(frame) * dot(&state.q, &state.slip)
+            };
+            let work = states.iter().zip(&given.frames).map(rubbed).collect();
+            let (mechanics, u, acting) = balance(step, &of.new.w, &states);
+            let mut rates = of.new.w.clone();
+            let free = step.replacing(|inputs| &inputs.displacements);
+            step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
+            let (heat, temperatures, flowing) = warming(step, &of.new.theta, &states);
+            let sizes = [acting, flowing];
+            let branches = step.branches(&of.new.w);
+            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches }
+        })
+    }
+}
+
+/// The data of the contact points of a step.
+pub(super) fn data(step: &Step, new: &State) -> Given {
+    let theta = step.boundary.scalars_on(step.contacts, &driving(step));
+    Given::new(step, &new.w).at(theta)
+}
+
+/// What the equations of the contact points depend on, at the unknowns of a step.
+pub(super) fn inputs(step: &Step, given: &Given, term: &Mechanical, new: &State, forces: &[Local]) -> Vec<PointInput> {
+    let points = step.boundary.points.iter().zip(forces).enumerate();
+    points
+        .map(|(i, (point, force))| {
+            let v = step.boundary.vector_at(point, step.discrete.mesh.dim, &new.w);
+            PointInput {
+                velocity: term.basis(i).map(|axis| dot(&axis, &v)),
+                force: *force,
+                opening: term.distance(i),
+                temperature: given.temperature.get(i).copied().unwrap_or(0.0),
+                sticks: new.multipliers.sticks.get(i).copied().unwrap_or(false),
+            }
+        })
+        .collect()
+}
+
+/// A vector in the axes of space, by its components in a basis.
+pub(super) fn global(basis: &[Point; 3], v: &Local) -> Point {
+    std::array::from_fn(|c| (0..3).map(|a| v[a] * basis[a][c]).sum())
+}
+
+fn state(basis: &[Point; 3], point: &PointOutput, force: &Local) -> PointState {
+    let PointOutput { penetration, slip: [s1, s2], worn, bound, .. } = *point;
+    PointState {
+        normal: basis[0],
+        penetration,
+        at_level: penetration,
+        pressure: force[0],
+        bound,
+        q: global(basis, &[0.0, force[1], force[2]]),
+        slip: global(basis, &[0.0, s1, s2]),
+        wear: worn,
+        opened: worn,
+        status: Status::Open,
+    }
+}
+
+/// The temperature in m and in the laws of contact: θ_{n−1}, or the given one.
+pub(super) fn driving(step: &Step) -> Vec<f64> {
+    match step.problem.physics {
+        Physics::Warmed => step.problem.given_temperature(step.level),
+        Physics::Coupled | Physics::Heat => step.old.theta.clone(),
+        Physics::Mechanics => zeros(step.old.theta.len()),
+    }
+}
+
+/// The residual of (4.1) at a velocity and forces of contact, ū + γw, and the largest term.
+fn balance(step: &Step, w: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>, f64) {
+    let (discrete, rule) = (step.discrete, step.rule);
+    let u: Vec<f64> = step.bar.u.iter().zip(w).map(|(u, w)| u + rule.gamma * w).collect();
+    let theta = driving(step);
+    let [mass_w, a_u, _, b_w] = discrete.mechanical_products(&u, w, &discrete.warmed(&theta));
+    let (inertia, load, thermal) = (step.inertia() / rule.delta, step.load(), discrete.thermal_force(&theta));
+    let mut rest = zeros(w.len());
+    let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
+    step.boundary.scatter(discrete.v.components, states.iter().map(force), &mut rest);
+    let largest = [&a_u, &b_w, &*load, &thermal, &rest].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
+    let largest = largest.max(inertia * max_abs(&mass_w).max(max_abs(step.bar.mass_w)));
+    for (i, rest) in rest.iter_mut().enumerate() {
+        *rest += inertia * (mass_w[i] - step.bar.mass_w[i]) + b_w[i] + a_u[i] - load[i] - thermal[i];
+    }
+    let relaxing = step.relaxing(w);
+    rest.iter_mut().zip(&relaxing).for_each(|(rest, force)| *rest += force);
+    (rest, u, largest)
+}
+
+/// The residual of (4.2) at a temperature and states of the contact points, and the temperature with its prescribed
+/// values, both empty without heat, and the largest term.
+fn warming(step: &Step, theta: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>, f64) {
+    if !step.problem.physics.has_heat() {
+        let given =
+            if step.problem.physics == Physics::Warmed { step.problem.given_temperature(step.t) } else { Vec::new() };
+        return (Vec::new(), given, 0.0);
+    }
+    let discrete = step.discrete;
+    let [stored, conducted] = discrete.thermal_products(theta);
+    let (storage, supply, coupling) =
+        (discrete.storage().0 / step.rule.delta, step.supply(), discrete.e.apply(&step.old.u));
+    let mut rest = zeros(theta.len());
+    let foundation = temperatures(step);
+    let on_boundary = heat_step(step, &foundation, states);
+    step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut rest);
+    let largest = [&conducted, &coupling, &*supply, &rest].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
+    let largest = largest.max(storage * max_abs(&stored).max(max_abs(step.bar.mass_theta)));
+    for (i, rest) in rest.iter_mut().enumerate() {
+        *rest += storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - coupling[i] - supply[i];
+    }
+    let mut prescribed = theta.to_vec();
+    discrete.q.prescribe_with(step.t, &step.replacing(|inputs| &inputs.temperatures), &mut prescribed);
+    (rest, prescribed, largest)
+}
+
+/// The heat exchange of a step on Γ_C at states of the contact points, to evaluate its laws.
+pub(super) fn heat_step<'a>(step: &Step<'a>, foundation: &'a [f64], states: &'a [PointState]) -> HeatStep<'a> {
+    HeatStep {
+        contacts: step.contacts,
+        boundary: step.boundary,
+        unknown: &[],
+        theta_prescribed: &[],
+        foundation,
+        lumped: &[],
+        states,
+    }
+}
+
+/// Residual of an equation relative to its largest term above which the step does not obey it.
+const MET: f64 = 1e-6;
+
+impl StepResidual {
+    /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
+    pub fn unmet(&self, base: &ProblemInstance, of: &SolvedStep) -> Option<&'static str> {
+        let discrete = &base.discrete;
+        let largest = |free: &[bool], rest: &[f64]| {
+            rest.iter().zip(free).filter(|(_, free)| **free).fold(0.0, |most: f64, (rest, _)| most.max(rest.abs()))
+        };
+        let apart = |a: &[f64], b: &[f64]| {
+            let most = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            most > MET * max_abs(a).max(max_abs(b))
+        };
+        let traction = self.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let points = discrete.boundary.points.iter().zip(&self.points).filter(|(point, _)| point.weight > 0.0);
+        let defect = points.fold(0.0, |most: f64, (_, point)| most.max(max_abs(&point.defect)));
+        let sum = |old: &[f64], more: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+            old.iter().zip(more).map(|(old, more)| old + more).collect()
+        };
+        let (old, new) = (&of.old.surface, &of.new.surface);
+        let worn = sum(&old.wear, &mut self.points.iter().map(|point| point.worn));
+        let work = sum(&old.friction_work, &mut self.work.iter().copied());
+        match () {
+            () if largest(&discrete.v.free, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
+            () if largest(&discrete.q.free, &self.heat) > MET * self.sizes[1] => Some("the balance of heat"),
+            () if apart(&self.rates, &of.new.w) => Some("the prescribed displacements"),
+            () if !self.temperatures.is_empty() && apart(&self.temperatures, &of.new.theta) => {
+                Some("the prescribed temperatures")
+            }
+            () if defect > MET * traction => Some("the laws of contact"),
+            () if apart(&self.u, &of.new.u) => Some("the displacement at the end of the step"),
+            () if apart(&worn, &new.wear) => Some("the depth of wear"),
+            () if apart(&work, &new.friction_work) => Some("the work of friction"),
+            () => None,
+        }
+    }
+}

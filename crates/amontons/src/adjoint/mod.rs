@@ -1,0 +1,370 @@
+//! Derivatives of numbers at the end of a run by data of the problem, by an adjoint through all steps.
+//!
+//! A step at its solution is a smooth system R(z; z₀, m) = 0 in its unknowns z, as long as no contact point changes its
+//! state. With J = ∂R/∂z, y the solution of Jᵀ y = λ and λ the derivatives of an output o by what the step ends with,
+//!
+//! ```text
+//!     do/dm = ∂o/∂m − Σ y·∂R/∂m,       λ at the start = −(∂R/∂z₀)ᵀ y,
+//! ```
+//!
+//! summed from the last step to the first one. K is symmetric and has one factor; the contribution of contact to J is
+//! not symmetric, because pressure acts on friction and not the other way round, and is transposed.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `scope` | the problems that have derivatives |
+//! | `history` | the states of the run |
+//! | `instance` | the equations of a step at given unknowns |
+//! | `points` | the linearised contact points, and their distances to a change of state |
+//! | `transpose`, `sweep` | Jᵀ, and a step backward |
+//! | `outputs`, `parameter` | o with its derivatives, and the problems around a value of m |
+//! | `stencil` | differences of fourth order |
+//!
+//! ∂R/∂m is a difference of equations at fixed unknowns, never of runs: any number of a case is a parameter.
+
+mod error;
+mod history;
+mod instance;
+mod outputs;
+mod parameter;
+mod points;
+mod scope;
+mod stencil;
+mod sweep;
+#[cfg(all(test, feature = "case"))]
+mod tests;
+mod transpose;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+pub use error::{GradientError, RefusedGradient};
+use history::RunHistory;
+use instance::{ProblemInstance, SolvedStep, StepResidual};
+use outputs::{GradientOutput, OutputReader};
+pub use parameter::Parameter;
+use parameter::Variants;
+use points::{Forced, LinearPoint, PointMargin, TOUCHES, linearised, margins};
+use serde::Serialize;
+use sweep::{Around, LinearStep, Multiplied, OfPoints, StateWeights};
+use transpose::TransposedFactors;
+
+use crate::inclusion::Local;
+use crate::output::Probe;
+use crate::problem::{Fault, Problem};
+use crate::state::{State, StepReport};
+use crate::step::initial_state;
+
+/// Memory granted to the states of a run, bytes.
+const GRANTED: usize = 1 << 30;
+/// Kink of a parameter relative to the derivative above which there is none, and the roundings that are no kink.
+const KINK: f64 = 1e-4;
+const ROUNDINGS: f64 = 256.0;
+/// Part of an output that counts as a rounding.
+const NOTHING: f64 = 16.0 * f64::EPSILON;
+/// Number of sizes of the step of a parameter.
+const SIZES: i32 = 3;
+
+/// What is asked for.
+pub struct GradientRequest<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// The probes that outputs may name.
+    pub probes: &'a [Probe],
+    /// Names of numbers at the end of the run: columns of probes, `final.contact.force.0`,
+    /// `energy.friction_dissipation`, `final.contact.wear_volume`.
+    pub outputs: &'a [String],
+    /// The data by which they are differentiated.
+    pub parameters: &'a [Parameter<'a>],
+    /// Memory for the states of the run in bytes; `None` for 1 GiB. States that do not fit are made again.
+    pub memory: Option<usize>,
+    /// Ends the computation when it becomes true.
+    pub interrupt: Option<&'a AtomicBool>,
+}
+
+/// Derivatives of numbers at the end of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GradientTable {
+    /// Names of the outputs and parameters, with their values.
+    pub outputs: Vec<(String, f64)>,
+    /// The parameters.
+    pub parameters: Vec<(String, f64)>,
+    /// Derivatives by output and parameter.
+    pub derivatives: Vec<Vec<f64>>,
+    /// The least margin: how far the contact points are from a change of state, over all steps. With a margin of 0 the
+    /// derivatives are one-sided. `None` without contact points that could change.
+    pub margin: Option<f64>,
+    /// Number of contact points and steps that are on a change of state.
+    pub ties: usize,
+    /// If exactly one point is: the derivatives with this point in its other state.
+    pub beyond: Option<Vec<Vec<f64>>>,
+    /// Where the margin is least: the step and the position of the contact point, m.
+    pub nearest: Option<(usize, [f64; 3])>,
+}
+
+/// Computes the derivatives of all outputs by all parameters.
+///
+/// # Errors
+/// If the problem has a feature whose derivative is not there, if a name is unknown, if a parameter changes the number
+/// of steps, nodes or contact points, or if a step fails.
+pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientError> {
+    let base = ProblemInstance::new(request.problem);
+    scope::check(request.problem, &base.discrete)?;
+    let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
+    let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
+    let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+    let mut history = RunHistory::new(&base, request.memory.unwrap_or(GRANTED), &go_on)?;
+    let mut whole = WholeSweep { request, base: &base, outputs: &outputs, history: &mut history, go_on: &go_on };
+    let (derivatives, near) = whole.derivatives(None)?;
+    let ties: Vec<PointMargin> = near.iter().copied().filter(|near| near.value <= TOUCHES).collect();
+    let nearest = near.iter().min_by(|a, b| a.value.total_cmp(&b.value)).copied();
+    let beyond = match ties.as_slice() {
+        [PointMargin { n, point, beyond, .. }] => {
+            Some(whole.derivatives(Some(Forced { n: *n, point: *point, branch: *beyond }))?.0)
+        }
+        _ => None,
+    };
+    let last = whole.last()?;
+    let values = outputs.iter().map(|output| Ok(OutputReader::new(&base, output)?.value(&last.0, &last.1)));
+    let values = values.collect::<Result<Vec<f64>, GradientError>>()?;
+    let place = |near: PointMargin| Some((near.n, base.discrete.boundary.points.get(near.point)?.x));
+    Ok(GradientTable {
+        outputs: request.outputs.iter().cloned().zip(values).collect(),
+        parameters: request.parameters.iter().map(|parameter| (parameter.name.clone(), parameter.value)).collect(),
+        derivatives,
+        margin: nearest.map(|nearest| nearest.value),
+        ties: ties.len(),
+        beyond,
+        nearest: nearest.and_then(place),
+    })
+}
+
+/// Sums over the steps: the derivative, its kink, and the round-off of both, by output.
+type Sums = Vec<[f64; 3]>;
+
+/// The sweep over all steps.
+struct WholeSweep<'a> {
+    request: &'a GradientRequest<'a>,
+    base: &'a ProblemInstance,
+    outputs: &'a [GradientOutput],
+    history: &'a mut RunHistory,
+    go_on: &'a dyn Fn() -> bool,
+}
+
+impl WholeSweep<'_> {
+    /// The last state with the report of its step.
+    fn last(&mut self) -> Result<(State, StepReport), GradientError> {
+        let (steps, report) = (self.history.steps, self.history.report.clone());
+        Ok((self.history.around(steps)?[1].state.clone(), report))
+    }
+
+    /// The derivatives by output and parameter, and the margins of all points that are near or nearest.
+    fn derivatives(&mut self, forced: Option<Forced>) -> Result<(Vec<Vec<f64>>, Vec<PointMargin>), GradientError> {
+        let count = self.request.parameters.len();
+        let mut sizes = vec![0; count];
+        loop {
+            let (sums, near) = self.sweep(forced.as_ref(), &sizes)?;
+            let lost = |j: usize| sums[j].iter().any(|[slope, ..]| slope.is_nan());
+            let again: Vec<usize> = (0..count).filter(|&j| lost(j) && sizes[j] + 1 < SIZES).collect();
+            if again.is_empty() {
+                let by_output = (0..self.outputs.len()).map(|i| sums.iter().map(|sums| sums[i][0]).collect()).collect();
+                self.check(&sums)?;
+                return Ok((by_output, near));
+            }
+            // A difference left the branch of a point on both sides.
+            for j in again {
+                sizes[j] += 1;
+            }
+        }
+    }
+
+    /// Returns an error if a derivative is none, because the data have a kink.
+    fn check(&self, sums: &[Sums]) -> Result<(), GradientError> {
+        for (parameter, sums) in self.request.parameters.iter().zip(sums) {
+            let is_smooth = |[slope, kink, rounded]: &[f64; 3]| {
+                slope.is_finite() && kink.abs() <= KINK * slope.abs() + ROUNDINGS * rounded
+            };
+            if !sums.iter().all(is_smooth) {
+                return Err(parameter.kink());
+            }
+        }
+        Ok(())
+    }
+
+    fn factors(&self, factors: Option<TransposedFactors>, n: usize) -> Result<TransposedFactors, GradientError> {
+        let rule = self.base.rule(n);
+        if let Some(factors) = factors.filter(|factors| factors.rule == rule) {
+            return Ok(factors);
+        }
+        let made = TransposedFactors::new(&self.base.problem, &self.base.discrete, rule);
+        made.map_err(|(part, source)| GradientError::Linear { step: n, part, source })
+    }
+
+    /// One sweep from the last step to the first one.
+    fn sweep(
+        &mut self,
+        forced: Option<&Forced>,
+        sizes: &[i32],
+    ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
+        let (base, request, outputs) = (self.base, self.request, self.outputs);
+        let (mut sums, mut near) = (vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()], Vec::new());
+        let mut ended: Vec<(StateWeights, Option<OfPoints>)> = Vec::new();
+        let (mut variants, mut factors): (Vec<Variants>, _) = (Vec::new(), None);
+        let (last, steps) = (self.last()?, self.history.steps);
+        for n in (1..=steps).rev() {
+            if !(self.go_on)() {
+                return Err(GradientError::Interrupted);
+            }
+            let mut made = self.factors(factors.take(), n)?;
+            let [old, new] = self.history.around(n)?;
+            let chosen = made.chosen(base, n, [&old.state, &new.state]);
+            let unknown = made.mechanics.on_contact.clone();
+            let (old, states, flux) = (&old.state, &new.states, &new.flux);
+            let solved = SolvedStep { n, old, new: &new.state, states, chosen: &chosen, unknown: &unknown };
+            let points = linearised(base, &solved, forced).map_err(|i| kink(base, n, i))?;
+            let forces: Vec<Local> = points.iter().map(|point| point.force).collect();
+            keep_least(&mut near, margins(&solved, &points, &made.rule));
+            let here = base.residual(&solved, &forces);
+            if let Some(unmet) = here.unmet(base, &solved) {
+                return Err(unknown_form(n, unmet));
+            }
+            if n == steps {
+                let parameters = request.parameters.iter().zip(sizes);
+                let all = parameters.map(|(of, size)| of.variants(base, (&solved, &forces), *size));
+                variants = all.collect::<Result<_, _>>()?;
+                ended = at_end(base, outputs, &last, &points)?;
+            }
+            let step = LinearStep { base, solved, points: &points, flux };
+            let of_outputs =
+                ended.iter_mut().map(|(weights, direct)| step.back(&mut made, weights, direct.take().as_ref()));
+            let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
+            for (variants, sums) in variants.iter().zip(&mut sums) {
+                let all = variants.all.each_ref().map(|variant| variant.residual(&solved, &forces));
+                if n == steps {
+                    add_outputs(outputs, variants, (base, &here), &all, (&last, sums))?;
+                }
+                let [a, b, c, d] = all.each_ref();
+                let around = Around { h: variants.h, all: [a, b, &here, c, d] };
+                let free = [&base.discrete.v.free[..], &base.discrete.q.free[..]];
+                for (sum, multiplied) in sums.iter_mut().zip(&multiplied) {
+                    add(sum, multiplied.by_parameter(&around, free));
+                }
+            }
+            factors = Some(made);
+        }
+        add_start(base, &variants, &ended, &mut sums)?;
+        Ok((sums, near))
+    }
+}
+
+/// The refusal of a step whose equations are not those that are differentiated.
+fn unknown_form(n: usize, unmet: &str) -> GradientError {
+    let found = format!("another form of {unmet}");
+    let fault = Fault::new(format!("step {n}"), found, "a step whose equations are those that are differentiated");
+    GradientError::refused(fault.hint("take differences of whole runs (`run --each`)"))
+}
+
+fn add(sum: &mut [f64; 3], more: [f64; 3]) {
+    sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+}
+
+fn kink(base: &ProblemInstance, n: usize, i: usize) -> GradientError {
+    GradientError::Kink { step: n, x: base.discrete.boundary.points.get(i).map_or([0.0; 3], |point| point.x) }
+}
+
+/// Keeps the margins that count as zero, and the least one.
+fn keep_least(near: &mut Vec<PointMargin>, more: Vec<PointMargin>) {
+    near.extend(more);
+    let least = near.iter().fold(f64::INFINITY, |least, near| least.min(near.value));
+    let mut has_least = false;
+    near.retain(|near| {
+        let is_least = near.value <= least && !has_least;
+        has_least |= is_least;
+        is_least || near.value <= TOUCHES
+    });
+}
+
+/// The derivatives of the outputs by the last state.
+fn at_end(
+    base: &ProblemInstance,
+    outputs: &[GradientOutput],
+    (state, report): &(State, StepReport),
+    points: &[LinearPoint],
+) -> Result<Vec<(StateWeights, Option<OfPoints>)>, GradientError> {
+    let slopes = |output| {
+        let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
+        let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
+        let all = all.chain(weights.branches.iter().flatten());
+        if all.chain(of_points.iter().flatten()).any(|slope| !slope.is_finite()) {
+            let found = "a number with a kink here, such as the largest of several equal ones";
+            let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
+            return Err(GradientError::refused(fault));
+        }
+        Ok((weights, Some(of_points)))
+    };
+    outputs.iter().map(slopes).collect()
+}
+
+/// Adds ∂o/∂m of the outputs at fixed unknowns of the last step.
+fn add_outputs(
+    outputs: &[GradientOutput],
+    variants: &Variants,
+    (base, here): (&ProblemInstance, &StepResidual),
+    all: &[StepResidual; 4],
+    ((state, report), sums): (&(State, StepReport), &mut Sums),
+) -> Result<(), GradientError> {
+    let at = |instance, residual: &StepResidual, output| {
+        let mut report = report.clone();
+        for (to, from) in report.contact.states.iter_mut().zip(&residual.states) {
+            *to = crate::inclusion::PointState { status: to.status, ..*from };
+        }
+        Ok::<[f64; 1], GradientError>([OutputReader::new(instance, output)?.value(state, &report)])
+    };
+    for (output, sum) in outputs.iter().zip(sums) {
+        let [a, b, c, d] = &variants.all;
+        let values = [at(a, &all[0], output)?, at(b, &all[1], output)?, at(base, here, output)?];
+        let after = [at(c, &all[2], output)?, at(d, &all[3], output)?];
+        let [one, two, middle] = values.each_ref();
+        let [[slope], [bent]] = stencil::central(variants.h, [one, two, middle, &after[0], &after[1]]);
+        add(sum, [slope, bent, NOTHING * middle[0].abs() / variants.h]);
+    }
+    Ok(())
+}
+
+/// Adds the derivatives through the initial state.
+fn add_start(
+    base: &ProblemInstance,
+    variants: &[Variants],
+    ended: &[(StateWeights, Option<OfPoints>)],
+    sums: &mut [Sums],
+) -> Result<(), GradientError> {
+    let state = |of: &ProblemInstance| initial_state(&of.problem, &of.discrete, None);
+    let here = state(base)?;
+    for (variants, sums) in variants.iter().zip(sums) {
+        let [a, b, c, d] = variants.all.each_ref().map(state);
+        let all = [a?, b?, here.clone(), c?, d?];
+        for ((weights, _), sum) in ended.iter().zip(sums) {
+            let values = all.each_ref().map(|state| [weights.product(state)]);
+            let [[slope], [bent]] = stencil::central(variants.h, values.each_ref());
+            add(sum, [slope, bent, f64::EPSILON * values[2][0].abs() / variants.h]);
+        }
+    }
+    Ok(())
+}
+
+impl GradientTable {
+    /// The table as CSV: a row per output and parameter.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let margin = self.margin.map_or_else(String::new, |margin| format!("{margin:?}"));
+        let mut text = "output,parameter,value,at,derivative,margin,beyond\n".to_owned();
+        for (i, (output, value)) in self.outputs.iter().enumerate() {
+            for (j, (parameter, at)) in self.parameters.iter().enumerate() {
+                let slope = |of: &[Vec<f64>]| of.get(i).and_then(|row| row.get(j)).map(|slope| format!("{slope:?}"));
+                let here = slope(&self.derivatives).unwrap_or_default();
+                let beyond = self.beyond.as_deref().and_then(slope).unwrap_or_default();
+                text += &format!("{output},{parameter},{value:?},{at:?},{here},{margin},{beyond}\n");
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,209 @@
+//! The numbers at the end of a run whose derivatives are asked for.
+
+use super::error::GradientError;
+use super::instance::{ProblemInstance, global};
+use super::points::LinearPoint;
+use super::stencil::derivative;
+use super::sweep::{OfPoints, StateWeights};
+use crate::inclusion::PointState;
+use crate::output::{OF_WHOLE, Probe, ProbeSet, Snapshot, Work};
+use crate::problem::{Fault, Problem};
+use crate::state::{State, StepReport};
+
+/// A number at the end of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct GradientOutput {
+    pub name: String,
+    kind: OutputKind,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum OutputKind {
+    /// A column of a probe.
+    Probe(Box<Probe>, usize),
+    /// A component of the resultant of σν on Γ_C.
+    Force(usize),
+    /// Work of friction since the start.
+    FrictionWork,
+    /// Volume worn off.
+    WearVolume,
+}
+
+/// Names of outputs other than probes, without the component.
+const FORCE: &str = "final.contact.force.";
+const FRICTION_WORK: &str = "energy.friction_dissipation";
+const WEAR_VOLUME: &str = "final.contact.wear_volume";
+
+impl GradientOutput {
+    /// The output of a name: a column of `probes.csv`, or a figure of `summary.json`.
+    pub fn named(name: &str, problem: &Problem, probes: &[Probe]) -> Result<GradientOutput, GradientError> {
+        let dim = problem.mesh.dim;
+        let column = name.strip_prefix("probes.").unwrap_or(name);
+        let columns = |probe: &Probe| -> Vec<String> {
+            let endings = probe.quantity.columns(dim);
+            endings.into_iter().map(|ending| format!("{}{ending}", probe.name)).collect()
+        };
+        let found = probes.iter().find_map(|probe| {
+            let column = columns(probe).iter().position(|known| known == column)?;
+            Some(OutputKind::Probe(Box::new(probe.clone()), column))
+        });
+        let of_force = || name.strip_prefix(FORCE)?.parse::<usize>().ok().filter(|c| *c < dim).map(OutputKind::Force);
+        let has_contact = !problem.contacts.is_empty();
+        let kind = found.or_else(|| match name {
+            FRICTION_WORK => Some(OutputKind::FrictionWork),
+            WEAR_VOLUME if has_contact => Some(OutputKind::WearVolume),
+            _ if has_contact => of_force(),
+            _ => None,
+        });
+        let path = format!("output {name}");
+        match kind {
+            Some(OutputKind::Probe(probe, _)) if OF_WHOLE.contains(&probe.quantity.base) => {
+                let found = format!("{}, a quantity of a side as a whole", probe.quantity.name());
+                let fault = Fault::new(path, found, "a probe of the body or of contact points");
+                Err(GradientError::refused(fault.hint(format!("the force on contacts is {FORCE}0"))))
+            }
+            Some(kind) => Ok(GradientOutput { name: name.to_owned(), kind }),
+            None => {
+                let mut known: Vec<String> = probes.iter().flat_map(columns).collect();
+                known.push(FRICTION_WORK.to_owned());
+                if has_contact {
+                    known.push(WEAR_VOLUME.to_owned());
+                    known.extend((0..dim).map(|c| format!("{FORCE}{c}")));
+                }
+                let fault = Fault::new(path, "no such number", format!("one of {}", known.join(", ")));
+                Err(GradientError::refused(fault.hint("add a [[probe]] to the case")))
+            }
+        }
+    }
+}
+
+/// An output of a problem, ready to be evaluated.
+pub(super) struct OutputReader<'a> {
+    instance: &'a ProblemInstance,
+    output: &'a GradientOutput,
+    set: Option<ProbeSet>,
+}
+
+impl<'a> OutputReader<'a> {
+    pub fn new(instance: &'a ProblemInstance, output: &'a GradientOutput) -> Result<OutputReader<'a>, GradientError> {
+        let set = match &output.kind {
+            OutputKind::Probe(probe, _) => {
+                let made = ProbeSet::new(&instance.problem, std::slice::from_ref(&**probe));
+                Some(made.map_err(|(_, error)| {
+                    GradientError::refused(Fault::new(
+                        format!("output {}", output.name),
+                        error.to_string(),
+                        "a probe that can be read",
+                    ))
+                })?)
+            }
+            _ => None,
+        };
+        Ok(OutputReader { instance, output, set })
+    }
+
+    /// The value at a state with the report of its step.
+    pub fn value(&self, state: &State, report: &StepReport) -> f64 {
+        let ProblemInstance { problem, discrete } = self.instance;
+        let points = &discrete.boundary.points;
+        let over = |of: &[f64]| points.iter().zip(of).map(|(point, value)| point.weight * value).sum();
+        match &self.output.kind {
+            OutputKind::Probe(_, column) => {
+                let now = Snapshot {
+                    problem,
+                    discretization: discrete,
+                    state,
+                    report: Some(report),
+                    work: Work::default(),
+                    scheme: None,
+                };
+                let values = self.set.as_ref().map_or_else(Vec::new, |set| set.values(&now));
+                values.get(*column).copied().unwrap_or(f64::NAN)
+            }
+            OutputKind::Force(c) => {
+                let force = |(point, state): (&crate::contact::PointOnBoundary, &PointState)| {
+                    let sign = problem.contacts.get(point.contact).map_or(1.0, crate::contact::Contact::sign);
+                    0.0 - sign * point.weight * (state.pressure * state.normal[*c] + state.q[*c])
+                };
+                points.iter().zip(&report.contact.states).map(force).sum()
+            }
+            OutputKind::FrictionWork => over(&state.surface.friction_work),
+            OutputKind::WearVolume => over(&state.surface.wear),
+        }
+    }
+
+    /// The derivatives by the last state and by the states of its contact points.
+    pub fn slopes(&self, state: &State, report: &StepReport, points: &[LinearPoint]) -> (StateWeights, OfPoints) {
+        let mut last = (state.clone(), report.clone());
+        let mut found = (StateWeights::zero(state), vec![[0.0; 6]; points.len()]);
+        let scale = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let or = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+        let dim = self.instance.problem.mesh.dim;
+        let nodes = self.set.as_ref().and_then(|set| set.nodes(&self.instance.problem.mesh));
+        let bases: Vec<_> = points.iter().map(|point| point.basis).collect();
+        if let Some(nodes) = nodes {
+            let [u, w, theta] = [&state.u, &state.w, &state.theta].map(|values| or(scale(values)));
+            for node in nodes.into_iter().map(|node| node as usize) {
+                for i in node * dim..(node + 1) * dim {
+                    found.0.u[i] = self.slope(&mut last, u, |(state, _), h| state.u[i] += h);
+                    found.0.w[i] = self.slope(&mut last, w, |(state, _), h| state.w[i] += h);
+                }
+                for b in 0..state.branches.len() {
+                    for i in node * dim..(node + 1) * dim {
+                        let slope = self.slope(&mut last, u, |(state, _), h| state.branches[b][i] += h);
+                        found.0.branches[b][i] = slope;
+                    }
+                }
+                found.0.theta[node] = self.slope(&mut last, theta, |(state, _), h| state.theta[node] += h);
+            }
+            return found;
+        }
+        let surface = &state.surface;
+        let [wear, work] = [&surface.wear, &surface.friction_work].map(|values| or(scale(values)));
+        let most = |of: fn(&PointState) -> f64| {
+            or(report.contact.states.iter().fold(0.0, |most: f64, state| most.max(of(state))))
+        };
+        let traction = most(|state| state.pressure.abs().max(crate::tensor::length(&state.q)));
+        let scales = [
+            traction,
+            traction,
+            traction,
+            most(|state| state.penetration.abs()),
+            most(|state| crate::tensor::length(&state.slip)),
+            most(|state| crate::tensor::length(&state.slip)),
+        ];
+        for i in 0..points.len() {
+            found.0.wear[i] = self.slope(&mut last, wear, |(state, _), h| state.surface.wear[i] += h);
+            found.0.work[i] = self.slope(&mut last, work, |(state, _), h| state.surface.friction_work[i] += h);
+            for (k, scale) in scales.into_iter().enumerate() {
+                found.1[i][k] = self.slope(&mut last, scale, |(_, report), h| {
+                    report.contact.states.get_mut(i).into_iter().for_each(|state| change(state, &bases[i], k, h));
+                });
+            }
+        }
+        found
+    }
+
+    fn slope(&self, last: &mut (State, StepReport), scale: f64, change: impl Fn(&mut (State, StepReport), f64)) -> f64 {
+        let last = std::cell::RefCell::new(last);
+        let at = |h: f64| {
+            let mut last = last.borrow_mut();
+            change(&mut last, h);
+            let value = self.value(&last.0, &last.1);
+            change(&mut last, 0.0 - h);
+            ([value], ())
+        };
+        derivative(at, scale, [0.0], ()).map_or(f64::NAN, |[slope]| slope)
+    }
+}
+
+/// Changes pressure, a component of q, the penetration, or a component of the slip.
+fn change(state: &mut PointState, basis: &[[f64; 3]; 3], k: usize, h: f64) {
+    let along = |a: usize| global(basis, &std::array::from_fn(|b| if a == b { h } else { 0.0 }));
+    match k {
+        0 => state.pressure += h,
+        3 => state.penetration += h,
+        1 | 2 => state.q.iter_mut().zip(along(k)).for_each(|(q, h)| *q += h),
+        _ => state.slip.iter_mut().zip(along(k - 3)).for_each(|(s, h)| *s += h),
+    }
+}

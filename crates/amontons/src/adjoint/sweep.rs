@@ -1,0 +1,302 @@
+//! One step of the sweep from the end of a run to its start.
+
+use super::error::GradientError;
+use super::instance::{ProblemInstance, SolvedStep, StepResidual};
+use super::points::{INPUTS, LinearPoint};
+use super::stencil;
+use super::transpose::{Transposed, TransposedFactors, onto_sides, sides_of, unweighted};
+use crate::contact::Flux;
+use crate::equation::system::Step;
+use crate::inclusion::Local;
+use crate::linalg::{dot, zeros};
+use crate::state::State;
+use crate::tensor::dot as inner;
+
+/// The derivatives of an output by a state: what comes after it.
+#[derive(Clone, Debug)]
+pub(super) struct StateWeights {
+    pub u: Vec<f64>,
+    pub w: Vec<f64>,
+    pub theta: Vec<f64>,
+    pub branches: Vec<Vec<f64>>,
+    /// Of depth of wear and of work of friction per contact point.
+    pub wear: Vec<f64>,
+    pub work: Vec<f64>,
+}
+
+impl StateWeights {
+    /// No weights, of the size of a state.
+    pub fn zero(state: &State) -> StateWeights {
+        StateWeights {
+            u: zeros(state.u.len()),
+            w: zeros(state.w.len()),
+            theta: zeros(state.theta.len()),
+            branches: state.branches.iter().map(|branch| zeros(branch.len())).collect(),
+            wear: zeros(state.surface.wear.len()),
+            work: zeros(state.surface.friction_work.len()),
+        }
+    }
+
+    /// The sum of the products with the values of a state.
+    pub fn product(&self, state: &State) -> f64 {
+        let branches = self.branches.iter().zip(&state.branches).map(|(a, b)| dot(a, b)).sum::<f64>();
+        dot(&self.u, &state.u)
+            + dot(&self.w, &state.w)
+            + dot(&self.theta, &state.theta)
+            + branches
+            + dot(&self.wear, &state.surface.wear)
+            + dot(&self.work, &state.surface.friction_work)
+    }
+}
+
+/// The derivative of an output by the states of the contact points of the last step: by (p, q), penetration and slip
+/// in the bases of the points.
+pub(super) type OfPoints = Vec<[f64; 6]>;
+
+/// The multipliers of the equations of a step.
+pub(super) struct Multiplied {
+    transposed: Transposed,
+    heat: [Vec<f64>; 2],
+    /// The weights of the state at the end of the step.
+    after: StateWeights,
+    /// ω of the contact points, and the branches on which they are taken.
+    areas: Vec<f64>,
+    branches: Vec<[bool; 2]>,
+}
+
+/// A step, linearised.
+pub(super) struct LinearStep<'a> {
+    pub base: &'a ProblemInstance,
+    pub solved: SolvedStep<'a>,
+    pub points: &'a [LinearPoint],
+    pub flux: &'a [Flux],
+}
+
+impl LinearStep<'_> {
+    /// Makes the weights of the state at the end of the step those of the state at its start.
+    pub fn back(
+        &self,
+        factors: &mut TransposedFactors,
+        weights: &mut StateWeights,
+        direct: Option<&OfPoints>,
+    ) -> Result<Multiplied, GradientError> {
+        let (base, solved, n) = (self.base, &self.solved, self.solved.n);
+        let failed = |part| move |source| GradientError::Linear { step: n, part, source };
+        let after = weights.clone();
+        let heat = factors.heat(base, solved, self.flux, &after.theta).map_err(failed("heat"))?;
+        let mut by_point = self.outputs(&after, &heat[0]);
+        for (all, direct) in by_point.iter_mut().zip(direct.into_iter().flatten()) {
+            all.iter_mut().zip(direct).for_each(|(all, direct)| *all += direct);
+        }
+        let inputs: Vec<[f64; INPUTS]> =
+            self.points.iter().zip(&by_point).map(|(point, all)| point.weighted(all)).collect();
+        let (right, force) = base.step(n, solved.old, |step| self.right(step, &after, &inputs));
+        let found = factors.mechanics(base, solved, self.points, (&right, &force)).map_err(failed("mechanics"))?;
+        let areas: Vec<f64> =
+            base.step(n, solved.old, |step| step.boundary.points.iter().map(|point| point.weight).collect());
+        base.step(n, solved.old, |step| self.onto_start(step, weights, (&found, &heat[0]), &inputs));
+        let branches = self.points.iter().map(|point| point.branch).collect();
+        Ok(Multiplied { transposed: found, heat, after, areas, branches })
+    }
+
+    /// The derivatives by (p, q), penetration, slip and wear of each point of what follows from them in the step.
+    fn outputs(&self, after: &StateWeights, heat: &[f64]) -> Vec<[f64; 7]> {
+        self.base.step(self.solved.n, self.solved.old, |step| {
+            let seen = if heat.is_empty() { vec![[0.0; 2]; self.points.len()] } else { sides_of(step, heat) };
+            let of = |(i, point): (usize, &LinearPoint)| {
+                let ([_, q1, q2], [s1, s2], work) = (point.force, point.slip, point.rubbing * after.work[i]);
+                let mut all = [0.0, work * s1, work * s2, 0.0, work * q1, work * q2, after.wear[i]];
+                let (Some(flux), Some(at)) = (self.flux.get(i), step.boundary.points.get(i)) else { return all };
+                let [own, other] = seen[i].map(|seen| 0.0 - at.weight * seen);
+                let through = own + other;
+                let rubs = step.contacts.get(at.contact).is_some_and(crate::contact::Contact::rubs);
+                let power = through * flux.by_friction_power + if rubs { other } else { 0.0 };
+                let speed = s1.hypot(s2);
+                let along = if speed > 0.0 { through * flux.by_slip_speed / speed } else { 0.0 };
+                let more = [
+                    through * flux.by_pressure,
+                    power * s1,
+                    power * s2,
+                    through * flux.by_penetration,
+                    power * q1 + along * s1,
+                    power * q2 + along * s2,
+                    0.0,
+                ];
+                all.iter_mut().zip(more).for_each(|(all, more)| *all += more);
+                all
+            };
+            self.points.iter().enumerate().map(of).collect()
+        })
+    }
+
+    /// The right-hand side of the transposed mechanical half-step.
+    fn right(&self, step: &Step, after: &StateWeights, inputs: &[[f64; INPUTS]]) -> (Vec<f64>, Vec<Local>) {
+        let rule = step.rule;
+        let at_points = self
+            .points
+            .iter()
+            .zip(inputs)
+            .map(|(point, of)| super::instance::global(&point.basis, &[of[0], of[1], of[2]]));
+        let mut right = unweighted(step, at_points);
+        for (i, right) in right.iter_mut().enumerate() {
+            *right += after.w[i] + rule.gamma * after.u[i];
+        }
+        for (branch, weights) in step.discrete.branches.iter().zip(&after.branches) {
+            let more = branch.step(rule, &zeros(weights.len()), weights);
+            right.iter_mut().zip(&more).for_each(|(right, more)| *right += more);
+        }
+        let per_area = |(of, point): (&[f64; INPUTS], &crate::contact::PointOnBoundary)| {
+            if point.weight == 0.0 { [0.0; 3] } else { [of[3], of[4], of[5]].map(|f| f / point.weight) }
+        };
+        (right, inputs.iter().zip(&step.boundary.points).map(per_area).collect())
+    }
+
+    /// The weights of the state at the start of the step.
+    fn onto_start(
+        &self,
+        step: &Step,
+        weights: &mut StateWeights,
+        (found, heat): (&Transposed, &[f64]),
+        inputs: &[[f64; INPUTS]],
+    ) {
+        let (discrete, rule) = (step.discrete, step.rule);
+        let onto = |of: &mut [f64], more: &[f64], factor: f64| {
+            of.iter_mut().zip(more).for_each(|(of, more)| *of += factor * more);
+        };
+        // Of ū_ν − g and of the temperature at each point.
+        let known: Vec<[f64; 2]> = self
+            .points
+            .iter()
+            .enumerate()
+            .map(|(i, point)| {
+                let area = step.boundary.points.get(i).map_or(0.0, |point| point.weight);
+                let [a, b, c] = found.points[i].map(|mu| 0.0 - area * mu);
+                let all = point.back(&[a, b, c, 0.0, 0.0, 0.0, 0.0]);
+                [all[6] + inputs[i][6], all[7] + inputs[i][7]]
+            })
+            .collect();
+        onto(&mut weights.u, &discrete.apply_linear_a(&found.y), -1.0);
+        onto(&mut weights.u, &found.prescribed, -1.0 / rule.span);
+        let along = self.points.iter().zip(&known).map(|(point, [of, _])| point.basis[0].map(|c| c * of));
+        onto(&mut weights.u, &unweighted(step, along), 1.0);
+        let inertia = discrete.inertia().1.apply(&found.y);
+        weights.w = inertia.iter().map(|m| step.inertia() / rule.delta * m).collect();
+        for (branch, weights) in discrete.branches.iter().zip(&mut weights.branches) {
+            let none = zeros(weights.len());
+            let (kept, force) = (branch.step(rule, weights, &none), branch.step(rule, &branch.force(&found.y), &none));
+            *weights = kept.iter().zip(&force).map(|(kept, force)| kept - force).collect();
+        }
+        weights.theta = zeros(weights.theta.len());
+        if step.problem.physics.has_heat() {
+            onto(&mut weights.theta, &discrete.m.apply_transposed(&found.y), 1.0);
+            let stored = discrete.storage();
+            onto(&mut weights.theta, &stored.1.apply(heat), stored.0 / rule.delta);
+            onto(&mut weights.u, &discrete.e.apply_transposed(heat), 1.0);
+            let signs = step.boundary.points.iter().map(|point| step.contacts[point.contact].sign());
+            // The laws see the side `on`; the shares of the other side are negative in the jump.
+            let of_sides =
+                known.iter().zip(signs).map(|([_, of], sign)| if sign > 0.0 { [*of, 0.0] } else { [0.0, 0.0 - of] });
+            onto_sides(step, of_sides, &mut weights.theta);
+        }
+        for (wear, [of, _]) in weights.wear.iter_mut().zip(&known) {
+            *wear -= of;
+        }
+    }
+}
+
+impl LinearPoint {
+    /// StateWeights of (p, q), penetration, slip and wear turned into weights of the inputs.
+    fn weighted(&self, of: &[f64; 7]) -> [f64; INPUTS] {
+        let [p, q1, q2, penetration, s1, s2, worn] = *of;
+        let mut all = self.back(&[0.0, 0.0, 0.0, penetration, s1, s2, worn]);
+        [p, q1, q2].iter().zip(&mut all[3..6]).for_each(|(of, all)| *all += of);
+        all
+    }
+}
+
+/// Values of the equations at −2h, −h, 0, h and 2h of a parameter.
+pub(super) struct Around<'a> {
+    pub h: f64,
+    pub all: [&'a StepResidual; 5],
+}
+
+impl Multiplied {
+    /// The derivative of the output by a parameter through this step, how much of a kink there is, as
+    /// [`stencil::central`] has it, and the round-off of both.
+    pub fn by_parameter(&self, around: &Around, free: [&[bool]; 2]) -> [f64; 3] {
+        let values = around.all.map(|residual| [self.product(residual, free)]);
+        let [[slope], [kink]] = stencil::central(around.h, values.each_ref());
+        let of_points = self.of_defects(around);
+        [slope - of_points[0], kink - of_points[1], f64::EPSILON * self.size(around.all[2]) / around.h]
+    }
+
+    /// The sizes of the numbers whose sum [`Multiplied::product`] is.
+    fn size(&self, of: &StepResidual) -> f64 {
+        let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
+        let Multiplied { transposed, heat: [heat, held], after, areas, .. } = self;
+        let traction = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let mu = transposed.points.iter().zip(areas).map(|(mu, area)| area * sum(mu)).sum::<f64>();
+        of.sizes[0] * sum(&transposed.y)
+            + of.sizes[1] * sum(heat)
+            + traction * mu
+            + product(&transposed.prescribed, &of.rates)
+            + product(held, &of.temperatures)
+            + product(&after.u, &of.u)
+            + product(&after.work, &of.work)
+    }
+
+    /// The sum of all equations but those of the contact points, and of what follows from the unknowns.
+    fn product(&self, of: &StepResidual, [free_v, free_q]: [&[bool]; 2]) -> f64 {
+        let Multiplied { transposed, heat: [heat, held], after, .. } = self;
+        let on = |free: &[bool], y: &[f64], rest: &[f64]| -> f64 {
+            free.iter().zip(y.iter().zip(rest)).filter(|(free, _)| **free).map(|(_, (y, rest))| y * rest).sum()
+        };
+        let worn = after.wear.iter().zip(&of.points).map(|(weight, point)| weight * point.worn).sum::<f64>();
+        let branches = after.branches.iter().zip(&of.branches).map(|(a, b)| dot(a, b)).sum::<f64>();
+        let warmed = if heat.is_empty() { dot(&after.theta[..of.temperatures.len()], &of.temperatures) } else { 0.0 };
+        dot(&transposed.prescribed, &of.rates) + dot(held, &of.temperatures[..held.len()]) + warmed
+            - on(free_v, &transposed.y, &of.mechanics)
+            - on(free_q, heat, &of.heat)
+            + dot(&after.u, &of.u)
+            + branches
+            + worn
+            + dot(&after.work, &of.work)
+    }
+
+    /// The same of the equations of the contact points, on the branch of the solution; NaN if a difference of this step
+    /// leaves it on both sides.
+    fn of_defects(&self, around: &Around) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (i, (mu, area)) in self.transposed.points.iter().zip(&self.areas).enumerate() {
+            let slopes = around.slopes(i, self.branches[i]);
+            for (sum, slope) in sum.iter_mut().zip(slopes) {
+                *sum += area * inner(mu, &slope);
+            }
+        }
+        sum
+    }
+}
+
+impl Around<'_> {
+    /// The derivative of the defect of a point on a branch, and how much of a kink it has.
+    fn slopes(&self, i: usize, branch: [bool; 2]) -> [Local; 2] {
+        let (values, h) = (self.all.map(|residual| residual.points[i]), self.h);
+        let [a, b, at, c, d] = values.map(|point| point.defect);
+        // A parameter that leaves the point on another branch does not tell them apart.
+        let alike = values.iter().all(|point| point.branch == values[2].branch);
+        if alike || values.iter().all(|point| point.branch == branch) {
+            return stencil::central(h, [&a, &b, &at, &c, &d]);
+        }
+        let on = |of: [usize; 2]| of.iter().all(|&j| values[j].branch == branch);
+        let one_sided = |near: Local, far: Local, h: f64| {
+            let slope: Local = std::array::from_fn(|k| (4.0 * near[k] - 3.0 * at[k] - far[k]) / (2.0 * h));
+            [slope, [0.0; 3]]
+        };
+        match (on([0, 1]), on([3, 4])) {
+            (_, true) => one_sided(c, d, h),
+            (true, false) => one_sided(b, a, 0.0 - h),
+            (false, false) => [[f64::NAN; 3]; 2],
+        }
+    }
+}
