@@ -71,7 +71,7 @@ fn gradient_writes_a_table_and_refuses_what_has_no_derivative() {
     assert!(out.join("gradient.json").exists() && out.join("case.toml").exists());
     // Derivatives that are there are not overwritten.
     assert_eq!(with("final.contact.force.0", key).status.code(), Some(2));
-    std::fs::remove_file(out.join("gradient.csv")).expect("the table");
+    fs::remove_file(out.join("gradient.csv")).expect("the table");
     for (of, by, message) in [
         ("final.contact.force.7", key, "found no such number"),
         ("final.contact.force.0", "contact.friction.law", "expected a key with a number"),

@@ -98,17 +98,8 @@ pub(super) fn problem(
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
-    let (findings, (inputs, references)) = (build.certain(), build.loader.copies());
-    let built = |problem| Built {
-        problem,
-        probes,
-        stability,
-        exact,
-        verify,
-        inputs,
-        references,
-        skipped: build.of_file.skipped,
-    };
+    let (findings, (inputs, references), skipped) = (build.certain(), build.loader.copies(), build.of_file.skipped);
+    let built = |problem| Built { problem, stability, probes, exact, verify, inputs, references, skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 

@@ -11,7 +11,9 @@ impl Discretization {
     pub fn mechanical_forms(&self, u: &[f64], w: &[f64], theta: &[f64]) -> [BlockMatrix; 2] {
         let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[_], at: &[f64]| {
             let mut matrix = form.clone();
-            boundary.into_iter().for_each(|boundary| matrix.add_scaled(1.0, boundary));
+            if let Some(boundary) = boundary {
+                matrix.add_scaled(1.0, boundary);
+            }
             if !laws.is_empty() {
                 matrix.add_scaled(1.0, &self.tangent(laws, at, theta));
             }
@@ -41,7 +43,9 @@ impl Discretization {
             let all: Vec<_> = self.warm.conductivity.iter().collect();
             conduction.add_scaled(1.0, &forms::d_at(&self.mesh, graph, &all, theta));
         }
-        self.convection.iter().for_each(|convection| conduction.add_scaled(1.0, convection));
+        if let Some(convection) = &self.convection {
+            conduction.add_scaled(1.0, convection);
+        }
         [storage, conduction]
     }
 }

@@ -86,7 +86,7 @@ impl Angles<'_> {
         let matrix = self.polynomial.at(lambda);
         let (angle, size) = Pivots::new(self.pattern, &matrix)?.determinant();
         let known = || self.known.iter().map(|known| lambda - known);
-        Ok([angle - known().map(|l| l.arg()).sum::<f64>(), size - known().map(|l| l.norm().ln()).sum::<f64>()])
+        Ok([angle - known().map(c64::arg).sum::<f64>(), size - known().map(|l| l.norm().ln()).sum::<f64>()])
     }
 
     /// The angle of f.

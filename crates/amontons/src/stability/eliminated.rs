@@ -34,7 +34,9 @@ impl Basis {
     pub fn expand<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f64, Output = T>>(&self, x: &[T]) -> Vec<T> {
         let of = |row: &Functional| {
             let mut sum = T::default();
-            row.iter().for_each(|&(at, factor)| sum += x[at as usize] * factor);
+            for &(at, factor) in row {
+                sum += x[at as usize] * factor;
+            }
             sum
         };
         self.0.iter().map(of).collect()
@@ -66,7 +68,9 @@ impl Reduced {
             rest.iter().filter(|(unknown, _)| self.pivots.contains_key(unknown)).map(|(u, f)| (*u, *f)).collect();
         for (unknown, factor) in known {
             if let Some(row) = self.pivots.get(&unknown).and_then(|row| self.rows.get(*row)) {
-                row.iter().for_each(|(other, value)| *rest.entry(*other).or_insert(0.0) -= factor * value);
+                for (other, value) in row {
+                    *rest.entry(*other).or_insert(0.0) -= factor * value;
+                }
             }
             rest.remove(&unknown);
         }
@@ -75,7 +79,9 @@ impl Reduced {
         if value.abs() <= NOTHING * size {
             return None;
         }
-        rest.values_mut().for_each(|factor| *factor /= value);
+        for factor in rest.values_mut() {
+            *factor /= value;
+        }
         Some((rest, pivot))
     }
 

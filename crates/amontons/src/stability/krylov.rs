@@ -181,7 +181,9 @@ impl<'a> Krylov<'a> {
         for k in 0..m {
             let (nu, mut vector): (c64, Vec<c64>) = (values[k], (0..m).map(|i| vectors[(i, k)]).collect());
             let size = norm(&vector);
-            vector.iter_mut().for_each(|v| *v /= size);
+            for v in &mut vector {
+                *v /= size;
+            }
             // The part of the image outside of the space.
             let outside: f64 = (m..self.count())
                 .map(|i| vector.iter().enumerate().map(|(j, v)| entry(i, j) * *v).sum::<c64>().norm_sqr())
@@ -202,7 +204,9 @@ impl<'a> Krylov<'a> {
             x.iter_mut().zip(own).for_each(|(x, own)| *x += *factor * *own);
         }
         let size = norm(&x);
-        x.iter_mut().for_each(|x| *x /= size);
+        for x in &mut x {
+            *x /= size;
+        }
         x
     }
 }

@@ -140,7 +140,9 @@ impl Polynomial {
         let (u, theta) = (&unknowns.u[..], &unknowns.theta[..]);
         let body = [(0, &forms.stiffness), (1, &forms.damping), (2, &forms.inertia)];
         for (term, form) in body {
-            form.iter().for_each(|form| assembly.add(term, 1.0, form, [u, u], dim));
+            if let Some(form) = form {
+                assembly.add(term, 1.0, form, [u, u], dim);
+            }
         }
         for (group, (_, form)) in forms.branches.iter().enumerate() {
             assembly.add(3 + group, 1.0, form, [u, u], dim);
@@ -253,7 +255,7 @@ impl Polynomial {
 
 /// ‖x‖₂.
 pub(super) fn norm(x: &[c64]) -> f64 {
-    x.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt()
+    x.iter().map(c64::norm_sqr).sum::<f64>().sqrt()
 }
 
 /// Wᵀ T Z of each term on one symmetric pattern.
@@ -281,7 +283,9 @@ fn condensed(size: usize, terms: Vec<Entries>, [test, trial]: [&Basis; 2]) -> (C
             last = Some((column, row));
             pattern.rows.push(row);
             pattern.start[column as usize + 1] += 1;
-            values.iter_mut().for_each(|values| values.push(0.0));
+            for values in &mut values {
+                values.push(0.0);
+            }
         }
         if let Some(values) = values.get_mut(term as usize).and_then(|values| values.last_mut()) {
             *values += value;

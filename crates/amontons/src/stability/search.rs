@@ -161,6 +161,6 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
             Pair { lambda, residual: pencil.residual(lambda, &x), x }
         });
         let (pairs, dimension) = (pairs.collect(), space.dimension());
-        return Ok(Found { pairs, region, missing, factorizations, dimension, pencil });
+        return Ok(Found { pencil, pairs, region, missing, factorizations, dimension });
     }
 }
