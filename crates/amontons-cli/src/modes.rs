@@ -217,8 +217,8 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
         lines.push(format!(
             "  {number:>4} {:>13.7e} {:>14.7e} {:>10.2e} {:>9.1e}{}",
             mode.hertz(),
-            mode.growth,
-            mode.damping_ratio(),
+            if mode.growth.abs() <= NEUTRAL * mode.frequency { 0.0 } else { mode.growth },
+            if mode.growth.abs() <= NEUTRAL * mode.frequency { 0.0 } else { mode.damping_ratio() },
             mode.residual,
             by.concat()
         ));

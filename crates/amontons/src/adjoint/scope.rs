@@ -4,7 +4,7 @@ use super::error::GradientError;
 use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::problem::{Coupling, Fault, Physics, Problem, StartState};
-use crate::time::{Analysis, TimeScheme};
+use crate::time::Analysis;
 
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
 pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), GradientError> {
@@ -21,6 +21,9 @@ pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), 
     Err(GradientError::refused(Fault::new(path, format!("{found}, with derivatives of a run"), expected).hint(hint)))
 }
 
+/// Name of the scheme whose steps are differentiated.
+const EULER: &str = "backward Euler";
+
 type OutOfScope = (String, &'static str, &'static str);
 
 fn of_time(problem: &Problem) -> Option<OutOfScope> {
@@ -29,7 +32,7 @@ fn of_time(problem: &Problem) -> Option<OutOfScope> {
     match () {
         () if timeline.has_phases() => told("phase", "phases", "a run of one phase"),
         () if timeline.is_automatic() => told("time.steps", "chosen steps", "equal steps"),
-        () if problem.scheme != TimeScheme::BackwardEuler => told("time.scheme", "another scheme", "\"euler\""),
+        () if problem.scheme.name() != EULER => told("time.scheme", "another scheme", "\"euler\""),
         () if timeline.instant(1).analysis == Analysis::Steady => {
             told("time.inertia", "a steady step", "a run in time")
         }

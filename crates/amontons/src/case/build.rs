@@ -69,7 +69,6 @@ pub(super) fn problem(
     let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
     let of_sides = SideFacts::new(&mesh, &materials, &boundary);
     let contacts = contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect();
-    let stability = build.stability(raw.stability);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
         name: raw.name,
@@ -95,11 +94,11 @@ pub(super) fn problem(
         chosen: std::mem::take(&mut build.chosen),
     };
     data.backend = backend(raw.solver.solver, &data);
-    let probes = build.probes(&raw.probe, &data);
+    let (probes, stability) = (build.probes(&raw.probe, &data), build.stability(raw.stability));
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
     let (findings, (inputs, references), skipped) = (build.certain(), build.loader.copies(), build.of_file.skipped);
-    let built = |problem| Built { problem, stability, probes, exact, verify, inputs, references, skipped };
+    let built = |problem| Built { problem, probes, stability, exact, verify, inputs, references, skipped };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 

@@ -2,7 +2,9 @@
 //!
 //! With v = λx and z_τ = λx/(λ + 1/τ), T(λ)x = 0 is 𝓐y = λ𝓑y for y = (x, v, z):
 //!
-//!     v = λx,    −T₀x − T₁v − Σ A_τ z_τ = λT₂v,    v − z_τ/τ = λz_τ
+//! ```text
+//! v = λx,    −T₀x − T₁v − Σ A_τ z_τ = λT₂v,    v − z_τ/τ = λz_τ
+//! ```
 //!
 //! One application solves T(σ)x = r. The method starts with two vectors, so that it finds both of a double eigenvalue,
 //! as bodies of revolution have them, and keeps all vectors: there is no restart to choose.

@@ -4,8 +4,10 @@
 //! With M, B, A, C and D of the body at the state, G the derivative of its forces in the temperature, E that of its heat
 //! in the displacement, A_τ the springs of its branches, and the contact of [`super::contact`]:
 //!
-//!     λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
-//!     λC θ′ + D θ′ − E u′ + Σ ω Nᵀ(q·ν)′ = 0
+//! ```text
+//! λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
+//! λC θ′ + D θ′ − E u′ + Σ ω Nᵀ(q·ν)′ = 0
+//! ```
 
 use faer::c64;
 

@@ -117,9 +117,12 @@ fn shift(wanted: &Wanted, slow: f64) -> c64 {
         None => c64::new(0.5 * slow, 0.0),
         Some(Region { growth, frequency }) => {
             let [middle, height] = [growth, frequency].map(|[from, to]| 0.5 * (from + to));
-            // Off the middle, where a mode of no growth might lie.
-            let off = 0.0371 * (growth[1] - growth[0]).min(frequency[1]);
-            if frequency[0] > 0.0 { c64::new(middle + off, height) } else { c64::new(middle + off, 0.0) }
+            // Off the middle, where a mode of no growth might lie; to the right, where the body has no eigenvalues.
+            if frequency[0] > 0.0 {
+                c64::new(middle + 0.0371 * (growth[1] - growth[0]), height)
+            } else {
+                c64::new(middle + 0.25 * frequency[1].max(growth[1] - growth[0]), 0.0)
+            }
         }
     }
 }

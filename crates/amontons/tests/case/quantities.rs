@@ -227,7 +227,8 @@ fn wrong_units_are_told() {
 const UNITS: &[(&str, &str)] = &[
     ("1/K", "Material.expansion_coefficient"),
     ("1/Pa", "Wear archard.coefficient, Wear archard-temperature.coefficient"),
-    ("1/s", "Viscosity power-law.threshold"),
+    ("1/s", "Stability.growth, Viscosity power-law.threshold"),
+    ("Hz", "Stability.frequency"),
     ("J/(m³ K)", "Material.heat_capacity"),
     ("J/K", "Foundation.heat_capacity"),
     (

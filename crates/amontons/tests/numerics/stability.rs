@@ -187,3 +187,229 @@ heat = {{ law = "sum", foundation_temperature = {foundation:?}, laws = [
         assert_modes(&format!("rod, n = {}, {difference}", row["n"]), &found, &growth, &[0.0; 4]);
     }
 }
+
+fn parsed(text: String, overrides: &[&str]) -> Case {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    case::parse(&case::Source::new("case.toml", text), &overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Two bodies with symmetric sides, one above the other.
+const TWO_BODIES: &str = r#"
+name = "two"
+units = "dimensionless"
+[mesh]
+kind = "blocks"
+[[mesh.blocks]]
+name = "upper"
+size = [1.0, 1.0]
+n = [N, N]
+elements = "Q1"
+[[mesh.blocks]]
+name = "lower"
+size = [1.0, 0.5]
+n = [N, HALF]
+elements = "Q1"
+origin = [0.0, -0.5]
+[time]
+end = 1e-12
+steps = 1
+[material]
+density = 0.0
+heat_capacity = 1.0
+expansion = 0.5
+conductivity = 1.0
+elasticity = { law = "isotropic", young = 2.0, poisson = 0.3, stress_state = "plane-strain" }
+[[region]]
+on = "lower"
+[region.material]
+density = 0.0
+heat_capacity = 2.0
+expansion = 2.0
+conductivity = 0.5
+elasticity = { law = "isotropic", young = 10.0, poisson = 0.25, stress_state = "plane-strain" }
+[[boundary]]
+on = "upper_left"
+displacement = [0, "free"]
+[[boundary]]
+on = "upper_right"
+displacement = [0, "free"]
+[[boundary]]
+on = "lower_left"
+displacement = [0, "free"]
+[[boundary]]
+on = "lower_right"
+displacement = [0, "free"]
+[[boundary]]
+on = "lower_bottom"
+displacement = ["free", 0]
+[[boundary]]
+on = "upper_top"
+displacement = ["free", -1e-12]
+[contact]
+on = "ON_SIDE"
+with = "WITH_SIDE"
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = MU }
+frictional_heat = SHARE
+foundation_velocity = [0, 0, SPEED]
+heat = { law = "constant", conductance = 2.0 }
+"#;
+
+/// Two bodies that exchange heat while one slides out of the plane, whichever of them is named first.
+#[test]
+fn two_bodies_grow_hot_spots_whichever_is_named_first() {
+    for row in table("tei-fe.csv").iter().filter(|row| row["top"] == "two bodies, symmetry") {
+        let n: usize = row["n"].parse().expect("a number");
+        if n > 8 {
+            continue;
+        }
+        let text = |on: &str, with: &str, share: f64, speed: f64| {
+            let values = [
+                ("HALF", (n / 2).to_string()),
+                ("WITH_SIDE", with.to_owned()),
+                ("ON_SIDE", on.to_owned()),
+                ("SHARE", format!("{share:?}")),
+                ("SPEED", format!("{speed:?}")),
+                ("MU", row["mu"].clone()),
+                ("N", n.to_string()),
+            ];
+            values.iter().fold(TWO_BODIES.to_owned(), |text, (name, value)| text.replace(name, value))
+        };
+        let eta = number(row, "eta");
+        let both = [
+            text("upper_bottom", "lower_top", eta, number(row, "V")),
+            text("lower_top", "upper_bottom", 1.0 - eta, -number(row, "V")),
+        ];
+        for (side, text) in both.into_iter().enumerate() {
+            let found = at_end(&parsed(text, &[]), Kind::Thermal, 4);
+            let growth: Vec<f64> = (1..5).map(|k| number(row, &format!("eigenvalue_{k}"))).collect();
+            assert_modes(&format!("two bodies, n = {n}, naming {side}"), &found, &growth, &[0.0; 4]);
+            assert_eq!(found.bodies.len(), 2);
+        }
+    }
+}
+
+/// A block with every term: damping, branches, a damped layer, friction that falls with speed and pressure, turned by an
+/// angle about a place far away.
+fn turned_block(angle: f64, unit: [f64; 2]) -> Case {
+    let [length, stress] = unit;
+    let (sine, cosine) = angle.sin_cos();
+    let along = |x: f64, y: f64| format!("[{:?}, {:?}]", cosine * x - sine * y, sine * x + cosine * y);
+    parsed(
+        format!(
+            r#"
+name = "turned"
+units = "dimensionless"
+[mesh]
+kind = "blocks"
+[[mesh.blocks]]
+name = "block"
+size = [{size:?}, {height:?}]
+n = [5, 4]
+elements = "Q2"
+turn = {{ angle = {angle:?} }}
+[time]
+end = 1.0
+analysis = "steady"
+[material]
+density = {density:?}
+elasticity = {{ law = "isotropic", young = {young:?}, poisson = 0.3, stress_state = "plane-strain" }}
+viscosity = {{ law = "lame", first = {viscous:?}, second = {viscous:?} }}
+prony = [{{ ratio = 0.2, time = 0.7 }}]
+[[boundary]]
+on = "block_top"
+displacement = {press}
+[contact]
+on = "block_bottom"
+normal = {{ law = "damped", stiffness = {stiffness:?}, damping = {damping:?} }}
+friction = {{ law = "static-kinetic", static = 0.6, kinetic = 0.45, decay_speed = {decay:?} }}
+foundation_velocity = {belt}
+"#,
+            size = length,
+            height = 0.7 * length,
+            density = stress / (length * length),
+            young = stress,
+            viscous = 1e-3 * stress,
+            press = along(0.0, -0.01 * length),
+            stiffness = stress / length,
+            damping = 0.01 * stress / length,
+            decay = 0.3 * length,
+            belt = along(0.5 * length, 0.0),
+        ),
+        &[],
+    )
+}
+
+/// Eigenvalues do not know how a block is turned, nor the units of length and stress.
+#[test]
+fn modes_do_not_know_how_a_block_is_turned_or_measured() {
+    let straight = at_end(&turned_block(0.0, [1.0, 1.0]), Kind::Squeal, 8);
+    assert!(straight.missing == 0 && straight.modes.len() >= 8);
+    let growths: Vec<f64> = straight.modes.iter().map(|mode| mode.growth).collect();
+    assert!(growths.iter().any(|growth| *growth > 1e-2) && growths.iter().any(|growth| *growth < -1e-2), "{growths:?}");
+    for (angle, unit) in [(0.4, [1.0, 1.0]), (2.2, [1.0, 1.0]), (-1.3, [1e-3, 2.1e11]), (0.0, [50.0, 1e-4])] {
+        let other = at_end(&turned_block(angle, unit), Kind::Squeal, 8);
+        assert_eq!(other.modes.len(), straight.modes.len(), "{angle}, {unit:?}");
+        for (a, b) in straight.modes.iter().zip(&other.modes) {
+            let off = (a.growth - b.growth).hypot(a.frequency - b.frequency) / a.growth.hypot(a.frequency);
+            assert!(off < 1e-8, "{angle}, {unit:?}: {} + {} i is {off:e} off", a.growth, a.frequency);
+            let share = (a.by_contact[0] - b.by_contact[0]).abs();
+            assert!(share < 1e-6 * a.frequency, "{angle}, {unit:?}: by contact {share:e}");
+        }
+    }
+}
+
+/// What contacts bring in less what the body damps is the growth; without damping it is all of it.
+#[test]
+fn growth_is_what_the_contact_brings_in() {
+    let case = with("block-a-compliance.toml", &["contact.friction.coefficient=0.5".to_owned()]);
+    for mode in at_end(&case, Kind::Squeal, 6).modes {
+        assert!((mode.by_contact[0] - mode.growth).abs() < 1e-10 * mode.frequency, "{mode:?}");
+    }
+}
+
+/// Ten steps of the midpoint rule from the steady state plus a part of a mode are those of its eigenvalue:
+/// ((1 + λk/2)/(1 − λk/2))¹⁰ times the mode.
+#[test]
+fn a_run_in_time_goes_on_as_its_mode_does() {
+    let text = reference("block-a-compliance.toml").replace(
+        "[time]\nend = 400.0\nsteps = 400\n",
+        "[time]\nscheme = \"theta\"\n[[phase]]\nname = \"slide\"\nend = 1.0\nanalysis = \"steady\"\n[[phase]]\nname = \"free\"\nend = 2.1\nsteps = 11\n",
+    );
+    let case = parsed(text, &["contact.friction.coefficient=0.5"]);
+    let mut run = Stepping::new(&case.problem, &Settings::default()).expect("a run");
+    run.step().expect("the steady state");
+    // A dynamic phase starts from rest: the velocity of the mode can be given after its first step.
+    run.step().expect("a step at rest");
+    let seen = run.snapshot();
+    let wanted = Wanted { kind: Kind::Squeal, count: 6, region: None };
+    let found =
+        modes(seen.problem, seen.discretization, seen.state, seen.report.expect("a step"), &wanted).expect("modes");
+    let saved = run.save();
+    for mode in found.modes.iter().filter(|mode| mode.frequency > 0.0) {
+        let (small, k) = (1e-6, 0.1);
+        let times = |a: [f64; 2], b: [f64; 2]| [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+        let lambda = [mode.growth, mode.frequency];
+        let mut begun = saved.clone();
+        for (i, u) in mode.displacement.iter().enumerate() {
+            begun.state.u[i] += small * u[0];
+            begun.state.w[i] += small * times(lambda, *u)[0];
+        }
+        run.restore(&begun).expect("the state");
+        for _ in 0..10 {
+            run.step().expect("a step");
+        }
+        let (up, down) =
+            ([1.0 + 0.5 * k * lambda[0], 0.5 * k * lambda[1]], [1.0 - 0.5 * k * lambda[0], -0.5 * k * lambda[1]]);
+        let size = down[0] * down[0] + down[1] * down[1];
+        let one = times(up, [down[0] / size, -down[1] / size]);
+        let all = (0..10).fold([1.0, 0.0], |power, _| times(power, one));
+        let off = mode
+            .displacement
+            .iter()
+            .enumerate()
+            .map(|(i, u)| ((run.state().u[i] - saved.state.u[i]) / small - times(all, *u)[0]).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-8, "{} + {} i: {off:e} off", mode.growth, mode.frequency);
+    }
+}

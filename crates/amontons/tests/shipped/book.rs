@@ -82,6 +82,7 @@ fn every_block_of_the_guides_is_a_case() {
         ("meshes.md", (0, 6)),
         ("results.md", (0, 3)),
         ("runs.md", (0, 1)),
+        ("squeal.md", (0, 1)),
         ("time.md", (0, 9)),
         ("two-bodies.md", (0, 5)),
     ];
