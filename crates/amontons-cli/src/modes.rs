@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Source};
 use amontons::contact::names;
-use amontons::output::{ModesFolder, ModesOf, OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{ModesFolder, ModesOf, OutputError, RunStart, Sink, Snapshot, Summary, modes_json};
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
@@ -58,7 +58,7 @@ pub fn execute(file: &Path, arguments: &ModesArguments, common: &Common) -> Resu
     picture(&name, &all, &out)?;
     match common.format {
         OutputFormat::Json => {
-            let mut value = folder.json(&last.problem, &all);
+            let mut value = modes_json(&last.problem, &all);
             if let Some((critical, object)) = critical.as_ref().zip(value.as_object_mut()) {
                 object.insert("critical".to_owned(), critical.json());
             }

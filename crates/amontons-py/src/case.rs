@@ -23,8 +23,8 @@ use crate::laws::{Alarm, Law, with_laws};
 #[pyclass(frozen, module = "amontons._amontons")]
 pub struct Case {
     pub read: case::Case,
-    source: Source,
-    overrides: Vec<String>,
+    pub source: Source,
+    pub overrides: Vec<String>,
 }
 
 /// The text of a case and the folder of the files that it refers to.
@@ -72,7 +72,7 @@ pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<(String, String, PathBuf)
 }
 
 /// A value as JSON.
-fn text(value: &serde_json::Value) -> PyResult<String> {
+pub fn text(value: &serde_json::Value) -> PyResult<String> {
     serde_json::to_string(value).map_err(|error| errors::wrong(&error))
 }
 

@@ -15,6 +15,7 @@ mod attend;
 mod case;
 mod errors;
 mod laws;
+mod linearised;
 mod picture;
 mod run;
 mod snapshot;
@@ -38,6 +39,8 @@ fn _amontons(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(case::verify, module)?)?;
     module.add_function(wrap_pyfunction!(case::verify_benchmark, module)?)?;
     module.add_function(wrap_pyfunction!(case::verify_folder, module)?)?;
+    module.add_function(wrap_pyfunction!(linearised::gradient, module)?)?;
+    module.add_function(wrap_pyfunction!(linearised::modes, module)?)?;
     module.add_function(wrap_pyfunction!(laws::test_law, module)?)?;
     module.add_function(wrap_pyfunction!(picture::picture, module)?)?;
     module.add_function(wrap_pyfunction!(picture::plot_folder, module)?)?;

@@ -226,3 +226,35 @@ def test_verify():
     spoiled = BLOCK | {"expected": {"tolerance": 1e-6, "values": {"final.displacement_max": [0.5, 0.5]}}}
     assert not amontons.verify(amontons.Case(spoiled)).holds
     assert ROOT.name and len(amontons.benchmarks()) > 100
+
+
+ROD = {
+    "name": "rod",
+    "units": "dimensionless",
+    "mesh": {"kind": "interval", "size": 1.0, "n": 4},
+    "time": {"end": 1.0, "steps": 4},
+    "material": {"density": 0.0, "elasticity": {"law": "isotropic", "young": 2.0, "poisson": 0.0}},
+    "boundary": [{"on": "left", "displacement": ["0.5*t"]}],
+    "contact": {"on": "right", "gap": 0.1, "normal": {"law": "compliance", "stiffness": 3.0}},
+}
+
+
+def test_gradient_is_that_of_a_formula():
+    # u = (E U/L + c g)/(E/L + c), p = c (E/L) (U − g)/(E/L + c)
+    e, c, u, g = 2.0, 3.0, 0.5, 0.1
+    keys = ["material.elasticity.young", "contact.normal.stiffness", "contact.gap"]
+    value, slopes = amontons.Case(ROD).gradient("final.contact.force.0", keys)
+    sum_, p = e + c, c * e * (u - g) / (e + c)
+    exact = [-c * c * (u - g) / sum_**2, -e * e * (u - g) / sum_**2, c * e / sum_]
+    assert value == pytest.approx(-p, rel=1e-12) and slopes == pytest.approx(exact, rel=1e-9)
+    values, table = amontons.Case(ROD).gradient(["final.contact.force.0"], keys[:1])
+    assert values.shape == (1,) and table.shape == (1, 1) and table[0, 0] == slopes[0]
+    with pytest.raises(amontons.RequestError, match="contact.gapp: found no value"):
+        amontons.Case(ROD).gradient("final.contact.force.0", ["contact.gapp"])
+
+
+def test_modes_are_those_of_a_benchmark():
+    found = amontons.Case(ROOT / "crates/amontons/benchmarks/squeal-block.toml").modes()
+    assert found["missing"] == 0 and found["points"]["slip"] == 5
+    growth = [mode["growth"] for mode in found["modes"]]
+    assert max(growth) == pytest.approx(0.0421632414935, rel=1e-8)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
 
 from . import _amontons
 from ._errors import RequestError
@@ -82,6 +85,24 @@ class Case:
         from ._stepping import Stepping
 
         return Stepping(self, threads=threads, laws=laws)
+
+    def gradient(
+        self, of: Union[str, Sequence[str]], wrt: Sequence[str], *, threads: Optional[int] = None
+    ) -> tuple[Any, np.ndarray]:
+        """Numbers at the end of the run and their exact derivatives by keys with numbers: `value, grad = …`.
+
+        For one name `of` is a text, and the value is a float and the gradient a vector, as `jac=True` of
+        `scipy.optimize.minimize` takes them; for several names they are a vector and a matrix.
+        """
+        names = [of] if isinstance(of, str) else list(of)
+        table = json.loads(_amontons.gradient(self._checked, names, list(wrt), threads))
+        values = np.array([value for _, value in table["outputs"]])
+        slopes = np.array(table["derivatives"]).reshape(len(names), len(wrt))
+        return (float(values[0]), slopes[0]) if isinstance(of, str) else (values, slopes)
+
+    def modes(self, *, threads: Optional[int] = None) -> dict[str, Any]:
+        """The modes of the state at the end of the run, as `[stability]` asks for them: `modes.json` as a dict."""
+        return json.loads(_amontons.modes(self._checked, threads))["modes"][0]
 
     def __repr__(self) -> str:
         return f"<amontons.Case {self.name!r}, {self.steps or 'automatic'} steps>"

@@ -67,7 +67,7 @@ pub use inputs::{Input, fingerprint};
 pub use inspect::{Inspection, inspect};
 pub use lock::FolderLock;
 pub use memory::Memory;
-pub use modes::{ModesFolder, ModesOf};
+pub use modes::{ModesFolder, ModesOf, modes_json};
 pub use names::INPUTS;
 pub use packed::FieldsFormat;
 #[cfg(feature = "case")]

@@ -80,19 +80,13 @@ impl ModesFolder {
         write_collection(&folder.join(format!("{name}.pvd")), &list).map(|_| ())
     }
 
-    /// The searches as JSON, as `modes.json` has them.
-    #[must_use]
-    pub fn json(&self, problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
-        json(problem, all)
-    }
-
     /// Writes the tables: `modes.csv` with a row per mode, `modes.json` with the regions and counts, and the case.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn finish(&self, text: &str, problem: &Problem, all: &[ModesOf]) -> Result<(), OutputError> {
         write_atomically(&self.path.join(CASE), |out| out.write_all(text.as_bytes()))?;
-        write_json(&self.path.join("modes.json"), &json(problem, all))?;
+        write_json(&self.path.join("modes.json"), &modes_json(problem, all))?;
         write_atomically(&self.path.join(TABLE), |out| {
             writeln!(out, "{}", columns(problem, all).join(","))?;
             for ModesOf { values, modes } in all {
@@ -128,8 +122,9 @@ fn row(number: usize, mode: &Mode) -> Vec<f64> {
     own.into_iter().chain(mode.by_contact.iter().copied()).chain(mode.by_body.iter().copied()).collect()
 }
 
-/// The searches as JSON.
-fn json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
+/// The searches as `modes.json` has them.
+#[must_use]
+pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
     let hertz = |range: [f64; 2]| range.map(|rate| rate / std::f64::consts::TAU);
     let contacts = names(&problem.contacts);
     let one = |ModesOf { values, modes }: &ModesOf| {
