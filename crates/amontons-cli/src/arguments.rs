@@ -290,7 +290,8 @@ pub struct StudyArguments {
 
 #[derive(Debug, Args)]
 pub struct ModesArguments {
-    /// Find the modes for each value, with one table and a picture of frequency and growth; repeatable: all combinations
+    /// Find the modes for each value, with one table and a picture of frequency and growth; repeatable: all
+    /// combinations
     #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
     pub each: Vec<String>,
     /// Find the value of a key between two numbers at which a mode begins to grow

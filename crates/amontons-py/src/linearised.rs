@@ -51,12 +51,12 @@ pub fn gradient(
 }
 
 /// Finds the modes of the last state of a run.
-struct AtEnd<'a> {
+struct ModesOfLast<'a> {
     wanted: &'a Wanted,
     found: Result<Modes, StabilityError>,
 }
 
-impl Sink for AtEnd<'_> {
+impl Sink for ModesOfLast<'_> {
     fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
         Ok(())
     }
@@ -85,7 +85,7 @@ pub fn modes(py: Python<'_>, case: &Bound<'_, Case>, threads: Option<usize>) -> 
     let work = || -> Result<Result<Modes, StabilityError>, RunError> {
         let settings = Settings { interrupt: Some(Arc::clone(&flag)), certificate: false, ..Settings::default() };
         let wanted = read.stability.wanted(&read.problem);
-        let mut seen = AtEnd { wanted: &wanted, found: Err(StabilityError::State(Reason::NoStep)) };
+        let mut seen = ModesOfLast { wanted: &wanted, found: Err(StabilityError::State(Reason::NoStep)) };
         run::run(&read.problem, &settings, &mut [&mut seen])?;
         Ok(seen.found)
     };

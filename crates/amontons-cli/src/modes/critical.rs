@@ -44,7 +44,7 @@ impl Critical {
 
 /// A value with the largest growth relative to |λ| there.
 #[derive(Clone, Copy)]
-struct Tried {
+struct TriedValue {
     at: f64,
     growth: f64,
     grows: bool,
@@ -60,7 +60,7 @@ pub fn find(seeker: &Seeker, range: &str) -> Result<Critical, CommandFailure> {
         return Err(usage("expected two numbers, KEY=FROM,TO"));
     };
     let mut runs = 0;
-    let mut at = |at: f64| -> Result<Tried, CommandFailure> {
+    let mut at = |at: f64| -> Result<TriedValue, CommandFailure> {
         runs += 1;
         let variant = Variant { folder: String::new(), values: vec![(key.trim().to_owned(), format!("{at:?}"))] };
         let found = seeker.find(&seeker.case(&variant)?, &format!("{key} = {at:.6e}"))?;
@@ -68,7 +68,7 @@ pub fn find(seeker: &Seeker, range: &str) -> Result<Critical, CommandFailure> {
         let (growth, size, hertz) = fastest.map_or((f64::NEG_INFINITY, 1.0, 0.0), |mode| {
             (mode.growth, mode.growth.hypot(mode.frequency), mode.hertz())
         });
-        Ok(Tried { at, growth, grows: growth > NEUTRAL * size, hertz })
+        Ok(TriedValue { at, growth, grows: growth > NEUTRAL * size, hertz })
     };
     let [mut quiet, mut loud] = [at(from)?, at(to)?];
     if quiet.grows == loud.grows {
@@ -100,7 +100,7 @@ pub fn find(seeker: &Seeker, range: &str) -> Result<Critical, CommandFailure> {
 }
 
 /// The root of a secant within the bracket: of growth if modes decay on the quiet side, otherwise of its square.
-fn next(quiet: Tried, loud: Tried, before: Option<Tried>) -> Option<f64> {
+fn next(quiet: TriedValue, loud: TriedValue, before: Option<TriedValue>) -> Option<f64> {
     let within = |at: f64| (at - quiet.at) * (at - loud.at) < 0.0;
     let root = |[a, b]: [[f64; 2]; 2]| a[0] - a[1] * (b[0] - a[0]) / (b[1] - a[1]);
     let decays = quiet.growth.is_finite() && quiet.growth < -NEUTRAL * loud.growth.abs();

@@ -3,7 +3,7 @@
 use super::build::Build;
 use super::place::At;
 use super::raw;
-use crate::stability::{Kind, Search};
+use crate::stability::{ModeKind, Search};
 
 impl Build<'_> {
     /// The search for modes. Ranges have their bounds in order.
@@ -22,9 +22,9 @@ impl Build<'_> {
             }
         }
         let kind = raw.kind.map(|kind| match kind {
-            raw::StabilityKind::Squeal => Kind::Squeal,
-            raw::StabilityKind::Thermal => Kind::Thermal,
-            raw::StabilityKind::Coupled => Kind::Coupled,
+            raw::StabilityKind::Squeal => ModeKind::Squeal,
+            raw::StabilityKind::Thermal => ModeKind::Thermal,
+            raw::StabilityKind::Coupled => ModeKind::Coupled,
         });
         Search { kind, count: raw.count, hertz: raw.frequency, growth: raw.growth }
     }

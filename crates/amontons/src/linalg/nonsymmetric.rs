@@ -84,18 +84,18 @@ pub struct Pivots<'a> {
 }
 
 /// Pending updates: per supernode a linked list of its descendants that have rows among its columns.
-struct Waiting {
+struct WaitingNodes {
     head: Vec<u32>,
     link: Vec<u32>,
     next: Vec<usize>,
 }
 
 /// Work space of a factorization.
-struct Work {
+struct LuWork {
     /// Row in the present panel per row of the matrix.
     place: Vec<u32>,
     product: Vec<c64>,
-    waiting: Waiting,
+    waiting: WaitingNodes,
 }
 
 impl Pattern {
@@ -164,8 +164,8 @@ impl<'a> Pivots<'a> {
             exchanged: vec![0; size],
             determinant: (0.0, 0.0),
         };
-        let waiting = Waiting { head: vec![NONE; count], link: vec![NONE; count], next: vec![0; count] };
-        let mut work = Work { place: vec![0; size], product: Vec::new(), waiting };
+        let waiting = WaitingNodes { head: vec![NONE; count], link: vec![NONE; count], next: vec![0; count] };
+        let mut work = LuWork { place: vec![0; size], product: Vec::new(), waiting };
         for s in 0..count {
             made.gather(nodes, s, &mut work);
             made.eliminate(nodes, s)?;
@@ -175,7 +175,7 @@ impl<'a> Pivots<'a> {
     }
 
     /// Fills the panels of a supernode with the matrix and subtracts what its descendants add.
-    fn gather(&mut self, nodes: &SymbolicSupernodalCholesky<u32>, s: usize, work: &mut Work) {
+    fn gather(&mut self, nodes: &SymbolicSupernodalCholesky<u32>, s: usize, work: &mut LuWork) {
         let (own, below) = (columns(nodes, s), nodes.supernode(s).pattern());
         let (width, leading) = (own.len(), own.len() + below.len());
         for (k, row) in (own.start as u32..own.end as u32).chain(below.iter().copied()).enumerate() {
@@ -328,7 +328,7 @@ impl<'a> Pivots<'a> {
 }
 
 /// Adds a supernode to the list of the supernode whose columns contain its next row.
-fn wait(pattern: &Pattern, nodes: &SymbolicSupernodalCholesky<u32>, waiting: &mut Waiting, d: u32, next: usize) {
+fn wait(pattern: &Pattern, nodes: &SymbolicSupernodalCholesky<u32>, waiting: &mut WaitingNodes, d: u32, next: usize) {
     waiting.next[d as usize] = next;
     if let Some(&row) = nodes.supernode(d as usize).pattern().get(next) {
         let owner = pattern.owner[row as usize] as usize;

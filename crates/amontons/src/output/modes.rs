@@ -38,8 +38,8 @@ impl ModesFolder {
     /// A folder for modes, created if it does not exist.
     ///
     /// # Errors
-    /// The folder holds a run or a study, or modes and `force` is false; another process writes into it; or it cannot be
-    /// created.
+    /// The folder holds a run or a study, or modes and `force` is false; another process writes into it; or it cannot
+    /// be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<ModesFolder, OutputError> {
         let path = path.into();
         let holds = |found: &str, advice: &str| {

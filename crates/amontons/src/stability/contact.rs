@@ -28,7 +28,7 @@ use crate::tensor::{Point, dot, length};
 const RIGID: f64 = 1e-9;
 
 /// A matrix in the axes of space, rows the result.
-pub(super) type Map = [Point; 3];
+pub(super) type SpaceMap = [Point; 3];
 
 /// A component of the perturbation that a point holds, and its reaction: a force on the foundation and the heat that it
 /// drives out of the side of the point and into the other one.
@@ -47,8 +47,8 @@ pub(super) struct HeldComponent {
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointTerm {
     pub held: Vec<HeldComponent>,
-    pub force_by_jump: Map,
-    pub force_by_rate: Map,
+    pub force_by_jump: SpaceMap,
+    pub force_by_rate: SpaceMap,
     pub force_by_temperature: [Point; 2],
     pub heat_by_jump: [Point; 2],
     pub heat_by_rate: [Point; 2],
@@ -57,11 +57,11 @@ pub(super) struct PointTerm {
 }
 
 /// a bᵀ, times a factor.
-fn outer(factor: f64, a: &Point, b: &Point) -> Map {
+fn outer(factor: f64, a: &Point, b: &Point) -> SpaceMap {
     a.map(|a| b.map(|b| factor * a * b))
 }
 
-fn add(sum: &mut Map, term: &Map) {
+fn add(sum: &mut SpaceMap, term: &SpaceMap) {
     sum.iter_mut().zip(term).for_each(|(sum, term)| sum.iter_mut().zip(term).for_each(|(sum, term)| *sum += term));
 }
 
@@ -70,7 +70,7 @@ fn scaled(factor: f64, v: &Point) -> Point {
 }
 
 /// Mᵀ v.
-fn transposed(map: &Map, v: &Point) -> Point {
+fn transposed(map: &SpaceMap, v: &Point) -> Point {
     std::array::from_fn(|c| (0..3).map(|r| map[r][c] * v[r]).sum())
 }
 
@@ -99,7 +99,7 @@ fn slope(law: &dyn NormalLaw, x: &Point, state: &PointState) -> Slope {
 }
 
 /// A contact point at the state.
-struct At<'a> {
+struct PointAtState<'a> {
     contact: &'a Contact,
     point: &'a PointOnBoundary,
     state: &'a PointState,
@@ -113,10 +113,10 @@ struct Sliding {
     bound: Bound,
     n: Point,
     e: Point,
-    drag: Map,
+    drag: SpaceMap,
 }
 
-impl At<'_> {
+impl PointAtState<'_> {
     /// Argument of the laws.
     fn seen(&self) -> ContactPoint {
         let [own, other] = self.temperatures;
@@ -138,7 +138,7 @@ impl At<'_> {
 
     /// The part of a vector along which friction acts: tangential, without the directions in which both sides of a pair
     /// are held alike.
-    fn tangential(&self) -> Map {
+    fn tangential(&self) -> SpaceMap {
         let mut map = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         add(&mut map, &outer(-1.0, &self.state.normal, &self.state.normal));
         for held in &self.point.held {
@@ -173,7 +173,7 @@ impl At<'_> {
             of(&std::array::from_fn(|c| v[c] - along * z[c] / size))
         };
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| across(&axis));
-        let turn: Map = std::array::from_fn(|r| std::array::from_fn(|c| bound.value / size * columns[c][r]));
+        let turn: SpaceMap = std::array::from_fn(|r| std::array::from_fn(|c| bound.value / size * columns[c][r]));
         Some(Sliding { bound, n, e, drag: turn })
     }
 
@@ -259,7 +259,7 @@ impl At<'_> {
     }
 
     /// Unit vectors that span the directions of friction.
-    fn tangents(&self, tangential: &Map) -> Vec<Point> {
+    fn tangents(&self, tangential: &SpaceMap) -> Vec<Point> {
         let sizes = tangential.map(|row| length(&row));
         let mut found: Vec<Point> = Vec::new();
         let largest = (0..3).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b])).unwrap_or_default();
@@ -297,6 +297,7 @@ pub(super) fn linearised(
     Ok(per_point(&arrays(contacts), boundary.points.len(), |i| {
         let point = &boundary.points[i];
         let temperatures = [temperature(&states.temperature, i), temperature(&states.opposite, i)];
-        At { contact: &contacts[point.contact], point, state: &states.states[i], temperatures }.linearised(has_heat)
+        PointAtState { contact: &contacts[point.contact], point, state: &states.states[i], temperatures }
+            .linearised(has_heat)
     }))
 }

@@ -1,8 +1,8 @@
 //! The number of eigenvalues in a region, by the argument principle: the change of the angle of det T(λ) around it.
 //!
 //! What is known is divided out: f(λ) = det T(λ)/(exp p(λ) Π(λ − λ_j)) over the eigenvalues that were found, with a
-//! polynomial p that stands for the many eigenvalues far away, fitted to the size of det T on the boundary; exp p has no
-//! zeros. The angle of f changes little along the boundary, unless an eigenvalue is missing near it, and its change
+//! polynomial p that stands for the many eigenvalues far away, fitted to the size of det T on the boundary; exp p has
+//! no zeros. The angle of f changes little along the boundary, unless an eigenvalue is missing near it, and its change
 //! around the region is 2π times the number of those that are missing inside. T is real, so the upper half of a region
 //! that reaches the real axis is enough. Each point costs one factorization of T(λ).
 
@@ -14,7 +14,7 @@ use faer::{Mat, c64};
 use rayon::prelude::*;
 
 use super::polynomial::Polynomial;
-use super::{Region, StabilityError};
+use super::{ModeRegion, StabilityError};
 use crate::linalg::{Pattern, Pivots, SolveError};
 
 /// Pieces of each edge to begin with, and the degree of the polynomial.
@@ -29,7 +29,7 @@ const WHOLE: f64 = 1e-3;
 
 /// The count, and its cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Count {
+pub(super) struct EigenvalueCount {
     /// Eigenvalues inside beyond those that are known.
     pub missing: isize,
     pub factorizations: usize,
@@ -48,7 +48,7 @@ struct Far {
 
 impl Far {
     /// The polynomial whose real part is nearest to values at some points.
-    fn fitted(region: &Region, values: &[(c64, f64)]) -> Far {
+    fn fitted(region: &ModeRegion, values: &[(c64, f64)]) -> Far {
         let centre = 0.5 * (region.growth[0] + region.growth[1]);
         let mut far = Far { centre, radius: region.farthest(c64::new(centre, 0.0)), coefficients: Vec::new() };
         let powers: Vec<Vec<c64>> = values.iter().map(|(at, _)| far.powers(*at)).collect();
@@ -122,9 +122,9 @@ fn wrapped(angle: f64) -> f64 {
 pub(super) fn count(
     polynomial: &Polynomial,
     pattern: &Pattern,
-    region: &Region,
+    region: &ModeRegion,
     known: &[c64],
-) -> Result<Count, StabilityError> {
+) -> Result<EigenvalueCount, StabilityError> {
     let mut angles = Angles { polynomial, pattern, known, far: Far::default(), made: AtomicUsize::new(0) };
     let corners = region.upper_path();
     let is_closed = region.frequency[0] > 0.0;
@@ -147,5 +147,5 @@ pub(super) fn count(
     if (turns - turns.round()).abs() > WHOLE {
         return Err(StabilityError::OnBoundary { at: [region.growth[0], 0.0] });
     }
-    Ok(Count { missing: turns.round() as isize, factorizations: angles.made.into_inner() })
+    Ok(EigenvalueCount { missing: turns.round() as isize, factorizations: angles.made.into_inner() })
 }

@@ -15,7 +15,7 @@ const NOTHING: f64 = 1e-9;
 
 /// A held component of a contact point: the condition on the unknowns, and the column of its reaction in the equations.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Held {
+pub(super) struct HeldRow {
     pub condition: Functional,
     pub reaction: Functional,
 }
@@ -45,7 +45,7 @@ impl Basis {
 
 /// The conditions and reactions that are eliminated, in reduced form: each has an unknown of its own that no other has.
 #[derive(Default)]
-struct Reduced {
+struct ReducedRows {
     rows: Vec<BTreeMap<u32, f64>>,
     /// Row by its own unknown.
     pivots: BTreeMap<u32, usize>,
@@ -53,7 +53,7 @@ struct Reduced {
     seen: BTreeSet<u32>,
 }
 
-impl Reduced {
+impl ReducedRows {
     /// A functional without the unknowns of the rows, and its largest entry among those that may be eliminated; `None`
     /// if nothing is left of it.
     fn rest(&self, functional: &Functional, may: &impl Fn(u32) -> bool) -> Option<(BTreeMap<u32, f64>, u32)> {
@@ -103,9 +103,9 @@ impl Reduced {
 /// Z and W for held components: `may` tells the unknowns that may be eliminated. A component that others hold already,
 /// or whose reaction does no work, is left out. Returns the number of unknowns that are left, Z and W; unknown and test
 /// of the same number belong to the same degree of freedom wherever that is possible.
-pub(super) fn eliminate(size: usize, held: &[Held], may: impl Fn(u32) -> bool) -> (usize, Basis, Basis) {
-    let (mut conditions, mut reactions) = (Reduced::default(), Reduced::default());
-    for Held { condition, reaction } in held {
+pub(super) fn eliminate(size: usize, held: &[HeldRow], may: impl Fn(u32) -> bool) -> (usize, Basis, Basis) {
+    let (mut conditions, mut reactions) = (ReducedRows::default(), ReducedRows::default());
+    for HeldRow { condition, reaction } in held {
         if let (Some(condition), Some(reaction)) = (conditions.rest(condition, &may), reactions.rest(reaction, &may)) {
             conditions.add(condition);
             reactions.add(reaction);
@@ -121,7 +121,7 @@ pub(super) fn eliminate(size: usize, held: &[Held], may: impl Fn(u32) -> bool) -
     for unknown in gone.keys().filter(|unknown| !untested.contains_key(unknown)) {
         tests[*unknown as usize] = places.next().map_or(u32::MAX, |place| number[*place as usize]);
     }
-    let basis = |reduced: &Reduced, number: &[u32]| {
+    let basis = |reduced: &ReducedRows, number: &[u32]| {
         let of = |unknown: u32| match reduced.pivots.get(&unknown).and_then(|row| reduced.rows.get(*row)) {
             None => vec![(number[unknown as usize], 1.0)],
             Some(row) => {
@@ -141,7 +141,7 @@ mod tests {
     /// Conditions vanish on Z, reactions on W, also where a condition is given twice and where tests take other places.
     #[test]
     fn conditions_and_reactions_vanish() {
-        let held = |condition: &[(u32, f64)], reaction: &[(u32, f64)]| Held {
+        let held = |condition: &[(u32, f64)], reaction: &[(u32, f64)]| HeldRow {
             condition: condition.to_vec(),
             reaction: reaction.to_vec(),
         };
@@ -155,7 +155,7 @@ mod tests {
         for k in 0..left {
             let unit: Vec<f64> = (0..left).map(|j| if j == k { 1.0 } else { 0.0 }).collect();
             let [x, y] = [&z, &w].map(|basis| basis.expand(&unit));
-            for Held { condition, reaction } in &all[..2] {
+            for HeldRow { condition, reaction } in &all[..2] {
                 let on = |f: &Functional, v: &[f64]| f.iter().map(|(u, c)| c * v[*u as usize]).sum::<f64>();
                 assert!(on(condition, &x).abs() < 1e-15 && on(reaction, &y).abs() < 1e-15, "{k}");
             }

@@ -35,7 +35,7 @@ fn product<C: Conjugate<Canonical = c64>>(y: &mut [c64], a: MatRef<C>, x: &[c64]
 
 /// An approximate eigenpair.
 #[derive(Clone, Debug)]
-pub(super) struct Ritz {
+pub(super) struct RitzPair {
     pub lambda: c64,
     /// Residual of 1/(λ − σ), relative to its size.
     pub error: f64,
@@ -43,7 +43,7 @@ pub(super) struct Ritz {
     vector: Vec<c64>,
 }
 
-impl Ritz {
+impl RitzPair {
     /// True if the eigenvalue is found to round-off.
     pub fn is_found(&self) -> bool {
         self.error <= FOUND
@@ -51,7 +51,7 @@ impl Ritz {
 }
 
 /// The Krylov space about a shift.
-pub(super) struct Krylov<'a> {
+pub(super) struct KrylovSpace<'a> {
     polynomial: &'a Polynomial,
     pivots: &'a Pivots<'a>,
     shift: c64,
@@ -64,11 +64,18 @@ pub(super) struct Krylov<'a> {
     is_exhausted: bool,
 }
 
-impl<'a> Krylov<'a> {
-    pub fn new(polynomial: &'a Polynomial, pivots: &'a Pivots<'a>, shift: c64) -> Krylov<'a> {
+impl<'a> KrylovSpace<'a> {
+    pub fn new(polynomial: &'a Polynomial, pivots: &'a Pivots<'a>, shift: c64) -> KrylovSpace<'a> {
         let rate = shift.norm();
-        let mut space =
-            Krylov { polynomial, pivots, shift, rate, basis: Vec::new(), columns: Vec::new(), is_exhausted: false };
+        let mut space = KrylovSpace {
+            polynomial,
+            pivots,
+            shift,
+            rate,
+            basis: Vec::new(),
+            columns: Vec::new(),
+            is_exhausted: false,
+        };
         let mut seed = 0x9E37_79B9_7F4A_7C15u64;
         for _ in 0..FIRST {
             let start: Vec<c64> = (0..space.length())
@@ -173,7 +180,7 @@ impl<'a> Krylov<'a> {
     ///
     /// # Errors
     /// If the eigenvalues of the small matrix are not found.
-    pub fn ritz(&self) -> Result<Vec<Ritz>, StabilityError> {
+    pub fn ritz(&self) -> Result<Vec<RitzPair>, StabilityError> {
         let m = self.columns.len();
         let entry = |i: usize, j: usize| self.columns[j].get(i).copied().unwrap_or_default();
         let projected = Mat::from_fn(m, m, entry);
@@ -192,7 +199,7 @@ impl<'a> Krylov<'a> {
                 .sum();
             if nu.norm() > 0.0 {
                 let error = outside.sqrt() / nu.norm();
-                found.push(Ritz { lambda: self.shift + c64::new(1.0, 0.0) / nu, error, vector });
+                found.push(RitzPair { lambda: self.shift + c64::new(1.0, 0.0) / nu, error, vector });
             }
         }
         found.sort_by(|a, b| (a.lambda - self.shift).norm().total_cmp(&(b.lambda - self.shift).norm()));
@@ -200,7 +207,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// The eigenvector x of T(λ), of size 1.
-    pub fn vector(&self, ritz: &Ritz) -> Vec<c64> {
+    pub fn vector(&self, ritz: &RitzPair) -> Vec<c64> {
         let mut x = vec![c64::default(); self.polynomial.size()];
         for (own, factor) in self.basis.chunks_exact(self.length().max(1)).zip(&ritz.vector) {
             x.iter_mut().zip(own).for_each(|(x, own)| *x += *factor * *own);

@@ -2,8 +2,8 @@
 //!
 //! A steady state with closed points that slide or stick is perturbed by (u′, θ′) exp(λt). The perturbation solves
 //! T(λ)(u′, θ′) = 0 with the pencil of the polynomial module, and grows if Re λ > 0. Mechanics alone gives squeal: two
-//! modes of the pressed body that friction couples (N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun. 29
-//! (2002) 197). Without inertia, heat gives hot spots: where the pressure is larger, friction heats, and what expands
+//! modes of the pressed body that friction couples (N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun.
+//! 29 (2002) 197). Without inertia, heat gives hot spots: where the pressure is larger, friction heats, and what expands
 //! presses more (R. A. Burton, V. Nerlikar, S. R. Kilaparti, Wear 24 (1973) 177).
 //!
 //! [`modes`] finds all eigenvalues in a region by Arnoldi's method about one shift, and shows by the argument principle
@@ -29,15 +29,15 @@ use crate::problem::{Fault, Problem};
 use crate::state::{State, StepReport};
 use crate::tensor::length;
 use polynomial::{Forms, Polynomial};
-use shares::Shares;
-use unknowns::{Perturbed, Unknowns};
+use shares::ModeShares;
+use unknowns::{Perturbed, PerturbedUnknowns};
 
 /// Difference of two frequencies, relative to them, that is round-off.
 const SAME: f64 = 1e-7;
 
 /// What is perturbed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ModeKind {
     /// The motion, with inertia, at the temperature of the state: complex eigenvalues of squeal.
     Squeal,
     /// Motion without inertia, and temperature: growth of hot spots.
@@ -46,38 +46,38 @@ pub enum Kind {
     Coupled,
 }
 
-impl Kind {
+impl ModeKind {
     /// Every kind.
-    pub const ALL: [Kind; 3] = [Kind::Squeal, Kind::Thermal, Kind::Coupled];
+    pub const ALL: [ModeKind; 3] = [ModeKind::Squeal, ModeKind::Thermal, ModeKind::Coupled];
 
     /// The word in the case file.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Squeal => "squeal",
-            Kind::Thermal => "thermal",
-            Kind::Coupled => "coupled",
+            ModeKind::Squeal => "squeal",
+            ModeKind::Thermal => "thermal",
+            ModeKind::Coupled => "coupled",
         }
     }
 
     /// The kind that suits a problem: squeal if inertia acts at the end of its run, otherwise hot spots.
     #[must_use]
-    pub fn of(problem: &Problem) -> Kind {
+    pub fn of(problem: &Problem) -> ModeKind {
         let swings = problem.has_mass();
-        if swings || !problem.physics.has_heat() { Kind::Squeal } else { Kind::Thermal }
+        if swings || !problem.physics.has_heat() { ModeKind::Squeal } else { ModeKind::Thermal }
     }
 }
 
 /// A part of the plane of λ: growth Re λ in 1/s and the angular frequency Im λ in rad/s, and with them the conjugates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Region {
+pub struct ModeRegion {
     /// Least and largest growth, 1/s.
     pub growth: [f64; 2],
     /// Least and largest angular frequency, rad/s, not negative.
     pub frequency: [f64; 2],
 }
 
-impl Region {
+impl ModeRegion {
     /// True if λ or its conjugate lies in the region.
     #[must_use]
     pub fn has(&self, [growth, frequency]: [f64; 2]) -> bool {
@@ -107,7 +107,7 @@ impl Region {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
     /// What is perturbed; `None` for the kind that suits the problem.
-    pub kind: Option<Kind>,
+    pub kind: Option<ModeKind>,
     /// The number of modes.
     pub count: usize,
     /// Least and largest frequency in Hz of all modes that are looked for.
@@ -124,14 +124,14 @@ impl Search {
         let frequency = self.hertz.map(|range| range.map(|hertz| hertz * std::f64::consts::TAU));
         let region = match (self.growth, frequency) {
             (None, None) => None,
-            (Some(growth), Some(frequency)) => Some(Region { growth, frequency }),
-            (None, Some(frequency)) => Some(Region { growth: [-frequency[1], frequency[1]], frequency }),
+            (Some(growth), Some(frequency)) => Some(ModeRegion { growth, frequency }),
+            (None, Some(frequency)) => Some(ModeRegion { growth: [-frequency[1], frequency[1]], frequency }),
             (Some(growth), None) => {
                 let most = growth.into_iter().fold(0.0, |most: f64, growth| most.max(growth.abs()));
-                Some(Region { growth, frequency: [0.0, most] })
+                Some(ModeRegion { growth, frequency: [0.0, most] })
             }
         };
-        Wanted { kind: self.kind.unwrap_or_else(|| Kind::of(problem)), count: self.count, region }
+        Wanted { kind: self.kind.unwrap_or_else(|| ModeKind::of(problem)), count: self.count, region }
     }
 }
 
@@ -139,11 +139,11 @@ impl Search {
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
     /// What is perturbed.
-    pub kind: Kind,
+    pub kind: ModeKind,
     /// The number of modes: those of lowest frequency, or of hot spots those of largest growth.
     pub count: usize,
     /// All modes of this region in place of a number of them.
-    pub region: Option<Region>,
+    pub region: Option<ModeRegion>,
 }
 
 /// A mode: a perturbation (u′, θ′) exp(λt).
@@ -185,11 +185,11 @@ impl Mode {
 #[derive(Clone, Debug)]
 pub struct Modes {
     /// What is perturbed.
-    pub kind: Kind,
+    pub kind: ModeKind,
     /// All modes of the region, conjugates once: by frequency, or of hot spots by growth, the largest first.
     pub modes: Vec<Mode>,
     /// The region in which none is missing.
-    pub region: Region,
+    pub region: ModeRegion,
     /// Eigenvalues that the count finds in the region beyond the modes, with conjugates. Other than zero only if the
     /// memory was not enough to find them all.
     pub missing: isize,
@@ -286,26 +286,26 @@ pub fn modes(
     report: &StepReport,
     wanted: &Wanted,
 ) -> Result<Modes, StabilityError> {
-    check(problem, discrete, wanted.kind)?;
+    check(problem, discrete, wanted)?;
     let what = Perturbed {
         displacement: problem.physics.has_mechanics(),
-        temperature: wanted.kind != Kind::Squeal && problem.physics.has_heat(),
+        temperature: wanted.kind != ModeKind::Squeal && problem.physics.has_heat(),
     };
     let contacts = contacts_at(problem, state.t);
     let boundary = report.contact.boundary.as_ref().unwrap_or(&discrete.boundary);
     let points = contact::linearised(&contacts, boundary, report, what.temperature)?;
-    let unknowns = Unknowns::new(discrete, what);
+    let unknowns = PerturbedUnknowns::new(discrete, what);
     if unknowns.size == 0 {
         return Err(StabilityError::State(Reason::NoUnknowns));
     }
     let forms = forms(discrete, state, what, wanted.kind);
     let pencil = Polynomial::new(unknowns, &forms, boundary, &points, discrete.mesh.dim);
     let found = search::find(pencil, wanted, discrete.mesh.dim)?;
-    let shares = Shares::new(discrete, boundary, &contacts, &forms, wanted.kind);
+    let shares = ModeShares::new(discrete, boundary, &contacts, &forms, wanted.kind);
     let statuses = report.contact.states.iter().map(|state| state.status);
     let count = |status: Status| statuses.clone().filter(|own| *own == status).count();
     let mut modes: Vec<Mode> = found.pairs.iter().map(|pair| shares.mode(&found.pencil, pair)).collect();
-    if wanted.kind == Kind::Thermal {
+    if wanted.kind == ModeKind::Thermal {
         modes.sort_by(|a, b| b.growth.total_cmp(&a.growth));
     } else {
         modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
@@ -333,7 +333,8 @@ pub fn modes(
 }
 
 /// Checks that all parts of the problem are linearised.
-fn check(problem: &Problem, discrete: &Discretization, kind: Kind) -> Result<(), StabilityError> {
+fn check(problem: &Problem, discrete: &Discretization, wanted: &Wanted) -> Result<(), StabilityError> {
+    let kind = wanted.kind;
     let fault = |path: String, found: &str, expected: &str, hint: &str| {
         Err(StabilityError::Problem(Fault::new(path, found, expected).hint(hint)))
     };
@@ -344,7 +345,11 @@ fn check(problem: &Problem, discrete: &Discretization, kind: Kind) -> Result<(),
             (contact.preload.is_some(), "preload", "a preload, whose section is drawn together"),
             (contact.fluid.is_some(), "fluid", "a fluid"),
             (load, "obstacle.load", "an obstacle under a force"),
-            (contact.foundation_heat.is_some() && kind != Kind::Squeal, "heat", "a foundation with a heat capacity"),
+            (
+                contact.foundation_heat.is_some() && kind != ModeKind::Squeal,
+                "heat",
+                "a foundation with a heat capacity",
+            ),
         ];
         all.into_iter().find(|(is, ..)| *is).map(|(_, key, found)| (key, found))
     };
@@ -362,7 +367,16 @@ fn check(problem: &Problem, discrete: &Discretization, kind: Kind) -> Result<(),
         let hint = "give regions of their own a number each";
         return fault("material".to_owned(), "relaxation times that vary in space", "numbers per region", hint);
     }
-    if kind != Kind::Thermal && !problem.physics.has_mechanics() || kind != Kind::Squeal && !problem.physics.has_heat()
+    let region_holds_poles =
+        wanted.region.map_or(kind == ModeKind::Thermal, |region| region.frequency[0] <= 0.0 && region.growth[0] < 0.0);
+    if !discrete.branches.is_empty() && region_holds_poles {
+        let hint = "give stability.growth a lower bound of 0 or more, or stability.frequency one above 0";
+        let found =
+            "decaying modes of frequency 0 in a body with branches, which relax in as many modes as they have unknowns";
+        return fault("stability".to_owned(), found, "a region without them", hint);
+    }
+    if kind != ModeKind::Thermal && !problem.physics.has_mechanics()
+        || kind != ModeKind::Squeal && !problem.physics.has_heat()
     {
         let found = format!(
             "\"{}\" in a problem without {}",
@@ -375,13 +389,13 @@ fn check(problem: &Problem, discrete: &Discretization, kind: Kind) -> Result<(),
 }
 
 /// The forms of the body at a state.
-fn forms(discrete: &Discretization, state: &State, what: Perturbed, kind: Kind) -> Forms {
+fn forms(discrete: &Discretization, state: &State, what: Perturbed, kind: ModeKind) -> Forms {
     let State { u, w, theta, .. } = state;
     let mut forms = Forms::default();
     if what.displacement {
         let [damping, stiffness] = discrete.mechanical_forms(u, w, theta);
         (forms.damping, forms.stiffness) = (Some(damping), Some(stiffness));
-        forms.inertia = (kind != Kind::Thermal).then(|| discrete.inertia_matrix(1.0));
+        forms.inertia = (kind != ModeKind::Thermal).then(|| discrete.inertia_matrix(1.0));
         let branches = discrete.branches.iter().filter_map(|branches| branches.uniform());
         forms.branches = branches.map(|(time, form)| (time.recip(), form.clone())).collect();
     }

@@ -1,8 +1,8 @@
 //! The pencil T(λ) = T₀ + λT₁ + λ²T₂ + Σ λ/(λ + 1/τ) A_τ of a perturbation u′, θ′ ~ exp(λt), on the unknowns that the
 //! contact leaves.
 //!
-//! With M, B, A, C and D of the body at the state, G the derivative of its forces in the temperature, E that of its heat
-//! in the displacement, A_τ the springs of its branches, and the contact of [`super::contact`]:
+//! With M, B, A, C and D of the body at the state, G the derivative of its forces in the temperature, E that of its
+//! heat in the displacement, A_τ the springs of its branches, and the contact of [`super::contact`]:
 //!
 //! ```text
 //! λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
@@ -11,9 +11,9 @@
 
 use faer::c64;
 
-use super::contact::{Map, PointTerm};
-use super::eliminated::{Basis, Functional, Held, eliminate};
-use super::unknowns::{Unknowns, add, merged};
+use super::contact::{PointTerm, SpaceMap};
+use super::eliminated::{Basis, Functional, HeldRow, eliminate};
+use super::unknowns::{PerturbedUnknowns, add, merged};
 use crate::contact::ContactBoundary;
 use crate::linalg::{BlockMatrix, ComplexMatrix};
 use crate::tensor::Point;
@@ -43,7 +43,7 @@ pub(super) struct Polynomial {
     /// 1/τ of each group.
     pub rates: Vec<f64>,
     /// The unknowns with Z and W.
-    pub unknowns: Unknowns,
+    pub unknowns: PerturbedUnknowns,
     pub trial: Basis,
     /// Factor of each unknown: x = scale ξ makes entries of one size.
     pub scale: Vec<f64>,
@@ -54,7 +54,7 @@ type Entries = Vec<(u32, u32, f64)>;
 
 /// The terms while they are assembled, on the unknowns before the contact eliminates some.
 struct Assembly<'a> {
-    unknowns: &'a Unknowns,
+    unknowns: &'a PerturbedUnknowns,
     terms: Vec<Entries>,
 }
 
@@ -88,7 +88,7 @@ impl Assembly<'_> {
     }
 
     /// Adds the laws of a contact point, and returns what it holds.
-    fn add_point(&mut self, boundary: &ContactBoundary, number: usize, term: &PointTerm) -> Vec<Held> {
+    fn add_point(&mut self, boundary: &ContactBoundary, number: usize, term: &PointTerm) -> Vec<HeldRow> {
         let (point, unknowns) = (&boundary.points[number], self.unknowns);
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let jump = axes.map(|axis| unknowns.jump(boundary, point, &axis));
@@ -100,7 +100,7 @@ impl Assembly<'_> {
         };
         // Heat out of one side, and into the other, whose values are negative in the jump.
         let tests = [1.0, -1.0].map(|sign| sign * point.weight);
-        let maps: [(usize, &Map, &[Point; 2]); 2] =
+        let maps: [(usize, &SpaceMap, &[Point; 2]); 2] =
             [(0, &term.force_by_jump, &term.heat_by_jump), (1, &term.force_by_rate, &term.heat_by_rate)];
         for (power, force, heat) in maps {
             for c in 0..3 {
@@ -122,7 +122,7 @@ impl Assembly<'_> {
             for side in 0..2 {
                 add(&mut reaction, [1.0, -1.0][side] * held.heat[side], &temperatures[side]);
             }
-            Held { condition: along(&held.direction), reaction: merged(reaction) }
+            HeldRow { condition: along(&held.direction), reaction: merged(reaction) }
         };
         term.held.iter().map(held).collect()
     }
@@ -131,7 +131,7 @@ impl Assembly<'_> {
 impl Polynomial {
     /// Assembles the pencil.
     pub fn new(
-        unknowns: Unknowns,
+        unknowns: PerturbedUnknowns,
         forms: &Forms,
         boundary: &ContactBoundary,
         points: &[PointTerm],
@@ -153,7 +153,7 @@ impl Polynomial {
         forms.heat.iter().for_each(|form| assembly.add(0, -1.0, form, [theta, u], 1));
         forms.storage.iter().for_each(|form| assembly.add(1, 1.0, form, [theta, theta], 1));
         forms.conduction.iter().for_each(|form| assembly.add(0, 1.0, form, [theta, theta], 1));
-        let held: Vec<Held> =
+        let held: Vec<HeldRow> =
             points.iter().enumerate().flat_map(|(i, point)| assembly.add_point(boundary, i, point)).collect();
         let entries = assembly.terms;
         let (size, trial, test) = eliminate(unknowns.size, &held, |unknown| unknowns.moves[unknown as usize]);

@@ -2,10 +2,10 @@
 
 use faer::c64;
 
-use super::count::{Count, count};
-use super::krylov::{Krylov, Ritz};
+use super::count::{EigenvalueCount, count};
+use super::krylov::{KrylovSpace, RitzPair};
 use super::polynomial::Polynomial;
-use super::{Kind, Region, StabilityError, Wanted};
+use super::{ModeKind, ModeRegion, StabilityError, Wanted};
 use crate::linalg::{Pattern, Pivots};
 use crate::machine;
 
@@ -19,32 +19,43 @@ const REAL: f64 = 1e-9;
 const FAR: f64 = 1e4;
 const TRUE: f64 = 1e-6;
 
+/// Imaginary part of an eigenvalue, relative to its size, up to which it may be one of relaxation that is not yet
+/// found.
+const NEARLY_REAL: f64 = 1e-2;
+
+/// True for an eigenvalue of relaxation: branches have one of each unknown, on the real axis between −1/τ and 0, and
+/// they gather there, so that a search would never end with them.
+fn relaxes(pencil: &Polynomial, lambda: c64) -> bool {
+    let fastest = pencil.rates.iter().copied().fold(0.0, f64::max);
+    lambda.im.abs() <= NEARLY_REAL * lambda.norm() && lambda.re < 0.0 && lambda.re >= -(1.0 + NEARLY_REAL) * fastest
+}
+
 /// An eigenvalue of non-negative frequency with its vector.
-pub(super) struct Pair {
+pub(super) struct FoundPair {
     pub lambda: c64,
     pub x: Vec<c64>,
     pub residual: f64,
 }
 
 /// What was found.
-pub(super) struct Found {
+pub(super) struct FoundPairs {
     pub pencil: Polynomial,
-    pub pairs: Vec<Pair>,
-    pub region: Region,
+    pub pairs: Vec<FoundPair>,
+    pub region: ModeRegion,
     pub missing: isize,
     pub factorizations: usize,
     pub dimension: usize,
 }
 
 /// The eigenvalues that the space has found up to the first that it has not, by distance to the shift.
-struct Known {
-    ritz: Vec<Ritz>,
+struct KnownEigenvalues {
+    ritz: Vec<RitzPair>,
     /// Distance within which all of the space are found.
     radius: f64,
 }
 
-impl Known {
-    fn new(space: &Krylov, shift: c64) -> Result<Known, StabilityError> {
+impl KnownEigenvalues {
+    fn new(space: &KrylovSpace, shift: c64) -> Result<KnownEigenvalues, StabilityError> {
         let mut ritz = space.ritz()?;
         // Infinite eigenvalues, of unknowns without mass, are found as large numbers of no meaning.
         let nearest = ritz.first().map_or(0.0, |first| (first.lambda - shift).norm());
@@ -52,6 +63,7 @@ impl Known {
             let is_far = (ritz.lambda - shift).norm() > FAR * nearest;
             !(is_far && ritz.is_found()) || space.polynomial().residual(ritz.lambda, &space.vector(ritz)) < TRUE
         });
+        ritz.retain(|ritz| !relaxes(space.polynomial(), ritz.lambda));
         let found = ritz.iter().position(|ritz| !ritz.is_found()).unwrap_or(ritz.len());
         let radius = match ritz.get(found) {
             Some(next) => (next.lambda - shift).norm(),
@@ -59,11 +71,11 @@ impl Known {
             None => ritz.last().map_or(0.0, |last| (last.lambda - shift).norm()),
         };
         ritz.truncate(found);
-        Ok(Known { ritz, radius })
+        Ok(KnownEigenvalues { ritz, radius })
     }
 
     /// The eigenvalues of non-negative frequency; those that are real up to round-off are made so.
-    fn upper(&self) -> impl Iterator<Item = (c64, &Ritz)> {
+    fn upper(&self) -> impl Iterator<Item = (c64, &RitzPair)> {
         self.ritz.iter().filter_map(|ritz| {
             let lambda = ritz.lambda;
             let is_real = lambda.im.abs() <= REAL * lambda.norm();
@@ -81,9 +93,17 @@ impl Known {
 
 /// The region of the wanted number of modes, if the space has them all and those next to them: to the middle between
 /// the last one and the next.
-fn region_of(known: &Known, wanted: &Wanted, shift: c64, all: bool) -> Option<Region> {
+fn region_of(
+    known: &KnownEigenvalues,
+    wanted: &Wanted,
+    (shift, relaxing): (c64, bool),
+    all: bool,
+) -> Option<ModeRegion> {
     let mut upper: Vec<c64> = known.upper().map(|(lambda, _)| lambda).collect();
-    let (count, thermal) = (wanted.count, wanted.kind == Kind::Thermal);
+    if relaxing {
+        upper.retain(|lambda| lambda.im > 0.0);
+    }
+    let (count, thermal) = (wanted.count, wanted.kind == ModeKind::Thermal);
     if thermal {
         upper.sort_by(|a, b| b.re.total_cmp(&a.re));
     } else {
@@ -103,11 +123,13 @@ fn region_of(known: &Known, wanted: &Wanted, shift: c64, all: bool) -> Option<Re
     if thermal {
         let reach = (shift.re + edge).max(size);
         let most = upper.iter().filter(|l| -l.re <= edge).map(|l| l.im).fold(0.0, f64::max);
-        return Some(Region { growth: [-edge, shift.re + reach], frequency: [0.0, (2.0 * most).max(reach)] });
+        return Some(ModeRegion { growth: [-edge, shift.re + reach], frequency: [0.0, (2.0 * most).max(reach)] });
     }
     let most = upper.iter().filter(|l| l.im <= edge).map(|l| l.re.abs()).fold(0.0, f64::max);
     let most = (2.0 * most).max(0.5 * edge);
-    Some(Region { growth: [-most, most], frequency: [0.0, edge] })
+    // The real axis has the poles of the branches.
+    let least = if relaxing { 0.5 * upper.first().map_or(0.0, |lambda| lambda.im) } else { 0.0 };
+    Some(ModeRegion { growth: [-most, most], frequency: [least, edge] })
 }
 
 /// Where the search begins: on the real axis, at the growth of the region or at a slow rate of the body, or within a
@@ -115,7 +137,7 @@ fn region_of(known: &Known, wanted: &Wanted, shift: c64, all: bool) -> Option<Re
 fn shift(wanted: &Wanted, slow: f64) -> c64 {
     match wanted.region {
         None => c64::new(0.5 * slow, 0.0),
-        Some(Region { growth, frequency }) => {
+        Some(ModeRegion { growth, frequency }) => {
             let [middle, height] = [growth, frequency].map(|[from, to]| 0.5 * (from + to));
             // Off the middle, where a mode of no growth might lie; to the right, where the body has no eigenvalues.
             if frequency[0] > 0.0 {
@@ -128,24 +150,24 @@ fn shift(wanted: &Wanted, slow: f64) -> c64 {
 }
 
 /// Finds the eigenpairs.
-pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Result<Found, StabilityError> {
+pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Result<FoundPairs, StabilityError> {
     let shift = shift(wanted, pencil.slow_rate(dim));
     pencil.balance(shift.norm());
     let matrix = pencil.at(shift);
     let pattern = Pattern::new(&matrix)?;
     let pivots = Pivots::new(&pattern, &matrix)?;
-    let mut space = Krylov::new(&pencil, &pivots, shift);
+    let mut space = KrylovSpace::new(&pencil, &pivots, shift);
     let memory = machine::physical_memory().map_or(f64::INFINITY, |memory| MEMORY * memory.bytes);
     let most = ((memory / space.bytes() as f64) as usize).max(64);
     let (mut by, mut factorizations) = (2 * wanted.count + 20, 1);
     loop {
         space.extend(by);
         by = (space.dimension() / 4).max(10);
-        let known = Known::new(&space, shift)?;
+        let known = KnownEigenvalues::new(&space, shift)?;
         let is_last = space.is_exhausted() || space.dimension() >= most;
         let region = match wanted.region {
             Some(region) => Some(region),
-            None => region_of(&known, wanted, shift, space.is_exhausted()),
+            None => region_of(&known, wanted, (shift, !pencil.rates.is_empty()), space.is_exhausted()),
         };
         let Some(region) = region.filter(|region| region.farthest(shift) <= known.radius || is_last) else {
             if is_last {
@@ -153,7 +175,7 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
             }
             continue;
         };
-        let Count { missing, factorizations: made } = count(&pencil, &pattern, &region, &known.both())?;
+        let EigenvalueCount { missing, factorizations: made } = count(&pencil, &pattern, &region, &known.both())?;
         factorizations += made;
         if missing != 0 && !is_last {
             continue;
@@ -161,9 +183,9 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
         let inside = known.upper().filter(|(lambda, _)| region.has([lambda.re, lambda.im]));
         let pairs = inside.map(|(lambda, ritz)| {
             let x = space.vector(ritz);
-            Pair { lambda, residual: pencil.residual(lambda, &x), x }
+            FoundPair { lambda, residual: pencil.residual(lambda, &x), x }
         });
         let (pairs, dimension) = (pairs.collect(), space.dimension());
-        return Ok(Found { pencil, pairs, region, missing, factorizations, dimension });
+        return Ok(FoundPairs { pencil, pairs, region, missing, factorizations, dimension });
     }
 }

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use faer::c64;
 
 use super::polynomial::{Forms, Polynomial};
-use super::search::Pair;
-use super::{Kind, Mode};
+use super::search::FoundPair;
+use super::{Mode, ModeKind};
 use crate::contact::{Contact, ContactBoundary};
 use crate::discretization::Discretization;
 use crate::linalg::BlockMatrix;
@@ -18,7 +18,7 @@ use crate::mesh::Mesh;
 use crate::mesh::defects::components;
 
 /// Shares of contacts and bodies.
-pub(super) struct Shares<'a> {
+pub(super) struct ModeShares<'a> {
     forms: &'a Forms,
     dim: usize,
     is_thermal: bool,
@@ -29,14 +29,14 @@ pub(super) struct Shares<'a> {
     bodies: Vec<(String, Vec<u32>)>,
 }
 
-impl<'a> Shares<'a> {
+impl<'a> ModeShares<'a> {
     pub fn new(
         discrete: &Discretization,
         boundary: &ContactBoundary,
         contacts: &[Contact],
         forms: &'a Forms,
-        kind: Kind,
-    ) -> Shares<'a> {
+        kind: ModeKind,
+    ) -> ModeShares<'a> {
         let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for point in &boundary.points {
             for (node, _) in &point.nodes {
@@ -46,9 +46,9 @@ impl<'a> Shares<'a> {
                 }
             }
         }
-        let is_thermal = kind == Kind::Thermal;
+        let is_thermal = kind == ModeKind::Thermal;
         let bodies = bodies(&discrete.mesh);
-        Shares { forms, dim: discrete.mesh.dim, is_thermal, contacts: contacts.len(), of_node, bodies }
+        ModeShares { forms, dim: discrete.mesh.dim, is_thermal, contacts: contacts.len(), of_node, bodies }
     }
 
     /// Names of the bodies.
@@ -57,7 +57,7 @@ impl<'a> Shares<'a> {
     }
 
     /// The mode of an eigenpair.
-    pub fn mode(&self, pencil: &Polynomial, pair: &Pair) -> Mode {
+    pub fn mode(&self, pencil: &Polynomial, pair: &FoundPair) -> Mode {
         let left: Vec<c64> = pair.x.iter().zip(&pencil.scale).map(|(x, scale)| *x * *scale).collect();
         let x = pencil.trial.expand(&left);
         let at = |of: &[Vec<(u32, f64)>]| -> Vec<c64> {

@@ -17,7 +17,7 @@ pub(super) struct Perturbed {
 }
 
 /// Each component of the displacement and each temperature at a node as a combination of the unknowns.
-pub(super) struct Unknowns {
+pub(super) struct PerturbedUnknowns {
     pub size: usize,
     /// By node and component.
     pub u: Vec<Functional>,
@@ -28,9 +28,9 @@ pub(super) struct Unknowns {
     dim: usize,
 }
 
-impl Unknowns {
+impl PerturbedUnknowns {
     /// The unknowns of a discrete problem, those on Γ_C last.
-    pub fn new(discrete: &Discretization, what: Perturbed) -> Unknowns {
+    pub fn new(discrete: &Discretization, what: Perturbed) -> PerturbedUnknowns {
         let Discretization { mesh, v, q, boundary, .. } = discrete;
         let (dim, nodes) = (mesh.dim, mesh.points.len());
         let layout = Layout::of(mesh, v, &boundary.nodes);
@@ -56,7 +56,13 @@ impl Unknowns {
         let u = (0..nodes as u32).flat_map(|node| (0..dim).map(move |c| (node, c)));
         let u = u.map(|(node, c)| displacement(v, &of_u, node, c)).collect();
         let theta = (0..nodes as u32).map(|node| of_theta[leader(&q.links, node) as usize].map(|at| (at, 1.0)));
-        Unknowns { size: moves.len(), u, theta: theta.map(|at| at.into_iter().collect()).collect(), moves, dim }
+        PerturbedUnknowns {
+            size: moves.len(),
+            u,
+            theta: theta.map(|at| at.into_iter().collect()).collect(),
+            moves,
+            dim,
+        }
     }
 
     /// The component of the jump at a contact point in a direction.

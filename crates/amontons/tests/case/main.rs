@@ -4,8 +4,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-/// A test each, of a case `bar.toml` with one thing spoiled: the constant of its text, and then `name: "old" => "new" set
-/// "KEY=VALUE" "line of the message"… ;`
+/// A test each, of a case `bar.toml` with one thing spoiled: the constant of its text, and then `name: "old" => "new"
+/// set "KEY=VALUE" "line of the message"… ;`
 macro_rules! spoiled {
     ($text:ident $($name:ident: $old:literal => $new:literal $(set $set:literal)* $($line:literal)+;)*) => {
         $(#[test]

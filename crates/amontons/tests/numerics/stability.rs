@@ -4,7 +4,8 @@
 
 use amontons::case::{self, Case};
 use amontons::run::{Settings, Stepping};
-use amontons::stability::{Kind, Modes, Wanted, modes};
+use amontons::stability::{ModeKind, Modes, Wanted, modes};
+use faer::c64;
 use serde_json::Value;
 
 use crate::common::file;
@@ -20,7 +21,7 @@ fn with(name: &str, overrides: &[String]) -> Case {
 }
 
 /// The modes at the end of a run.
-fn at_end(case: &Case, kind: Kind, count: usize) -> Modes {
+fn at_end(case: &Case, kind: ModeKind, count: usize) -> Modes {
     let mut run = Stepping::new(&case.problem, &Settings::default()).expect("a run");
     while !run.is_done() {
         run.step().expect("a step");
@@ -56,7 +57,7 @@ fn blocks_on_a_belt_squeal_as_elsewhere() {
         let name = format!("{}-{law}", block["name"].as_str().expect("a name"));
         for (mu, expected) in block["eigenvalues"].as_object().expect("by μ") {
             let case = with(&format!("{name}.toml"), &[format!("contact.friction.coefficient={mu}")]);
-            let found = at_end(&case, Kind::Squeal, 6);
+            let found = at_end(&case, ModeKind::Squeal, 6);
             let name = format!("{name}, μ = {mu}");
             assert_modes(&name, &found, &numbers(&expected["growth"]), &numbers(&expected["frequency"]));
         }
@@ -110,7 +111,7 @@ fn layers_grow_hot_spots_as_elsewhere() {
             "boundary[2].displacement=[\"free\", -1e-13]"
         };
         let case = with(&format!("{name}.toml"), &[&overrides[..], &[top.to_owned()]].concat());
-        let found = at_end(&case, Kind::Thermal, 4);
+        let found = at_end(&case, ModeKind::Thermal, 4);
         let growth: Vec<f64> = (1..5).map(|k| number(row, &format!("eigenvalue_{k}"))).collect();
         let frequency: Vec<f64> = (1..5).map(|k| number(row, &format!("imag_{k}")).abs()).collect();
         assert_modes(&format!("{name}, n = {}, h = {}", row["n"], row["h"]), &found, &growth, &frequency);
@@ -129,7 +130,7 @@ fn drag_damps_hot_spots_as_elsewhere() {
             "initial.temperature=0".to_owned(),
             format!("boundary[2].displacement=[\"free\", {:?}]", -press),
         ];
-        let found = at_end(&with("tei-a-symmetry-rigid-Q1.toml", &overrides), Kind::Thermal, 4);
+        let found = at_end(&with("tei-a-symmetry-rigid-Q1.toml", &overrides), ModeKind::Thermal, 4);
         let growth: Vec<f64> = (1..5).map(|k| number(&row, &format!("eigenvalue_{k}"))).collect();
         assert_modes(&format!("drag at {}", row["pstar"]), &found, &growth, &[0.0; 4]);
     }
@@ -181,7 +182,7 @@ heat = {{ law = "sum", foundation_temperature = {foundation:?}, laws = [
             rest = h - p * slope,
         );
         let case = case::parse(&case::Source::new("rod.toml", text), &[]).unwrap_or_else(|error| panic!("{error}"));
-        let found = at_end(&case, Kind::Thermal, 4);
+        let found = at_end(&case, ModeKind::Thermal, 4);
         let growth: Vec<f64> =
             ["growth_fe", "eigenvalue_2", "eigenvalue_3", "eigenvalue_4"].map(|key| number(&row, key)).to_vec();
         assert_modes(&format!("rod, n = {}, {difference}", row["n"]), &found, &growth, &[0.0; 4]);
@@ -281,7 +282,7 @@ fn two_bodies_grow_hot_spots_whichever_is_named_first() {
             text("lower_top", "upper_bottom", 1.0 - eta, -number(row, "V")),
         ];
         for (side, text) in both.into_iter().enumerate() {
-            let found = at_end(&parsed(text, &[]), Kind::Thermal, 4);
+            let found = at_end(&parsed(text, &[]), ModeKind::Thermal, 4);
             let growth: Vec<f64> = (1..5).map(|k| number(row, &format!("eigenvalue_{k}"))).collect();
             assert_modes(&format!("two bodies, n = {n}, naming {side}"), &found, &growth, &[0.0; 4]);
             assert_eq!(found.bodies.len(), 2);
@@ -289,8 +290,8 @@ fn two_bodies_grow_hot_spots_whichever_is_named_first() {
     }
 }
 
-/// A block with every term: damping, branches, a damped layer, friction that falls with speed and pressure, turned by an
-/// angle about a place far away.
+/// A block with every term: damping, branches, a damped layer, and friction that falls with the speed, turned by an
+/// angle.
 fn turned_block(angle: f64, unit: [f64; 2]) -> Case {
     let [length, stress] = unit;
     let (sine, cosine) = angle.sin_cos();
@@ -343,12 +344,12 @@ foundation_velocity = {belt}
 /// Eigenvalues do not know how a block is turned, nor the units of length and stress.
 #[test]
 fn modes_do_not_know_how_a_block_is_turned_or_measured() {
-    let straight = at_end(&turned_block(0.0, [1.0, 1.0]), Kind::Squeal, 8);
+    let straight = at_end(&turned_block(0.0, [1.0, 1.0]), ModeKind::Squeal, 8);
     assert!(straight.missing == 0 && straight.modes.len() >= 8);
     let growths: Vec<f64> = straight.modes.iter().map(|mode| mode.growth).collect();
     assert!(growths.iter().any(|growth| *growth > 1e-2) && growths.iter().any(|growth| *growth < -1e-2), "{growths:?}");
     for (angle, unit) in [(0.4, [1.0, 1.0]), (2.2, [1.0, 1.0]), (-1.3, [1e-3, 2.1e11]), (0.0, [50.0, 1e-4])] {
-        let other = at_end(&turned_block(angle, unit), Kind::Squeal, 8);
+        let other = at_end(&turned_block(angle, unit), ModeKind::Squeal, 8);
         assert_eq!(other.modes.len(), straight.modes.len(), "{angle}, {unit:?}");
         for (a, b) in straight.modes.iter().zip(&other.modes) {
             let off = (a.growth - b.growth).hypot(a.frequency - b.frequency) / a.growth.hypot(a.frequency);
@@ -363,7 +364,7 @@ fn modes_do_not_know_how_a_block_is_turned_or_measured() {
 #[test]
 fn growth_is_what_the_contact_brings_in() {
     let case = with("block-a-compliance.toml", &["contact.friction.coefficient=0.5".to_owned()]);
-    for mode in at_end(&case, Kind::Squeal, 6).modes {
+    for mode in at_end(&case, ModeKind::Squeal, 6).modes {
         assert!((mode.by_contact[0] - mode.growth).abs() < 1e-10 * mode.frequency, "{mode:?}");
     }
 }
@@ -382,7 +383,7 @@ fn a_run_in_time_goes_on_as_its_mode_does() {
     // A dynamic phase starts from rest: the velocity of the mode can be given after its first step.
     run.step().expect("a step at rest");
     let seen = run.snapshot();
-    let wanted = Wanted { kind: Kind::Squeal, count: 6, region: None };
+    let wanted = Wanted { kind: ModeKind::Squeal, count: 6, region: None };
     let found =
         modes(seen.problem, seen.discretization, seen.state, seen.report.expect("a step"), &wanted).expect("modes");
     let saved = run.save();
@@ -412,4 +413,38 @@ fn a_run_in_time_goes_on_as_its_mode_does() {
         let off = off.fold(0.0, f64::max);
         assert!(off < 1e-8, "{} + {} i: {off:e} off", mode.growth, mode.frequency);
     }
+}
+
+/// The benchmark `rubbing-bar` with viscosity and a branch that relaxes: with G(λ) = 1 + 0.3 λ/(λ + 2) + 0.02 λ and
+/// κ = λ/√G its modes solve tanh κ = √G/g. The error is of second order in the cells.
+#[test]
+fn a_bar_that_relaxes_rubs_as_its_formula_says() {
+    let (one, slope) = (c64::new(1.0, 0.0), 0.5);
+    let modulus = |l: c64| one + 0.3 * l / (l + 2.0) + 0.02 * l;
+    let residual = |l: c64| (l / modulus(l).sqrt()).tanh() - modulus(l).sqrt() / slope;
+    let root = |mut l: c64| {
+        for _ in 0..60 {
+            let h = 1e-6 * l.norm();
+            l -= residual(l) * (2.0 * h) / (residual(l + h) - residual(l - h));
+        }
+        assert!(residual(l).norm() < 1e-9, "{l}");
+        l
+    };
+    let path = file("crates/amontons/benchmarks/rubbing-bar.toml");
+    let errors = [50, 100].map(|n| {
+        let overrides = [
+            format!("mesh.n=[{n}, 1]"),
+            "material.prony=[{ ratio = 0.3, time = 0.5 }]".to_owned(),
+            "material.viscosity={ law = \"lame\", first = 0.0, second = 0.02 }".to_owned(),
+        ];
+        let found = at_end(&case::read(&path, &overrides).expect("the bar"), ModeKind::Squeal, 3);
+        assert_eq!(found.missing, 0);
+        let off = |mode: &amontons::stability::Mode| {
+            let lambda = c64::new(mode.growth, mode.frequency);
+            (lambda - root(lambda)).norm() / lambda.norm()
+        };
+        found.modes.iter().take(3).map(off).fold(0.0, f64::max)
+    });
+    let order = (errors[0] / errors[1]).log2();
+    assert!(errors[1] < 1e-3 && (order - 2.0).abs() < 0.1, "{errors:?}, order {order}");
 }

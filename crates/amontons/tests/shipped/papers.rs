@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 19] = [
+const RESULTS: [&str; 21] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -62,6 +62,8 @@ const RESULTS: [&str; 19] = [
     "convergence.csv",
     "gradient.csv",
     "gradient.json",
+    "modes.csv",
+    "modes.json",
     "report.md",
     "fields.pvd",
     "fields.vtkhdf",
