@@ -80,12 +80,13 @@ struct Angles<'a> {
 }
 
 impl Angles<'_> {
-    /// Angle and logarithm of the size of det T(λ)/Π(λ − λ_j).
+    /// Angle and logarithm of the size of det T(λ)/Π(λ − λ_j), over what branches make of it.
     fn near(&self, lambda: c64) -> Result<[f64; 2], SolveError> {
         self.made.fetch_add(1, Ordering::Relaxed);
         let matrix = self.polynomial.at(lambda);
         let (angle, size) = Pivots::new(self.pattern, &matrix)?.determinant();
-        let known = || self.known.iter().map(|known| lambda - known);
+        let ([turned, grown], known) = (self.polynomial.relaxation(lambda), || self.known.iter().map(|l| lambda - l));
+        let (angle, size) = (angle - turned, size - grown);
         Ok([angle - known().map(c64::arg).sum::<f64>(), size - known().map(|l| l.norm().ln()).sum::<f64>()])
     }
 

@@ -3,8 +3,8 @@
 //! A steady state with closed points that slide or stick is perturbed by (u′, θ′) exp(λt). The perturbation solves
 //! T(λ)(u′, θ′) = 0 with the pencil of the polynomial module, and grows if Re λ > 0. Mechanics alone gives squeal: two
 //! modes of the pressed body that friction couples (N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun.
-//! 29 (2002) 197). Without inertia, heat gives hot spots: where the pressure is larger, friction heats, and what expands
-//! presses more (R. A. Burton, V. Nerlikar, S. R. Kilaparti, Wear 24 (1973) 177).
+//! 29 (2002) 197). Without inertia, heat gives hot spots: where the pressure is larger, friction heats, and what
+//! expands presses more (R. A. Burton, V. Nerlikar, S. R. Kilaparti, Wear 24 (1973) 177).
 //!
 //! [`modes`] finds all eigenvalues in a region by Arnoldi's method about one shift, and shows by the argument principle
 //! that none is missing there. It linearises the laws with fixed normals and fixed opposite points: what the next step

@@ -234,6 +234,27 @@ impl Polynomial {
         norm(&sum) / sizes
     }
 
+    /// Angle and logarithm of the size of Π (T₀ + λT₁ + Σ λ/(λ + 1/τ) A_τ)_jj over the diagonal: a function with the
+    /// poles of det T whose zeros, as those of any chain of springs and dashpots, are on the negative real axis, near
+    /// those at which branches relax. Without branches 1.
+    pub fn relaxation(&self, lambda: c64) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        if self.rates.is_empty() {
+            return sum;
+        }
+        for j in 0..self.size() {
+            let Some(k) = self.range(j).find(|k| self.pattern.rows[*k] as usize == j) else { continue };
+            let springs = || self.rates.iter().zip(&self.terms[3..]);
+            let (stiffness, damping) = (self.terms[0][k], self.terms[1][k].max(0.0));
+            if stiffness > 0.0 && springs().all(|(_, spring)| spring[k] >= 0.0) {
+                let parts: c64 = springs().map(|(rate, spring)| lambda / (lambda + rate) * spring[k]).sum();
+                let all = (lambda * damping + stiffness + parts) / stiffness;
+                sum = [sum[0] + all.arg(), sum[1] + all.norm().ln()];
+            }
+        }
+        sum
+    }
+
     /// A rate of the slowest motions in 1/s, from the size of the diagonals and the number of unknowns: 2πf of a body
     /// that swings, or that of the decay of heat. It only says where a search begins.
     pub fn slow_rate(&self, dim: usize) -> f64 {
