@@ -195,6 +195,9 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
     let [open, stick, slip] = modes.points;
     let mut lines = vec![format!("{} modes of {name}{}", modes.kind.name(), set.concat())];
     lines.push(format!("  contact points: {open} open, {stick} stick, {slip} slip"));
+    if slip == 0 {
+        lines.push("  no contact point slips: friction feeds none of these modes".to_owned());
+    }
     if modes.unsteady > UNSTEADY {
         lines.push(format!(
             "  the state is not steady: the body moves with up to {:.1e} of the velocity at which contacts slip",
