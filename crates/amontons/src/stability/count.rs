@@ -22,6 +22,9 @@ const PIECES: usize = 8;
 const DEGREE: usize = 9;
 /// Halvings of a piece: eigenvalues nearer to the boundary than this leaves are on it.
 const HALVINGS: usize = 24;
+/// Logarithm of the size of f up to which the pieces are short enough: where f varies by more, its angle might turn
+/// unseen between two points.
+const FITS: f64 = 0.5;
 /// Difference of two ways to one angle, which else is a whole turn.
 const SAME: f64 = 0.1;
 /// Difference of a number of turns to the nearest integer that is round-off.
@@ -62,6 +65,11 @@ impl Far {
     fn powers(&self, at: c64) -> Vec<c64> {
         let z = (at - self.centre) / self.radius;
         std::iter::successors(Some(c64::new(1.0, 0.0)), |power| Some(power * z)).take(DEGREE + 1).collect()
+    }
+
+    /// Re p, the logarithm of the size of exp p.
+    fn size(&self, at: c64) -> f64 {
+        self.powers(at).iter().zip(&self.coefficients).map(|(power, factor)| power.re * factor).sum()
     }
 
     /// Im p, the angle of exp p.
@@ -129,16 +137,21 @@ pub(super) fn count(
     let mut angles = Angles { polynomial, pattern, known, far: Far::default(), made: AtomicUsize::new(0) };
     let corners = region.upper_path();
     let is_closed = region.frequency[0] > 0.0;
-    let mut places = Vec::new();
-    for edge in corners.windows(2) {
-        places.extend((0..PIECES).map(|piece| edge[0] + (edge[1] - edge[0]) * (piece as f64 / PIECES as f64)));
+    let mut at: Vec<Placed> = Vec::new();
+    for pieces in [PIECES, 2 * PIECES, 4 * PIECES] {
+        let mut places = Vec::new();
+        for edge in corners.windows(2) {
+            places.extend((0..pieces).map(|piece| edge[0] + (edge[1] - edge[0]) * (piece as f64 / pieces as f64)));
+        }
+        places.extend(corners.last());
+        let near = places.par_iter().map(|at| angles.near(*at)).collect::<Result<Vec<_>, SolveError>>()?;
+        let sizes: Vec<(c64, f64)> = places.iter().zip(&near).map(|(at, [_, size])| (*at, *size)).collect();
+        angles.far = Far::fitted(region, &sizes);
+        at = places.iter().zip(&near).map(|(at, [angle, _])| (*at, angle - angles.far.angle(*at))).collect();
+        if sizes.iter().all(|(at, size)| (size - angles.far.size(*at)).abs() < FITS) {
+            break;
+        }
     }
-    places.extend(corners.last());
-    let near = places.par_iter().map(|at| angles.near(*at)).collect::<Result<Vec<_>, SolveError>>()?;
-    let sizes: Vec<(c64, f64)> = places.iter().zip(&near).map(|(at, [_, size])| (*at, *size)).collect();
-    angles.far = Far::fitted(region, &sizes);
-    let at: Vec<Placed> =
-        places.iter().zip(&near).map(|(at, [angle, _])| (*at, angle - angles.far.angle(*at))).collect();
     // Pieces do not depend on each other, and their sum is taken in order.
     let pieces: Vec<[Placed; 2]> = at.windows(2).map(|piece| [piece[0], piece[1]]).collect();
     let change = |piece: &[Placed; 2]| angles.change(piece[0], piece[1], HALVINGS);
