@@ -34,45 +34,43 @@ pub fn execute(file: &Path, arguments: &ModesArguments, common: &Common) -> Resu
     let variants = variants(&arguments.each)?;
     let cases = variants.iter().map(|variant| seeker.case(variant)).collect::<Result<Vec<Case>, _>>()?;
     let folder = ModesFolder::create(&out, common.force)?;
-    let mut all = Vec::new();
-    let mut last = None;
-    for (number, (variant, case)) in variants.iter().zip(&cases).enumerate() {
-        let part = format!("{} of {}", number + 1, variants.len());
-        let found = seeker.find(case, &part)?;
-        let shapes = if variant.folder.is_empty() { "mode".to_owned() } else { variant.folder.clone() };
-        folder.shapes(&shapes, &found.problem, &found.modes)?;
-        all.push(ModesOf { values: variant.values.clone(), modes: found.modes.clone() });
-        last = Some(found);
+    let (mut found, mut failed) = (Vec::new(), None);
+    for part in seeker.all(&variants, &cases, &folder) {
+        match part {
+            Ok(part) => found.push(part),
+            Err(failure) => {
+                failed = Some(failure);
+                break;
+            }
+        }
     }
-    let critical = match &arguments.critical {
-        Some(range) => Some(critical::find(&seeker, range)?),
-        None => None,
-    };
-    let Some(last) = last else { return Ok(()) };
+    let Some(last) = found.last() else { return failed.map_or(Ok(()), Err) };
+    let all: Vec<ModesOf> = found.iter().map(|(_, of)| of.clone()).collect();
+    let problem = &last.0.problem;
+    let mut json = modes_json(problem, &all);
+    // What was found is written before anything else can fail.
+    let case = cases.first().map_or(("", &[][..]), |case| (&case.text, &case.inputs));
+    folder.finish(case, problem, &all, &json)?;
+    picture(&name, &all, &out)?;
+    if let Some(failed) = failed {
+        return Err(failed);
+    }
     if let Some(number) = arguments.animate {
-        animate(&last, number.get(), &out)?;
+        animate(&last.0, number.get(), &out)?;
+    }
+    let critical = arguments.critical.as_ref().map(|range| critical::find(&seeker, range)).transpose()?;
+    if let Some((critical, object)) = critical.as_ref().zip(json.as_object_mut()) {
+        object.insert("critical".to_owned(), critical.json());
+        folder.finish(case, problem, &all, &json)?;
     }
     drop(progress);
-    let text = cases.first().map_or("", |case| &case.text);
-    folder.finish(text, &last.problem, &all)?;
-    picture(&name, &all, &out)?;
     match common.format {
-        OutputFormat::Json => {
-            let mut value = modes_json(&last.problem, &all);
-            if let Some((critical, object)) = critical.as_ref().zip(value.as_object_mut()) {
-                object.insert("critical".to_owned(), critical.json());
-            }
-            print::json(&value)?;
-        }
+        OutputFormat::Json => print::json(&json)?,
         OutputFormat::Text if common.quiet => {}
         OutputFormat::Text => {
-            for of in &all {
-                print::text(&told(&name, &last.problem, of))?;
-            }
-            if let Some(critical) = critical {
-                print::text(&critical.text())?;
-            }
-            print::text(&format!("  results in {}\n", out.display()))?;
+            let tables = all.iter().map(|of| told(&name, problem, of)).collect::<String>();
+            let critical = critical.map_or_else(String::new, |critical| critical.text());
+            print::text(&format!("{tables}{critical}  results in {}\n", out.display()))?;
         }
     }
     match all.iter().find(|of| of.modes.missing != 0) {
@@ -95,7 +93,26 @@ pub struct FoundModes {
     pub modes: Modes,
 }
 
+/// A search with the state that it was made of.
+type Made = (FoundModes, ModesOf);
+
 impl Seeker<'_> {
+    /// The modes of all variants, one after the other, with the shapes of each written.
+    fn all<'v>(
+        &'v self,
+        variants: &'v [Variant],
+        cases: &'v [Case],
+        folder: &'v ModesFolder,
+    ) -> impl Iterator<Item = Result<Made, CommandFailure>> + 'v {
+        variants.iter().zip(cases).enumerate().map(move |(number, (variant, case))| {
+            let found = self.find(case, &format!("{} of {}", number + 1, variants.len()))?;
+            let shapes = if variant.folder.is_empty() { "mode" } else { &variant.folder };
+            folder.shapes(shapes, &found.problem, &found.modes)?;
+            let of = ModesOf { values: variant.values.clone(), modes: found.modes.clone() };
+            Ok((found, of))
+        })
+    }
+
     /// The case with the values of a variant.
     pub fn case(&self, variant: &Variant) -> Result<Case, CommandFailure> {
         let overrides: Vec<String> = self.common.set.iter().cloned().chain(variant.overrides()).collect();
@@ -106,13 +123,14 @@ impl Seeker<'_> {
     pub fn find(&self, case: &Case, part: &str) -> Result<FoundModes, CommandFailure> {
         self.progress.part(part, case.problem.timeline.steps());
         self.progress.begin_steps();
+        let flag = self.progress.interrupt_flag();
         let settings = Settings {
-            interrupt: Some(self.progress.interrupt_flag()),
+            interrupt: Some(Arc::clone(&flag)),
             certificate: false,
             watch: Some(self.progress.watch()),
             ..Settings::default()
         };
-        let wanted = case.stability.wanted(&case.problem);
+        let wanted = case.stability.wanted(&case.problem, Some(&flag));
         let mut seen = AtEnd { wanted: &wanted, progress: self.progress, found: None };
         run::run(&case.problem, &settings, &mut [&mut seen]).map_err(|error| {
             let hint = Some("modes need a state at the end of the run".to_owned());
@@ -124,7 +142,7 @@ impl Seeker<'_> {
 
 /// Finds the modes of the last state of a run.
 struct AtEnd<'a> {
-    wanted: &'a Wanted,
+    wanted: &'a Wanted<'a>,
     progress: &'a Progress,
     found: Option<Result<FoundModes, StabilityError>>,
 }
@@ -231,7 +249,7 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
     let [from, to] = region.frequency.map(|rate| rate / std::f64::consts::TAU);
     let count = match modes.missing {
         0 => "the count finds no other".to_owned(),
-        missing => format!("the count finds {missing} more that were not found"),
+        missing => format!("the count has {missing:+} more"),
     };
     lines.push(format!(
         "  {growing} of {} grow; frequencies {from:.4e} to {to:.4e} Hz, growth {:.4e} to {:.4e} 1/s: {count} ({} unknowns, \

@@ -147,6 +147,7 @@ impl CommandFailure {
             CommandFailure::Exists(_) | CommandFailure::Request(_) | CommandFailure::Usage(_) => USAGE,
             CommandFailure::Verification { .. } => CHECK,
             CommandFailure::Modes(StabilityError::Problem(_)) => CASE,
+            CommandFailure::Modes(StabilityError::Solve(SolveError::Interrupted)) => INTERRUPTED,
             CommandFailure::Modes(_) => SOLVER,
             CommandFailure::Mesh(error) if error.is_unreadable() => FILE,
             CommandFailure::Mesh(_) => MESH,

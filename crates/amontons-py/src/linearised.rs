@@ -52,7 +52,7 @@ pub fn gradient(
 
 /// Finds the modes of the last state of a run.
 struct ModesOfLast<'a> {
-    wanted: &'a Wanted,
+    wanted: &'a Wanted<'a>,
     found: Result<Modes, StabilityError>,
 }
 
@@ -84,7 +84,7 @@ pub fn modes(py: Python<'_>, case: &Bound<'_, Case>, threads: Option<usize>) -> 
     let flag = Arc::new(AtomicBool::new(false));
     let work = || -> Result<Result<Modes, StabilityError>, RunError> {
         let settings = Settings { interrupt: Some(Arc::clone(&flag)), certificate: false, ..Settings::default() };
-        let wanted = read.stability.wanted(&read.problem);
+        let wanted = read.stability.wanted(&read.problem, Some(&flag));
         let mut seen = ModesOfLast { wanted: &wanted, found: Err(StabilityError::State(Reason::NoStep)) };
         run::run(&read.problem, &settings, &mut [&mut seen])?;
         Ok(seen.found)

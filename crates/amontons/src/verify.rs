@@ -258,7 +258,7 @@ struct Recorder {
     /// Values of each probe, by the index of its check: one value per time, including t = 0.
     probes: Vec<(usize, Vec<f64>)>,
     /// What modes are looked for, if a check names one, and those found.
-    wanted: Option<Wanted>,
+    wanted: Option<Wanted<'static>>,
     modes: Option<Result<Modes, StabilityError>>,
 }
 
@@ -280,7 +280,7 @@ impl Recorder {
             history: Vec::new(),
             set: ProbeSet::new(&case.problem, &probes).map_err(failed)?,
             probes: indices.into_iter().map(|i| (i, Vec::new())).collect(),
-            wanted: names_mode.then(|| case.stability.wanted(&case.problem)),
+            wanted: names_mode.then(|| case.stability.wanted(&case.problem, None)),
             modes: None,
         })
     }

@@ -11,6 +11,7 @@
 mod borne;
 mod cells;
 pub mod checkpoint;
+mod claimed;
 pub mod columns;
 mod csv;
 mod earlier;

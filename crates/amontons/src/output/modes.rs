@@ -3,27 +3,24 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::OutputError;
+use super::claimed::{ClaimedFolder, MODES};
 use super::csv::join;
-use super::files::{create_folder, write_atomically, write_json};
-use super::names::{CASE, MANIFEST};
+use super::files::{create_folder, remove_folder, write_atomically, write_json};
+use super::inputs::{Input, write_inputs};
+use super::names::CASE;
 use super::vtu::{connectivity, write_collection};
-use super::{FolderLock, OutputError};
 use crate::contact::names;
 use crate::problem::Problem;
 use crate::stability::{Mode, Modes};
 use crate::vtu::write::{WrittenArray as Array, write};
 
-/// The table of the modes.
-const TABLE: &str = "modes.csv";
 /// Folder of the shapes.
 const SHAPES: &str = "modes";
 
 /// A results folder that holds modes.
 #[derive(Debug)]
-pub struct ModesFolder {
-    path: PathBuf,
-    _lock: FolderLock,
-}
+pub struct ModesFolder(ClaimedFolder);
 
 /// The modes of one set of values of keys.
 #[derive(Clone, Debug)]
@@ -38,29 +35,19 @@ impl ModesFolder {
     /// A folder for modes, created if it does not exist.
     ///
     /// # Errors
-    /// The folder holds a run or a study, or modes and `force` is false; another process writes into it; or it cannot
+    /// The folder holds other results, or modes and `force` is false; another process writes into it; or it cannot
     /// be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<ModesFolder, OutputError> {
-        let path = path.into();
-        let holds = |found: &str, advice: &str| {
-            Err(OutputError::HoldsResults { path: path.clone(), found: found.to_owned(), advice: advice.to_owned() })
-        };
-        let is_there = |name: &str| path.join(name).symlink_metadata().is_ok();
-        if is_there(MANIFEST) || is_there("convergence.csv") {
-            return holds("a run or a study", "give another folder with --out");
-        }
-        if is_there(TABLE) && !force {
-            return holds("modes", "replace them with --force, or give another folder with --out");
-        }
-        create_folder(&path)?;
-        let lock = FolderLock::take(&path)?;
-        Ok(ModesFolder { path, _lock: lock })
+        let folder = ClaimedFolder::create(path.into(), MODES, force)?;
+        // Shapes of an earlier search are those of other modes.
+        remove_folder(&folder.path().join(SHAPES))?;
+        Ok(ModesFolder(folder))
     }
 
     /// The folder.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        self.0.path()
     }
 
     /// Writes the shapes of the modes of a case, `modes/NAME-1.vtu` and so on, and their list `modes/NAME.pvd`, whose
@@ -69,7 +56,7 @@ impl ModesFolder {
     /// # Errors
     /// A file cannot be written.
     pub fn shapes(&self, name: &str, problem: &Problem, modes: &Modes) -> Result<(), OutputError> {
-        let folder = self.path.join(SHAPES);
+        let folder = self.path().join(SHAPES);
         create_folder(&folder)?;
         let mut list = Vec::new();
         for (number, mode) in (1..).zip(&modes.modes) {
@@ -80,14 +67,21 @@ impl ModesFolder {
         write_collection(&folder.join(format!("{name}.pvd")), &list).map(|_| ())
     }
 
-    /// Writes the tables: `modes.csv` with a row per mode, `modes.json` with the regions and counts, and the case.
+    /// Writes the tables: `modes.csv` with a row per mode, `modes.json`, and the case with the files that it refers to.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn finish(&self, text: &str, problem: &Problem, all: &[ModesOf]) -> Result<(), OutputError> {
-        write_atomically(&self.path.join(CASE), |out| out.write_all(text.as_bytes()))?;
-        write_json(&self.path.join("modes.json"), &modes_json(problem, all))?;
-        write_atomically(&self.path.join(TABLE), |out| {
+    pub fn finish(
+        &self,
+        (text, inputs): (&str, &[Input]),
+        problem: &Problem,
+        all: &[ModesOf],
+        json: &serde_json::Value,
+    ) -> Result<(), OutputError> {
+        write_atomically(&self.path().join(CASE), |out| out.write_all(text.as_bytes()))?;
+        write_json(&self.path().join("modes.json"), json)?;
+        write_inputs(self.path(), inputs)?;
+        write_atomically(&self.path().join(MODES), |out| {
             writeln!(out, "{}", columns(problem, all).join(","))?;
             for ModesOf { values, modes } in all {
                 for (number, mode) in modes.modes.iter().enumerate() {
@@ -122,7 +116,7 @@ fn row(number: usize, mode: &Mode) -> Vec<f64> {
     own.into_iter().chain(mode.by_contact.iter().copied()).chain(mode.by_body.iter().copied()).collect()
 }
 
-/// The searches as `modes.json` has them.
+/// The searches as `modes.json` has them: modes with their shares, regions, counts.
 #[must_use]
 pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
     let hertz = |range: [f64; 2]| range.map(|rate| rate / std::f64::consts::TAU);

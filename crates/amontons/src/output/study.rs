@@ -4,10 +4,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::checkpoint::{read_states, write_states};
+use super::claimed::{ClaimedFolder, STUDY};
 use super::files::{LONGEST, create_folder, remove_folder, sha256, write_atomically, write_json};
 use super::inputs::{Input, write_inputs};
-use super::names::{CASE, MANIFEST};
-use super::{FolderLock, OutputError, StudyTable};
+use super::names::CASE;
+use super::{OutputError, StudyTable};
 use crate::convergence::{Reference, ReferenceProgress, Study, StudyLevel};
 use crate::machine;
 use crate::state::State;
@@ -15,43 +16,28 @@ use crate::state::State;
 /// A results folder that holds a study: `convergence.csv`, `convergence.json`, and `levels/` with the states of
 /// finished levels, from which an interrupted study continues.
 #[derive(Debug)]
-pub struct StudyFolder {
-    path: PathBuf,
-    _lock: FolderLock,
-}
+pub struct StudyFolder(ClaimedFolder);
 
 impl StudyFolder {
     /// A folder for a study, created if it does not exist.
     ///
     /// # Errors
-    /// The folder holds a run, or a finished study and `force` is false; another process writes into it; or it cannot
+    /// The folder holds other results, or a finished study and `force` is false; another process writes into it; or it cannot
     /// be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<StudyFolder, OutputError> {
-        let path = path.into();
-        let holds = |found: &str, advice: &str| {
-            Err(OutputError::HoldsResults { path: path.clone(), found: found.to_owned(), advice: advice.to_owned() })
-        };
-        let is_there = |name: &str| path.join(name).symlink_metadata().is_ok();
-        if is_there(MANIFEST) {
-            return holds("a run", "give another folder with --out");
-        }
-        if is_there("convergence.csv") && !force {
-            return holds("a finished study", "replace it with --force, or give another folder with --out");
-        }
-        create_folder(&path)?;
-        let lock = FolderLock::take(&path)?;
-        create_folder(&path.join("levels"))?;
-        Ok(StudyFolder { path, _lock: lock })
+        let folder = ClaimedFolder::create(path.into(), STUDY, force)?;
+        create_folder(&folder.path().join("levels"))?;
+        Ok(StudyFolder(folder))
     }
 
     /// The folder.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        self.0.path()
     }
 
     fn file(&self, level: &StudyLevel) -> PathBuf {
-        self.path.join("levels").join(format!("{}.bin", level.level))
+        self.path().join("levels").join(format!("{}.bin", level.level))
     }
 
     /// The states of a level finished before with the same case, or `None` if they are missing or unreadable.
@@ -102,11 +88,11 @@ impl StudyFolder {
     /// # Errors
     /// They cannot be removed.
     pub fn clean(&self) -> Result<(), OutputError> {
-        remove_folder(&self.path.join("levels"))
+        remove_folder(&self.path().join("levels"))
     }
 
     fn levels(&self, name: &str) -> PathBuf {
-        self.path.join("levels").join(name)
+        self.path().join("levels").join(name)
     }
 
     /// Writes the hash of the inputs of a finished study, by which it is recognized. Call this last.
@@ -114,7 +100,7 @@ impl StudyFolder {
     /// # Errors
     /// The file cannot be written.
     pub fn seal(&self, study: &Study) -> Result<(), OutputError> {
-        write_atomically(&self.path.join(INPUT), |out| writeln!(out, "{}", study_hash(study))).map(|_| ())
+        write_atomically(&self.path().join(INPUT), |out| writeln!(out, "{}", study_hash(study))).map(|_| ())
     }
 
     /// Writes the table, the text of the case and the files that it refers to.
@@ -122,10 +108,10 @@ impl StudyFolder {
     /// # Errors
     /// A file cannot be written.
     pub fn finish(&self, table: &StudyTable, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
-        write_atomically(&self.path.join(CASE), |out| out.write_all(case.as_bytes()))?;
-        write_inputs(&self.path, inputs)?;
-        write_json(&self.path.join("convergence.json"), table)?;
-        write_atomically(&self.path.join("convergence.csv"), |out| out.write_all(table.csv().as_bytes())).map(|_| ())
+        write_atomically(&self.path().join(CASE), |out| out.write_all(case.as_bytes()))?;
+        write_inputs(self.path(), inputs)?;
+        write_json(&self.path().join("convergence.json"), table)?;
+        write_atomically(&self.path().join("convergence.csv"), |out| out.write_all(table.csv().as_bytes())).map(|_| ())
     }
 }
 

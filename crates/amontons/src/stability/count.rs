@@ -14,7 +14,7 @@ use faer::{Mat, c64};
 use rayon::prelude::*;
 
 use super::polynomial::Polynomial;
-use super::{ModeRegion, StabilityError};
+use super::{ModeRegion, StabilityError, Wanted};
 use crate::linalg::{Pattern, Pivots, SolveError};
 
 /// Pieces of each edge to begin with, and the degree of the polynomial.
@@ -83,6 +83,7 @@ struct Angles<'a> {
     polynomial: &'a Polynomial,
     pattern: &'a Pattern,
     known: &'a [c64],
+    wanted: &'a Wanted<'a>,
     far: Far,
     made: AtomicUsize,
 }
@@ -90,6 +91,7 @@ struct Angles<'a> {
 impl Angles<'_> {
     /// Angle and logarithm of the size of det T(λ)/Π(λ − λ_j), over what branches make of it.
     fn near(&self, lambda: c64) -> Result<[f64; 2], SolveError> {
+        self.wanted.go_on()?;
         self.made.fetch_add(1, Ordering::Relaxed);
         let matrix = self.polynomial.at(lambda);
         let (angle, size) = Pivots::new(self.pattern, &matrix)?.determinant();
@@ -131,10 +133,10 @@ fn wrapped(angle: f64) -> f64 {
 pub(super) fn count(
     polynomial: &Polynomial,
     pattern: &Pattern,
-    region: &ModeRegion,
+    (region, wanted): (&ModeRegion, &Wanted),
     known: &[c64],
 ) -> Result<EigenvalueCount, StabilityError> {
-    let mut angles = Angles { polynomial, pattern, known, far: Far::default(), made: AtomicUsize::new(0) };
+    let mut angles = Angles { polynomial, pattern, known, wanted, far: Far::default(), made: AtomicUsize::new(0) };
     let corners = region.upper_path();
     let is_closed = region.frequency[0] > 0.0;
     let mut at: Vec<Placed> = Vec::new();

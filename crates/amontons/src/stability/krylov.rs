@@ -13,9 +13,9 @@ use faer::linalg::matmul::matmul;
 use faer::traits::Conjugate;
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 
-use super::StabilityError;
 use super::polynomial::{Polynomial, norm};
-use crate::linalg::Pivots;
+use super::{StabilityError, Wanted};
+use crate::linalg::{Pivots, SolveError};
 
 /// Size of an eigenvalue's residual, relative to that of the operator, at which it counts as found.
 const FOUND: f64 = 1e-12;
@@ -163,17 +163,22 @@ impl<'a> KrylovSpace<'a> {
     }
 
     /// Adds dimensions to the space.
-    pub fn extend(&mut self, by: usize) {
+    ///
+    /// # Errors
+    /// If the search was asked to stop.
+    pub fn extend(&mut self, by: usize, wanted: &Wanted) -> Result<(), SolveError> {
         for _ in 0..by {
+            wanted.go_on()?;
             let from = self.columns.len() * self.length();
             let Some(next) = self.basis.get(from..from + self.length()) else {
                 self.is_exhausted = true;
-                return;
+                return Ok(());
             };
             let image = self.apply(next);
             let column = self.orthogonalized(image);
             self.columns.push(column);
         }
+        Ok(())
     }
 
     /// The eigenpairs of the projected operator, the nearest to the shift first.

@@ -19,6 +19,8 @@ mod search;
 mod shares;
 mod unknowns;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use faer::c64;
 
 use crate::contact::{Contact, Status};
@@ -120,7 +122,7 @@ impl Search {
     /// What to look for in a problem. Where only frequencies are given, growth reaches as far as they do to both sides,
     /// and where only growth is given, frequencies reach as far as it does.
     #[must_use]
-    pub fn wanted(&self, problem: &Problem) -> Wanted {
+    pub fn wanted<'a>(&self, problem: &Problem, interrupt: Option<&'a AtomicBool>) -> Wanted<'a> {
         let frequency = self.hertz.map(|range| range.map(|hertz| hertz * std::f64::consts::TAU));
         let region = match (self.growth, frequency) {
             (None, None) => None,
@@ -131,19 +133,29 @@ impl Search {
                 Some(ModeRegion { growth, frequency: [0.0, most] })
             }
         };
-        Wanted { kind: self.kind.unwrap_or_else(|| ModeKind::of(problem)), count: self.count, region }
+        Wanted { kind: self.kind.unwrap_or_else(|| ModeKind::of(problem)), count: self.count, region, interrupt }
     }
 }
 
 /// What to look for.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub struct Wanted<'a> {
     /// What is perturbed.
     pub kind: ModeKind,
     /// The number of modes: those of lowest frequency, or of hot spots those of largest growth.
     pub count: usize,
     /// All modes of this region in place of a number of them.
     pub region: Option<ModeRegion>,
+    /// Ends the search when it becomes true.
+    pub interrupt: Option<&'a AtomicBool>,
+}
+
+impl Wanted<'_> {
+    /// Returns an error if the search was asked to stop.
+    fn go_on(&self) -> Result<(), SolveError> {
+        let stops = self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+        if stops { Err(SolveError::Interrupted) } else { Ok(()) }
+    }
 }
 
 /// A mode: a perturbation (u′, θ′) exp(λt).
@@ -257,12 +269,12 @@ pub enum StabilityError {
         /// Growth and angular frequency near it.
         at: [f64; 2],
     },
-    /// The count finds modes that were not found.
+    /// The count finds another number of modes.
     #[error(
-        "modes: found {missing} fewer modes than the count finds in the region, expected all; narrow stability.frequency or stability.growth"
+        "modes: found modes of which the count has {missing:+} more in the region, expected the same number; narrow stability.frequency or stability.growth"
     )]
     Missing {
-        /// Number of modes that were not found, conjugates counted twice.
+        /// Eigenvalues of the count beyond those that were found, conjugates counted twice.
         missing: isize,
     },
     /// Fewer modes exist than were asked for.

@@ -161,7 +161,7 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
     let most = ((memory / space.bytes() as f64) as usize).max(64);
     let (mut by, mut factorizations) = (2 * wanted.count + 20, 1);
     loop {
-        space.extend(by);
+        space.extend(by, wanted)?;
         by = (space.dimension() / 4).max(10);
         let known = KnownEigenvalues::new(&space, shift)?;
         let is_last = space.is_exhausted() || space.dimension() >= most;
@@ -175,7 +175,8 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
             }
             continue;
         };
-        let EigenvalueCount { missing, factorizations: made } = count(&pencil, &pattern, &region, &known.both())?;
+        let EigenvalueCount { missing, factorizations: made } =
+            count(&pencil, &pattern, (&region, wanted), &known.both())?;
         factorizations += made;
         if missing != 0 && !is_last {
             continue;

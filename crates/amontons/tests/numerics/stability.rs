@@ -27,7 +27,7 @@ fn at_end(case: &Case, kind: ModeKind, count: usize) -> Modes {
         run.step().expect("a step");
     }
     let seen = run.snapshot();
-    let wanted = Wanted { kind, count, region: None };
+    let wanted = Wanted { kind, count, region: None, interrupt: None };
     modes(&case.problem, seen.discretization, seen.state, seen.report.expect("a step"), &wanted).expect("modes")
 }
 
@@ -383,7 +383,7 @@ fn a_run_in_time_goes_on_as_its_mode_does() {
     // A dynamic phase starts from rest: the velocity of the mode can be given after its first step.
     run.step().expect("a step at rest");
     let seen = run.snapshot();
-    let wanted = Wanted { kind: ModeKind::Squeal, count: 6, region: None };
+    let wanted = Wanted { kind: ModeKind::Squeal, count: 6, region: None, interrupt: None };
     let found =
         modes(seen.problem, seen.discretization, seen.state, seen.report.expect("a step"), &wanted).expect("modes");
     let saved = run.save();
