@@ -17,6 +17,8 @@ mod krylov;
 mod polynomial;
 mod search;
 mod shares;
+#[cfg(all(test, feature = "case"))]
+mod tests;
 mod unknowns;
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,0 +1,167 @@
+//! The search against the dense eigenvalues of the same pencil, and the count against what is taken from it.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use faer::{Mat, c64};
+
+use super::polynomial::Polynomial;
+use super::search::{FoundPairs, find};
+use super::{ModeKind, ModeRegion, Wanted, contact, count, forms};
+use crate::case::{self, Source};
+use crate::linalg::Pattern;
+use crate::run::{Settings, Stepping};
+
+/// A block on a belt in the plane or in space, with damping: x by numbers of a fixed sequence.
+fn block(seed: u64, in_space: bool) -> String {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(7);
+    let mut next = |from: f64, to: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        from + (to - from) * (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (kind, zero) = if in_space { ("box", ", 0") } else { ("rectangle", "") };
+    let (depth, cells) = if in_space { (format!(", {:?}", next(0.4, 1.0)), ", 1") } else { (String::new(), "") };
+    let plane = if in_space { "" } else { ", stress_state = \"plane-strain\"" };
+    format!(
+        r#"
+name = "block"
+units = "dimensionless"
+[mesh]
+kind = "{kind}"
+size = [{:?}, {:?}{depth}]
+n = [3, 2{cells}]
+elements = "Q1"
+[time]
+end = 1.0
+analysis = "steady"
+[material]
+density = {:?}
+elasticity = {{ law = "isotropic", young = 1.0, poisson = {:?}{plane} }}
+viscosity = {{ law = "lame", first = 0.0, second = {:?} }}
+[[boundary]]
+on = "top"
+displacement = [0, -0.02{zero}]
+[contact]
+on = "bottom"
+normal = {normal}
+friction = {{ law = "coulomb", coefficient = {:?} }}
+foundation_velocity = [{:?}, 0, {:?}]
+"#,
+        next(0.5, 2.0),
+        next(0.5, 2.0),
+        next(0.5, 2.0),
+        next(0.0, 0.4),
+        next(0.0, 0.01),
+        next(0.0, 0.6),
+        next(0.3, 1.0),
+        next(-0.5, 0.5),
+        normal = if seed.is_multiple_of(2) {
+            "{ law = \"compliance\", stiffness = 1.5 }"
+        } else {
+            "{ law = \"signorini\" }"
+        },
+    )
+}
+
+/// The pencil of squeal of the steady state of a case.
+fn pencil(text: String) -> Polynomial {
+    let case = case::parse(&Source::new("block.toml", text), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut run = Stepping::new(&case.problem, &Settings::default()).expect("a run");
+    run.step().expect("a steady state");
+    let seen = run.snapshot();
+    let (discrete, report) = (seen.discretization, seen.report.expect("a report"));
+    let what = super::Perturbed { displacement: true, temperature: false };
+    let points = contact::linearised(&seen.problem.contacts, &discrete.boundary, report, false).expect("points");
+    let unknowns = super::PerturbedUnknowns::new(discrete, what);
+    let forms = forms(discrete, seen.state, what, ModeKind::Squeal);
+    Polynomial::new(unknowns, &forms, &discrete.boundary, &points, discrete.mesh.dim)
+}
+
+/// All eigenvalues of λ²T₂ + λT₁ + T₀, by those of a dense matrix of twice the size.
+fn dense(pencil: &Polynomial) -> Vec<c64> {
+    let n = pencil.size();
+    let term = |term: usize| {
+        let mut matrix = Mat::<f64>::zeros(n, n);
+        for j in 0..n {
+            let (mut unit, mut column) = (vec![c64::default(); n], vec![c64::default(); n]);
+            unit[j] = c64::new(1.0, 0.0);
+            pencil.add_product(term, c64::new(1.0, 0.0), &unit, &mut column);
+            (0..n).for_each(|i| matrix[(i, j)] = column[i].re);
+        }
+        matrix
+    };
+    let solver = term(2).partial_piv_lu();
+    let [a, b] = [0, 1].map(|power| faer::prelude::Solve::solve(&solver, term(power)));
+    let companion = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => 0.0,
+        (true, false) => f64::from(u8::from(i + n == j)),
+        (false, true) => -a[(i - n, j)],
+        (false, false) => -b[(i - n, j - n)],
+    });
+    companion.eigenvalues().expect("eigenvalues")
+}
+
+fn wanted(count: usize) -> Wanted<'static> {
+    Wanted { kind: ModeKind::Squeal, count, region: None, interrupt: None }
+}
+
+fn inside(region: &ModeRegion, lambda: c64) -> bool {
+    lambda.im >= 0.0 && region.has([lambda.re, lambda.im])
+}
+
+/// The region holds exactly the eigenvalues that a dense solver finds there, on random blocks.
+#[test]
+fn a_search_finds_what_a_dense_solver_finds() {
+    for seed in 0..40 {
+        let made = pencil(block(seed, seed % 4 > 1));
+        let all = dense(&made);
+        let FoundPairs { pairs, region, missing, .. } = find(made, &wanted(5), 2).expect("modes");
+        let expected: Vec<c64> = all.into_iter().filter(|lambda| inside(&region, *lambda)).collect();
+        assert_eq!((pairs.len(), missing), (expected.len(), 0), "{seed}: {region:?}, {expected:?}");
+        for pair in &pairs {
+            let off = expected.iter().map(|lambda| (lambda - pair.lambda).norm()).fold(f64::INFINITY, f64::min);
+            assert!(off < 1e-7 * pair.lambda.norm(), "{seed}: {} is {off:e} off", pair.lambda);
+        }
+    }
+}
+
+/// The count finds what is kept from it, a pair as two, and what is no eigenvalue as one too many.
+#[test]
+fn the_count_finds_what_is_missing() {
+    for seed in 0..12 {
+        let found = find(pencil(block(seed, seed % 4 > 1)), &wanted(4), 2).expect("modes");
+        let at = found.pencil.at(c64::new(0.5, 0.0));
+        let pattern = Pattern::new(&at).expect("a pattern");
+        let all: Vec<c64> = found.pairs.iter().map(|pair| pair.lambda).filter(|lambda| lambda.im > 0.0).collect();
+        let both = |kept: &[c64]| kept.iter().flat_map(|lambda| [*lambda, lambda.conj()]).collect::<Vec<c64>>();
+        let count = |known: &[c64]| {
+            let wanted = wanted(4);
+            count::count(&found.pencil, &pattern, (&found.region, &wanted), known).expect("a count").missing
+        };
+        let off = all.len();
+        assert_eq!(off, found.pairs.len(), "{seed}: real modes");
+        assert_eq!((count(&both(&all)), count(&both(&all[1..]))), (0, 2), "{seed}");
+        let middle = 0.5 * (found.region.frequency[0] + found.region.frequency[1]);
+        let more = [&both(&all)[..], &both(&[c64::new(0.1 * found.region.growth[1], middle)])].concat();
+        assert_eq!(count(&more), -2, "{seed}");
+    }
+}
+
+/// A search that is asked to stop ends with the interruption.
+#[test]
+fn a_search_ends_when_it_is_asked_to() {
+    let stop = std::sync::atomic::AtomicBool::new(true);
+    let wanted = Wanted { interrupt: Some(&stop), ..wanted(4) };
+    let ended = find(pencil(block(1, false)), &wanted, 2);
+    assert!(matches!(ended, Err(super::StabilityError::Solve(crate::linalg::SolveError::Interrupted))));
+}
+
+/// Results do not depend on the number of threads.
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let found = pool.install(|| find(pencil(block(3, true)), &wanted(6), 3)).expect("modes");
+        let bits = |pair: &super::search::FoundPair| [pair.lambda.re.to_bits(), pair.lambda.im.to_bits()];
+        (found.pairs.iter().map(bits).collect::<Vec<_>>(), found.factorizations)
+    };
+    assert_eq!(with(1), with(3));
+}
