@@ -94,7 +94,7 @@ pub struct FoundModes {
 }
 
 /// A search with the state that it was made of.
-type Made = (FoundModes, ModesOf);
+type SearchedVariant = (FoundModes, ModesOf);
 
 impl Seeker<'_> {
     /// The modes of all variants, one after the other, with the shapes of each written.
@@ -103,7 +103,7 @@ impl Seeker<'_> {
         variants: &'v [Variant],
         cases: &'v [Case],
         folder: &'v ModesFolder,
-    ) -> impl Iterator<Item = Result<Made, CommandFailure>> + 'v {
+    ) -> impl Iterator<Item = Result<SearchedVariant, CommandFailure>> + 'v {
         variants.iter().zip(cases).enumerate().map(move |(number, (variant, case))| {
             let found = self.find(case, &format!("{} of {}", number + 1, variants.len()))?;
             let shapes = if variant.folder.is_empty() { "mode" } else { &variant.folder };

@@ -19,8 +19,8 @@ impl GradientFolder {
     /// A folder for derivatives, created if it does not exist.
     ///
     /// # Errors
-    /// The folder holds other results, or derivatives and `force` is false; another process writes into it; or it cannot be
-    /// created.
+    /// The folder holds other results, or derivatives and `force` is false; another process writes into it; or it
+    /// cannot be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<GradientFolder, OutputError> {
         let folder = ClaimedFolder::create(path.into(), GRADIENT, force)?;
         Ok(GradientFolder(folder))

@@ -22,8 +22,8 @@ impl StudyFolder {
     /// A folder for a study, created if it does not exist.
     ///
     /// # Errors
-    /// The folder holds other results, or a finished study and `force` is false; another process writes into it; or it cannot
-    /// be created.
+    /// The folder holds other results, or a finished study and `force` is false; another process writes into it; or it
+    /// cannot be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<StudyFolder, OutputError> {
         let folder = ClaimedFolder::create(path.into(), STUDY, force)?;
         create_folder(&folder.path().join("levels"))?;
