@@ -29,6 +29,7 @@ mod outputs;
 mod parameter;
 mod points;
 mod scope;
+mod series;
 mod stencil;
 mod sweep;
 #[cfg(all(test, feature = "case"))]
@@ -45,8 +46,9 @@ pub use parameter::Parameter;
 use parameter::Variants;
 use points::{Forced, LinearPoint, PointMargin, TOUCHES, linearised, margins};
 use serde::Serialize;
-use sweep::{Around, LinearStep, Multiplied, OfPoints, StateWeights};
-use transpose::TransposedFactors;
+pub use series::{SeriesRequest, SeriesTable, series};
+use sweep::{Around, LinearStep, Multiplied, OfPoints, StateVector};
+use transpose::StepFactors;
 
 use crate::inclusion::Local;
 use crate::output::Probe;
@@ -190,12 +192,12 @@ impl WholeSweep<'_> {
         Ok(())
     }
 
-    fn factors(&self, factors: Option<TransposedFactors>, n: usize) -> Result<TransposedFactors, GradientError> {
+    fn factors(&self, factors: Option<StepFactors>, n: usize) -> Result<StepFactors, GradientError> {
         let rule = self.base.rule(n);
         if let Some(factors) = factors.filter(|factors| factors.rule == rule) {
             return Ok(factors);
         }
-        let made = TransposedFactors::new(&self.base.problem, &self.base.discrete, rule);
+        let made = StepFactors::new(&self.base.problem, &self.base.discrete, rule);
         made.map_err(|(part, source)| GradientError::Linear { step: n, part, source })
     }
 
@@ -207,7 +209,7 @@ impl WholeSweep<'_> {
     ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
         let (base, request, outputs) = (self.base, self.request, self.outputs);
         let (mut sums, mut near) = (vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()], Vec::new());
-        let mut ended: Vec<(StateWeights, Option<OfPoints>)> = Vec::new();
+        let mut ended: Vec<(StateVector, Option<OfPoints>)> = Vec::new();
         let (mut variants, mut factors): (Vec<Variants>, _) = (Vec::new(), None);
         let (last, steps) = (self.last()?, self.history.steps);
         for n in (1..=steps).rev() {
@@ -289,7 +291,7 @@ fn at_end(
     outputs: &[GradientOutput],
     (state, report): &(State, StepReport),
     points: &[LinearPoint],
-) -> Result<Vec<(StateWeights, Option<OfPoints>)>, GradientError> {
+) -> Result<Vec<(StateVector, Option<OfPoints>)>, GradientError> {
     let slopes = |output| {
         let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
         let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
@@ -334,7 +336,7 @@ fn add_outputs(
 fn add_start(
     base: &ProblemInstance,
     variants: &[Variants],
-    ended: &[(StateWeights, Option<OfPoints>)],
+    ended: &[(StateVector, Option<OfPoints>)],
     sums: &mut [Sums],
 ) -> Result<(), GradientError> {
     let state = |of: &ProblemInstance| initial_state(&of.problem, &of.discrete, None);

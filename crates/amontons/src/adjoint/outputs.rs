@@ -4,7 +4,7 @@ use super::error::GradientError;
 use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
 use super::stencil::derivative;
-use super::sweep::{OfPoints, StateWeights};
+use super::sweep::{OfPoints, StateVector};
 use crate::inclusion::PointState;
 use crate::output::{OF_WHOLE, Probe, ProbeSet, Snapshot, Work};
 use crate::problem::{Fault, Problem};
@@ -133,9 +133,9 @@ impl<'a> OutputReader<'a> {
     }
 
     /// The derivatives by the last state and by the states of its contact points.
-    pub fn slopes(&self, state: &State, report: &StepReport, points: &[LinearPoint]) -> (StateWeights, OfPoints) {
+    pub fn slopes(&self, state: &State, report: &StepReport, points: &[LinearPoint]) -> (StateVector, OfPoints) {
         let mut last = (state.clone(), report.clone());
-        let mut found = (StateWeights::zero(state), vec![[0.0; 6]; points.len()]);
+        let mut found = (StateVector::zero(state), vec![[0.0; 6]; points.len()]);
         let scale = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let or = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
         let dim = self.instance.problem.mesh.dim;

@@ -43,7 +43,7 @@ impl LinearPoint {
         std::array::from_fn(|a| std::array::from_fn(|b| self.by[b + 3][a]))
     }
 
-    /// StateWeights of the outputs turned into weights of the inputs.
+    /// Weights of the outputs turned into weights of the inputs.
     pub fn back(&self, outputs: &[f64; OUTPUTS]) -> [f64; INPUTS] {
         self.by.map(|by| by.iter().zip(outputs).map(|(by, output)| by * output).sum())
     }

@@ -4,7 +4,7 @@ use super::error::GradientError;
 use super::instance::{ProblemInstance, SolvedStep, StepResidual};
 use super::points::{INPUTS, LinearPoint};
 use super::stencil;
-use super::transpose::{Transposed, TransposedFactors, onto_sides, sides_of, unweighted};
+use super::transpose::{StepFactors, Transposed, onto_sides, sides_of, unweighted};
 use crate::contact::Flux;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
@@ -12,9 +12,9 @@ use crate::linalg::{dot, zeros};
 use crate::state::State;
 use crate::tensor::dot as inner;
 
-/// The derivatives of an output by a state: what comes after it.
+/// A vector of the numbers of a state: the derivatives of an output by the state, or those of the state by a parameter.
 #[derive(Clone, Debug)]
-pub(super) struct StateWeights {
+pub(super) struct StateVector {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     pub theta: Vec<f64>,
@@ -24,10 +24,10 @@ pub(super) struct StateWeights {
     pub work: Vec<f64>,
 }
 
-impl StateWeights {
+impl StateVector {
     /// No weights, of the size of a state.
-    pub fn zero(state: &State) -> StateWeights {
-        StateWeights {
+    pub fn zero(state: &State) -> StateVector {
+        StateVector {
             u: zeros(state.u.len()),
             w: zeros(state.w.len()),
             theta: zeros(state.theta.len()),
@@ -58,7 +58,7 @@ pub(super) struct Multiplied {
     transposed: Transposed,
     heat: [Vec<f64>; 2],
     /// The weights of the state at the end of the step.
-    after: StateWeights,
+    after: StateVector,
     /// ω of the contact points, and the branches on which they are taken.
     areas: Vec<f64>,
     branches: Vec<[bool; 2]>,
@@ -76,8 +76,8 @@ impl LinearStep<'_> {
     /// Makes the weights of the state at the end of the step those of the state at its start.
     pub fn back(
         &self,
-        factors: &mut TransposedFactors,
-        weights: &mut StateWeights,
+        factors: &mut StepFactors,
+        weights: &mut StateVector,
         direct: Option<&OfPoints>,
     ) -> Result<Multiplied, GradientError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
@@ -100,7 +100,7 @@ impl LinearStep<'_> {
     }
 
     /// The derivatives by (p, q), penetration, slip and wear of each point of what follows from them in the step.
-    fn outputs(&self, after: &StateWeights, heat: &[f64]) -> Vec<[f64; 7]> {
+    fn outputs(&self, after: &StateVector, heat: &[f64]) -> Vec<[f64; 7]> {
         self.base.step(self.solved.n, self.solved.old, |step| {
             let seen = if heat.is_empty() { vec![[0.0; 2]; self.points.len()] } else { sides_of(step, heat) };
             let of = |(i, point): (usize, &LinearPoint)| {
@@ -130,7 +130,7 @@ impl LinearStep<'_> {
     }
 
     /// The right-hand side of the transposed mechanical half-step.
-    fn right(&self, step: &Step, after: &StateWeights, inputs: &[[f64; INPUTS]]) -> (Vec<f64>, Vec<Local>) {
+    fn right(&self, step: &Step, after: &StateVector, inputs: &[[f64; INPUTS]]) -> (Vec<f64>, Vec<Local>) {
         let rule = step.rule;
         let at_points = self
             .points
@@ -155,7 +155,7 @@ impl LinearStep<'_> {
     fn onto_start(
         &self,
         step: &Step,
-        weights: &mut StateWeights,
+        weights: &mut StateVector,
         (found, heat): (&Transposed, &[f64]),
         inputs: &[[f64; INPUTS]],
     ) {
@@ -205,7 +205,7 @@ impl LinearStep<'_> {
 }
 
 impl LinearPoint {
-    /// StateWeights of (p, q), penetration, slip and wear turned into weights of the inputs.
+    /// Weights of (p, q), penetration, slip and wear turned into weights of the inputs.
     fn weighted(&self, of: &[f64; 7]) -> [f64; INPUTS] {
         let [p, q1, q2, penetration, s1, s2, worn] = *of;
         let mut all = self.back(&[0.0, 0.0, 0.0, penetration, s1, s2, worn]);

@@ -3,7 +3,7 @@
 use super::history::RunHistory;
 use super::instance::{ProblemInstance, SolvedStep, data, global};
 use super::points::{LinearPoint, linearised};
-use super::transpose::{TransposedFactors, jump};
+use super::transpose::{StepFactors, jump};
 use crate::case::{self, Source};
 use crate::equation::system::Step;
 use crate::inclusion::Local;
@@ -44,7 +44,7 @@ fn the_transposed_step_is_the_transposed_of_the_step() {
     let mut history = RunHistory::new(&base, usize::MAX, &|| true).expect("a run");
     for n in [3, 9, 13, 20] {
         let [old, new] = history.around(n).expect("a step");
-        let mut factors = TransposedFactors::new(&base.problem, &base.discrete, base.rule(n)).expect("factors");
+        let mut factors = StepFactors::new(&base.problem, &base.discrete, base.rule(n)).expect("factors");
         let chosen = factors.chosen(&base, n, [&old.state, &new.state]);
         let unknown = factors.mechanics.on_contact.clone();
         let (old, states, new) = (&old.state, &new.states, &new.state);

@@ -20,7 +20,7 @@ const PROXIMAL: f64 = 1.0 / (1u64 << 24) as f64;
 const REPETITIONS: usize = 3;
 
 /// The matrices of both half-steps with their factors.
-pub(super) struct TransposedFactors {
+pub(super) struct StepFactors {
     pub rule: Rule,
     pub mechanics: HalfStep,
     matrix: BlockMatrix,
@@ -37,12 +37,12 @@ pub(super) struct Transposed {
     pub prescribed: Vec<f64>,
 }
 
-impl TransposedFactors {
+impl StepFactors {
     pub fn new(
         problem: &Problem,
         discrete: &Discretization,
         rule: Rule,
-    ) -> Result<TransposedFactors, (&'static str, SolveError)> {
+    ) -> Result<StepFactors, (&'static str, SolveError)> {
         let half = |matrix: &BlockMatrix, space| HalfStep::new(matrix.clone(), discrete, space, &problem.backend);
         let matrix = discrete.mechanical_matrix(rule);
         let mechanics = half(&matrix, &discrete.v).map_err(|source| ("mechanics", source))?;
@@ -51,7 +51,7 @@ impl TransposedFactors {
             half(&matrix, &discrete.q).map(|half| (half, matrix))
         };
         let heat = problem.physics.has_heat().then(heat).transpose().map_err(|source| ("heat", source))?;
-        Ok(TransposedFactors { rule, mechanics, matrix, heat })
+        Ok(StepFactors { rule, mechanics, matrix, heat })
     }
 
     /// What the iteration on Γ_C chooses in the step.
