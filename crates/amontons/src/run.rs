@@ -185,6 +185,9 @@ fn step_advice(error: &StepError) -> String {
         StepError::NotSteady { .. } => {
             "lower the speed, the friction or the pressure, or let more heat leave; more steps do not help"
         }
+        StepError::DrawnAlong { .. } => {
+            "lower the friction, hold the body, or follow it in time with analysis = \"quasistatic\"; more steps do not help"
+        }
         _ => "try more steps (time.steps), or a finer mesh where the contact changes",
     };
     text.to_owned()

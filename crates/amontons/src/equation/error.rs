@@ -138,6 +138,20 @@ pub enum StepError {
         /// Remaining defect.
         defect: f64,
     },
+    /// A body sticks to a foundation that slides, and goes along with it without end.
+    #[error(
+        "step {step} (t = {t:.6e}): no steady state was found: the body sticks to a foundation that slides, at ({:.6e}, {:.6e}, {:.6e}) m with {:.3} of its velocity, and is drawn along without end, as where friction jams a body that cannot leave its foundation", .at[0], .at[1], .at[2], .share
+    )]
+    DrawnAlong {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// Position of the node that moves fastest, m.
+        at: [f64; 3],
+        /// Its velocity over the largest velocity of a foundation.
+        share: f64,
+    },
     /// A datum has no finite value at a position and time at which a step needs it.
     #[error("step {step} (t = {t:.6e}): {key} is {value} at ({}, {}, {}), t = {t:?}: data must be finite wherever they act and at all times of the run", .at[0], .at[1], .at[2])]
     Data {
@@ -200,6 +214,7 @@ impl StepError {
             | StepError::Residual { .. }
             | StepError::Coupling { .. }
             | StepError::NotSteady { .. }
+            | StepError::DrawnAlong { .. }
             | StepError::Uncovered { .. }
             | StepError::NotFinite { .. } => true,
             StepError::Linear { source, .. } | StepError::Singular { source, .. } => source.is_unsolved(),

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::change::{met, misfits, released, supported};
 use super::initial::{self, extremes, first_temperature};
-use super::{Kept, Scheme, alone, datum};
+use super::{Kept, Scheme, alone, datum, steady};
 use crate::account::audit;
 use crate::discretization::Discretization;
 use crate::equation::acting::{boundary_at, contacts_at};
@@ -379,6 +379,7 @@ impl March {
         let bar = admissible.as_ref().map_or(now.bar, |admissible| admissible.bar(now.bar));
         let now = Step { bar, ..now };
         let made = alone::solved(&now, systems)?;
+        steady::check(&now, &made.mechanics)?;
         if let Some(found) = problem.uncovered(&made.heat.theta) {
             return Err(StepError::Uncovered { step: n, t, found: Box::new(found) });
         }

@@ -9,6 +9,7 @@ mod end;
 mod initial;
 mod linearised;
 mod march;
+mod steady;
 
 pub use crate::equation::{Kept, KeptRule};
 pub(crate) use initial::state as initial_state;

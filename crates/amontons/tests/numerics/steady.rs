@@ -300,3 +300,57 @@ fn the_number_of_threads_changes_no_bit() {
     };
     assert!(states(1) == states(4));
 }
+
+/// A block under bilateral contact, which cannot leave its foundation: with strong friction it jams, and no steady state
+/// exists. `turned` has x and z exchanged, and `scale` is the unit of length.
+fn jamming(coefficient: f64, turned: bool, scale: f64, rest: &str) -> Problem {
+    let vector = |v: [f64; 3]| {
+        let [x, y, z] = v.map(|c| c * scale);
+        format!("{:?}", if turned { [z, y, x] } else { [x, y, z] })
+    };
+    let n = if turned { "[1, 2, 3]" } else { "[3, 2, 1]" };
+    let (size, down, velocity) = (vector([1.17, 1.87, 0.70]), vector([0.0, -0.02, 0.0]), vector([0.492, 0.0, -0.4805]));
+    parsed(&format!(
+        r#"
+name = "block"
+[mesh]
+kind = "box"
+size = {size}
+n = {n}
+elements = "Q1"
+[time]
+{rest}
+[material]
+elasticity = {{ law = "isotropic", young = 1.0, poisson = 0.037 }}
+viscosity = {{ law = "lame", first = 0.0, second = 0.00963 }}
+[[boundary]]
+on = "top"
+displacement = {down}
+[contact]
+on = "bottom"
+normal = {{ law = "bilateral" }}
+friction = {{ law = "coulomb", coefficient = {coefficient:?} }}
+foundation_velocity = {velocity}
+"#
+    ))
+}
+
+#[test]
+fn what_friction_jams_has_no_steady_state() {
+    const STEADY: &str = "end = 1.0\nanalysis = \"steady\"";
+    const LONG: &str = "end = 40.0\nsteps = 100\nanalysis = \"quasistatic\"";
+    for (turned, scale) in [(false, 1.0), (true, 1.0), (false, 1e-3), (true, 1e3)] {
+        let last = |memory: Memory| memory.states.last().expect("a state").u.clone();
+        for coefficient in [0.2, 0.44] {
+            let [steady, long] = [STEADY, LONG].map(|rest| last(run(&jamming(coefficient, turned, scale, rest))));
+            let apart: Vec<f64> = steady.iter().zip(&long).map(|(a, b)| a - b).collect();
+            assert!(largest(&apart) < 1e-9 * largest(&long), "{:e} of {:e}", largest(&apart), largest(&long));
+        }
+        let told = made(&jamming(0.475, turned, scale, STEADY)).map(|_| ()).expect_err("a block that jams");
+        let RunError::Step { source: StepError::DrawnAlong { share, .. }, .. } = &told else { panic!("{told}") };
+        assert!((0.1..10.0).contains(share), "{share}");
+        // In time it is drawn along at the velocity of its foundation.
+        let drawn = last(run(&jamming(0.475, turned, scale, LONG)));
+        assert!(largest(&drawn) > 0.9 * 0.492 * 40.0 * scale, "{:e}", largest(&drawn));
+    }
+}
