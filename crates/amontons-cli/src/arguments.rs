@@ -107,6 +107,15 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Find the values of keys with which a run comes nearest to what was measured
+    Fit {
+        /// The case file, with the values to start from
+        case: PathBuf,
+        #[command(flatten)]
+        fit: FitArguments,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Draw a finished run or study
     Plot {
         /// The results folder
@@ -302,6 +311,20 @@ pub struct ModesArguments {
     pub animate: Option<NonZeroUsize>,
 }
 
+#[derive(Debug, Args)]
+pub struct FitArguments {
+    /// Measured values: a column `t`, and one under the name of each output (a column of probes.csv or history.csv);
+    /// with `_sigma` behind it its standard deviations
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    /// Keys with numbers, as for `--set`
+    #[arg(long, value_delimiter = ',', required = true, value_name = "KEY,KEY,…")]
+    pub free: Vec<String>,
+    /// Lower and upper bound of a key; either may be left out; repeatable
+    #[arg(long, value_name = "KEY=LOW,HIGH")]
+    pub bounds: Vec<String>,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VaryArgument {
     /// Mesh and step together
@@ -417,6 +440,7 @@ impl Command {
             | Command::Converge { common, .. }
             | Command::Modes { common, .. }
             | Command::Gradient { common, .. }
+            | Command::Fit { common, .. }
             | Command::Verify { common, .. }
             | Command::Reproduce { common, .. } => Some(common),
             Command::Plot { .. }

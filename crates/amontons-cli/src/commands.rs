@@ -17,7 +17,7 @@ use crate::arguments::{Arguments, CertificateChoice, Command, Common, OutputForm
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::CommandFailure;
-use crate::{constants, converge, explain, gradient, import, materials, modes, new, reproduce, sweep, verify};
+use crate::{constants, converge, explain, fit, gradient, import, materials, modes, new, reproduce, sweep, verify};
 
 /// Executes a command.
 pub fn execute(command: Command) -> Result<(), CommandFailure> {
@@ -38,6 +38,7 @@ pub fn execute(command: Command) -> Result<(), CommandFailure> {
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
         Command::Modes { case, modes, common } => modes::execute(&case, &modes, &common),
         Command::Gradient { case, of, with, common } => gradient::execute(&case, &of, &with, &common),
+        Command::Fit { case, fit, common } => fit::execute(&case, &fit, &common),
         Command::Plot { dir, time, dimensionless, scale, pixels, animate } => {
             let pixels = pixels.unwrap_or(if animate.is_some() { 1.0 } else { 2.0 });
             let options =

@@ -7,6 +7,7 @@ mod constants;
 mod converge;
 mod explain;
 mod faults;
+mod fit;
 mod gradient;
 mod import;
 mod materials;

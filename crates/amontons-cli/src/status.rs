@@ -8,6 +8,7 @@ use amontons::adjoint::GradientError;
 use amontons::case::{CaseError, StudyRequestError};
 use amontons::convergence::StudyError;
 use amontons::equation::SetupError;
+use amontons::identification::IdentificationError;
 use amontons::linalg::SolveError;
 use amontons::mesh::MeshFileError;
 use amontons::output::{CheckpointError, OutputError, Summary};
@@ -37,6 +38,11 @@ pub enum CommandFailure {
     },
     /// Derivatives that cannot be computed.
     Gradient(GradientError),
+    /// Parameters that cannot be identified.
+    Fit {
+        error: IdentificationError,
+        folder: PathBuf,
+    },
     /// A study that does not fit the case.
     Request(String),
     /// Arguments that cannot be carried out.
@@ -69,6 +75,12 @@ impl From<CaseError> for CommandFailure {
 impl From<GradientError> for CommandFailure {
     fn from(error: GradientError) -> CommandFailure {
         CommandFailure::Gradient(error)
+    }
+}
+
+impl From<IdentificationError> for CommandFailure {
+    fn from(error: IdentificationError) -> CommandFailure {
+        CommandFailure::Fit { error, folder: PathBuf::new() }
     }
 }
 
@@ -153,11 +165,18 @@ impl CommandFailure {
             CommandFailure::Mesh(_) => MESH,
             CommandFailure::Constants(_) => SOLVER,
             CommandFailure::Plot(_) => FILE,
-            CommandFailure::Gradient(error) => match error {
-                GradientError::Refused(_) => USAGE,
-                GradientError::Interrupted => INTERRUPTED,
-                _ => SOLVER,
-            },
+            CommandFailure::Gradient(error) | CommandFailure::Fit { error: IdentificationError::Run(error), .. } => {
+                match error {
+                    GradientError::Refused(_) => USAGE,
+                    GradientError::Interrupted => INTERRUPTED,
+                    _ => SOLVER,
+                }
+            }
+            CommandFailure::Fit { error: IdentificationError::Data(_), .. } => USAGE,
+            CommandFailure::Fit { error: IdentificationError::Interrupted, .. } => INTERRUPTED,
+            CommandFailure::Fit { error: IdentificationError::Kept(error), .. } => {
+                error.downcast_ref().map_or(FILE, of_output)
+            }
             CommandFailure::Study { error, .. } => match error {
                 StudyError::Interrupted => INTERRUPTED,
                 StudyError::Setup { source: SetupError::Initial(_) | SetupError::Data(_), .. } => CASE,
@@ -199,6 +218,10 @@ impl CommandFailure {
             CommandFailure::Constants(error) => format!("the constants of the domain: {error}"),
             CommandFailure::Plot(error) => error.to_string(),
             CommandFailure::Gradient(error) => error.to_string(),
+            CommandFailure::Fit { error: IdentificationError::Interrupted, folder } => {
+                format!("interrupted; the parameters so far are kept in {}; the same command goes on", folder.display())
+            }
+            CommandFailure::Fit { error, .. } => error.to_string(),
             CommandFailure::Exists(path) => format!("{} already exists; give another name", path.display()),
             CommandFailure::Print(error) => format!("cannot write to standard output: {error}"),
         }

@@ -46,7 +46,7 @@ pub struct RefusedGradient(pub Fault);
 
 impl GradientError {
     /// A refusal.
-    pub(super) fn refused(fault: Fault) -> GradientError {
+    pub(crate) fn refused(fault: Fault) -> GradientError {
         GradientError::Refused(Box::new(RefusedGradient(fault)))
     }
 }

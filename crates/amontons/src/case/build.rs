@@ -16,6 +16,7 @@ use super::side_names::SideNames;
 use super::verify::{Expected, Verify};
 use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
+use crate::expression::Constants;
 use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::FreeMemory;
@@ -44,6 +45,7 @@ pub(super) fn problem(
         findings: Vec::new(),
         doubtful: notes.doubtful,
         limits: notes.limits,
+        constants: Constants::default(),
         loader: Loader::new(files),
         of_file: OfFile::default(),
         chosen: Vec::new(),
@@ -58,6 +60,7 @@ pub(super) fn problem(
         has_other_end,
     };
     build.head(&raw);
+    build.constants(&raw.constants);
     let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
     build.dim = mesh.dim;
     build.thickness(raw.thickness, &mut mesh);
@@ -291,6 +294,8 @@ pub(super) struct Build<'d> {
     pub doubtful: &'d Doubtful,
     /// The numbers that keys admit.
     pub limits: &'d [(Path, Limits)],
+    /// The constants that expressions may mention.
+    pub constants: Constants,
     /// The files beside the case.
     pub loader: Loader<'d>,
     /// The mesh file with the factor of its coordinates, or `None` for a generated mesh.
@@ -369,6 +374,15 @@ impl Build<'_> {
         self.name(&raw.name);
         self.instants(raw);
         self.scheme_keys(&raw.time);
+    }
+
+    /// Takes the constants, and notes names that none may have.
+    fn constants(&mut self, raw: &BTreeMap<String, f64>) {
+        for (name, value) in raw {
+            if let Err(expected) = self.constants.add(name, *value) {
+                self.note(&format!("constants.{name}"), At::Key, format!("`{name}`"), expected, None);
+            }
+        }
     }
 
     /// Checks the name, which also names a folder.

@@ -88,7 +88,7 @@ impl Build<'_> {
         let mut all: Vec<Law<dyn HeatLaw>> = Vec::new();
         for (i, term) in terms.iter().enumerate() {
             let at = if is_sum { format!("{path}.heat.laws[{i}]") } else { format!("{path}.heat") };
-            all.push(self.heat(&at, laws::heat(term), sites));
+            all.push(self.heat(&at, laws::heat(term, &self.constants), sites));
         }
         if !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
             all.push(self.heat(path, laws::frictional_heat(frictional), sites));
@@ -151,7 +151,8 @@ impl Build<'_> {
     }
 
     fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Law<dyn NormalLaw> {
-        let law = self.contact_law(&format!("{path}.normal"), laws::normal(raw), sites, Arc::new(Signorini));
+        let law =
+            self.contact_law(&format!("{path}.normal"), laws::normal(raw, &self.constants), sites, Arc::new(Signorini));
         law.unwrap_or_else(no_pressure)
     }
 
@@ -162,7 +163,12 @@ impl Build<'_> {
             self.wants_components(&format!("{path}.friction.direction"), direction.len());
             return Frictionless.into();
         }
-        let law = self.contact_law(&format!("{path}.friction"), laws::friction(raw), sites, Arc::new(Frictionless));
+        let law = self.contact_law(
+            &format!("{path}.friction"),
+            laws::friction(raw, &self.constants),
+            sites,
+            Arc::new(Frictionless),
+        );
         law.unwrap_or_else(|| Frictionless.into())
     }
 

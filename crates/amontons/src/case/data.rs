@@ -85,7 +85,7 @@ impl Build<'_> {
     }
 
     pub fn expression(&mut self, path: &str, text: &str) -> Option<Expression> {
-        let expression = match Expression::parse(text) {
+        let expression = match Expression::with(text, &self.constants) {
             Ok(expression) => expression,
             Err(error) => {
                 self.note(path, At::Inside(error.offset), error.found, error.expected, error.hint.as_deref());

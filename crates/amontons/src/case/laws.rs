@@ -11,7 +11,7 @@ use crate::contact::{
     PressureFormula, PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening,
     StaticKinetic, Stop, TableFault, Tabulated, Tresca, WearLaw,
 };
-use crate::expression::ExpressionError;
+use crate::expression::{Constants, ExpressionError};
 
 /// Coefficients with their keys below the law, in the order in which the law takes their values.
 pub(super) type Keyed<'a> = Vec<(String, &'a Datum)>;
@@ -39,7 +39,7 @@ fn normal_law<'a, L: NormalLaw + 'static>(
 }
 
 /// The law of the contact pressure.
-pub(super) fn normal(raw: &Normal) -> NormalPlan<'_> {
+pub(super) fn normal<'a>(raw: &'a Normal, constants: &Constants) -> NormalPlan<'a> {
     match raw {
         Normal::Compliance { stiffness } => normal_law(&[("stiffness", stiffness)], |v| Compliance { stiffness: v[0] }),
         Normal::Power { stiffness, exponent } => normal_law(&[("stiffness", stiffness), ("exponent", exponent)], |v| {
@@ -54,9 +54,9 @@ pub(super) fn normal(raw: &Normal) -> NormalPlan<'_> {
             (keyed(&[("factor", factor)]), Box::new(make))
         }
         Normal::Expression { pressure, begin, factor } => {
-            let (pressure, begin) = (pressure.clone(), *begin);
+            let (pressure, begin, constants) = (pressure.clone(), *begin, constants.clone());
             let make = move |v: &[f64]| -> Result<Arc<dyn NormalLaw>, Refusal> {
-                let law = PressureFormula::new(&pressure, v[0], begin);
+                let law = PressureFormula::new(&pressure, v[0], begin, &constants);
                 Ok(Arc::new(law.map_err(|fault| formula_refusal(fault).of("pressure"))?))
             };
             (keyed(&[("factor", factor)]), Box::new(make))
@@ -149,7 +149,7 @@ fn capped<'a>(
 }
 
 /// The law of the friction bound.
-pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
+pub(super) fn friction<'a>(raw: &'a Friction, constants: &Constants) -> FrictionPlan<'a> {
     match raw {
         Friction::None => (Vec::new(), Box::new(|_| Ok(Arc::new(Frictionless)))),
         Friction::Stick => (Vec::new(), Box::new(|_| Ok(Arc::new(NoSlip)))),
@@ -170,9 +170,9 @@ pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
             tabulated(FrictionVariable::Pressure, "pressure", (pressure, coefficient), factor, cap.as_ref())
         }
         Friction::Expression { coefficient, factor, cap } => {
-            let coefficient = coefficient.clone();
+            let (coefficient, constants) = (coefficient.clone(), constants.clone());
             capped(&[("factor", factor)], cap.as_ref(), move |v| {
-                let law = FrictionFormula::new(&coefficient, v[0]);
+                let law = FrictionFormula::new(&coefficient, v[0], &constants);
                 Ok(Arc::new(law.map_err(|error| expression_refusal(error).of("coefficient"))?))
             })
         }
@@ -255,7 +255,7 @@ fn heat_law<'a, L: HeatLaw + 'static>(
 }
 
 /// One law of heat exchange.
-pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
+pub(super) fn heat<'a>(raw: &'a HeatTerm, constants: &Constants) -> HeatPlan<'a> {
     match raw {
         HeatTerm::Constant { conductance, truncation } => {
             heat_law(&[("conductance", conductance)], truncation.as_ref(), |v, truncation| ConstantConductance {
@@ -288,9 +288,9 @@ pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
         HeatTerm::Expression { conductance, factor, truncation } => {
             let mut keys = keyed(&[("factor", factor)]);
             keys.extend(truncation.as_ref().map(|truncation| ("truncation".to_owned(), truncation)));
-            let conductance = conductance.clone();
+            let (conductance, constants) = (conductance.clone(), constants.clone());
             let make = move |v: &[f64]| -> Result<Arc<dyn HeatLaw>, Refusal> {
-                let law = ConductanceFormula::new(&conductance, v[0], v.get(1).copied());
+                let law = ConductanceFormula::new(&conductance, v[0], v.get(1).copied(), &constants);
                 Ok(Arc::new(law.map_err(|error| expression_refusal(error).of("conductance"))?))
             };
             (keys, Box::new(make))

@@ -65,7 +65,7 @@ mod verify;
 
 pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
-pub use gradient::parameter;
+pub use gradient::{family, parameter, settings};
 pub use library::{KnownMaterial, materials};
 pub use parse::{Case, parse, read, source};
 pub use reference::{

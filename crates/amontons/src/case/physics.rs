@@ -5,7 +5,7 @@ use super::place::{At, PathFault};
 use super::raw::{self, Datum, Friction, Heat, HeatTerm, Scalar, Wear};
 use super::schema::{SchemaView, rules};
 use crate::contact::{ConductanceFormula, FrictionFormula};
-use crate::expression::Formula;
+use crate::expression::{Constants, Formula};
 use crate::problem::Physics;
 
 /// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
@@ -168,30 +168,32 @@ pub(super) fn is_zero_datum(datum: &Datum) -> bool {
 }
 
 /// True if friction depends on the temperature.
-fn sees_temperature(friction: &Friction) -> bool {
+fn sees_temperature(friction: &Friction, constants: &Constants) -> bool {
     match friction {
         Friction::Temperature { .. } => true,
         Friction::Expression { coefficient, .. } => {
-            FrictionFormula::new(coefficient, 1.0).is_ok_and(|law| law.sees_temperature())
+            FrictionFormula::new(coefficient, 1.0, constants).is_ok_and(|law| law.sees_temperature())
         }
         _ => false,
     }
 }
 
 /// The dependence of a law of heat exchange on mechanics: pressure or penetration, or `None`.
-fn sees_motion(law: &HeatTerm) -> Option<&'static str> {
+fn sees_motion(law: &HeatTerm, constants: &Constants) -> Option<&'static str> {
     match law {
         HeatTerm::Pressure { .. } => Some("a conductance of the pressure"),
         HeatTerm::Power { .. } | HeatTerm::Ramp { .. } => Some("a conductance of the penetration"),
-        HeatTerm::Expression { conductance, .. } => Formula::parse(conductance, &ConductanceFormula::VARIABLES)
-            .is_ok_and(|formula| formula.uses(0))
-            .then_some("a conductance of the pressure"),
+        HeatTerm::Expression { conductance, .. } => {
+            Formula::with(conductance, &ConductanceFormula::VARIABLES, constants)
+                .is_ok_and(|formula| formula.uses(0))
+                .then_some("a conductance of the pressure")
+        }
         HeatTerm::Constant { .. } | HeatTerm::Gap { .. } | HeatTerm::Radiation { .. } => None,
     }
 }
 
 /// The keys of a contact that need mechanics, with a description.
-fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
+fn of_motion(contact: &raw::Contact, constants: &Constants) -> Vec<(&'static str, &'static str)> {
     let given = [
         ("normal", contact.normal.is_some(), "a law of contact pressure"),
         ("friction", !matches!(contact.friction, Friction::None), "friction"),
@@ -203,13 +205,13 @@ fn of_motion(contact: &raw::Contact) -> Vec<(&'static str, &'static str)> {
         ("obstacle.load", contact.obstacle.as_ref().is_some_and(|of| of.common().2.is_some()), "a load of an obstacle"),
     ];
     let laws = contact.heat.clone().terms().0;
-    let seen = laws.iter().find_map(sees_motion).map(|what| ("heat", what));
+    let seen = laws.iter().find_map(|law| sees_motion(law, constants)).map(|what| ("heat", what));
     given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (key, what)).chain(seen).collect()
 }
 
 /// The data of heat outside the materials: path and description.
 pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
-    let mut found = Vec::new();
+    let (mut found, constants) = (Vec::new(), raw.constants());
     for (path, load) in raw.load.each() {
         if !matches!(load.heat_source, Datum::Number(value) if value == 0.0) {
             found.push((format!("{path}.heat_source"), "a heat source"));
@@ -242,7 +244,7 @@ pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
                 "heat of friction",
             ),
             ("foundation", contact.foundation.is_some(), "a foundation with a heat capacity"),
-            ("friction", sees_temperature(&contact.friction), "friction of the temperature"),
+            ("friction", sees_temperature(&contact.friction, &constants), "friction of the temperature"),
             ("wear", matches!(contact.wear, Some(Wear::ArchardTemperature { .. })), "wear of the temperature"),
         ];
         found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("{path}.{key}"), what)));
@@ -252,7 +254,7 @@ pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
 
 /// The data of mechanics outside the materials: path and description.
 pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
-    let mut found = Vec::new();
+    let (mut found, constants) = (Vec::new(), raw.constants());
     for (path, load) in raw.load.each() {
         if !load.body_force.is_empty() {
             found.push((format!("{path}.body_force"), "a body force"));
@@ -295,7 +297,7 @@ pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
         found.push(("exact.displacement".to_owned(), "a displacement"));
     }
     for (path, contact) in raw.contact.iter().flat_map(raw::Contacts::each) {
-        found.extend(of_motion(contact).into_iter().map(|(key, what)| (format!("{path}.{key}"), what)));
+        found.extend(of_motion(contact, &constants).into_iter().map(|(key, what)| (format!("{path}.{key}"), what)));
     }
     found
 }

@@ -1,7 +1,8 @@
-//! Columns of a file of separated values.
+//! Times and values from a file of separated values.
 
 use super::nearest::meant;
 use super::raw::Column;
+use crate::separated::{self, SeparatedFault, SeparatedValues};
 
 /// The reason why a file gives no times and values: the key of the case concerned, and the message.
 #[derive(Debug, PartialEq)]
@@ -23,9 +24,6 @@ fn refuse<T>(
 
 /// Two columns of the file `name`: increasing times, and values.
 ///
-/// Values are separated by the first of `,` `;` and tab in the first line, else by blanks. The first line is a header
-/// unless it holds numbers only. Empty lines and lines that begin with `#` are skipped.
-///
 /// # Errors
 /// The line of the file, the text found there and the expected one.
 pub(super) fn read(
@@ -34,46 +32,22 @@ pub(super) fn read(
     time: Option<&Column>,
     value: Option<&Column>,
 ) -> Result<(Vec<f64>, Vec<f64>), TableRefusal> {
-    let text = text(name, bytes)?;
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .map(|(i, line)| (i + 1, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
-        .peekable();
-    let Some(&(first, line)) = lines.peek() else {
+    let SeparatedValues { headers, width, rows } = separated::read(name, bytes)?;
+    if width == 0 {
         return refuse("table", format!("no rows in {name}"), "a time and a value per row", None);
-    };
-    let separator = [',', ';', '\t'].into_iter().find(|c| line.contains(*c));
-    let fields = |line: &'_ str| -> Vec<String> {
-        let clean = |field: &str| field.trim().trim_matches('"').to_owned();
-        match separator {
-            Some(separator) => line.split(separator).map(clean).collect(),
-            None => line.split_whitespace().map(clean).collect(),
-        }
-    };
-    let head = fields(line);
-    let has_header = head.iter().any(|field| field.parse::<f64>().is_err());
-    let headers = has_header.then_some(head.as_slice());
-    if has_header {
-        lines.next();
     }
-    let time = find(name, "time", time, 1, headers, head.len())?;
-    let value = find(name, "column", value, 2, headers, head.len())?;
+    let headers = headers.as_deref();
+    let time = find(name, "time", time, 1, headers, width)?;
+    let value = find(name, "column", value, 2, headers, width)?;
     let title = |column: usize| {
         headers
             .map_or_else(|| format!("column {}", column + 1), |headers| format!("the column \"{}\"", headers[column]))
     };
     let (mut times, mut values) = (Vec::new(), Vec::new());
-    for (number, line) in lines {
-        let row = fields(line);
-        if row.len() != head.len() {
-            let found = format!("{} entries in line {number} of {name}", row.len());
-            return refuse("table", found, format!("{}, as in line {first}", head.len()), None);
-        }
+    for (number, row) in rows {
         for (column, into) in [(time, &mut times), (value, &mut values)] {
             let place = format!("in line {number} of {name}");
-            into.push(entry(&row[column], &place, || title(column))?);
+            into.push(separated::number(&row[column], &place, || title(column))?);
         }
         if let [.., before, last] = times.as_slice()
             && last <= before
@@ -92,29 +66,10 @@ pub(super) fn read(
     Ok((times, values))
 }
 
-fn text<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, TableRefusal> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Ok(text.trim_start_matches('\u{feff}')),
-        Err(error) => {
-            let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
-            refuse(
-                "table",
-                format!("bytes in line {line} of {name} that are no text"),
-                "a table saved as UTF-8 text",
-                None,
-            )
-        }
-    }
-}
-
-/// The number in a field of a table.
-fn entry(field: &str, place: &str, title: impl Fn() -> String) -> Result<f64, TableRefusal> {
-    match field.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => {
-            let comma = field.contains(',').then(|| "decimals stand behind a point".to_owned());
-            refuse("table", format!("\"{field}\" {place}"), format!("a number in {}", title()), comma)
-        }
+impl From<SeparatedFault> for TableRefusal {
+    fn from(fault: SeparatedFault) -> TableRefusal {
+        let SeparatedFault { found, expected, hint } = fault;
+        TableRefusal { key: "table", found, expected, hint }
     }
 }
 

@@ -44,6 +44,7 @@ mod ops;
 mod parse;
 mod program;
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use thiserror::Error;
@@ -71,6 +72,41 @@ impl Variable {
             Variable::Z => Some(2),
             Variable::T => None,
         }
+    }
+}
+
+/// Numbers with names that expressions may mention beside `pi` and `e`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constants(BTreeMap<String, f64>);
+
+/// Names of variables of expressions and formulas, which no constant may have.
+const VARIABLE_NAMES: [&str; 8] = ["x", "y", "z", "t", "p", "v", "r", "theta"];
+
+impl Constants {
+    /// Adds a constant.
+    ///
+    /// # Errors
+    /// What the name of a constant must be, if this one is none or has a meaning already.
+    pub fn add(&mut self, name: &str, value: f64) -> Result<(), &'static str> {
+        let is_word = name.starts_with(|c: char| c.is_ascii_alphabetic())
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let is_function = parse::FUNCTIONS.iter().any(|(function, ..)| *function == name);
+        if !is_word {
+            return Err("a name of letters, digits and `_` that begins with a letter");
+        }
+        if is_function || VARIABLE_NAMES.contains(&name) || parse::CONSTANTS.iter().any(|(known, _)| *known == name) {
+            return Err("a name that is no variable, function or constant of expressions");
+        }
+        self.0.insert(name.to_owned(), value);
+        Ok(())
+    }
+
+    fn get(&self, name: &str) -> Option<f64> {
+        self.0.get(name).copied()
+    }
+
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
     }
 }
 
@@ -106,10 +142,12 @@ pub struct Derivatives {
 
 /// A compiled expression; see the [module](self) for the language.
 ///
-/// Two expressions are equal if their texts are.
+/// Two expressions are equal if their texts and the constants in them are.
 #[derive(Clone)]
 pub struct Expression {
     source: String,
+    /// The constants that the text mentions, with their values.
+    constants: Vec<(String, f64)>,
     variables: [bool; 4],
     program: Program,
 }
@@ -122,14 +160,23 @@ impl Expression {
     /// [`ExpressionError`] at the first place where the text departs from the language, or if it
     /// is too long or too deeply nested.
     pub fn parse(source: &str) -> Result<Expression, ExpressionError> {
-        Expression::named(source, parse::PLACE)
+        Expression::named(source, parse::PLACE, &Constants::default())
+    }
+
+    /// Compiles an expression that may mention constants.
+    ///
+    /// # Errors
+    /// Those of [`parse`](Self::parse).
+    pub fn with(source: &str, constants: &Constants) -> Result<Expression, ExpressionError> {
+        Expression::named(source, parse::PLACE, constants)
     }
 
     /// Compiles an expression in up to four variables with these names.
-    fn named(source: &str, names: &[&str]) -> Result<Expression, ExpressionError> {
-        let parsed = parse::parse(source, names)?;
+    fn named(source: &str, names: &[&str], constants: &Constants) -> Result<Expression, ExpressionError> {
+        let parsed = parse::parse(source, names, constants)?;
         Ok(Expression {
             source: source.to_owned(),
+            constants: parsed.used,
             variables: parsed.variables,
             program: Program::new(&parsed.graph, parsed.root),
         })
@@ -202,7 +249,7 @@ impl Expression {
 
 /// A formula in up to four named variables, such as `0.2 + 0.1*exp(-v/0.3)` in `p` and `v`; see the [module](self) for
 /// the language.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     expression: Expression,
 }
@@ -213,7 +260,15 @@ impl Formula {
     /// # Errors
     /// Fails like [`Expression::parse`].
     pub fn parse(source: &str, names: &[&str]) -> Result<Formula, ExpressionError> {
-        Ok(Formula { expression: Expression::named(source, names)? })
+        Formula::with(source, names, &Constants::default())
+    }
+
+    /// Compiles a formula that may mention constants.
+    ///
+    /// # Errors
+    /// Fails like [`Expression::parse`].
+    pub fn with(source: &str, names: &[&str], constants: &Constants) -> Result<Formula, ExpressionError> {
+        Ok(Formula { expression: Expression::named(source, names, constants)? })
     }
 
     /// The value and the derivatives by the variables in their order, with the rules of [`Expression::derivatives`].
@@ -244,11 +299,9 @@ impl fmt::Debug for Expression {
 
 impl PartialEq for Expression {
     fn eq(&self, other: &Expression) -> bool {
-        self.source == other.source
+        self.source == other.source && self.constants == other.constants
     }
 }
-
-impl Eq for Expression {}
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::float_cmp, clippy::panic, clippy::cast_sign_loss)]

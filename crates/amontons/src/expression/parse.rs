@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::ops::Op;
 use super::program::{NodeId, OperationGraph};
-use super::{ExpressionError, Variable};
+use super::{Constants, ExpressionError, Variable};
 
 /// Longest expression, in bytes.
 pub(super) const MAX_LENGTH: usize = 10_000;
@@ -56,7 +56,7 @@ const VARIABLES: [Variable; 4] = [Variable::X, Variable::Y, Variable::Z, Variabl
 /// The names of the coordinates and the time.
 pub(super) const PLACE: &[&str] = &["x", "y", "z", "t"];
 
-const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
+pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
 
 /// Names of our functions in other languages that are too different for the edit distance.
 const FOREIGN_NAMES: [(&str, &str); 10] = [
@@ -120,9 +120,15 @@ pub(super) struct Parsed {
     pub(super) graph: OperationGraph,
     pub(super) root: NodeId,
     pub(super) variables: [bool; 4],
+    /// The constants mentioned, beside `pi` and `e`.
+    pub(super) used: Vec<(String, f64)>,
 }
 
-pub(super) fn parse<'s>(source: &'s str, names: &'s [&'s str]) -> Result<Parsed, ExpressionError> {
+pub(super) fn parse<'s>(
+    source: &'s str,
+    names: &'s [&'s str],
+    constants: &'s Constants,
+) -> Result<Parsed, ExpressionError> {
     if source.len() > MAX_LENGTH {
         return Err(ExpressionError {
             offset: source.floor_char_boundary(MAX_LENGTH),
@@ -134,6 +140,8 @@ pub(super) fn parse<'s>(source: &'s str, names: &'s [&'s str]) -> Result<Parsed,
     let mut parser = Parser {
         source,
         names,
+        constants,
+        used: Vec::new(),
         token: Token::End,
         span: 0..0,
         previous: Token::End,
@@ -147,13 +155,16 @@ pub(super) fn parse<'s>(source: &'s str, names: &'s [&'s str]) -> Result<Parsed,
     if parser.token != Token::End {
         return Err(parser.after_operand("an operator or the end of the expression", None));
     }
-    Ok(Parsed { graph: parser.graph, root, variables: parser.variables })
+    Ok(Parsed { graph: parser.graph, root, variables: parser.variables, used: parser.used })
 }
 
 struct Parser<'a> {
     source: &'a str,
     /// Names of the variables.
     names: &'a [&'a str],
+    /// Constants beside `pi` and `e`, and those that were met.
+    constants: &'a Constants,
+    used: Vec<(String, f64)>,
     token: Token,
     span: Range<usize>,
     previous: Token,
@@ -286,13 +297,20 @@ impl<'a> Parser<'a> {
             self.advance()?;
             return Ok(self.graph.constant(value));
         }
+        if let Some(value) = self.constants.get(name) {
+            self.advance()?;
+            self.used.push((name.to_owned(), value));
+            return Ok(self.graph.constant(value));
+        }
         if let Some(&(_, op, arity)) = FUNCTIONS.iter().find(|entry| entry.0 == name) {
             self.advance()?;
             return self.call(name, op, arity);
         }
-        let hint = suggestion(name, self.names);
+        let known: Vec<&str> = self.names.iter().copied().chain(self.constants.names()).collect();
+        let hint = suggestion(name, &known, self.names == PLACE);
         let variables = self.names.join(", ");
-        Err(self.error(&format!("a variable ({variables}), a constant (pi, e) or a function"), hint))
+        let own: String = self.constants.names().map(|name| format!(", {name}")).collect();
+        Err(self.error(&format!("a variable ({variables}), a constant (pi, e{own}) or a function"), hint))
     }
 
     fn call(&mut self, name: &str, op: Op, arity: Arity) -> Result<NodeId, ExpressionError> {
@@ -480,12 +498,12 @@ fn product_of_variables(name: &str) -> Option<String> {
 }
 
 /// The name that was probably meant by an unknown one.
-fn suggestion(name: &str, names: &[&str]) -> Option<String> {
+fn suggestion(name: &str, names: &[&str], is_of_place: bool) -> Option<String> {
     let length = name.chars().count();
     if length > MAX_QUOTE {
         return None;
     }
-    if let Some(product) = product_of_variables(name).filter(|_| names == PLACE) {
+    if let Some(product) = product_of_variables(name).filter(|_| is_of_place) {
         return Some(format!("write {product}"));
     }
     let lower = name.to_lowercase();

@@ -10,10 +10,18 @@ use super::{FolderLock, OutputError};
 pub(super) const STUDY: &str = "convergence.csv";
 pub(super) const GRADIENT: &str = "gradient.csv";
 pub(super) const MODES: &str = "modes.csv";
+/// That of identified parameters, and where an unfinished descent to them stands.
+pub(super) const FIT: &str = "fit.csv";
+pub(super) const DESCENT: &str = "descent.json";
 
 /// Files by which a results folder is known, and what it then holds.
-const KNOWN_BY: [(&str, &str); 4] =
-    [(MANIFEST, "a run"), (STUDY, "a finished study"), (GRADIENT, "derivatives"), (MODES, "modes")];
+const KNOWN_BY: [(&str, &str); 5] = [
+    (MANIFEST, "a run"),
+    (STUDY, "a finished study"),
+    (GRADIENT, "derivatives"),
+    (MODES, "modes"),
+    (FIT, "identified parameters"),
+];
 
 /// A results folder with one writer. If nothing was written into it, it is removed when it is dropped.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules on one line may not use each other; a module may use those on the lines before.
 const LAYERS: &[&[&str]] = &[
-    &["tensor", "units", "machine", "pulse", "time"],
+    &["tensor", "units", "machine", "pulse", "separated", "time"],
     &["arrays", "expression"],
     &["quadrature", "field", "vtu"],
     &["element", "vtkhdf"],
@@ -29,6 +29,7 @@ const LAYERS: &[&[&str]] = &[
     &["convergence"],
     &["output"],
     &["adjoint"],
+    &["identification"],
     &["run", "case"],
     &["plot"],
     &["contract", "verify"],

@@ -41,6 +41,8 @@ pub(in crate::case) use side::{Locus, Side};
 pub(in crate::case) use stability::{Stability, StabilityKind};
 pub(in crate::case) use verify::{Check, ErrorName, ModeValue, Take, Vary, Verify};
 
+use crate::expression::Constants;
+
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
 ///
 /// Numbers are in SI units, or without units throughout: `units = "dimensionless"`.
@@ -60,6 +62,11 @@ pub(in crate::case) struct Case {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: Option<f64>,
+    /// Numbers with names that expressions and formulas of the case may mention: `[constants]` with `mu0 = 0.4`.
+    ///
+    /// `--set constants.mu0=0.3` and `--each` change them, and derivatives and `amontons fit` take them as parameters.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub constants: BTreeMap<String, f64>,
     /// The mesh of the body.
     pub mesh: Mesh,
     /// Sides that the case names by their place, one entry per side.
@@ -122,6 +129,18 @@ pub(in crate::case) struct Case {
     /// Reference values that make the case a benchmark.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verify: Option<Verify>,
+}
+
+impl Case {
+    /// The constants whose names may be those of constants.
+    pub fn constants(&self) -> Constants {
+        let mut constants = Constants::default();
+        for (name, value) in &self.constants {
+            // The build of the case tells what is wrong with the other names.
+            let _ = constants.add(name, *value);
+        }
+        constants
+    }
 }
 
 /// Units of a case.

@@ -2,7 +2,7 @@
 
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
-use crate::expression::{ExpressionError, Formula};
+use crate::expression::{Constants, ExpressionError, Formula};
 
 /// p_τ = c μ(p, v, θ) p with μ a formula: p the pressure in Pa, v the slip speed in m/s, θ the temperature of the body
 /// in K. Where the formula is negative, μ is 0.
@@ -24,9 +24,9 @@ impl FrictionFormula {
     /// A formula times a factor.
     ///
     /// # Errors
-    /// Fails if the text is no formula in `p`, `v` and `theta`.
-    pub fn new(coefficient: &str, factor: f64) -> Result<FrictionFormula, ExpressionError> {
-        Ok(FrictionFormula { factor, coefficient: Formula::parse(coefficient, &Self::VARIABLES)? })
+    /// Fails if the text is no formula in `p`, `v`, `theta` and the constants.
+    pub fn new(coefficient: &str, factor: f64, constants: &Constants) -> Result<FrictionFormula, ExpressionError> {
+        Ok(FrictionFormula { factor, coefficient: Formula::with(coefficient, &Self::VARIABLES, constants)? })
     }
 
     /// True if the formula mentions the temperature.
@@ -80,8 +80,8 @@ impl FrictionLaw for FrictionFormula {
 #[cfg(test)]
 pub(super) fn samples() -> Vec<std::sync::Arc<dyn FrictionLaw>> {
     let all = [
-        FrictionFormula::new("0.2 + 0.1*exp(-v/0.3)", 1.0),
-        FrictionFormula::new("0.3/(1 + 0.1*p)*(1 - 0.01*theta)", 0.5),
+        FrictionFormula::new("0.2 + 0.1*exp(-v/0.3)", 1.0, &Constants::default()),
+        FrictionFormula::new("0.3/(1 + 0.1*p)*(1 - 0.01*theta)", 0.5, &Constants::default()),
     ];
     all.into_iter().flatten().map(|law| std::sync::Arc::new(law) as std::sync::Arc<dyn FrictionLaw>).collect()
 }

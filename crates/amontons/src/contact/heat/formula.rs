@@ -2,7 +2,7 @@
 
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
-use crate::expression::{ExpressionError, Formula};
+use crate::expression::{Constants, ExpressionError, Formula};
 
 /// h = c f(p, r) with a formula f: p₊ in Pa is the contact pressure, r in m the penetration, negative if the gap is
 /// open. If the formula is negative, h is 0.
@@ -23,9 +23,15 @@ impl ConductanceFormula {
     /// A formula times a factor.
     ///
     /// # Errors
-    /// Fails if the text is no formula in `p` and `r`.
-    pub fn new(conductance: &str, factor: f64, truncation: Option<f64>) -> Result<ConductanceFormula, ExpressionError> {
-        Ok(ConductanceFormula { factor, conductance: Formula::parse(conductance, &Self::VARIABLES)?, truncation })
+    /// Fails if the text is no formula in `p`, `r` and the constants.
+    pub fn new(
+        conductance: &str,
+        factor: f64,
+        truncation: Option<f64>,
+        constants: &Constants,
+    ) -> Result<ConductanceFormula, ExpressionError> {
+        let conductance = Formula::with(conductance, &Self::VARIABLES, constants)?;
+        Ok(ConductanceFormula { factor, conductance, truncation })
     }
 }
 
@@ -64,8 +70,8 @@ impl HeatLaw for ConductanceFormula {
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn HeatLaw>, f64)> {
     let all = [
-        ConductanceFormula::new("5 + 2*p^0.95", 1.0, None),
-        ConductanceFormula::new("0.02/(1e-3 + max(-r, 0))", 2.0, Some(3.0)),
+        ConductanceFormula::new("5 + 2*p^0.95", 1.0, None, &Constants::default()),
+        ConductanceFormula::new("0.02/(1e-3 + max(-r, 0))", 2.0, Some(3.0), &Constants::default()),
     ];
     all.into_iter().flatten().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn HeatLaw>, 1e-3)).collect()
 }
