@@ -82,13 +82,13 @@ impl RunHistory {
 }
 
 impl KeptStep {
-    fn of(state: &State, report: &StepReport) -> KeptStep {
+    pub fn of(state: &State, report: &StepReport) -> KeptStep {
         KeptStep { state: state.clone(), states: report.contact.states.clone(), flux: report.contact.flux.clone() }
     }
 }
 
 /// Makes a step, as a whole and with all motions determined.
-fn made(march: &mut March, state: &State) -> Result<(State, StepReport), GradientError> {
+pub(super) fn made(march: &mut March, state: &State) -> Result<(State, StepReport), GradientError> {
     let (state, report) = march.step(state)?;
     let place = format!("step {}", state.step);
     let fault = if report.parts > 1 {

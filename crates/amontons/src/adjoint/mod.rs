@@ -17,11 +17,13 @@
 //! | `instance` | the equations of a step at given unknowns |
 //! | `points` | the linearised contact points, and their distances to a change of state |
 //! | `transpose`, `sweep` | Jᵀ, and a step backward |
-//! | `outputs`, `parameter` | o with its derivatives, and the problems around a value of m |
+//! | `tangent`, `series` | J, and the steps forward along with a run, for outputs at all steps |
+//! | `outputs`, `along`, `parameter` | o with its derivatives, and the problems around a value of m |
 //! | `stencil` | differences of fourth order |
 //!
 //! ∂R/∂m is a difference of equations at fixed unknowns, never of runs: any number of a case is a parameter.
 
+mod along;
 mod error;
 mod history;
 mod instance;
@@ -32,6 +34,7 @@ mod scope;
 mod series;
 mod stencil;
 mod sweep;
+mod tangent;
 #[cfg(all(test, feature = "case"))]
 mod tests;
 mod transpose;
@@ -192,15 +195,6 @@ impl WholeSweep<'_> {
         Ok(())
     }
 
-    fn factors(&self, factors: Option<StepFactors>, n: usize) -> Result<StepFactors, GradientError> {
-        let rule = self.base.rule(n);
-        if let Some(factors) = factors.filter(|factors| factors.rule == rule) {
-            return Ok(factors);
-        }
-        let made = StepFactors::new(&self.base.problem, &self.base.discrete, rule);
-        made.map_err(|(part, source)| GradientError::Linear { step: n, part, source })
-    }
-
     /// One sweep from the last step to the first one.
     fn sweep(
         &mut self,
@@ -216,19 +210,14 @@ impl WholeSweep<'_> {
             if !(self.go_on)() {
                 return Err(GradientError::Interrupted);
             }
-            let mut made = self.factors(factors.take(), n)?;
+            let mut made = StepFactors::kept_or_made(factors.take(), base, n)?;
             let [old, new] = self.history.around(n)?;
             let chosen = made.chosen(base, n, [&old.state, &new.state]);
             let unknown = made.mechanics.on_contact.clone();
             let (old, states, flux) = (&old.state, &new.states, &new.flux);
             let solved = SolvedStep { n, old, new: &new.state, states, chosen: &chosen, unknown: &unknown };
-            let points = linearised(base, &solved, forced).map_err(|i| kink(base, n, i))?;
-            let forces: Vec<Local> = points.iter().map(|point| point.force).collect();
+            let (points, forces, here) = at_solution(base, &solved, forced)?;
             keep_least(&mut near, margins(&solved, &points, &made.rule));
-            let here = base.residual(&solved, &forces);
-            if let Some(unmet) = here.unmet(base, &solved) {
-                return Err(unknown_form(n, unmet));
-            }
             if n == steps {
                 let parameters = request.parameters.iter().zip(sizes);
                 let all = parameters.map(|(of, size)| of.variants(base, (&solved, &forces), *size));
@@ -255,6 +244,21 @@ impl WholeSweep<'_> {
         }
         add_start(base, &variants, &ended, &mut sums)?;
         Ok((sums, near))
+    }
+}
+
+/// The linearised contact points of a step, their forces, and its equations, which are met.
+fn at_solution(
+    base: &ProblemInstance,
+    solved: &SolvedStep,
+    forced: Option<&Forced>,
+) -> Result<(Vec<LinearPoint>, Vec<Local>, StepResidual), GradientError> {
+    let points = linearised(base, solved, forced).map_err(|i| kink(base, solved.n, i))?;
+    let forces: Vec<Local> = points.iter().map(|point| point.force).collect();
+    let here = base.residual(solved, &forces);
+    match here.unmet(base, solved) {
+        Some(unmet) => Err(unknown_form(solved.n, unmet)),
+        None => Ok((points, forces, here)),
     }
 }
 

@@ -1,12 +1,15 @@
 //! The numbers at the end of a run whose derivatives are asked for.
 
+use std::sync::Arc;
+
+use super::along::{Along, ChangedPart, Scratch};
 use super::error::GradientError;
 use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
 use super::stencil::derivative;
 use super::sweep::{OfPoints, StateVector};
 use crate::inclusion::PointState;
-use crate::output::{OF_WHOLE, Probe, ProbeSet, Snapshot, Work};
+use crate::output::{OF_WHOLE, Probe, ProbeError, ProbeSet, Snapshot, Work};
 use crate::problem::{Fault, Problem};
 use crate::state::{State, StepReport};
 
@@ -81,42 +84,50 @@ impl GradientOutput {
 pub(super) struct OutputReader<'a> {
     instance: &'a ProblemInstance,
     output: &'a GradientOutput,
-    set: Option<ProbeSet>,
+    set: Option<Arc<ProbeSet>>,
+}
+
+impl GradientOutput {
+    /// The probe of the output, prepared for a problem; `None` if the output is none of a probe.
+    pub fn prepared(&self, instance: &ProblemInstance) -> Result<Option<Arc<ProbeSet>>, GradientError> {
+        let OutputKind::Probe(probe, _) = &self.kind else { return Ok(None) };
+        let made = ProbeSet::new(&instance.problem, std::slice::from_ref(&**probe));
+        let told = |(_, error): (usize, ProbeError)| {
+            let path = format!("output {}", self.name);
+            GradientError::refused(Fault::new(path, error.to_string(), "a probe that can be read"))
+        };
+        made.map(|set| Some(Arc::new(set))).map_err(told)
+    }
 }
 
 impl<'a> OutputReader<'a> {
     pub fn new(instance: &'a ProblemInstance, output: &'a GradientOutput) -> Result<OutputReader<'a>, GradientError> {
-        let set = match &output.kind {
-            OutputKind::Probe(probe, _) => {
-                let made = ProbeSet::new(&instance.problem, std::slice::from_ref(&**probe));
-                Some(made.map_err(|(_, error)| {
-                    GradientError::refused(Fault::new(
-                        format!("output {}", output.name),
-                        error.to_string(),
-                        "a probe that can be read",
-                    ))
-                })?)
-            }
-            _ => None,
-        };
-        Ok(OutputReader { instance, output, set })
+        Ok(OutputReader::with(instance, output, output.prepared(instance)?))
+    }
+
+    /// The reader with the prepared probe of the output.
+    pub fn with(
+        instance: &'a ProblemInstance,
+        output: &'a GradientOutput,
+        set: Option<Arc<ProbeSet>>,
+    ) -> OutputReader<'a> {
+        OutputReader { instance, output, set }
     }
 
     /// The value at a state with the report of its step.
     pub fn value(&self, state: &State, report: &StepReport) -> f64 {
+        self.value_at(state, Some(report))
+    }
+
+    /// The value at a state with the report of its step, if a step led to it. Without one outputs of the contact points
+    /// that a step determines are NaN.
+    pub fn value_at(&self, state: &State, report: Option<&StepReport>) -> f64 {
         let ProblemInstance { problem, discrete } = self.instance;
         let points = &discrete.boundary.points;
-        let over = |of: &[f64]| points.iter().zip(of).map(|(point, value)| point.weight * value).sum();
         match &self.output.kind {
             OutputKind::Probe(_, column) => {
-                let now = Snapshot {
-                    problem,
-                    discretization: discrete,
-                    state,
-                    report: Some(report),
-                    work: Work::default(),
-                    scheme: None,
-                };
+                let now =
+                    Snapshot { problem, discretization: discrete, state, report, work: Work::default(), scheme: None };
                 let values = self.set.as_ref().map_or_else(Vec::new, |set| set.values(&now));
                 values.get(*column).copied().unwrap_or(f64::NAN)
             }
@@ -125,11 +136,57 @@ impl<'a> OutputReader<'a> {
                     let sign = problem.contacts.get(point.contact).map_or(1.0, crate::contact::Contact::sign);
                     0.0 - sign * point.weight * (state.pressure * state.normal[*c] + state.q[*c])
                 };
-                points.iter().zip(&report.contact.states).map(force).sum()
+                report.map_or(f64::NAN, |report| points.iter().zip(&report.contact.states).map(force).sum())
             }
-            OutputKind::FrictionWork => over(&state.surface.friction_work),
-            OutputKind::WearVolume => over(&state.surface.wear),
+            OutputKind::FrictionWork => self.over(&state.surface.friction_work),
+            OutputKind::WearVolume => self.over(&state.surface.wear),
         }
+    }
+
+    /// The derivative along a change of the state and of its contact points; `None` where the output has a kink. The
+    /// scratch holds the same state, and does so again afterwards.
+    pub fn along(
+        &self,
+        scratch: &mut Scratch,
+        (state, report): (&State, Option<&StepReport>),
+        points: &[LinearPoint],
+        (change, of_points): (&StateVector, &OfPoints),
+    ) -> Option<f64> {
+        match &self.output.kind {
+            OutputKind::FrictionWork => return Some(self.over(&change.work)),
+            OutputKind::WearVolume => return Some(self.over(&change.wear)),
+            _ => {}
+        }
+        let value = self.value_at(state, report);
+        if value.is_nan() {
+            return Some(f64::NAN);
+        }
+        let mesh = &self.instance.problem.mesh;
+        let nodes = self.set.as_ref().and_then(|set| set.nodes(mesh));
+        let nodes: Option<Vec<u32>> = nodes.map(|nodes| nodes.into_iter().collect());
+        let parts: &[ChangedPart] = if nodes.is_some() { &ChangedPart::OF_BODY } else { &ChangedPart::OF_CONTACT };
+        let along = Along { base: (state, report), change: (change, of_points), points, nodes, dim: mesh.dim };
+        let mut sum = 0.0;
+        for part in parts {
+            let Some(scale) = along.scale(*part) else { continue };
+            let with = std::cell::RefCell::new(&mut *scratch);
+            let at = |h: f64| {
+                let mut scratch = with.borrow_mut();
+                along.change(*part, &mut scratch, h);
+                ([self.value_at(&scratch.state, scratch.report.as_ref())], ())
+            };
+            let found = derivative(at, scale, [value.abs()], ());
+            along.change(*part, scratch, 0.0);
+            let [slope] = found?;
+            sum += slope;
+        }
+        Some(sum)
+    }
+
+    /// ∫ over Γ_C of values at the contact points.
+    fn over(&self, of: &[f64]) -> f64 {
+        let points = &self.instance.discrete.boundary.points;
+        points.iter().zip(of).map(|(point, value)| point.weight * value).sum()
     }
 
     /// The derivatives by the last state and by the states of its contact points.

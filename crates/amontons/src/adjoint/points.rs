@@ -29,7 +29,7 @@ pub(super) struct LinearPoint {
     pub branch: [bool; 2],
     /// Derivatives by input: jump of the velocities (3), (p, q) (3), ū_ν − g, and temperature; of defect (3),
     /// penetration, slip (2) and wear depth.
-    by: [[f64; OUTPUTS]; INPUTS],
+    pub by: [[f64; OUTPUTS]; INPUTS],
 }
 
 impl LinearPoint {

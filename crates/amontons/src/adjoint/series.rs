@@ -1,11 +1,33 @@
 //! Derivatives of outputs at all steps, by the linearised steps forward along with the run.
+//!
+//! With the state of every contact point frozen and J = ∂R/∂z, the derivative of the state by a parameter m is
+//!
+//! ```text
+//!     dz_n/dm = −J⁻¹ (∂R/∂z_{n−1} dz_{n−1}/dm + ∂R/∂m),
+//! ```
+//!
+//! for all parameters with the same factors of K. No history of the run is kept.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::along::Scratch;
 use super::error::GradientError;
-use super::parameter::Parameter;
-use crate::output::Probe;
+use super::history::{KeptStep, made};
+use super::instance::{ProblemInstance, SolvedStep, StepResidual};
+use super::outputs::{GradientOutput, OutputReader};
+use super::parameter::{Parameter, Variants};
+use super::points::{LinearPoint, PointMargin, TOUCHES, margins};
+use super::stencil;
+use super::sweep::{Around, LinearStep, OfPoints, StateVector};
+use super::tangent::ResidualSlope;
+use super::transpose::StepFactors;
+use super::{KINK, NOTHING, ROUNDINGS, SIZES, at_solution, keep_least, scope};
+use crate::inclusion::Local;
+use crate::output::{Probe, ProbeSet};
 use crate::problem::{Fault, Problem};
+use crate::state::{State, StepReport};
+use crate::step::{March, Scheme, initial_state};
 
 /// What is asked for: derivatives of outputs at all steps.
 pub struct SeriesRequest<'a> {
@@ -21,7 +43,8 @@ pub struct SeriesRequest<'a> {
     pub interrupt: Option<&'a AtomicBool>,
 }
 
-/// Outputs at all steps, with their derivatives.
+/// Outputs at all steps, with their derivatives. At step 0 outputs of contact points, which no step has determined, are
+/// NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesTable {
     /// Times of the steps 0 to N, s.
@@ -37,12 +60,245 @@ pub struct SeriesTable {
     pub ties: usize,
 }
 
-/// Computes outputs at all steps, and their derivatives by all parameters.
+/// Computes outputs at all steps, and their derivatives by all parameters, along with the run.
 ///
 /// # Errors
 /// Those of [`gradient`](super::gradient).
 pub fn series(request: &SeriesRequest) -> Result<SeriesTable, GradientError> {
-    let fault = Fault::new("method", "the tangent method", "the adjoint method");
-    let _ = request.outputs;
-    Err(GradientError::refused(fault))
+    let base = ProblemInstance::new(request.problem);
+    scope::check(request.problem, &base.discrete)?;
+    let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
+    let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
+    let prepared = |output: &GradientOutput| output.prepared(&base);
+    let sets = outputs.iter().map(prepared).collect::<Result<Vec<Prepared>, GradientError>>()?;
+    let mut sweep = ForwardSweep { request, base: &base, outputs: &outputs, sets, columns: Vec::new() };
+    sweep.run()
+}
+
+/// The probe of an output, prepared for a problem.
+type Prepared = Option<Arc<ProbeSet>>;
+
+/// A state with the report of its step.
+type Reported<'a> = (&'a State, Option<&'a StepReport>);
+
+/// The run with the derivatives of its state.
+struct ForwardSweep<'a> {
+    request: &'a SeriesRequest<'a>,
+    base: &'a ProblemInstance,
+    outputs: &'a [GradientOutput],
+    /// By output.
+    sets: Vec<Prepared>,
+    columns: Vec<Column>,
+}
+
+/// The derivative of the state by a parameter.
+struct Column {
+    variants: Variants,
+    /// Number of times that the step of the parameter was reduced.
+    shrunk: i32,
+    /// The probes for the variants, by output.
+    sets: Vec<[Prepared; 4]>,
+    /// The derivatives of the state, and how much of a kink they have.
+    state: StateVector,
+    kink: Option<StateVector>,
+    /// The same of the contact points at fixed data.
+    points: OfPoints,
+    bent_points: OfPoints,
+}
+
+impl ForwardSweep<'_> {
+    fn run(&mut self) -> Result<SeriesTable, GradientError> {
+        let (base, request) = (self.base, self.request);
+        let mut march = March::on(&base.problem, &base.discrete, &base.problem.backend)?;
+        let (start, steps) = (march.initial()?, base.problem.timeline.steps());
+        let mut table =
+            SeriesTable { times: vec![start.t], values: Vec::new(), derivatives: Vec::new(), margin: None, ties: 0 };
+        let (mut near, mut factors): (Vec<PointMargin>, Option<StepFactors>) = (Vec::new(), None);
+        let mut old = KeptStep { state: start, states: Vec::new(), flux: Vec::new() };
+        for n in 1..=steps {
+            if request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed)) {
+                return Err(GradientError::Interrupted);
+            }
+            let (state, report) = made(&mut march, &old.state)?;
+            let new = KeptStep::of(&state, &report);
+            let mut factor = StepFactors::kept_or_made(factors.take(), base, n)?;
+            let chosen = factor.chosen(base, n, [&old.state, &new.state]);
+            let unknown = factor.mechanics.on_contact.clone();
+            let solved = SolvedStep {
+                n,
+                old: &old.state,
+                new: &new.state,
+                states: &new.states,
+                chosen: &chosen,
+                unknown: &unknown,
+            };
+            let (points, forces, here) = at_solution(base, &solved, None)?;
+            keep_least(&mut near, margins(&solved, &points, &factor.rule));
+            let step = LinearStep { base, solved, points: &points, flux: &new.flux };
+            if n == 1 {
+                self.begin((&solved, &forces))?;
+                self.add_row(&mut table, (&old.state, None), &[], None)?;
+            }
+            let all = self.advance(&mut factor, &step, (&forces, &here))?;
+            table.times.push(state.t);
+            self.add_row(&mut table, (&state, Some(&report)), &points, Some((&here, &all)))?;
+            (old, factors) = (new, Some(factor));
+        }
+        table.margin = near.iter().map(|near| near.value).min_by(f64::total_cmp);
+        table.ties = near.iter().filter(|near| near.value <= TOUCHES).count();
+        Ok(table)
+    }
+
+    /// Makes the columns with the derivatives of the initial state, at the equations of the first step.
+    fn begin(&mut self, first: (&SolvedStep, &[Local])) -> Result<(), GradientError> {
+        let base = self.base;
+        let start = initial_state(&base.problem, &base.discrete, None)?;
+        for parameter in self.request.parameters {
+            let variants = parameter.variants(base, first, 0)?;
+            let [a, b, c, d] = variants.all.each_ref().map(|of| initial_state(&of.problem, &of.discrete, None));
+            let all = [&a?, &b?, &start, &c?, &d?];
+            let [state, kink] = StateVector::central(variants.h, all);
+            let sets = self.prepared(&variants)?;
+            let kink = Some(kink).filter(|kink| !kink.is_zero());
+            let (points, bent_points) = (Vec::new(), Vec::new());
+            self.columns.push(Column { variants, shrunk: 0, sets, state, kink, points, bent_points });
+        }
+        Ok(())
+    }
+
+    fn prepared(&self, variants: &Variants) -> Result<Vec<[Prepared; 4]>, GradientError> {
+        let of = |output: &GradientOutput| {
+            let [a, b, c, d] = variants.all.each_ref().map(|instance| output.prepared(instance));
+            Ok([a?, b?, c?, d?])
+        };
+        self.outputs.iter().map(of).collect()
+    }
+
+    /// Takes the columns to the end of a step. Returns the equations of the step in their variants.
+    fn advance(
+        &mut self,
+        factors: &mut StepFactors,
+        step: &LinearStep,
+        (forces, here): (&[Local], &StepResidual),
+    ) -> Result<Vec<[StepResidual; 4]>, GradientError> {
+        let mut equations = Vec::with_capacity(self.columns.len());
+        for (j, parameter) in self.request.parameters.iter().enumerate() {
+            let (all, slope, kink) = loop {
+                let Some(column) = self.columns.get(j) else { break Default::default() };
+                let all = column.variants.all.each_ref().map(|variant| variant.residual(&step.solved, forces));
+                let [a, b, c, d] = all.each_ref();
+                let around = Around { h: column.variants.h, all: [a, b, here, c, d] };
+                if let Some((slope, kink)) = ResidualSlope::of(&around, step.points) {
+                    break (Some(all), Some(slope), kink);
+                }
+                // A difference left the branch of a point on both sides.
+                let shrunk = column.shrunk + 1;
+                if shrunk >= SIZES {
+                    return Err(parameter.kink());
+                }
+                let variants = parameter.variants(self.base, (&step.solved, forces), shrunk)?;
+                let sets = self.prepared(&variants)?;
+                if let Some(column) = self.columns.get_mut(j) {
+                    (column.variants, column.sets, column.shrunk) = (variants, sets, shrunk);
+                }
+            };
+            let (Some(all), Some(slope), Some(column)) = (all, slope, self.columns.get_mut(j)) else { continue };
+            column.advance(factors, step, &slope, kink)?;
+            equations.push(all);
+        }
+        Ok(equations)
+    }
+
+    /// Adds the values and the derivatives of all outputs at a state.
+    fn add_row(
+        &self,
+        table: &mut SeriesTable,
+        (state, report): Reported,
+        points: &[LinearPoint],
+        equations: Option<(&StepResidual, &[[StepResidual; 4]])>,
+    ) -> Result<(), GradientError> {
+        let mut scratch = Scratch { state: state.clone(), report: report.cloned() };
+        let readers = self.outputs.iter().zip(&self.sets);
+        let readers: Vec<OutputReader> =
+            readers.map(|(output, set)| OutputReader::with(self.base, output, set.clone())).collect();
+        let values: Vec<f64> = readers.iter().map(|reader| reader.value_at(state, report)).collect();
+        let mut rows = vec![Vec::with_capacity(self.columns.len()); self.outputs.len()];
+        for (j, (column, parameter)) in self.columns.iter().zip(self.request.parameters).enumerate() {
+            let of_step = equations.and_then(|(here, all)| Some((here, all.get(j)?)));
+            let direct = self.direct(column, (state, report), &mut scratch, (of_step, &values));
+            for (i, (reader, row)) in readers.iter().zip(&mut rows).enumerate() {
+                let smooth = reader.along(&mut scratch, (state, report), points, (&column.state, &column.points));
+                let Some(slope) = smooth else { return Err(no_slope(&self.outputs[i])) };
+                let kink = column.kink.as_ref();
+                let bent = kink.map_or(Some(0.0), |kink| {
+                    reader.along(&mut scratch, (state, report), points, (kink, &column.bent_points))
+                });
+                let [more, bent_directly] = direct[i];
+                let (slope, bent) = (slope + more, bent.unwrap_or(f64::NAN) + bent_directly);
+                let rounded = NOTHING * values[i].abs() / column.variants.h;
+                let is_smooth = bent.abs() <= KINK * slope.abs() + ROUNDINGS * rounded;
+                if !values[i].is_nan() && !is_smooth {
+                    return Err(parameter.kink());
+                }
+                row.push(slope);
+            }
+        }
+        table.values.push(values);
+        table.derivatives.push(rows);
+        Ok(())
+    }
+
+    /// ∂o/∂m of the outputs at fixed unknowns, and how much of a kink it has.
+    fn direct(
+        &self,
+        column: &Column,
+        (state, report): Reported,
+        scratch: &mut Scratch,
+        (of_step, values): (Option<(&StepResidual, &[StepResidual; 4])>, &[f64]),
+    ) -> Vec<[f64; 2]> {
+        let mut found = vec![[0.0; 4]; self.outputs.len()];
+        for (v, instance) in column.variants.all.iter().enumerate() {
+            if let (Some(report), Some((_, all))) = (&mut scratch.report, of_step) {
+                for (to, from) in report.contact.states.iter_mut().zip(&all[v].states) {
+                    *to = crate::inclusion::PointState { status: to.status, ..*from };
+                }
+            }
+            for ((output, sets), found) in self.outputs.iter().zip(&column.sets).zip(&mut found) {
+                let reader = OutputReader::with(instance, output, sets[v].clone());
+                found[v] = reader.value_at(state, scratch.report.as_ref());
+            }
+        }
+        if let (Some(to), Some(from)) = (&mut scratch.report, report) {
+            to.contact.states.clone_from(&from.contact.states);
+        }
+        let of = |([a, b, c, d], at): (&[f64; 4], &f64)| {
+            let [[slope], [bent]] = stencil::central(column.variants.h, [&[*a], &[*b], &[*at], &[*c], &[*d]]);
+            [slope, bent]
+        };
+        found.iter().zip(values).map(of).collect()
+    }
+}
+
+fn no_slope(output: &GradientOutput) -> GradientError {
+    let found = "a number with a kink in a step, such as the largest of several equal ones";
+    let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
+    GradientError::refused(fault)
+}
+
+impl Column {
+    fn advance(
+        &mut self,
+        factors: &mut StepFactors,
+        step: &LinearStep,
+        slope: &ResidualSlope,
+        kink: Option<ResidualSlope>,
+    ) -> Result<(), GradientError> {
+        if self.kink.is_some() || kink.is_some() {
+            let start = self.kink.take().unwrap_or_else(|| StateVector::zero(step.solved.old));
+            let (end, points) = step.forward(factors, &start, &kink.unwrap_or_else(|| ResidualSlope::zero(slope)))?;
+            (self.kink, self.bent_points) = (Some(end), points);
+        }
+        (self.state, self.points) = step.forward(factors, &self.state, slope)?;
+        Ok(())
+    }
 }

@@ -4,6 +4,8 @@
 //! argument both are about 1e-12 of f′. Of a function with several branches all values are taken on the same one; where
 //! the argument lies between two, only on the side of the branch that is asked for.
 
+use crate::linalg::max_abs;
+
 /// Step relative to the scale of the argument.
 pub(super) const STEP: f64 = 1.0 / 1024.0;
 /// Number of times that the step is divided by [`SHRINK`] to stay on one branch.
@@ -25,6 +27,28 @@ pub(super) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) 
             2.0 * bent(b[i], c[i], h) - bent(a[i], d[i], 2.0 * h)
         }),
     ]
+}
+
+/// Kink relative to the largest derivative of a list that is followed through the steps.
+const FOLLOWED: f64 = 1e-7;
+/// Roundings of the numbers of a list that are no kink.
+const OF_LISTS: f64 = 256.0;
+
+/// [`central`] of lists of numbers whose terms have this size, the kinks without round-off.
+pub(super) fn of_lists(h: f64, all: [&[f64]; 5], size: f64) -> [Vec<f64>; 2] {
+    let of = |i: usize| {
+        let [a, b, at, c, d] = all.map(|values| [values[i]]);
+        central(h, [&a, &b, &at, &c, &d])
+    };
+    let (slopes, bent) = (0..all[2].len()).map(of).map(|[[slope], [bent]]| (slope, bent)).unzip();
+    without_round_off([slopes, bent], size / h)
+}
+
+/// Kinks that are not more than round-off of numbers of a size, or far below all derivatives, are none.
+pub(super) fn without_round_off([slopes, mut bent]: [Vec<f64>; 2], size: f64) -> [Vec<f64>; 2] {
+    let least = OF_LISTS * f64::EPSILON * size + FOLLOWED * max_abs(&slopes);
+    bent.iter_mut().filter(|bent| bent.abs() <= least).for_each(|bent| *bent = 0.0);
+    [slopes, bent]
 }
 
 /// The derivative of the numbers of a function at 0, on a branch, for an argument of this scale; `sizes` are those of

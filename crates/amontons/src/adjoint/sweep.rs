@@ -8,7 +8,7 @@ use super::transpose::{StepFactors, Transposed, onto_sides, sides_of, unweighted
 use crate::contact::Flux;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
-use crate::linalg::{dot, zeros};
+use crate::linalg::{dot, max_abs, zeros};
 use crate::state::State;
 use crate::tensor::dot as inner;
 
@@ -35,6 +35,33 @@ impl StateVector {
             wear: zeros(state.surface.wear.len()),
             work: zeros(state.surface.friction_work.len()),
         }
+    }
+
+    /// The derivative and the kink of values around a state, as [`stencil::central`] has them, the kink without
+    /// round-off.
+    pub fn central(h: f64, all: [&State; 5]) -> [StateVector; 2] {
+        let of = |of: &dyn Fn(&State) -> &[f64]| {
+            let values = all.map(of);
+            stencil::of_lists(h, values, max_abs(values[2]))
+        };
+        let [u, w, theta] = [of(&|s| &s.u), of(&|s| &s.w), of(&|s| &s.theta)];
+        let [wear, work] = [of(&|s| &s.surface.wear), of(&|s| &s.surface.friction_work)];
+        let branches: Vec<[Vec<f64>; 2]> = (0..all[2].branches.len()).map(|b| of(&|s| &s.branches[b])).collect();
+        [0, 1].map(|k| StateVector {
+            u: u[k].clone(),
+            w: w[k].clone(),
+            theta: theta[k].clone(),
+            branches: branches.iter().map(|both| both[k].clone()).collect(),
+            wear: wear[k].clone(),
+            work: work[k].clone(),
+        })
+    }
+
+    /// True if all numbers are zero.
+    pub fn is_zero(&self) -> bool {
+        let StateVector { u, w, theta, branches, wear, work } = self;
+        let all = [u, w, theta, wear, work].into_iter().chain(branches);
+        all.flatten().all(|value| *value == 0.0)
     }
 
     /// The sum of the products with the values of a state.
@@ -280,7 +307,7 @@ impl Multiplied {
 
 impl Around<'_> {
     /// The derivative of the defect of a point on a branch, and how much of a kink it has.
-    fn slopes(&self, i: usize, branch: [bool; 2]) -> [Local; 2] {
+    pub fn slopes(&self, i: usize, branch: [bool; 2]) -> [Local; 2] {
         let (values, h) = (self.all.map(|residual| residual.points[i]), self.h);
         let [a, b, at, c, d] = values.map(|point| point.defect);
         // A parameter that leaves the point on another branch does not tell them apart.

@@ -1,13 +1,17 @@
 //! Jᵀ of the half-steps is the transposed of J.
 
+use super::at_solution;
 use super::history::RunHistory;
 use super::instance::{ProblemInstance, SolvedStep, data, global};
 use super::points::{LinearPoint, linearised};
+use super::sweep::{Around, LinearStep, StateVector};
+use super::tangent::ResidualSlope;
 use super::transpose::{StepFactors, jump};
 use crate::case::{self, Source};
 use crate::equation::system::Step;
 use crate::inclusion::Local;
 use crate::linalg::dot;
+use crate::state::State;
 
 /// Numbers in (−1, 1) that look random.
 fn numbers(count: usize, seed: u64) -> Vec<f64> {
@@ -68,5 +72,71 @@ fn the_transposed_step_is_the_transposed_of_the_step() {
             assert!((left - expected).abs() <= 1e-12 * scale, "step {n}: {left:e}, expected {expected:e}");
             assert!(found.y.iter().zip(&base.discrete.v.free).all(|(y, free)| *free || *y == 0.0));
         });
+    }
+}
+
+/// A state's vector that looks random.
+fn random_vector(like: &State, seed: u64) -> StateVector {
+    StateVector {
+        u: numbers(like.u.len(), seed),
+        w: numbers(like.w.len(), seed + 1),
+        theta: numbers(like.theta.len(), seed + 2),
+        branches: like.branches.iter().zip(3..).map(|(branch, i)| numbers(branch.len(), seed + i)).collect(),
+        wear: numbers(like.surface.wear.len(), seed + 100),
+        work: numbers(like.surface.friction_work.len(), seed + 101),
+    }
+}
+
+/// The products of two vectors: their sum, and that of their absolute values.
+fn products(a: &StateVector, b: &StateVector) -> [f64; 2] {
+    let all = |v: &StateVector| -> Vec<f64> {
+        [&v.u, &v.w, &v.theta, &v.wear, &v.work].into_iter().chain(&v.branches).flatten().copied().collect()
+    };
+    let (a, b) = (all(a), all(b));
+    [dot(&a, &b), a.iter().zip(&b).map(|(a, b)| (a * b).abs()).sum()]
+}
+
+/// ⟨L v, w⟩ = ⟨v, Lᵀ w⟩ with L the derivative of the state at the end of a step by that at its start, with heat, wear,
+/// stress relaxation and both sides of a pair.
+#[test]
+fn a_step_backward_is_the_transposed_of_a_step_forward() {
+    let pair = include_str!("../../tests/reference/gradients/pair.toml");
+    let warm = include_str!("../../tests/reference/gradients/thermal-pressure.toml");
+    let wear = include_str!("../../tests/reference/gradients/wear.toml");
+    let warm_pair = pair
+        .replace(
+            "density = 1.0",
+            "density = 1.0\nheat_capacity = 2.0\nexpansion = 0.4\ncoupling = 0.3\nconductivity = 0.8",
+        )
+        .replace(
+            "gap = 0.0007",
+            "gap = 0.0007\nfrictional_heat = 0.6\nheat = { law = \"pressure\", coefficient = 0.6 }",
+        )
+        .replace("viscosity = {", "prony = [{ ratio = 0.3, time = 0.4 }]\nviscosity = {")
+        .replace("displacement = [0, 0]", "displacement = [0, 0]\ntemperature = 1.0");
+    for (name, text) in [("thermal-pressure", warm), ("wear", wear), ("pair", &warm_pair)] {
+        let case = case::parse(&Source::new(name, text), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let base = ProblemInstance::new(&case.problem);
+        let mut history = RunHistory::new(&base, usize::MAX, &|| true).expect("a run");
+        for n in [2, history.steps / 2, history.steps] {
+            let [old, new] = history.around(n).expect("a step");
+            let mut factors = StepFactors::new(&base.problem, &base.discrete, base.rule(n)).expect("factors");
+            let chosen = factors.chosen(&base, n, [&old.state, &new.state]);
+            let unknown = factors.mechanics.on_contact.clone();
+            let (old, states, flux, new) = (&old.state, &new.states, &new.flux, &new.state);
+            let solved = SolvedStep { n, old, new, states, chosen: &chosen, unknown: &unknown };
+            let (points, forces, here) = at_solution(&base, &solved, None).expect("points");
+            let around = Around { h: 1.0, all: [&here; 5] };
+            let (slope, kink) = ResidualSlope::of(&around, &points).expect("one branch");
+            assert!(kink.is_none() && !forces.is_empty());
+            let step = LinearStep { base: &base, solved, points: &points, flux };
+            let (v, weights) = (random_vector(old, 7 + n as u64), random_vector(new, 1007 + n as u64));
+            let moved = step.forward(&mut factors, &v, &slope).expect("a solution").0;
+            let mut back = weights.clone();
+            step.back(&mut factors, &mut back, None).expect("a solution");
+            let ([left, size], [right, other]) = (products(&moved, &weights), products(&v, &back));
+            println!("{name}, step {n}: {left:e} {right:e}, {:.1e}", (left - right).abs() / size.max(other));
+            assert!((left - right).abs() <= 1e-12 * size.max(other), "{name}, step {n}: {left:e} {right:e}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The transposed systems of a step.
 
+use super::error::GradientError;
 use super::instance::{ProblemInstance, SolvedStep, data, global, heat_step};
 use super::points::LinearPoint;
 use crate::contact::Flux;
@@ -17,13 +18,13 @@ use crate::time::Rule;
 /// of the equations themselves are solved for again, so the solution does not depend on it.
 const PROXIMAL: f64 = 1.0 / (1u64 << 24) as f64;
 /// Number of such solutions; each one leaves a fraction of the order of [`PROXIMAL`] of the residual.
-const REPETITIONS: usize = 3;
+pub(super) const REPETITIONS: usize = 3;
 
 /// The matrices of both half-steps with their factors.
 pub(super) struct StepFactors {
     pub rule: Rule,
     pub mechanics: HalfStep,
-    matrix: BlockMatrix,
+    pub matrix: BlockMatrix,
     pub heat: Option<(HalfStep, BlockMatrix)>,
 }
 
@@ -52,6 +53,20 @@ impl StepFactors {
         };
         let heat = problem.physics.has_heat().then(heat).transpose().map_err(|source| ("heat", source))?;
         Ok(StepFactors { rule, mechanics, matrix, heat })
+    }
+
+    /// The factors of step n: those of another step, if it has the same rule.
+    pub fn kept_or_made(
+        factors: Option<StepFactors>,
+        base: &ProblemInstance,
+        n: usize,
+    ) -> Result<StepFactors, GradientError> {
+        let rule = base.rule(n);
+        if let Some(factors) = factors.filter(|factors| factors.rule == rule) {
+            return Ok(factors);
+        }
+        let made = StepFactors::new(&base.problem, &base.discrete, rule);
+        made.map_err(|(part, source)| GradientError::Linear { step: n, part, source })
     }
 
     /// What the iteration on Γ_C chooses in the step.
@@ -179,7 +194,7 @@ fn remaining(
 }
 
 /// Σ ω Nᵀ of vectors in the bases of the points.
-fn on_degrees(step: &Step, points: &[LinearPoint], of: &[Local]) -> Vec<f64> {
+pub(super) fn on_degrees(step: &Step, points: &[LinearPoint], of: &[Local]) -> Vec<f64> {
     let mut sum = zeros(step.discrete.v.free.len());
     let vectors = points.iter().zip(of).map(|(point, v)| global(&point.basis, v));
     step.boundary.scatter(step.discrete.v.components, vectors, &mut sum);
@@ -243,7 +258,7 @@ pub(super) fn unweighted(step: &Step, vectors: impl Iterator<Item = Point>) -> V
     sum
 }
 
-fn near(g: &LocalTangent) -> LocalTangent {
+pub(super) fn near(g: &LocalTangent) -> LocalTangent {
     std::array::from_fn(|a| std::array::from_fn(|b| g[a][b] + if a == b { PROXIMAL } else { 0.0 }))
 }
 
@@ -251,16 +266,16 @@ fn transposed(g: &LocalTangent) -> LocalTangent {
     std::array::from_fn(|a| std::array::from_fn(|b| g[b][a]))
 }
 
-fn times(g: &LocalTangent, v: &Local) -> Local {
+pub(super) fn times(g: &LocalTangent, v: &Local) -> Local {
     g.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-fn product(g: &LocalTangent, h: &LocalTangent) -> LocalTangent {
+pub(super) fn product(g: &LocalTangent, h: &LocalTangent) -> LocalTangent {
     std::array::from_fn(|a| std::array::from_fn(|b| (0..3).map(|c| g[a][c] * h[c][b]).sum()))
 }
 
 /// The inverse, by Cramer's rule.
-fn inverse(g: &LocalTangent) -> LocalTangent {
+pub(super) fn inverse(g: &LocalTangent) -> LocalTangent {
     let cofactor = |a: usize, b: usize| {
         let [a1, a2, b1, b2] = [(a + 1) % 3, (a + 2) % 3, (b + 1) % 3, (b + 2) % 3];
         g[a1][b1] * g[a2][b2] - g[a1][b2] * g[a2][b1]

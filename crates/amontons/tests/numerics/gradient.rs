@@ -11,29 +11,29 @@ fn read(path: &str) -> String {
 }
 
 /// The text of a case whose derivatives are known.
-fn source(name: &str) -> Source {
+pub(super) fn source(name: &str) -> Source {
     let path = format!("crates/amontons/tests/reference/gradients/{name}.toml");
     Source::new(name, read(&path))
 }
 
-fn parsed(source: &Source, overrides: &[String]) -> Case {
+pub(super) fn parsed(source: &Source, overrides: &[String]) -> Case {
     case::parse(source, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What a parameter sets, by its value.
-type Overrides = Box<dyn Fn(f64) -> Vec<String>>;
+pub(super) type Overrides = Box<dyn Fn(f64) -> Vec<String>>;
 
 fn key(key: &'static str) -> Overrides {
     Box::new(move |value| vec![format!("{key}={value:e}")])
 }
 
-fn parameter<'a>(source: &'a Source, (name, value): (&str, f64), sets: &'a Overrides) -> Parameter<'a> {
+pub(super) fn parameter<'a>(source: &'a Source, (name, value): (&str, f64), sets: &'a Overrides) -> Parameter<'a> {
     let problem = move |value: f64| -> Result<Problem, Fault> { Ok(parsed(source, &sets(value)).problem) };
     Parameter { name: name.to_owned(), value, problem: Box::new(problem) }
 }
 
 /// The overrides of a parameter of a case of `gradients.csv`.
-fn overrides(case: &str, parameter: &str) -> Overrides {
+pub(super) fn overrides(case: &str, parameter: &str) -> Overrides {
     let expression = |of: fn(f64) -> String| -> Overrides { Box::new(move |value| vec![of(value)]) };
     match (case, parameter) {
         ("pair", "young_1") => key("material.elasticity.young"),
@@ -62,7 +62,7 @@ fn overrides(case: &str, parameter: &str) -> Overrides {
 }
 
 /// The name of an output of `gradients.csv`, and the sign of its value.
-fn output(case: &str, name: &str) -> (String, f64) {
+pub(super) fn output(case: &str, name: &str) -> (String, f64) {
     let text = match name {
         "displacement_x" => "corner_x",
         "displacement" => "end_x",
@@ -78,15 +78,15 @@ fn output(case: &str, name: &str) -> (String, f64) {
 }
 
 /// A row of `gradients.csv`.
-struct Known {
-    output: String,
-    parameter: String,
-    at: f64,
-    value: f64,
-    derivative: f64,
+pub(super) struct Known {
+    pub output: String,
+    pub parameter: String,
+    pub at: f64,
+    pub value: f64,
+    pub derivative: f64,
 }
 
-fn known(case: &str) -> Vec<Known> {
+pub(super) fn known(case: &str) -> Vec<Known> {
     let text = read("crates/amontons/tests/reference/gradients/gradients.csv");
     let rows = text.lines().skip(1).filter_map(|line| {
         let cells: Vec<&str> = line.split(',').collect();
@@ -102,7 +102,7 @@ fn known(case: &str) -> Vec<Known> {
     rows.collect()
 }
 
-fn unique(all: impl Iterator<Item = String>) -> Vec<String> {
+pub(super) fn unique(all: impl Iterator<Item = String>) -> Vec<String> {
     let mut seen: Vec<String> = Vec::new();
     all.for_each(|one| {
         if !seen.contains(&one) {
@@ -234,7 +234,12 @@ at = [0.5, 0.0]
 "#;
 
 /// Derivatives of a text by keys.
-fn by_keys(text: &str, outputs: &[&str], keys: &[&str], memory: Option<usize>) -> Result<GradientTable, GradientError> {
+pub(super) fn by_keys(
+    text: &str,
+    outputs: &[&str],
+    keys: &[&str],
+    memory: Option<usize>,
+) -> Result<GradientTable, GradientError> {
     let source = Source::new("case", text);
     let base = parsed(&source, &[]);
     let outputs: Vec<String> = outputs.iter().map(ToString::to_string).collect();
@@ -301,7 +306,7 @@ fn a_point_at_its_bound_has_both_one_sided_derivatives() {
 }
 
 /// A turned body with a Maxwell branch, heat, friction of the slip speed and wear of the temperature.
-const TURNED: &str = r#"
+pub(super) const TURNED: &str = r#"
 name = "turned"
 units = "dimensionless"
 [mesh]
@@ -362,7 +367,7 @@ take = "mean"
 "#;
 
 /// A block in space that slides on a rigid foundation in a direction that turns.
-const IN_SPACE: &str = r#"
+pub(super) const IN_SPACE: &str = r#"
 name = "in-space"
 units = "dimensionless"
 [mesh]

@@ -29,6 +29,8 @@ mod pyramids;
 mod redistributed;
 mod refinement;
 mod revolution;
+mod series;
+mod series;
 mod stabilised;
 mod stability;
 mod steady;

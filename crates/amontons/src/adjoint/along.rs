@@ -1,0 +1,164 @@
+//! Changes of a state along a direction, for the derivatives of outputs at all steps.
+
+use super::instance::global;
+use super::points::LinearPoint;
+use super::sweep::{OfPoints, StateVector};
+use crate::inclusion::PointState;
+use crate::state::{State, StepReport};
+
+/// A copy of a state with the report of its step, which is changed and restored.
+pub(super) struct Scratch {
+    pub state: State,
+    pub report: Option<StepReport>,
+}
+
+/// A state with the report of its step, and a change of both.
+pub(super) struct Along<'a> {
+    pub base: (&'a State, Option<&'a StepReport>),
+    pub change: (&'a StateVector, &'a OfPoints),
+    pub points: &'a [LinearPoint],
+    /// The nodes that are read, ascending; `None` if these are contact points.
+    pub nodes: Option<Vec<u32>>,
+    pub dim: usize,
+}
+
+/// A part of a state whose numbers are of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ChangedPart {
+    Displacement,
+    Velocity,
+    Temperature,
+    Branches,
+    Wear,
+    Work,
+    /// (p, q).
+    Traction,
+    Penetration,
+    Slip,
+}
+
+impl ChangedPart {
+    /// The parts that probes of bodies read.
+    pub const OF_BODY: [ChangedPart; 4] =
+        [ChangedPart::Displacement, ChangedPart::Velocity, ChangedPart::Temperature, ChangedPart::Branches];
+    /// The parts that probes of contact points read.
+    pub const OF_CONTACT: [ChangedPart; 5] =
+        [ChangedPart::Wear, ChangedPart::Work, ChangedPart::Traction, ChangedPart::Penetration, ChangedPart::Slip];
+
+    /// Lists of numbers of a part of a state.
+    fn of(self, state: &State) -> Vec<&[f64]> {
+        match self {
+            ChangedPart::Displacement => vec![&state.u],
+            ChangedPart::Velocity => vec![&state.w],
+            ChangedPart::Temperature => vec![&state.theta],
+            ChangedPart::Branches => state.branches.iter().map(|branch| &branch[..]).collect(),
+            ChangedPart::Wear => vec![&state.surface.wear],
+            ChangedPart::Work => vec![&state.surface.friction_work],
+            ChangedPart::Traction | ChangedPart::Penetration | ChangedPart::Slip => Vec::new(),
+        }
+    }
+
+    fn of_mut(self, state: &mut State) -> Vec<&mut [f64]> {
+        match self {
+            ChangedPart::Displacement => vec![&mut state.u],
+            ChangedPart::Velocity => vec![&mut state.w],
+            ChangedPart::Temperature => vec![&mut state.theta],
+            ChangedPart::Branches => state.branches.iter_mut().map(|branch| &mut branch[..]).collect(),
+            ChangedPart::Wear => vec![&mut state.surface.wear],
+            ChangedPart::Work => vec![&mut state.surface.friction_work],
+            ChangedPart::Traction | ChangedPart::Penetration | ChangedPart::Slip => Vec::new(),
+        }
+    }
+
+    fn of_change(self, change: &StateVector) -> Vec<&[f64]> {
+        match self {
+            ChangedPart::Displacement => vec![&change.u],
+            ChangedPart::Velocity => vec![&change.w],
+            ChangedPart::Temperature => vec![&change.theta],
+            ChangedPart::Branches => change.branches.iter().map(|branch| &branch[..]).collect(),
+            ChangedPart::Wear => vec![&change.wear],
+            ChangedPart::Work => vec![&change.work],
+            ChangedPart::Traction | ChangedPart::Penetration | ChangedPart::Slip => Vec::new(),
+        }
+    }
+
+    /// The places among (p, q), penetration and slip of a contact point.
+    fn of_point(self) -> std::ops::Range<usize> {
+        match self {
+            ChangedPart::Traction => 0..3,
+            ChangedPart::Penetration => 3..4,
+            ChangedPart::Slip => 4..6,
+            _ => 0..0,
+        }
+    }
+
+    /// The size of the numbers of a contact point.
+    fn size(self, state: &PointState) -> f64 {
+        match self {
+            ChangedPart::Traction => state.pressure.abs().max(largest(&state.q, |_| true)),
+            ChangedPart::Penetration => state.penetration.abs(),
+            ChangedPart::Slip => largest(&state.slip, |_| true),
+            _ => 0.0,
+        }
+    }
+}
+
+impl Along<'_> {
+    /// How often the change of a part is contained in it; `None` if nothing of it changes.
+    pub fn scale(&self, part: ChangedPart) -> Option<f64> {
+        let (state, report) = self.base;
+        let (all, changes) = (part.of(state), part.of_change(self.change.0));
+        let reads = |i: usize| self.reads(part, i);
+        let over = |lists: &[&[f64]], reads: &dyn Fn(usize) -> bool| -> f64 {
+            lists.iter().fold(0.0, |most: f64, list| most.max(largest(list, reads)))
+        };
+        let of_points =
+            self.change.1.iter().fold(0.0, |most: f64, all| most.max(largest(&all[part.of_point()], |_| true)));
+        let change = over(&changes, &reads).max(of_points);
+        if change == 0.0 {
+            return None;
+        }
+        let states = report.map_or(&[][..], |report| &report.contact.states);
+        let at_points = states.iter().fold(0.0, |most: f64, state| most.max(part.size(state)));
+        let sizes = [over(&all, &reads).max(at_points), over(&all, &|_| true), 1.0];
+        sizes.into_iter().find(|size| *size > 0.0).map(|size| size / change)
+    }
+
+    /// Changes a part of the copy by `h` times the change.
+    pub fn change(&self, part: ChangedPart, scratch: &mut Scratch, h: f64) {
+        let (state, report) = self.base;
+        let lists = part.of(state).into_iter().zip(part.of_change(self.change.0));
+        for (to, (from, change)) in part.of_mut(&mut scratch.state).into_iter().zip(lists) {
+            for i in (0..to.len()).filter(|&i| self.reads(part, i)) {
+                to[i] = from[i] + h * change[i];
+            }
+        }
+        let (Some(to), Some(from)) = (&mut scratch.report, report) else { return };
+        let range = part.of_point();
+        if range.is_empty() {
+            return;
+        }
+        let all = to.contact.states.iter_mut().zip(&from.contact.states);
+        for ((to, from), (of, point)) in all.zip(self.change.1.iter().zip(self.points)) {
+            *to = *from;
+            let [p, q1, q2, penetration, s1, s2] =
+                std::array::from_fn(|k| if range.contains(&k) { h * of[k] } else { 0.0 });
+            to.pressure += p;
+            to.penetration += penetration;
+            to.q.iter_mut().zip(global(&point.basis, &[0.0, q1, q2])).for_each(|(q, more)| *q += more);
+            to.slip.iter_mut().zip(global(&point.basis, &[0.0, s1, s2])).for_each(|(s, more)| *s += more);
+        }
+    }
+
+    fn reads(&self, part: ChangedPart, i: usize) -> bool {
+        let components = match part {
+            ChangedPart::Displacement | ChangedPart::Velocity | ChangedPart::Branches => self.dim,
+            _ => 1,
+        };
+        self.nodes.as_ref().is_none_or(|nodes| nodes.binary_search(&((i / components) as u32)).is_ok())
+    }
+}
+
+fn largest(values: &[f64], reads: impl Fn(usize) -> bool) -> f64 {
+    values.iter().enumerate().filter(|(i, _)| reads(*i)).fold(0.0, |most, (_, value)| most.max(value.abs()))
+}

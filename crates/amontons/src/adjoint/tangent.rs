@@ -1,0 +1,381 @@
+//! One step of the sweep from the start of a run to its end.
+
+use super::error::GradientError;
+use super::instance::{ProblemInstance, SolvedStep, StepResidual, data, heat_step};
+use super::points::{INPUTS, LinearPoint, OUTPUTS};
+use super::stencil;
+use super::sweep::{Around, LinearStep, OfPoints, StateVector};
+use super::transpose::{
+    REPETITIONS, StepFactors, inverse, jump, near, on_degrees, onto_sides, product, sides_of, times,
+};
+use crate::contact::{Contact, Flux, PointOnBoundary};
+use crate::equation::foundation::temperatures;
+use crate::equation::system::Step;
+use crate::inclusion::{Exchange, HeatStep, Local, LocalTangent};
+use crate::linalg::{SolveError, Tangent, max_abs, zeros};
+
+/// The derivative by a parameter, at fixed unknowns, of the equations of a step and of what follows from them.
+pub(super) struct ResidualSlope {
+    mechanics: Vec<f64>,
+    heat: Vec<f64>,
+    rates: Vec<f64>,
+    temperatures: Vec<f64>,
+    defects: Vec<Local>,
+    worn: Vec<f64>,
+    work: Vec<f64>,
+    u: Vec<f64>,
+    branches: Vec<Vec<f64>>,
+}
+
+impl ResidualSlope {
+    /// The derivative, and how much of a kink there is, as [`stencil::central`] has it, without round-off; `None` if a
+    /// difference leaves the branch of a contact point on both sides.
+    pub fn of(around: &Around, points: &[LinearPoint]) -> Option<(ResidualSlope, Option<ResidualSlope>)> {
+        let here = around.all[2];
+        let traction = here.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let over = |of: &dyn Fn(&StepResidual) -> &[f64], size: f64| {
+            stencil::of_lists(around.h, around.all.map(of), size.max(max_abs(of(here))))
+        };
+        let [mechanics, heat] = [over(&|r| &r.mechanics, here.sizes[0]), over(&|r| &r.heat, here.sizes[1])];
+        let [rates, temperatures] = [over(&|r| &r.rates, 0.0), over(&|r| &r.temperatures, 0.0)];
+        let [work, u] = [over(&|r| &r.work, 0.0), over(&|r| &r.u, 0.0)];
+        let worn: Vec<Vec<f64>> =
+            around.all.iter().map(|r| r.points.iter().map(|point| point.worn).collect()).collect();
+        let worn = stencil::of_lists(around.h, std::array::from_fn(|j| &worn[j][..]), max_abs(&worn[2]));
+        let branches: Vec<[Vec<f64>; 2]> = (0..here.branches.len()).map(|b| over(&|r| &r.branches[b], 0.0)).collect();
+        let slopes: Vec<[Local; 2]> =
+            points.iter().enumerate().map(|(i, point)| around.slopes(i, point.branch)).collect();
+        if slopes.iter().any(|[slope, _]| slope.iter().any(|slope| slope.is_nan())) {
+            return None;
+        }
+        let flat = |k: usize| -> Vec<f64> { slopes.iter().flat_map(|both| both[k]).collect() };
+        let defects = stencil::without_round_off([flat(0), flat(1)], traction / around.h);
+        let made = |k: usize| ResidualSlope {
+            mechanics: mechanics[k].clone(),
+            heat: heat[k].clone(),
+            rates: rates[k].clone(),
+            temperatures: temperatures[k].clone(),
+            defects: defects[k].chunks_exact(3).map(|d| [d[0], d[1], d[2]]).collect(),
+            worn: worn[k].clone(),
+            work: work[k].clone(),
+            u: u[k].clone(),
+            branches: branches.iter().map(|both| both[k].clone()).collect(),
+        };
+        Some((made(0), Some(made(1)).filter(|kink| !kink.is_zero())))
+    }
+
+    fn is_zero(&self) -> bool {
+        let none = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+        let ResidualSlope { mechanics, heat, rates, temperatures, defects, worn, work, u, branches } = self;
+        [mechanics, heat, rates, temperatures, worn, work, u].into_iter().all(|values| none(values))
+            && defects.iter().all(|defect| none(defect))
+            && branches.iter().all(|branch| none(branch))
+    }
+
+    /// No derivative, of the size of another one.
+    pub fn zero(of: &ResidualSlope) -> ResidualSlope {
+        let none = |values: &[f64]| zeros(values.len());
+        ResidualSlope {
+            mechanics: none(&of.mechanics),
+            heat: none(&of.heat),
+            rates: none(&of.rates),
+            temperatures: none(&of.temperatures),
+            defects: vec![[0.0; 3]; of.defects.len()],
+            worn: none(&of.worn),
+            work: none(&of.work),
+            u: none(&of.u),
+            branches: of.branches.iter().map(|branch| none(branch)).collect(),
+        }
+    }
+}
+
+/// The derivative of the state at the end of a step, and those of the contact points at fixed data: by (p, q),
+/// penetration and slip in the bases of the points.
+pub(super) type Advanced = (StateVector, OfPoints);
+
+impl LinearStep<'_> {
+    /// The derivative of the state at the end of the step by that at its start and by the equations:
+    /// J dz = −∂R/∂z₀ dz₀ − ∂R/∂m.
+    pub fn forward(
+        &self,
+        factors: &mut StepFactors,
+        start: &StateVector,
+        by: &ResidualSlope,
+    ) -> Result<Advanced, GradientError> {
+        let (base, solved, n) = (self.base, &self.solved, self.solved.n);
+        let failed = |part| move |source| GradientError::Linear { step: n, part, source };
+        let known = base.step(n, solved.old, |step| self.known(step, start));
+        let right = base.step(n, solved.old, |step| self.pushed(step, start, by, &known));
+        let (w, forces) = factors.moved(base, solved, self.points, &right).map_err(failed("mechanics"))?;
+        let all = base.step(n, solved.old, |step| self.at_points(step, &w, &forces, &known));
+        let warmed = base.step(n, solved.old, |step| self.warmed(step, start, by, &all));
+        let theta = match warmed {
+            Some(right) => factors.warmed(base, solved, self.flux, &right).map_err(failed("heat"))?,
+            None if by.temperatures.is_empty() => zeros(start.theta.len()),
+            None => by.temperatures.clone(),
+        };
+        let mut end = base.step(n, solved.old, |step| self.end(step, start, by, &all));
+        for (branch, (of, start)) in end.branches.iter_mut().zip(base.discrete.branches.iter().zip(&start.branches)) {
+            let more = of.step(factors.rule, start, &w);
+            branch.iter_mut().zip(&more).for_each(|(branch, more)| *branch += more);
+        }
+        end.u.iter_mut().zip(&w).for_each(|(u, w)| *u += factors.rule.gamma * w);
+        let points = all.iter().map(|(input, output)| [input[3], input[4], input[5], output[3], output[4], output[5]]);
+        Ok((StateVector { w, theta, ..end }, points.collect()))
+    }
+
+    /// The changes of ū_ν − g and of the temperature at each point.
+    fn known(&self, step: &Step, start: &StateVector) -> Vec<[f64; 2]> {
+        let sides = if step.problem.physics.has_heat() {
+            sides_of(step, &start.theta)
+        } else {
+            vec![[0.0; 2]; self.points.len()]
+        };
+        let of = |(i, point): (usize, &LinearPoint)| {
+            let sign = step.boundary.points.get(i).map_or(1.0, |on| step.contacts[on.contact].sign());
+            let [own, other] = sides[i];
+            // The laws see the side `on`; the shares of the other side are negative in the jump.
+            let temperature = if sign > 0.0 { own } else { 0.0 - other };
+            [jump(step, i, point, &start.u)[0] - start.wear[i], temperature]
+        };
+        self.points.iter().enumerate().map(of).collect()
+    }
+
+    /// The right-hand sides of the mechanical half-step: of (4.1), of the contact points, and the prescribed velocities.
+    fn pushed(&self, step: &Step, start: &StateVector, by: &ResidualSlope, known: &[[f64; 2]]) -> Pushed {
+        let (discrete, rule) = (step.discrete, step.rule);
+        let mut right = discrete.inertia().1.apply(&start.w);
+        right.iter_mut().for_each(|force| *force *= step.inertia() / rule.delta);
+        let mut take = |force: &[f64]| right.iter_mut().zip(force).for_each(|(right, force)| *right -= force);
+        take(&discrete.apply_linear_a(&start.u));
+        for (branch, z) in discrete.branches.iter().zip(&start.branches) {
+            take(&branch.force(&branch.step(rule, z, &zeros(z.len()))));
+        }
+        take(&by.mechanics);
+        if step.problem.physics.has_heat() {
+            let thermal = discrete.m.apply(&start.theta);
+            right.iter_mut().zip(&thermal).for_each(|(right, force)| *right += force);
+        }
+        let of_point = |((point, defect), [opening, temperature]): ((&LinearPoint, &Local), &[f64; 2])| -> Local {
+            let seen = point.forth(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *opening, *temperature]);
+            std::array::from_fn(|a| 0.0 - defect[a] - seen[a])
+        };
+        let defects = self.points.iter().zip(&by.defects).zip(known).map(of_point).collect();
+        let free = &discrete.v.free;
+        let held = (0..free.len()).map(|i| if free[i] { 0.0 } else { by.rates[i] - start.u[i] / rule.span });
+        Pushed { right, defects, held: held.collect() }
+    }
+
+    /// The changes of the inputs and outputs of each point.
+    fn at_points(
+        &self,
+        step: &Step,
+        w: &[f64],
+        forces: &[Local],
+        known: &[[f64; 2]],
+    ) -> Vec<([f64; INPUTS], [f64; OUTPUTS])> {
+        let of = |(i, point): (usize, &LinearPoint)| {
+            let ([v1, v2, v3], [p, q1, q2], [opening, temperature]) = (jump(step, i, point, w), forces[i], known[i]);
+            let input = [v1, v2, v3, p, q1, q2, opening, temperature];
+            (input, point.forth(&input))
+        };
+        self.points.iter().enumerate().map(of).collect()
+    }
+
+    /// The right-hand side of the heat half-step with the prescribed temperatures, or `None` without heat.
+    fn warmed(
+        &self,
+        step: &Step,
+        start: &StateVector,
+        by: &ResidualSlope,
+        all: &[([f64; INPUTS], [f64; OUTPUTS])],
+    ) -> Option<[Vec<f64>; 2]> {
+        if !step.problem.physics.has_heat() {
+            return None;
+        }
+        let discrete = step.discrete;
+        let stored = discrete.storage();
+        let (stored, heated) = (
+            stored.1.apply(&start.theta).into_iter().map(|s| stored.0 / step.rule.delta * s),
+            discrete.e.apply(&start.u),
+        );
+        let mut right: Vec<f64> = stored.zip(heated.iter().zip(&by.heat)).map(|(s, (e, r))| s + e - r).collect();
+        let of = self.points.iter().zip(all).enumerate().map(|(i, (point, (input, output)))| {
+            let (Some(flux), Some(at)) = (self.flux.get(i), step.boundary.points.get(i)) else { return [0.0; 2] };
+            let power = point.power([input[4], input[5]], [output[4], output[5]]);
+            let [s1, s2] = point.slip;
+            let speed = s1.hypot(s2);
+            let along = if speed > 0.0 { (s1 * output[4] + s2 * output[5]) / speed } else { 0.0 };
+            let through = flux.by_pressure * input[3]
+                + flux.by_penetration * output[3]
+                + flux.by_slip_speed * along
+                + flux.by_friction_power * power;
+            let rubs = step.contacts.get(at.contact).is_some_and(Contact::rubs);
+            let into = through + if rubs { power } else { 0.0 };
+            [0.0 - at.weight * through, 0.0 - at.weight * into]
+        });
+        onto_sides(step, of, &mut right);
+        let free = &discrete.q.free;
+        let held = (0..free.len()).map(|i| if free[i] { 0.0 } else { by.temperatures[i] }).collect();
+        Some([right, held])
+    }
+
+    /// The state at the end of the step, but for what the unknowns of the bodies add to u, w, θ and the branches.
+    fn end(
+        &self,
+        step: &Step,
+        start: &StateVector,
+        by: &ResidualSlope,
+        all: &[([f64; INPUTS], [f64; OUTPUTS])],
+    ) -> StateVector {
+        let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
+        let mut end = StateVector {
+            u: sum(&start.u, &by.u),
+            w: Vec::new(),
+            theta: Vec::new(),
+            branches: by.branches.clone(),
+            wear: sum(&start.wear, &by.worn),
+            work: sum(&start.work, &by.work),
+        };
+        for (i, (point, (input, output))) in self.points.iter().zip(all).enumerate() {
+            if is_faced(step, i) {
+                end.wear[i] += output[6];
+                end.work[i] += point.rubbing * point.power([input[4], input[5]], [output[4], output[5]]);
+            }
+        }
+        end
+    }
+}
+
+/// The right-hand sides of a mechanical half-step.
+pub(super) struct Pushed {
+    /// Of (4.1) per degree of freedom.
+    pub right: Vec<f64>,
+    /// Of the equations of the contact points.
+    pub defects: Vec<Local>,
+    /// The prescribed velocities; zero where none is prescribed.
+    pub held: Vec<f64>,
+}
+
+/// True if a contact point faces something: it has a weight.
+fn is_faced(step: &Step, i: usize) -> bool {
+    step.boundary.points.get(i).is_some_and(|point| point.weight != 0.0)
+}
+
+impl LinearPoint {
+    /// The change of the outputs with that of the inputs.
+    fn forth(&self, inputs: &[f64; INPUTS]) -> [f64; OUTPUTS] {
+        std::array::from_fn(|k| self.by.iter().zip(inputs).map(|(by, input)| by[k] * input).sum())
+    }
+
+    /// The change of q·(w_τ − v_F) with those of q and of the slip.
+    fn power(&self, q: [f64; 2], slip: [f64; 2]) -> f64 {
+        (0..2).map(|a| q[a] * self.slip[a] + self.force[a + 1] * slip[a]).sum()
+    }
+}
+
+impl StepFactors {
+    /// J of the mechanical half-step: solves
+    ///
+    /// K v + Σ ω Nᵀ f = `right`,  G_v N v + G_f f = `defects` at each point, with v = `held` where w is prescribed,
+    ///
+    /// for v and f, with G_v and G_f as in [`StepFactors::mechanics`].
+    pub fn moved(
+        &mut self,
+        base: &ProblemInstance,
+        of: &SolvedStep,
+        points: &[LinearPoint],
+        pushed: &Pushed,
+    ) -> Result<(Vec<f64>, Vec<Local>), SolveError> {
+        let (matrix, half) = (&self.matrix, &mut self.mechanics);
+        base.step(of.n, of.old, |step| {
+            let given = data(step, of.new);
+            let inverses: Vec<LocalTangent> = points.iter().map(|point| inverse(&near(&point.by_force()))).collect();
+            let slope = |(point, inverse): (&LinearPoint, &LocalTangent)| {
+                product(inverse, &point.by_velocity()).map(|row| row.map(|entry| 0.0 - entry))
+            };
+            let slopes: Vec<LocalTangent> = points.iter().zip(&inverses).map(slope).collect();
+            let term = given.frozen(step, of.unknown, of.chosen);
+            let condensed = half.system.condensed_mut();
+            let tangent = term.map_or_else(Tangent::new, |term| term.sum_of_slopes(condensed, &slopes));
+            let (mut v, mut f) = (pushed.held.clone(), vec![[0.0; 3]; points.len()]);
+            for _ in 0..REPETITIONS {
+                let forces = on_degrees(step, points, &f);
+                let left: Vec<Local> =
+                    (0..points.len()).map(|i| left(step, (i, &points[i]), (&v, &f[i]), pushed)).collect();
+                let reacting: Vec<Local> =
+                    inverses.iter().zip(&left).map(|(inverse, left)| times(inverse, left)).collect();
+                let (product, reacting) = (matrix.apply(&v), on_degrees(step, points, &reacting));
+                let mut rest: Vec<f64> =
+                    (0..v.len()).map(|i| pushed.right[i] - product[i] - forces[i] - reacting[i]).collect();
+                step.discrete.v.mask(&mut rest);
+                let more = half.system.linearised(&tangent, &rest)?;
+                for (i, (point, inverse)) in
+                    points.iter().zip(&inverses).enumerate().filter(|(i, _)| is_faced(step, *i))
+                {
+                    let seen = times(&point.by_velocity(), &jump(step, i, point, &more));
+                    let change = times(inverse, &std::array::from_fn(|a| left[i][a] - seen[a]));
+                    (0..3).for_each(|a| f[i][a] += change[a]);
+                }
+                v.iter_mut().zip(&more).for_each(|(v, more)| *v += more);
+            }
+            Ok((v, f))
+        })
+    }
+
+    /// J of the heat half-step: the temperatures of a right-hand side and of prescribed temperatures.
+    pub fn warmed(
+        &mut self,
+        base: &ProblemInstance,
+        of: &SolvedStep,
+        flux: &[Flux],
+        [right, held]: &[Vec<f64>; 2],
+    ) -> Result<Vec<f64>, SolveError> {
+        let Some((half, matrix)) = &mut self.heat else { return Ok(Vec::new()) };
+        base.step(of.n, of.old, |step| {
+            let foundation = temperatures(step);
+            let prescribed = step.boundary.restricted(1, &of.new.theta);
+            let lumped = vec![None; step.contacts.len()];
+            let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
+            half.system.condensed_mut().turn(&[]);
+            let tangent = if step.contacts.is_empty() {
+                Tangent::new()
+            } else {
+                let on_boundary = heat_step(step, &foundation, of.states);
+                let unknown = &half.on_contact;
+                HeatStep { theta_prescribed: &prescribed, lumped: &lumped, unknown, ..on_boundary }.tangent(&exchange)
+            };
+            let mut theta = held.clone();
+            for _ in 0..REPETITIONS {
+                let (product, through) = (matrix.apply(&theta), passed(step, flux, &theta));
+                let mut rest: Vec<f64> = (0..right.len()).map(|i| right[i] - product[i] - through[i]).collect();
+                step.discrete.q.mask(&mut rest);
+                let more = half.system.linearised(&tangent, &rest)?;
+                theta.iter_mut().zip(&more).for_each(|(theta, more)| *theta += more);
+            }
+            Ok(theta)
+        })
+    }
+}
+
+/// What is left of the equations of a contact point.
+fn left(step: &Step, (i, point): (usize, &LinearPoint), (v, f): (&[f64], &Local), pushed: &Pushed) -> Local {
+    if !is_faced(step, i) {
+        return [0.0; 3];
+    }
+    let (seen, acting) = (times(&point.by_velocity(), &jump(step, i, point, v)), times(&point.by_force(), f));
+    std::array::from_fn(|a| pushed.defects[i][a] - seen[a] - acting[a])
+}
+
+/// The derivative of Σ ω Nᵀ q·ν in θ times `theta`.
+fn passed(step: &Step, flux: &[Flux], theta: &[f64]) -> Vec<f64> {
+    let seen = sides_of(step, theta);
+    let of = |(point, (flux, [own, other])): (&PointOnBoundary, (&Flux, &[f64; 2]))| {
+        // The shares of the other side are negative in the jump.
+        let change = point.weight * (flux.by_temperature * own - flux.by_foundation * other);
+        [change; 2]
+    };
+    let mut all = zeros(theta.len());
+    onto_sides(step, step.boundary.points.iter().zip(flux.iter().zip(&seen)).map(of), &mut all);
+    all
+}

@@ -1,0 +1,129 @@
+//! Derivatives of outputs at all steps: an independent program, the adjoint method, differences of whole runs.
+
+use amontons::adjoint::{GradientError, GradientRequest, Parameter, SeriesRequest, SeriesTable, gradient, series};
+use amontons::case::{self, Case, Source};
+
+use super::gradient::{
+    IN_SPACE, Overrides, TURNED, by_keys, known, output, overrides, parameter, parsed, source, unique,
+};
+
+/// The derivatives of a case at all steps.
+fn at_all_steps(case: &Case, outputs: &[String], parameters: &[Parameter]) -> Result<SeriesTable, GradientError> {
+    let Case { problem, probes, .. } = case;
+    series(&SeriesRequest { problem, probes, outputs, parameters, interrupt: None })
+}
+
+/// The same of a text by keys.
+fn series_by_keys(text: &str, outputs: &[&str], keys: &[&str]) -> Result<SeriesTable, GradientError> {
+    let source = Source::new("case", text);
+    let base = parsed(&source, &[]);
+    let outputs: Vec<String> = outputs.iter().map(ToString::to_string).collect();
+    let parameters: Vec<Parameter> =
+        keys.iter().map(|key| case::parameter(&source, &[], key).expect("a parameter")).collect();
+    at_all_steps(&base, &outputs, &parameters)
+}
+
+/// Compares the last step with `gradients.csv` to 1e-8 and with the adjoint method to 1e-11, both of the larger of
+/// derivative and 1e-6 times value over parameter.
+fn compare(case: &str) {
+    let (source, known) = (source(case), known(case));
+    let outputs = unique(known.iter().map(|row| row.output.clone()));
+    let names = unique(known.iter().map(|row| row.parameter.clone()));
+    let made: Vec<(String, f64, Overrides)> = names
+        .iter()
+        .map(|name| {
+            let at = known.iter().find(|row| row.parameter == *name).expect("a row").at;
+            (name.clone(), at, overrides(case, name))
+        })
+        .collect();
+    let parameters: Vec<Parameter> =
+        made.iter().map(|(name, value, sets)| parameter(&source, (name, *value), sets)).collect();
+    let (base, asked) = (parsed(&source, &[]), outputs.iter().map(|name| output(case, name).0).collect::<Vec<_>>());
+    let found = at_all_steps(&base, &asked, &parameters).expect("a series");
+    let Case { problem, probes, .. } = &base;
+    let request =
+        GradientRequest { problem, probes, outputs: &asked, parameters: &parameters, memory: None, interrupt: None };
+    let adjoint = gradient(&request).expect("a gradient");
+    assert_eq!(found.margin, adjoint.margin);
+    assert_eq!((found.times.len(), found.values.len()), (found.derivatives.len(), found.times.len()));
+    assert!(found.times.last().is_some_and(|t| (t - problem.timeline.end()).abs() <= 1e-12 * t));
+    let (values, derivatives) = (found.values.last().expect("a step"), found.derivatives.last().expect("a step"));
+    let mut worst = [0.0f64; 2];
+    for row in &known {
+        let i = outputs.iter().position(|name| *name == row.output).expect("an output");
+        let j = names.iter().position(|name| *name == row.parameter).expect("a parameter");
+        let (sign, slope) = (output(case, &row.output).1, derivatives[i][j]);
+        let scale = if row.at == 0.0 { 0.0 } else { 1e-6 * (row.value / row.at).abs() };
+        let scale = row.derivative.abs().max(scale);
+        let errors = [slope - sign * row.derivative, slope - adjoint.derivatives[i][j]].map(|e| e.abs() / scale);
+        println!("{case}: d {} / d {}: {slope:e}: {:.1e} {:.1e}", row.output, row.parameter, errors[0], errors[1]);
+        worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
+        assert!((values[i] - adjoint.outputs[i].1).abs() <= 1e-15 * values[i].abs(), "{}", row.output);
+    }
+    println!("{case}: worst {worst:?}");
+    assert!(worst[0] <= 1e-8 && worst[1] <= 1e-11, "{case}: {worst:?}");
+}
+
+#[test]
+fn the_last_step_agrees_with_an_independent_program_and_the_adjoint() {
+    for case in ["rod", "rod-dynamic", "block-stick-slip", "paper-8", "pair", "thermal-pressure", "wear"] {
+        compare(case);
+    }
+}
+
+/// Compares the derivatives of a text by keys at all steps with differences of runs, relative to the largest derivative
+/// of all steps: the errors fall with the square of the step.
+fn check_by_runs(text: &str, outputs: &[&str], keys: &[&str]) {
+    let found = series_by_keys(text, outputs, keys).expect("a series");
+    let source = Source::new("case", text);
+    let names: Vec<String> = outputs.iter().map(ToString::to_string).collect();
+    for (j, key) in keys.iter().enumerate() {
+        let at = case::parameter(&source, &[], key).expect("a parameter").value;
+        let values = |value: f64| {
+            at_all_steps(&parsed(&source, &[format!("{key}={value:?}")]), &names, &[]).expect("values").values
+        };
+        let runs = [4e-3, 2e-3, 1e-3].map(|step| (step * at, [values(at - step * at), values(at + step * at)]));
+        for (i, output) in outputs.iter().enumerate() {
+            let number = |row: &Vec<f64>| Some(row[i]).filter(|value| !value.is_nan());
+            let largest = found.derivatives.iter().fold(0.0, |most: f64, row| most.max(row[i][j].abs()));
+            let value = found.values.iter().filter_map(number).fold(0.0, |most: f64, value| most.max(value.abs()));
+            let scale = largest.max(1e-3 * value / at.abs());
+            let errors = runs.each_ref().map(|(h, [below, above])| {
+                let error = |(n, row): (usize, &Vec<Vec<f64>>)| {
+                    let slope = (number(&above[n])? - number(&below[n])?) / (2.0 * h);
+                    Some((slope - row[i][j]).abs() / scale)
+                };
+                found.derivatives.iter().enumerate().filter_map(error).fold(0.0, f64::max)
+            });
+            println!("{output} by {key}: {errors:.1?}");
+            let [a, b, c] = errors;
+            let falls = (a / b - 4.0).abs() < 0.2 && (b / c - 4.0).abs() < 0.4;
+            assert!(c <= 1e-4 && (a <= 1e-8 || falls), "{output} by {key}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn differences_of_runs_approach_the_derivatives_at_all_steps() {
+    let outputs = ["corner_x", "stress", "pressure", "warm", "final.contact.force.1", "energy.friction_dissipation"];
+    let keys = ["material.prony[0].time", "contact.heat.exponent", "initial.velocity[1]", "mesh.blocks[0].turn.angle"];
+    check_by_runs(TURNED, &outputs, &keys);
+    let outputs = ["corner_z", "pressure", "final.contact.force.2"];
+    check_by_runs(IN_SPACE, &outputs, &["material.elasticity.young", "contact.friction.coefficient"]);
+}
+
+/// At t = 0 a displacement and a temperature have their initial values, and what a step determines is not a number.
+#[test]
+fn the_first_row_is_that_of_the_initial_state() {
+    let keys = ["initial.temperature", "initial.velocity[1]"];
+    let outputs = ["warm", "pressure", "final.contact.force.1", "corner_y"];
+    let text = TURNED.replace("displacement = [\"0.014*t\", \"-0.021*t\"]\ntemperature = 1.0", "displacement = [0, 0]");
+    let found = series_by_keys(&text, &outputs, &keys).expect("a series");
+    let is_near = |a: f64, b: f64| (a - b).abs() <= 1e-11;
+    let (values, slopes) = (&found.values[0], &found.derivatives[0]);
+    assert!(is_near(found.times[0], 0.0) && is_near(values[0], 1.0) && is_near(values[3], 0.0), "{values:?}");
+    assert!(is_near(slopes[0][0], 1.0) && is_near(slopes[0][1], 0.0), "{slopes:?}");
+    assert!(slopes[3].iter().all(|slope| is_near(*slope, 0.0)), "{slopes:?}");
+    assert!(values[1].is_nan() && values[2].is_nan() && slopes[1][0].is_nan() && slopes[2][1].is_nan());
+    assert!(found.values[1].iter().chain(found.derivatives[1].iter().flatten()).all(|value| value.is_finite()));
+}
