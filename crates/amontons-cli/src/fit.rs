@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use amontons::case;
 use amontons::identification::{
     DataCombination, DescentEnding, DescentState, IdentificationError, IdentificationRequest, Identified,
-    MeasuredTable, identify,
+    IdentifiedParameter, MeasuredTable, identify,
 };
 use amontons::output::IdentifiedFolder;
 use amontons::plot::{self, SweepPlot, SweepSeries};
@@ -101,11 +101,12 @@ fn bounds(arguments: &FitArguments) -> Result<Vec<[f64; 2]>, CommandFailure> {
 /// `fit.csv`: a row per parameter.
 fn table(found: &Identified) -> String {
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:?}"));
-    let mut text = "parameter,start,value,deviation,low,high,at_bound\n".to_owned();
+    let mut text = "parameter,unit,start,value,deviation,low,high,at_bound\n".to_owned();
     for of in &found.parameters {
         let [low, high] = [0, 1].map(|end| number(of.interval.map(|interval| interval[end])));
         let (name, deviation) = (&of.name, number(of.deviation));
-        text += &format!("{name},{:?},{:?},{deviation},{low},{high},{}\n", of.start, of.value, of.is_at_bound);
+        let (unit, is_at_bound) = (&of.unit, of.is_at_bound);
+        text += &format!("{name},{unit},{:?},{:?},{deviation},{low},{high},{is_at_bound}\n", of.start, of.value);
     }
     text
 }
@@ -184,7 +185,11 @@ fn text(title: &str, found: &Identified, out: &Path) -> String {
 }
 
 fn parameters(found: &Identified) -> String {
-    let longest = found.parameters.iter().map(|of| of.name.len()).max().unwrap_or(0).max(9);
+    let title = |of: &IdentifiedParameter| match of.unit.as_str() {
+        "" => of.name.clone(),
+        unit => format!("{} in {unit}", of.name),
+    };
+    let longest = found.parameters.iter().map(|of| title(of).len()).max().unwrap_or(0).max(9);
     let mut lines = vec![format!("  {:<longest$} {:>14} {:>16}  95 % interval", "parameter", "start", "value")];
     for of in &found.parameters {
         let interval = match of.interval {
@@ -195,7 +200,7 @@ fn parameters(found: &Identified) -> String {
             None if of.is_at_bound => "at its bound: the data would have it beyond".to_owned(),
             None => "not determined by the data".to_owned(),
         };
-        lines.push(format!("  {:<longest$} {:>14.6e} {:>16.9e}  {interval}", of.name, of.start, of.value));
+        lines.push(format!("  {:<longest$} {:>14.6e} {:>16.9e}  {interval}", title(of), of.start, of.value));
     }
     lines.join("\n")
 }
@@ -203,7 +208,7 @@ fn parameters(found: &Identified) -> String {
 /// The combinations that the data do not determine, or how far they determine the worst one.
 fn combinations(found: &Identified) -> Vec<String> {
     let product = |of: &DataCombination| {
-        let factors = of.exponents.iter().zip(&found.parameters).filter(|(exponent, _)| exponent.abs() >= 0.005);
+        let factors = of.exponents.iter().zip(&found.parameters).filter(|(exponent, _)| exponent.abs() >= 0.05);
         factors.map(|(exponent, of)| format!("({})^{exponent:.2}", of.name)).collect::<Vec<_>>().join(" ")
     };
     let mut lines: Vec<String> = Vec::new();

@@ -39,6 +39,7 @@ fn _amontons(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(case::verify, module)?)?;
     module.add_function(wrap_pyfunction!(case::verify_benchmark, module)?)?;
     module.add_function(wrap_pyfunction!(case::verify_folder, module)?)?;
+    module.add_function(wrap_pyfunction!(linearised::fit, module)?)?;
     module.add_function(wrap_pyfunction!(linearised::gradient, module)?)?;
     module.add_function(wrap_pyfunction!(linearised::modes, module)?)?;
     module.add_function(wrap_pyfunction!(laws::test_law, module)?)?;

@@ -1,11 +1,14 @@
-//! What the linearised steps of a case give: derivatives of a run, and modes of its last state.
+//! What the linearised steps of a case give: derivatives of a run, parameters from measured values, and modes of its
+//! last state.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use amontons::adjoint::{GradientError, GradientRequest, GradientTable, Parameter, gradient as derivatives};
 use amontons::case;
+use amontons::identification::{IdentificationRequest, Identified, MeasuredTable, identify};
 use amontons::output::{ModesOf, OutputError, RunStart, Sink, Snapshot, Summary, modes_json};
+use amontons::problem::Fault;
 use amontons::run::{self, RunError, Settings, with_threads};
 use amontons::stability::{self, Modes, Reason, StabilityError, Wanted};
 use pyo3::prelude::*;
@@ -48,6 +51,47 @@ pub fn gradient(
     let table = made.map_err(|error| errors::of_run(py, &error))?;
     let table = table.map_err(|message| errors::request(py, &message))?;
     text(&serde_json::json!(table))
+}
+
+/// Identifies keys of a case from a table of measured values; the answer is that of `fit.json`, with the overrides that
+/// set the values found.
+#[pyfunction]
+pub fn fit(
+    py: Python<'_>,
+    case: &Bound<'_, Case>,
+    data: String,
+    free: Vec<String>,
+    bounds: Vec<[f64; 2]>,
+    threads: Option<usize>,
+) -> PyResult<String> {
+    let Case { read, source, overrides } = case.get();
+    let flag = AtomicBool::new(false);
+    let work = || -> Result<(Identified, Vec<String>), String> {
+        let told = |fault: Fault| fault.to_string();
+        let measured = MeasuredTable::parse("data", data.as_bytes()).map_err(told)?;
+        let family = case::family(source, overrides, &free).map_err(told)?;
+        let request = IdentificationRequest {
+            family: &family,
+            bounds: &bounds,
+            probes: &read.probes,
+            measured: &measured,
+            from: None,
+            interrupt: Some(&flag),
+        };
+        let found = identify(&request, &mut |_| Ok(())).map_err(|error| error.to_string())?;
+        let values: Vec<(&str, f64)> = found.parameters.iter().map(|of| (of.name.as_str(), of.value)).collect();
+        let set = case::settings(source, overrides, &values).map_err(told)?;
+        Ok((found, set))
+    };
+    let (made, raised) = attend(py, &flag, |_| with_threads(threads, work))?;
+    if let Some(raised) = raised {
+        return Err(raised);
+    }
+    let found = made.map_err(|error| errors::of_run(py, &error))?;
+    let (found, set) = found.map_err(|message| errors::request(py, &message))?;
+    let mut table = serde_json::json!(found);
+    table["overrides"] = serde_json::json!(set);
+    text(&table)
 }
 
 /// Finds the modes of the last state of a run.

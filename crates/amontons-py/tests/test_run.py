@@ -253,6 +253,26 @@ def test_gradient_is_that_of_a_formula():
         amontons.Case(ROD).gradient("final.contact.force.0", ["contact.gapp"])
 
 
+def test_fit_finds_what_made_the_data():
+    # The springs c and E/L are in series: p = K (U t − g) with 1/K = 1/c + L/E.
+    c, u, g = 2.5, 0.5, 0.1
+    k = 1 / (1 / c + 1 / 2.0)
+    times = [0.5, 0.75, 1.0]
+    data = {"t": times, "contact_force_x": [-k * (u * t - g) for t in times]}
+    stiffness = "contact.normal.stiffness"
+    found = amontons.Case(ROD).fit(data, [stiffness], bounds={stiffness: (0.5, None)})
+    assert found["parameters"][0]["value"] == pytest.approx(c, rel=1e-7)
+    assert found["ending"] == "minimum" and found["combinations"][0]["is_determined"]
+    values, _ = found["case"].gradient(["final.contact.force.0"], [stiffness])
+    assert values[0] == pytest.approx(data["contact_force_x"][-1], rel=1e-7)
+    both = amontons.Case(ROD).fit(data, [stiffness, "material.elasticity.young"])
+    assert both["parameters"][0]["interval"] is None
+    with pytest.raises(amontons.RequestError, match="bounds: found the key 'contact.gap'"):
+        amontons.Case(ROD).fit(data, [stiffness], bounds={"contact.gap": (0, 1)})
+    with pytest.raises(amontons.RequestError, match="data: found no column beside the times"):
+        amontons.Case(ROD).fit({"t": [1.0]}, [stiffness])
+
+
 def test_modes_are_those_of_a_benchmark():
     found = amontons.Case(ROOT / "crates/amontons/benchmarks/squeal-block.toml").modes()
     assert found["missing"] == 0 and found["points"]["slip"] == 5

@@ -100,6 +100,33 @@ class Case:
         slopes = np.array(table["derivatives"]).reshape(len(names), len(wrt))
         return (float(values[0]), slopes[0]) if isinstance(of, str) else (values, slopes)
 
+    def fit(
+        self,
+        data: Union[str, "os.PathLike[str]", Mapping[str, Any]],
+        free: Sequence[str],
+        *,
+        bounds: Optional[Mapping[str, tuple[Optional[float], Optional[float]]]] = None,
+        threads: Optional[int] = None,
+    ) -> dict[str, Any]:
+        """The values of keys with which the run comes nearest to measured data: `fit.json` as a dict.
+
+        `data` is the path of a table, or its columns by name (a dict, a pandas frame): `t`, outputs by their names in
+        `probes.csv` or `history.csv`, and standard deviations with `_sigma` behind the name. `bounds` has a lower and
+        an upper bound by key, None where there is none. `case` in the answer is the case with the values found.
+        """
+        given = dict(bounds or {})
+        unknown = [key for key in given if key not in free]
+        if unknown:
+            raise RequestError(f"bounds: found the key {unknown[0]!r}, expected one of {', '.join(free)}")
+        ends = [given.get(key, (None, None)) for key in free]
+        numbers = [
+            (-math.inf if low is None else float(low), math.inf if high is None else float(high)) for low, high in ends
+        ]
+        table = json.loads(_amontons.fit(self._checked, _table(data), list(free), numbers, threads))
+        found = Case.__new__(Case)
+        found.__setstate__((self._name, self._text, self._folder, self._overrides + table.pop("overrides")))
+        return {**table, "case": found}
+
     def modes(self, *, threads: Optional[int] = None) -> dict[str, Any]:
         """The modes of the state at the end of the run, as `[stability]` asks for them: `modes.json` as a dict."""
         return json.loads(_amontons.modes(self._checked, threads))["modes"][0]
@@ -113,6 +140,24 @@ class Case:
     def __setstate__(self, state: tuple) -> None:
         self._name, self._text, self._folder, self._overrides = state
         self._checked = _amontons.Case(*state)
+
+
+def _table(data: Union[str, "os.PathLike[str]", Mapping[str, Any]]) -> str:
+    """The text of a table of measured values: of a file, or of columns by name."""
+    if isinstance(data, (str, os.PathLike)):
+        with open(data, encoding="utf-8") as file:
+            return file.read()
+    names = list(data)
+    columns = [list(data[name]) for name in names]
+    if len({len(column) for column in columns}) > 1:
+        raise RequestError("data: found columns of different lengths, expected an entry per time")
+
+    def entry(value: Any) -> str:
+        number = math.nan if value is None else float(value)
+        return "" if math.isnan(number) else repr(number)
+
+    rows = [",".join(map(entry, row)) for row in zip(*columns)]
+    return "\n".join([",".join(map(str, names)), *rows]) + "\n"
 
 
 def _dotted(key: str) -> str:

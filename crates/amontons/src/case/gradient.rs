@@ -30,6 +30,7 @@ pub fn family<'a>(source: &'a Source, overrides: &'a [String], keys: &[String]) 
     Ok(ParameterFamily {
         names: keys.to_vec(),
         values: numbers.iter().map(|number| number.value).collect(),
+        units: numbers.iter().map(|number| number.unit.as_deref().unwrap_or_default().trim().to_owned()).collect(),
         problem: Box::new(move |values| {
             let all: Vec<(&KeyNumber, f64)> = numbers.iter().zip(values.iter().copied()).collect();
             problem(source, overrides, &all)

@@ -10,6 +10,9 @@ use crate::adjoint::GradientError;
 
 /// Squared change of the parameters, in their standard deviations, below which the minimum is reached.
 const REACHED: f64 = 1e-10;
+/// Gain of a damped step, in squared standard deviations, of which the linear model promised more: the way down is along
+/// a kink, and the rest of it says nothing about the parameters.
+const LEVEL: f64 = 1e-4;
 /// Relative change of a parameter, and part of the data that residuals are, that count as round-off.
 const ROUNDED: f64 = 1e-11;
 /// Part of the gain that the linear model promises below which a step is not taken, and above which damping is reduced.
@@ -24,7 +27,7 @@ const GONE: f64 = 1e-12;
 const STEPS: usize = 200;
 /// Most estimates of the deviations of the data, and the relative change of one that is none.
 const ESTIMATES: usize = 30;
-const SETTLED: f64 = 1e-6;
+const SETTLED: f64 = 1e-4;
 
 /// Where a descent stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -157,13 +160,14 @@ impl<'a> Descent<'a> {
                 (self.state.values, self.evaluated) = (values, tried);
                 self.state.steps += 1;
                 self.state.history.push(sum - gain);
+                let is_level = self.state.damping > 0.0 && gain <= LEVEL * variance;
                 if gain > GOOD * change.gain {
                     self.state.damping /= GROWTH;
                 }
-                if self.state.damping < GONE {
+                if self.state.damping < GONE || is_level {
                     self.state.damping = 0.0;
                 }
-                return Ok(None);
+                return Ok(is_level.then_some(DescentEnding::Kink));
             }
             self.state.damping = if self.state.damping > 0.0 { self.state.damping * GROWTH } else { FIRST };
         }

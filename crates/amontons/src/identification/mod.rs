@@ -102,6 +102,8 @@ pub enum DescentEnding {
 pub struct IdentifiedParameter {
     /// The key.
     pub name: String,
+    /// The unit of the values, as the case writes it behind the number; empty for none.
+    pub unit: String,
     /// Where the descent began.
     pub start: f64,
     /// The value at the minimum.
@@ -181,6 +183,7 @@ impl Found {
             let deviation = deviations[j].map(|deviation| deviation * model.scales(&state.values)[j]);
             IdentifiedParameter {
                 name: name.clone(),
+                unit: request.family.units.get(j).cloned().unwrap_or_default(),
                 start: *start,
                 value: *value,
                 deviation,

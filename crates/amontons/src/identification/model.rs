@@ -12,6 +12,8 @@ pub struct ParameterFamily<'a> {
     pub names: Vec<String>,
     /// Their values in the case.
     pub values: Vec<f64>,
+    /// The units that the case writes behind them; empty for none.
+    pub units: Vec<String>,
     /// The problem at other values.
     pub problem: Box<dyn Fn(&[f64]) -> Result<Problem, Fault> + 'a>,
 }

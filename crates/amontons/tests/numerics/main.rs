@@ -18,6 +18,7 @@ mod coupling;
 mod elements;
 mod forms;
 mod gradient;
+mod identification;
 mod iterations;
 mod jumps;
 mod layers;

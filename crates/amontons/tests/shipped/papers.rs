@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 21] = [
+const RESULTS: [&str; 26] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -62,6 +62,11 @@ const RESULTS: [&str; 21] = [
     "convergence.csv",
     "gradient.csv",
     "gradient.json",
+    "fit.csv",
+    "fit.json",
+    "fit.svg",
+    "residuals.csv",
+    "descent.json",
     "modes.csv",
     "modes.json",
     "report.md",
