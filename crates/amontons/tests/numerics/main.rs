@@ -26,6 +26,7 @@ mod newton;
 mod orders;
 mod phases;
 mod pyramids;
+mod random_cases;
 mod redistributed;
 mod refinement;
 mod revolution;
