@@ -1,4 +1,5 @@
-//! Derivatives of numbers at the end of a run by data of the problem, by an adjoint through all steps.
+//! Derivatives of runs by data of the problem: of numbers at the end by an adjoint through all steps ([`gradient`]), of
+//! outputs at all steps by the linearised steps forward ([`series`]).
 //!
 //! A step at its solution is a smooth system R(z; z₀, m) = 0 in its unknowns z, as long as no contact point changes its
 //! state. With J = ∂R/∂z, y the solution of Jᵀ y = λ and λ the derivatives of an output o by what the step ends with,
@@ -241,7 +242,9 @@ impl WholeSweep<'_> {
             });
             let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
             if start.rests {
-                ended.iter_mut().for_each(|weighted| weighted.state.w.fill(0.0));
+                for weighted in &mut ended {
+                    weighted.state.w.fill(0.0);
+                }
             }
             for (variants, sums) in variants.iter().zip(&mut sums) {
                 let all = variants.all.each_ref().map(|variant| variant.of(n).residual(&solved, &forces));

@@ -157,7 +157,9 @@ impl LinearStep<'_> {
     fn pushed(&self, step: &Step, &Started { start, bar }: &Started, by: &ResidualSlope, known: &[[f64; 2]]) -> Pushed {
         let (discrete, rule) = (step.discrete, step.rule);
         let mut right = discrete.inertia().1.apply(&bar.w);
-        right.iter_mut().for_each(|force| *force *= step.inertia() / rule.delta);
+        for force in &mut right {
+            *force *= step.inertia() / rule.delta;
+        }
         let mut take = |force: &[f64]| right.iter_mut().zip(force).for_each(|(right, force)| *right -= force);
         take(&discrete.apply_linear_a(&bar.u));
         for (branch, z) in discrete.branches.iter().zip(&bar.branches) {

@@ -206,3 +206,51 @@ fn runs_of_phases_have_the_slopes_of_differences() {
         check_by_runs(&text.replace("[contact]", support), &OF_TURNED[..4], &keys[..2]);
     }
 }
+
+/// A stiff block on a spring k is pulled by F = 4t against the friction of N = 10: u = max(0, (F − μN)/k), k = 100.
+const PULLED: &str = r#"
+name = "pulled"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [1.0, 0.1]
+n = [2, 1]
+diagonal = "right"
+[time]
+end = 1.0
+steps = 7
+inertia = false
+[material]
+elasticity = { law = "isotropic", young = 1e9, poisson = 0.0, stress_state = "plane-strain" }
+[[boundary]]
+on = "top"
+traction = ["4*t", -10.0]
+[[boundary]]
+on = "left"
+spring = [1000.0, 0.0]
+[contact]
+on = "bottom"
+gap = 0.0
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.3 }
+[[probe]]
+name = "block"
+quantity = "displacement"
+at = [0.5, 0.0]
+"#;
+
+/// Before the block slips nothing depends on the friction; then ∂u/∂μ = −N/k, and ∂u/∂k = −u/k.
+#[test]
+fn a_pulled_block_depends_on_the_friction_once_it_slips() {
+    let keys = ["contact.friction.coefficient", "boundary[1].spring[0]"];
+    let found = series_by_keys(PULLED, &["block_x"], &keys).expect("a series");
+    for (n, t) in found.times.iter().enumerate() {
+        let u = (0.04 * t - 0.03).max(0.0);
+        let by_friction = if u > 0.0 { -0.1 } else { 0.0 };
+        let (value, slopes) = (found.values[n][0], &found.derivatives[n][0]);
+        assert!((value - u).abs() <= 1e-8, "{value} {u}");
+        assert!((slopes[0] - by_friction).abs() <= 1e-7, "step {n}: {} {by_friction}", slopes[0]);
+        assert!((slopes[1] + u / 1000.0).abs() <= 1e-11, "step {n}: {} {}", slopes[1], -u / 1000.0);
+    }
+    assert!(found.values[5][0].abs() <= 1e-8 && found.values[6][0] > 4e-3);
+}
