@@ -31,7 +31,6 @@ mod redistributed;
 mod refinement;
 mod revolution;
 mod series;
-mod series;
 mod stabilised;
 mod stability;
 mod steady;
