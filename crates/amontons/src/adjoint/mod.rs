@@ -149,7 +149,7 @@ pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientErro
 type Sums = Vec<[f64; 3]>;
 
 /// The derivatives of an output by a state, by the one before it, and by the contact points of the last step.
-struct Weighted {
+struct OutputWeights {
     state: StateVector,
     before: Option<StateVector>,
     direct: Option<OfPoints>,
@@ -212,7 +212,7 @@ impl WholeSweep<'_> {
     ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
         let (phased, request, outputs) = (self.base, self.request, self.outputs);
         let (mut sums, mut near) = (vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()], Vec::new());
-        let mut ended: Vec<Weighted> = Vec::new();
+        let mut ended: Vec<OutputWeights> = Vec::new();
         let (mut variants, mut factors): (Vec<Variants>, _) = (Vec::new(), None);
         let (last, steps) = (self.last()?, self.history.steps);
         for n in (1..=steps).rev() {
@@ -237,7 +237,7 @@ impl WholeSweep<'_> {
                 ended = at_end(base, outputs, &last, &points)?;
             }
             let step = LinearStep { base, solved, points: &points, flux };
-            let of_outputs = ended.iter_mut().map(|Weighted { state, before, direct }| {
+            let of_outputs = ended.iter_mut().map(|OutputWeights { state, before, direct }| {
                 step.back(&mut made, (state, before), direct.take().as_ref())
             });
             let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
@@ -312,7 +312,7 @@ fn at_end(
     outputs: &[GradientOutput],
     (state, report): &(State, StepReport),
     points: &[LinearPoint],
-) -> Result<Vec<Weighted>, GradientError> {
+) -> Result<Vec<OutputWeights>, GradientError> {
     let slopes = |output| {
         let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
         let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
@@ -322,7 +322,7 @@ fn at_end(
             let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
             return Err(GradientError::refused(fault));
         }
-        Ok(Weighted { state: weights, before: None, direct: Some(of_points) })
+        Ok(OutputWeights { state: weights, before: None, direct: Some(of_points) })
     };
     outputs.iter().map(slopes).collect()
 }
@@ -357,7 +357,7 @@ fn add_outputs(
 fn add_start(
     base: &ProblemInstance,
     variants: &[Variants],
-    ended: &[Weighted],
+    ended: &[OutputWeights],
     sums: &mut [Sums],
 ) -> Result<(), GradientError> {
     let state = |of: &ProblemInstance| initial_state(&of.problem, &of.discrete, None);
@@ -365,7 +365,7 @@ fn add_start(
     for (variants, sums) in variants.iter().zip(sums) {
         let [a, b, c, d] = variants.all.each_ref().map(|variant| state(&variant.first));
         let all = [a?, b?, here.clone(), c?, d?];
-        for (Weighted { state: weights, .. }, sum) in ended.iter().zip(sums) {
+        for (OutputWeights { state: weights, .. }, sum) in ended.iter().zip(sums) {
             let values = all.each_ref().map(|state| [weights.product(state)]);
             let [[slope], [bent]] = stencil::central(variants.h, values.each_ref());
             add(sum, [slope, bent, f64::EPSILON * values[2][0].abs() / variants.h]);

@@ -4,9 +4,8 @@ use super::error::GradientError;
 use super::instance::PhasedInstance;
 use crate::contact::{Contact, GraphKind};
 use crate::discretization::Discretization;
-use crate::mass::MassMatrix;
 use crate::problem::{Coupling, Fault, Physics, Problem, StartState};
-use crate::time::{FrictionRule, TimeScheme};
+use crate::time::{Analysis, FrictionRule, Start};
 
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
 pub(super) fn check(phased: &PhasedInstance) -> Result<(), GradientError> {
@@ -52,19 +51,17 @@ fn is_bilateral(contact: &Contact) -> bool {
 /// before an impact, and has a kink at the bound of an impact.
 fn of_scheme(problem: &Problem) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
-    let rule = match problem.scheme {
-        TimeScheme::BackwardEuler | TimeScheme::Bdf2 => return None,
-        TimeScheme::ContactStabilised => {
-            return told("time.scheme", "the contact-stabilised scheme", "\"euler\", \"bdf2\" or \"theta\"");
-        }
-        TimeScheme::Theta { contact, .. } => contact,
-    };
+    let rule = problem.rule(Analysis::Dynamic, 1.0);
+    if rule.start == Start::Admissible {
+        return told("time.scheme", "steps from admissible velocities", "\"euler\", \"bdf2\" or \"theta\"");
+    }
+    if rule.balances_contact_at_end() {
+        return told("time.mass", "\"redistributed\", with equations within a step", "\"consistent\"");
+    }
+    let rule = rule.contact?;
     let has_graph = |contact: &Contact| contact.normal.graph() != GraphKind::Function;
     match () {
         () if rule.friction != FrictionRule::Mean => told("time.friction", "\"end\"", "\"mean\""),
-        () if problem.mass == MassMatrix::Redistributed => {
-            told("time.mass", "\"redistributed\" with the ϑ-scheme", "\"consistent\"")
-        }
         () if problem.contacts.iter().any(has_graph) => {
             told("time.scheme", "the ϑ-scheme with a rigid foundation", "\"euler\" or \"bdf2\", or a layer")
         }

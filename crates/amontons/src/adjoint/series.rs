@@ -70,14 +70,14 @@ pub fn series(request: &SeriesRequest) -> Result<SeriesTable, GradientError> {
     let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
     let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
     let prepared = |output: &GradientOutput| output.prepared(&base.first);
-    let sets = outputs.iter().map(prepared).collect::<Result<Vec<Prepared>, GradientError>>()?;
+    let sets = outputs.iter().map(prepared).collect::<Result<Vec<PreparedProbe>, GradientError>>()?;
     let mut sweep =
         ForwardSweep { request, base: &base, outputs: &outputs, sets, columns: Vec::new(), kinks: Vec::new() };
     sweep.run()
 }
 
 /// The probe of an output, prepared for a problem.
-type Prepared = Option<Arc<ProbeSet>>;
+type PreparedProbe = Option<Arc<ProbeSet>>;
 
 /// A state with the report of its step.
 type Reported<'a> = (&'a State, Option<&'a StepReport>);
@@ -88,19 +88,19 @@ struct ForwardSweep<'a> {
     base: &'a PhasedInstance,
     outputs: &'a [GradientOutput],
     /// By output.
-    sets: Vec<Prepared>,
-    columns: Vec<Column>,
+    sets: Vec<PreparedProbe>,
+    columns: Vec<ParameterColumn>,
     /// By step, output and parameter: how much of a kink the derivative has, and the step of the parameter.
     kinks: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
 /// The derivative of the state by a parameter.
-struct Column {
+struct ParameterColumn {
     variants: Variants,
     /// Number of times that the step of the parameter was reduced.
     shrunk: i32,
     /// The probes for the variants, by output.
-    sets: Vec<[Prepared; 4]>,
+    sets: Vec<[PreparedProbe; 4]>,
     /// The derivatives of the state, and how much of a kink they have.
     state: StateVector,
     kink: Option<StateVector>,
@@ -151,7 +151,7 @@ impl ForwardSweep<'_> {
                 self.add_row(&mut table, (&old.state, None), &[], None)?;
             }
             if phase.rests {
-                self.columns.iter_mut().for_each(Column::rest);
+                self.columns.iter_mut().for_each(ParameterColumn::rest);
             }
             let all = self.advance(&mut factor, &step, (&forces, &here))?;
             table.times.push(state.t);
@@ -177,7 +177,7 @@ impl ForwardSweep<'_> {
             let sets = self.prepared(&variants)?;
             let kink = Some(kink).filter(|kink| !kink.is_zero());
             let (points, bent_points, before, kink_before) = Default::default();
-            self.columns.push(Column {
+            self.columns.push(ParameterColumn {
                 variants,
                 shrunk: 0,
                 sets,
@@ -192,7 +192,7 @@ impl ForwardSweep<'_> {
         Ok(())
     }
 
-    fn prepared(&self, variants: &Variants) -> Result<Vec<[Prepared; 4]>, GradientError> {
+    fn prepared(&self, variants: &Variants) -> Result<Vec<[PreparedProbe; 4]>, GradientError> {
         let of = |output: &GradientOutput| {
             let [a, b, c, d] = variants.all.each_ref().map(|instance| output.prepared(&instance.first));
             Ok([a?, b?, c?, d?])
@@ -299,7 +299,7 @@ impl ForwardSweep<'_> {
     /// ∂o/∂m of the outputs at fixed unknowns, and how much of a kink it has.
     fn direct(
         &self,
-        column: &Column,
+        column: &ParameterColumn,
         (state, report): Reported,
         scratch: &mut Scratch,
         (of_step, values): (Option<(&StepResidual, &[StepResidual; 4])>, &[f64]),
@@ -334,7 +334,7 @@ fn no_slope(output: &GradientOutput) -> GradientError {
     GradientError::refused(fault)
 }
 
-impl Column {
+impl ParameterColumn {
     /// Makes the derivatives those of a state at rest.
     fn rest(&mut self) {
         self.state.w.fill(0.0);
