@@ -13,7 +13,7 @@ pub(super) struct Scratch {
 }
 
 /// A state with the report of its step, and a change of both.
-pub(super) struct Along<'a> {
+pub(super) struct StateChange<'a> {
     pub base: (&'a State, Option<&'a StepReport>),
     pub change: (&'a StateVector, &'a OfPoints),
     pub points: &'a [LinearPoint],
@@ -103,7 +103,7 @@ impl ChangedPart {
     }
 }
 
-impl Along<'_> {
+impl StateChange<'_> {
     /// How often the change of a part is contained in it; `None` if nothing of it changes.
     pub fn scale(&self, part: ChangedPart) -> Option<f64> {
         let (state, report) = self.base;

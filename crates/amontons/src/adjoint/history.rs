@@ -1,7 +1,9 @@
 //! The states of a run, for the sweep from its end to its start.
 
+use std::borrow::Cow;
+
 use super::error::GradientError;
-use super::instance::ProblemInstance;
+use super::instance::{PhaseStart, PhasedInstance};
 use crate::contact::Flux;
 use crate::inclusion::PointState;
 use crate::problem::Fault;
@@ -33,8 +35,8 @@ pub(super) struct RunHistory {
 
 impl RunHistory {
     /// Makes the run; `granted` is the memory for its states in bytes, and `go_on` is asked before each step.
-    pub fn new(base: &ProblemInstance, granted: usize, go_on: &dyn Fn() -> bool) -> Result<RunHistory, GradientError> {
-        let ProblemInstance { problem, discrete } = base;
+    pub fn new(base: &PhasedInstance, granted: usize, go_on: &dyn Fn() -> bool) -> Result<RunHistory, GradientError> {
+        let (problem, discrete) = (&base.first.problem, &base.first.discrete);
         let mut march = March::on(problem, discrete, &problem.backend)?;
         let steps = problem.timeline.steps();
         let start = march.initial()?;
@@ -87,12 +89,32 @@ impl KeptStep {
     }
 }
 
+/// Steps from one that was made anew by backward Euler because it hit a rigid foundation.
+const SETTLING: u32 = 2;
+
+/// The state from which a step was made: at rest where a phase begins so, and without the one before it, if the step
+/// started anew.
+pub(super) fn started<'a>(old: &'a State, new: &State, start: PhaseStart) -> Cow<'a, State> {
+    let has_other_length = old.earlier.as_ref().is_some_and(|earlier| earlier.k.to_bits() != start.k.to_bits());
+    let is_anew = start.rests || start.changes || has_other_length || new.settling == SETTLING;
+    if !is_anew {
+        return Cow::Borrowed(old);
+    }
+    let mut state = State { earlier: None, ..old.clone() };
+    if start.rests {
+        state.w.fill(0.0);
+    }
+    Cow::Owned(state)
+}
+
 /// Makes a step, as a whole and with all motions determined.
 pub(super) fn made(march: &mut March, state: &State) -> Result<(State, StepReport), GradientError> {
     let (state, report) = march.step(state)?;
     let place = format!("step {}", state.step);
     let fault = if report.parts > 1 {
         Some(Fault::new(place, "a step that was made in halves", "whole steps").hint("use more steps (time.steps)"))
+    } else if !state.released.is_empty() {
+        Some(Fault::new(place, "supports that give up their forces in a phase", "supports that end at once"))
     } else if !state.carried.rigid.is_empty() {
         Some(Fault::new(place, "a body that has moved far", "displacements of the size of the deformation"))
     } else if let Some(motion) = report.loose.first() {

@@ -9,19 +9,79 @@ use crate::equation::StepInputs;
 use crate::equation::acting::{boundary_at, contacts_at};
 use crate::equation::foundation::temperatures;
 use crate::equation::given::Given;
-use crate::equation::system::{Bar, Products, Step};
+use crate::equation::system::{Bar, Mixed, Products, Step};
 use crate::inclusion::{Chosen, HeatStep, Local, Loose, Mechanical, PointInput, PointOutput, PointState};
 use crate::linalg::{max_abs, zeros};
 use crate::problem::{Physics, Problem};
 use crate::pulse::Pulse;
+use crate::space::Space;
 use crate::state::State;
 use crate::tensor::{Point, dot};
-use crate::time::Rule;
+use crate::time::{Rule, Start};
 
 /// A problem with its forms.
 pub(super) struct ProblemInstance {
     pub problem: Problem,
     pub discrete: Arc<Discretization>,
+}
+
+/// A problem with its forms in each of its phases.
+pub(super) struct PhasedInstance {
+    pub first: ProblemInstance,
+    later: Vec<ProblemInstance>,
+}
+
+impl PhasedInstance {
+    /// The problem as it is in its first phase, and in the later ones; forms are shared where conditions are the same.
+    pub fn new(problem: &Problem) -> PhasedInstance {
+        let first = ProblemInstance::new(&problem.in_phase(0));
+        let made = |phase: usize| {
+            let of_phase = problem.in_phase(phase);
+            if problem.has_same_conditions([0, phase]) {
+                return ProblemInstance { problem: of_phase, discrete: Arc::clone(&first.discrete) };
+            }
+            ProblemInstance::new(&of_phase)
+        };
+        let later = (1..problem.timeline.phases().len()).map(made).collect();
+        PhasedInstance { first, later }
+    }
+
+    /// The problem in the phase of step n.
+    pub fn of(&self, n: usize) -> &ProblemInstance {
+        let phase = self.first.problem.timeline.instant(n).phase;
+        phase.checked_sub(1).and_then(|later| self.later.get(later)).unwrap_or(&self.first)
+    }
+
+    /// The problem in all phases.
+    pub fn all(&self) -> impl Iterator<Item = &ProblemInstance> {
+        std::iter::once(&self.first).chain(&self.later)
+    }
+
+    /// How step n starts from the state before it.
+    pub fn start(&self, n: usize) -> PhaseStart {
+        let timeline = &self.first.problem.timeline;
+        let now = timeline.instant(n);
+        if n == 1 {
+            return PhaseStart { k: now.k, ..PhaseStart::default() };
+        }
+        let was = timeline.instant(n - 1);
+        PhaseStart {
+            k: now.k,
+            rests: !was.analysis.has_inertia() && now.analysis.has_inertia(),
+            changes: !self.first.problem.has_same_conditions([was.phase, now.phase]),
+        }
+    }
+}
+
+/// How a step starts, and a phase with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct PhaseStart {
+    /// Length of the step, s.
+    pub k: f64,
+    /// True if the body is at rest: a phase without inertia ended, and one with inertia begins.
+    pub rests: bool,
+    /// True if conditions change.
+    pub changes: bool,
 }
 
 /// A step: the state that it starts from, its unknowns, and what the iteration on Γ_C chose.
@@ -30,9 +90,23 @@ pub(super) struct SolvedStep<'a> {
     pub n: usize,
     pub old: &'a State,
     pub new: &'a State,
+    /// The new state with the unknowns at the time of the equations, as [`at_level`] has it.
+    pub at: &'a State,
     pub states: &'a [PointState],
     pub chosen: &'a Chosen,
     pub unknown: &'a [Option<u32>],
+}
+
+/// The state at the end of a step with w and θ at the time of its equations, [`Rule::level`].
+pub(super) fn at_level<'a>(rule: &Rule, old: &State, new: &'a State) -> Cow<'a, State> {
+    if rule.is_at_end() {
+        return Cow::Borrowed(new);
+    }
+    let between = |old: &[f64], new: &[f64]| -> Vec<f64> {
+        old.iter().zip(new).map(|(old, new)| rule.between([*old, *new])).collect()
+    };
+    let (w, theta) = (between(&old.w, &new.w), between(&old.theta, &new.theta));
+    Cow::Owned(State { w, theta, ..new.clone() })
 }
 
 /// The equations of a step at given unknowns.
@@ -61,15 +135,18 @@ impl ProblemInstance {
         ProblemInstance { problem: problem.clone(), discrete: Arc::new(Discretization::new(problem)) }
     }
 
-    /// The rule of step n.
-    pub fn rule(&self, n: usize) -> Rule {
+    /// The rule of step n from a state: one without a state before it starts anew.
+    pub fn rule(&self, n: usize, old: &State) -> Rule {
         let now = self.problem.timeline.instant(n);
-        self.problem.rule(now.analysis, now.k)
+        match old.earlier {
+            Some(_) => self.problem.rule(now.analysis, now.k),
+            None => self.problem.starting_rule(now.analysis, now.k),
+        }
     }
 
     /// Something of a step that starts from a state.
     pub fn step<T>(&self, n: usize, old: &State, of: impl FnOnce(&Step) -> T) -> T {
-        let (now, rule) = (self.problem.timeline.instant(n), self.rule(n));
+        let (now, rule) = (self.problem.timeline.instant(n), self.rule(n, old));
         // The times of a run are data too.
         let start = now.t - now.k;
         let old = &*if (old.t - start).abs() <= 1e-12 * now.t {
@@ -79,6 +156,8 @@ impl ProblemInstance {
         };
         let level = rule.time([old.t, now.t]);
         let products = Products::of(&self.discrete, old);
+        let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
+        let mixed = earlier.map(|earlier| Mixed::new(&self.discrete, old, earlier));
         let contacts = contacts_at(&self.problem, level);
         let boundary = boundary_at(&self.discrete, &self.problem, old);
         let (loose, pulse, inputs) = (Arc::new(Loose::default()), Pulse::default(), StepInputs::default());
@@ -88,7 +167,7 @@ impl ProblemInstance {
             discrete: &self.discrete,
             boundary: &boundary,
             old,
-            bar: Bar::of(old, &products),
+            bar: mixed.as_ref().map_or_else(|| Bar::of(old, &products), Mixed::bar),
             products: &products,
             n,
             whole: [now.t, now.k],
@@ -106,9 +185,9 @@ impl ProblemInstance {
     /// The equations of a step at its unknowns w, θ and `forces`, (p, q) of each point in its own basis.
     pub fn residual(&self, of: &SolvedStep, forces: &[Local]) -> StepResidual {
         self.step(of.n, of.old, |step| {
-            let given = data(step, of.new);
+            let given = data(step, of.at);
             let term = given.frozen(step, of.unknown, of.chosen);
-            let inputs = term.as_ref().map_or_else(Vec::new, |term| inputs(step, &given, term, of.new, forces));
+            let inputs = term.as_ref().map_or_else(Vec::new, |term| inputs(step, &given, term, of.at, forces));
             let points: Vec<PointOutput> = term.as_ref().map_or_else(Vec::new, |term| {
                 inputs.iter().enumerate().map(|(i, input)| term.equations(i, input)).collect()
             });
@@ -121,13 +200,15 @@ impl ProblemInstance {
                 step.rubbing(frame) * dot(&state.q, &state.slip)
             };
             let work = states.iter().zip(&given.frames).map(rubbed).collect();
-            let (mechanics, u, acting) = balance(step, &of.new.w, &states);
-            let mut rates = of.new.w.clone();
+            let (mechanics, u, acting) = balance(step, &of.at.w, &states);
+            let mut rates = of.at.w.clone();
             let free = step.replacing(|inputs| &inputs.displacements);
             step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
-            let (heat, temperatures, flowing) = warming(step, &of.new.theta, &states);
+            let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states);
             let sizes = [acting, flowing];
-            let branches = step.branches(&of.new.w);
+            let u = step.end(&step.old.u, u);
+            let branches = step.old.branches.iter().zip(step.branches(&of.at.w));
+            let branches = branches.map(|(old, branch)| step.end(old, branch)).collect();
             StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches }
         })
     }
@@ -166,7 +247,7 @@ fn state(basis: &[Point; 3], point: &PointOutput, force: &Local) -> PointState {
     PointState {
         normal: basis[0],
         penetration,
-        at_level: penetration,
+        at_level: point.at_level,
         pressure: force[0],
         bound,
         q: global(basis, &[0.0, force[1], force[2]]),
@@ -227,8 +308,13 @@ fn warming(step: &Step, theta: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<
     for (i, rest) in rest.iter_mut().enumerate() {
         *rest += storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - coupling[i] - supply[i];
     }
-    let mut prescribed = theta.to_vec();
+    let mut prescribed = step.old.theta.clone();
     discrete.q.prescribe_with(step.t, &step.replacing(|inputs| &inputs.temperatures), &mut prescribed);
+    step.put_at_level(&mut prescribed);
+    discrete.q.mask_free(&mut prescribed);
+    let mut masked = theta.to_vec();
+    discrete.q.mask(&mut masked);
+    prescribed.iter_mut().zip(&masked).for_each(|(prescribed, free)| *prescribed += free);
     (rest, prescribed, largest)
 }
 
@@ -252,8 +338,10 @@ impl StepResidual {
     /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
     pub fn unmet(&self, base: &ProblemInstance, of: &SolvedStep) -> Option<&'static str> {
         let discrete = &base.discrete;
-        let largest = |free: &[bool], rest: &[f64]| {
-            rest.iter().zip(free).filter(|(_, free)| **free).fold(0.0, |most: f64, (rest, _)| most.max(rest.abs()))
+        let largest = |space: &Space, rest: &[f64]| {
+            let mut rest = rest.to_vec();
+            space.mask(&mut rest);
+            max_abs(&rest)
         };
         let apart = |a: &[f64], b: &[f64]| {
             let most = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
@@ -266,13 +354,16 @@ impl StepResidual {
             old.iter().zip(more).map(|(old, more)| old + more).collect()
         };
         let (old, new) = (&of.old.surface, &of.new.surface);
+        let theta = if base.problem.physics.has_heat() { &of.at.theta } else { &of.new.theta };
         let worn = sum(&old.wear, &mut self.points.iter().map(|point| point.worn));
         let work = sum(&old.friction_work, &mut self.work.iter().copied());
         match () {
-            () if largest(&discrete.v.free, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
-            () if largest(&discrete.q.free, &self.heat) > MET * self.sizes[1] => Some("the balance of heat"),
-            () if apart(&self.rates, &of.new.w) => Some("the prescribed displacements"),
-            () if !self.temperatures.is_empty() && apart(&self.temperatures, &of.new.theta) => {
+            () if largest(&discrete.v, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
+            () if !self.heat.is_empty() && largest(&discrete.q, &self.heat) > MET * self.sizes[1] => {
+                Some("the balance of heat")
+            }
+            () if apart(&self.rates, &of.at.w) => Some("the prescribed displacements"),
+            () if !self.temperatures.is_empty() && apart(&self.temperatures, theta) => {
                 Some("the prescribed temperatures")
             }
             () if defect > MET * traction => Some("the laws of contact"),

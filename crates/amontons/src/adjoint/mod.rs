@@ -1,4 +1,5 @@
-//! Derivatives of numbers at the end of a run by data of the problem, by an adjoint through all steps.
+//! Derivatives of runs by data of the problem: of numbers at the end by an adjoint through all steps ([`gradient`]), of
+//! outputs at all steps by the linearised steps forward ([`series`]).
 //!
 //! A step at its solution is a smooth system R(z; z₀, m) = 0 in its unknowns z, as long as no contact point changes its
 //! state. With J = ∂R/∂z, y the solution of Jᵀ y = λ and λ the derivatives of an output o by what the step ends with,
@@ -42,8 +43,8 @@ mod transpose;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use error::{GradientError, RefusedGradient};
-use history::RunHistory;
-use instance::{ProblemInstance, SolvedStep, StepResidual};
+use history::{RunHistory, started};
+use instance::{PhasedInstance, ProblemInstance, SolvedStep, StepResidual, at_level};
 use outputs::{GradientOutput, OutputReader};
 pub use parameter::Parameter;
 use parameter::Variants;
@@ -112,8 +113,8 @@ pub struct GradientTable {
 /// If the problem has a feature whose derivative is not there, if a name is unknown, if a parameter changes the number
 /// of steps, nodes or contact points, or if a step fails.
 pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientError> {
-    let base = ProblemInstance::new(request.problem);
-    scope::check(request.problem, &base.discrete)?;
+    let base = PhasedInstance::new(request.problem);
+    scope::check(&base)?;
     let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
     let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
     let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
@@ -129,9 +130,10 @@ pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientErro
         _ => None,
     };
     let last = whole.last()?;
-    let values = outputs.iter().map(|output| Ok(OutputReader::new(&base, output)?.value(&last.0, &last.1)));
+    let at_last = base.of(last.0.step);
+    let values = outputs.iter().map(|output| Ok(OutputReader::new(at_last, output)?.value(&last.0, &last.1)));
     let values = values.collect::<Result<Vec<f64>, GradientError>>()?;
-    let place = |near: PointMargin| Some((near.n, base.discrete.boundary.points.get(near.point)?.x));
+    let place = |near: PointMargin| Some((near.n, base.first.discrete.boundary.points.get(near.point)?.x));
     Ok(GradientTable {
         outputs: request.outputs.iter().cloned().zip(values).collect(),
         parameters: request.parameters.iter().map(|parameter| (parameter.name.clone(), parameter.value)).collect(),
@@ -146,10 +148,17 @@ pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientErro
 /// Sums over the steps: the derivative, its kink, and the round-off of both, by output.
 type Sums = Vec<[f64; 3]>;
 
+/// The derivatives of an output by a state, by the one before it, and by the contact points of the last step.
+struct OutputWeights {
+    state: StateVector,
+    before: Option<StateVector>,
+    direct: Option<OfPoints>,
+}
+
 /// The sweep over all steps.
 struct WholeSweep<'a> {
     request: &'a GradientRequest<'a>,
-    base: &'a ProblemInstance,
+    base: &'a PhasedInstance,
     outputs: &'a [GradientOutput],
     history: &'a mut RunHistory,
     go_on: &'a dyn Fn() -> bool,
@@ -201,48 +210,56 @@ impl WholeSweep<'_> {
         forced: Option<&Forced>,
         sizes: &[i32],
     ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
-        let (base, request, outputs) = (self.base, self.request, self.outputs);
+        let (phased, request, outputs) = (self.base, self.request, self.outputs);
         let (mut sums, mut near) = (vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()], Vec::new());
-        let mut ended: Vec<(StateVector, Option<OfPoints>)> = Vec::new();
+        let mut ended: Vec<OutputWeights> = Vec::new();
         let (mut variants, mut factors): (Vec<Variants>, _) = (Vec::new(), None);
         let (last, steps) = (self.last()?, self.history.steps);
         for n in (1..=steps).rev() {
             if !(self.go_on)() {
                 return Err(GradientError::Interrupted);
             }
-            let mut made = StepFactors::kept_or_made(factors.take(), base, n)?;
             let [old, new] = self.history.around(n)?;
-            let chosen = made.chosen(base, n, [&old.state, &new.state]);
+            let (base, start) = (phased.of(n), phased.start(n));
+            let old = &*started(&old.state, &new.state, start);
+            let mut made = StepFactors::kept_or_made(factors.take(), base, (n, old))?;
+            let at = &*at_level(&made.rule, old, &new.state);
+            let chosen = made.chosen(base, n, [old, at]);
             let unknown = made.mechanics.on_contact.clone();
-            let (old, states, flux) = (&old.state, &new.states, &new.flux);
-            let solved = SolvedStep { n, old, new: &new.state, states, chosen: &chosen, unknown: &unknown };
+            let (states, flux) = (&new.states, &new.flux);
+            let solved = SolvedStep { n, old, new: &new.state, at, states, chosen: &chosen, unknown: &unknown };
             let (points, forces, here) = at_solution(base, &solved, forced)?;
             keep_least(&mut near, margins(&solved, &points, &made.rule));
             if n == steps {
                 let parameters = request.parameters.iter().zip(sizes);
-                let all = parameters.map(|(of, size)| of.variants(base, (&solved, &forces), *size));
+                let all = parameters.map(|(of, size)| of.variants(phased, (&solved, &forces), *size));
                 variants = all.collect::<Result<_, _>>()?;
                 ended = at_end(base, outputs, &last, &points)?;
             }
             let step = LinearStep { base, solved, points: &points, flux };
-            let of_outputs =
-                ended.iter_mut().map(|(weights, direct)| step.back(&mut made, weights, direct.take().as_ref()));
+            let of_outputs = ended.iter_mut().map(|OutputWeights { state, before, direct }| {
+                step.back(&mut made, (state, before), direct.take().as_ref())
+            });
             let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
+            if start.rests {
+                for weighted in &mut ended {
+                    weighted.state.w.fill(0.0);
+                }
+            }
             for (variants, sums) in variants.iter().zip(&mut sums) {
-                let all = variants.all.each_ref().map(|variant| variant.residual(&solved, &forces));
+                let all = variants.all.each_ref().map(|variant| variant.of(n).residual(&solved, &forces));
                 if n == steps {
                     add_outputs(outputs, variants, (base, &here), &all, (&last, sums))?;
                 }
                 let [a, b, c, d] = all.each_ref();
                 let around = Around { h: variants.h, all: [a, b, &here, c, d] };
-                let free = [&base.discrete.v.free[..], &base.discrete.q.free[..]];
                 for (sum, multiplied) in sums.iter_mut().zip(&multiplied) {
-                    add(sum, multiplied.by_parameter(&around, free));
+                    add(sum, multiplied.by_parameter(&around));
                 }
             }
             factors = Some(made);
         }
-        add_start(base, &variants, &ended, &mut sums)?;
+        add_start(&phased.first, &variants, &ended, &mut sums)?;
         Ok((sums, near))
     }
 }
@@ -295,7 +312,7 @@ fn at_end(
     outputs: &[GradientOutput],
     (state, report): &(State, StepReport),
     points: &[LinearPoint],
-) -> Result<Vec<(StateVector, Option<OfPoints>)>, GradientError> {
+) -> Result<Vec<OutputWeights>, GradientError> {
     let slopes = |output| {
         let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
         let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
@@ -305,7 +322,7 @@ fn at_end(
             let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
             return Err(GradientError::refused(fault));
         }
-        Ok((weights, Some(of_points)))
+        Ok(OutputWeights { state: weights, before: None, direct: Some(of_points) })
     };
     outputs.iter().map(slopes).collect()
 }
@@ -326,7 +343,7 @@ fn add_outputs(
         Ok::<[f64; 1], GradientError>([OutputReader::new(instance, output)?.value(state, &report)])
     };
     for (output, sum) in outputs.iter().zip(sums) {
-        let [a, b, c, d] = &variants.all;
+        let [a, b, c, d] = variants.all.each_ref().map(|variant| variant.of(state.step));
         let values = [at(a, &all[0], output)?, at(b, &all[1], output)?, at(base, here, output)?];
         let after = [at(c, &all[2], output)?, at(d, &all[3], output)?];
         let [one, two, middle] = values.each_ref();
@@ -340,15 +357,15 @@ fn add_outputs(
 fn add_start(
     base: &ProblemInstance,
     variants: &[Variants],
-    ended: &[(StateVector, Option<OfPoints>)],
+    ended: &[OutputWeights],
     sums: &mut [Sums],
 ) -> Result<(), GradientError> {
     let state = |of: &ProblemInstance| initial_state(&of.problem, &of.discrete, None);
     let here = state(base)?;
     for (variants, sums) in variants.iter().zip(sums) {
-        let [a, b, c, d] = variants.all.each_ref().map(state);
+        let [a, b, c, d] = variants.all.each_ref().map(|variant| state(&variant.first));
         let all = [a?, b?, here.clone(), c?, d?];
-        for ((weights, _), sum) in ended.iter().zip(sums) {
+        for (OutputWeights { state: weights, .. }, sum) in ended.iter().zip(sums) {
             let values = all.each_ref().map(|state| [weights.product(state)]);
             let [[slope], [bent]] = stencil::central(variants.h, values.each_ref());
             add(sum, [slope, bent, f64::EPSILON * values[2][0].abs() / variants.h]);

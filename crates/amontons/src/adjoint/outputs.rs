@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::along::{Along, ChangedPart, Scratch};
+use super::along::{ChangedPart, Scratch, StateChange};
 use super::error::GradientError;
 use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
@@ -165,7 +165,7 @@ impl<'a> OutputReader<'a> {
         let nodes = self.set.as_ref().and_then(|set| set.nodes(mesh));
         let nodes: Option<Vec<u32>> = nodes.map(|nodes| nodes.into_iter().collect());
         let parts: &[ChangedPart] = if nodes.is_some() { &ChangedPart::OF_BODY } else { &ChangedPart::OF_CONTACT };
-        let along = Along { base: (state, report), change: (change, of_points), points, nodes, dim: mesh.dim };
+        let along = StateChange { base: (state, report), change: (change, of_points), points, nodes, dim: mesh.dim };
         let mut sum = 0.0;
         for part in parts {
             let Some(scale) = along.scale(*part) else { continue };

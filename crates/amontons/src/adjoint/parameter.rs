@@ -1,10 +1,11 @@
 //! The parameters, and the problems at values around theirs.
 
 use super::error::GradientError;
-use super::instance::{ProblemInstance, SolvedStep};
+use super::instance::{PhasedInstance, ProblemInstance, SolvedStep};
 use super::stencil::STEP;
 use crate::inclusion::Local;
 use crate::problem::{Fault, Problem};
+use crate::space::NodeFrame;
 
 /// A number on which a problem depends.
 pub struct Parameter<'a> {
@@ -19,13 +20,15 @@ pub struct Parameter<'a> {
 /// Number of times that the step of a parameter is reduced, and by what.
 const TRIES: i32 = 4;
 const SHRINK: f64 = 64.0;
+/// Change of a component of a direction that counts as round-off.
+const SAME_AXES: f64 = 1e-12;
 /// Decades that are tried for the scale of a parameter that is zero.
 const DECADES: i32 = 13;
 
 /// The problems at −2h, −h, h and 2h of a parameter.
 pub(super) struct Variants {
     pub h: f64,
-    pub all: [ProblemInstance; 4],
+    pub all: [PhasedInstance; 4],
 }
 
 impl Parameter<'_> {
@@ -33,7 +36,7 @@ impl Parameter<'_> {
     /// of the decades from 1 on that leaves all contact points of the last step on their branches.
     pub(super) fn variants(
         &self,
-        base: &ProblemInstance,
+        base: &PhasedInstance,
         last: (&SolvedStep, &[Local]),
         shrunk: i32,
     ) -> Result<Variants, GradientError> {
@@ -58,12 +61,13 @@ impl Parameter<'_> {
         GradientError::refused(fault.hint("take differences to one side"))
     }
 
-    fn around(&self, base: &ProblemInstance, h: f64) -> Result<Variants, GradientError> {
+    fn around(&self, base: &PhasedInstance, h: f64) -> Result<Variants, GradientError> {
         let at = |j: f64| {
             let problem = (self.problem)(self.value + j * h).map_err(GradientError::refused)?;
-            let instance = ProblemInstance::new(&problem);
-            self.compare(base, &instance)?;
-            Ok::<ProblemInstance, GradientError>(instance)
+            let instance = PhasedInstance::new(&problem);
+            self.compare(&base.first, &instance.first)?;
+            base.all().zip(instance.all()).try_for_each(|(base, other)| self.compare(base, other))?;
+            Ok::<PhasedInstance, GradientError>(instance)
         };
         Ok(Variants { h, all: [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?] })
     }
@@ -91,20 +95,32 @@ impl Parameter<'_> {
                 format!("a key on which the number of {what} does not depend"),
             );
         }
+        if base.problem.scheme != other.problem.scheme {
+            return told("a key of the scheme in time".into(), "a key on which the scheme does not depend".into());
+        }
         let [v, q] = [[&base.discrete.v, &other.discrete.v], [&base.discrete.q, &other.discrete.q]];
         if [v, q].iter().any(|[a, b]| a.free != b.free) {
             return told("a key that changes which values are prescribed".into(), "a key of a value".into());
+        }
+        let frames = base.discrete.v.frames.iter().zip(&other.discrete.v.frames);
+        let turned = |(a, b): (&NodeFrame, &NodeFrame)| {
+            let change = a.axes.as_flattened().iter().zip(b.axes.as_flattened()).map(|(a, b)| (a - b).abs());
+            change.fold(0.0, f64::max)
+        };
+        if frames.map(turned).fold(0.0, f64::max) > SAME_AXES {
+            let expected = "a key on which these directions do not depend";
+            return told("a key that turns the directions of supports".into(), expected.into());
         }
         Ok(())
     }
 
     fn scale_of_zero(
         &self,
-        base: &ProblemInstance,
+        base: &PhasedInstance,
         (last, forces): (&SolvedStep, &[Local]),
     ) -> Result<f64, GradientError> {
-        let branches = |of: &ProblemInstance| -> Vec<[bool; 2]> {
-            of.residual(last, forces).points.iter().map(|point| point.branch).collect()
+        let branches = |of: &PhasedInstance| -> Vec<[bool; 2]> {
+            of.of(last.n).residual(last, forces).points.iter().map(|point| point.branch).collect()
         };
         let here = branches(base);
         let mut failed = None;

@@ -12,7 +12,7 @@ use crate::time::Rule;
 pub(super) const TOUCHES: f64 = 1e-9;
 /// Number of inputs and outputs of a point.
 pub(super) const INPUTS: usize = 8;
-pub(super) const OUTPUTS: usize = 7;
+pub(super) const OUTPUTS: usize = 8;
 
 /// The equations of a contact point, linearised at a solution.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ pub(super) struct LinearPoint {
     /// The branch of the laws.
     pub branch: [bool; 2],
     /// Derivatives by input: jump of the velocities (3), (p, q) (3), ū_ν − g, and temperature; of defect (3),
-    /// penetration, slip (2) and wear depth.
+    /// penetration, slip (2), wear depth, and penetration at the time of the equations.
     pub by: [[f64; OUTPUTS]; INPUTS],
 }
 
@@ -75,9 +75,9 @@ pub(super) fn linearised(
     forced: Option<&Forced>,
 ) -> Result<Vec<LinearPoint>, usize> {
     base.step(of.n, of.old, |step| {
-        let given = data(step, of.new);
+        let given = data(step, of.at);
         let Some(term) = given.frozen(step, of.unknown, of.chosen) else { return Ok(Vec::new()) };
-        let inputs = inputs(step, &given, &term, of.new, &forces(Some(&term), of.states));
+        let inputs = inputs(step, &given, &term, of.at, &forces(Some(&term), of.states));
         let outputs: Vec<PointOutput> = inputs.iter().enumerate().map(|(i, at)| term.equations(i, at)).collect();
         let scales = InputScales::new(of, &inputs, &outputs, step.rule.span);
         let all = inputs.iter().zip(&outputs).zip(&given.frames).enumerate();
@@ -115,8 +115,8 @@ pub(super) fn linearised(
 }
 
 fn numbers(output: &PointOutput) -> [f64; OUTPUTS] {
-    let PointOutput { defect: [a, b, c], penetration, slip: [s1, s2], worn, .. } = *output;
-    [a, b, c, penetration, s1, s2, worn]
+    let PointOutput { defect: [a, b, c], penetration, at_level, slip: [s1, s2], worn, .. } = *output;
+    [a, b, c, penetration, s1, s2, worn, at_level]
 }
 
 fn changed(input: &PointInput, j: usize, by: f64) -> PointInput {
@@ -161,7 +161,7 @@ impl InputScales {
     /// The sizes of the terms of the outputs of a point.
     fn sizes(&self, i: usize, output: &PointOutput) -> [f64; OUTPUTS] {
         let [_, speed, _, p, q, _, depth, _] = self.0.get(i).copied().unwrap_or([1.0; INPUTS]);
-        [p.max(q), p.max(q), p.max(q), depth, speed, speed, output.worn]
+        [p.max(q), p.max(q), p.max(q), depth, speed, speed, output.worn, depth]
     }
 
     fn of(&self, i: usize, j: usize) -> f64 {
@@ -182,7 +182,7 @@ pub(super) struct PointMargin {
 /// The margins of all points of a step: |r|/(k max|w|) of open points, p/max p and (s − ‖q‖)/max p of closed ones, and
 /// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component.
 pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
-    let speed = max_abs(&of.new.w);
+    let speed = max_abs(&of.at.w);
     let pressure = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()));
     let over = |value: f64, scale: f64| (scale > 0.0).then(|| value / scale);
     let mut all = Vec::new();

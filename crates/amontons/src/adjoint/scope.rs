@@ -1,14 +1,17 @@
 //! Which problems have derivatives of their runs.
 
 use super::error::GradientError;
-use crate::contact::Contact;
+use super::instance::PhasedInstance;
+use crate::contact::{Contact, GraphKind};
 use crate::discretization::Discretization;
 use crate::problem::{Coupling, Fault, Physics, Problem, StartState};
-use crate::time::Analysis;
+use crate::time::{Analysis, FrictionRule, Start};
 
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
-pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), GradientError> {
-    let found = of_time(problem).or_else(|| of_body(problem, discrete));
+pub(super) fn check(phased: &PhasedInstance) -> Result<(), GradientError> {
+    let problem = &phased.first.problem;
+    let of_phases = || phased.all().find_map(|phase| of_body(&phase.problem, &phase.discrete));
+    let found = of_time(problem).or_else(of_phases);
     let of_contact = || {
         let mut sides = problem.contacts.iter().enumerate();
         sides.find_map(|(side, contact)| {
@@ -21,23 +24,46 @@ pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), 
     Err(GradientError::refused(Fault::new(path, format!("{found}, with derivatives of a run"), expected).hint(hint)))
 }
 
-/// Name of the scheme whose steps are differentiated.
-const EULER: &str = "backward Euler";
-
 type OutOfScope = (String, &'static str, &'static str);
 
 fn of_time(problem: &Problem) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
     let timeline = &problem.timeline;
     match () {
-        () if timeline.has_phases() => told("phase", "phases", "a run of one phase"),
         () if timeline.is_automatic() => told("time.steps", "chosen steps", "equal steps"),
-        () if problem.scheme.name() != EULER => told("time.scheme", "another scheme", "\"euler\""),
-        () if timeline.instant(1).analysis == Analysis::Steady => {
-            told("time.inertia", "a steady step", "a run in time")
+        () if timeline.first_steady().is_some() => told("phase", "a steady phase", "phases in time"),
+        () if timeline.has_phases() && problem.contacts.iter().any(is_bilateral) => {
+            told("phase", "phases with bilateral contact", "a run of one phase")
         }
         () if problem.initial.state == StartState::Equilibrium => {
             told("initial.state", "a start in equilibrium", "given initial data")
+        }
+        () => of_scheme(problem),
+    }
+}
+
+/// A bilateral contact that begins with a phase keeps the gap that it finds.
+fn is_bilateral(contact: &Contact) -> bool {
+    contact.normal.graph() == GraphKind::Bilateral
+}
+
+/// What a scheme in time has that is not differentiated. The ϑ-scheme on rigid foundations depends on the velocities
+/// before an impact, and has a kink at the bound of an impact.
+fn of_scheme(problem: &Problem) -> Option<OutOfScope> {
+    let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
+    let rule = problem.rule(Analysis::Dynamic, 1.0);
+    if rule.start == Start::Admissible {
+        return told("time.scheme", "steps from admissible velocities", "\"euler\", \"bdf2\" or \"theta\"");
+    }
+    if rule.balances_contact_at_end() {
+        return told("time.mass", "\"redistributed\", with equations within a step", "\"consistent\"");
+    }
+    let rule = rule.contact?;
+    let has_graph = |contact: &Contact| contact.normal.graph() != GraphKind::Function;
+    match () {
+        () if rule.friction != FrictionRule::Mean => told("time.friction", "\"end\"", "\"mean\""),
+        () if problem.contacts.iter().any(has_graph) => {
+            told("time.scheme", "the ϑ-scheme with a rigid foundation", "\"euler\" or \"bdf2\", or a layer")
         }
         () => None,
     }
@@ -53,15 +79,11 @@ fn of_body(problem: &Problem, discrete: &Discretization) -> Option<OutOfScope> {
         () if !discrete.is_linear() || !discrete.conducts_linearly() => {
             told("material", "a nonlinear law, or one that depends on temperature", "linear laws with constant data")
         }
-        () if !discrete.massless().is_empty() => told("time.mass", "\"redistributed\"", "\"consistent\""),
         () if discrete.branches.iter().any(|branch| !branch.has_field()) => {
             told("material.prony", "relaxation times that vary in space", "uniform ones")
         }
         () if !discrete.v.links.is_empty() => told("cyclic", "a sector of a cyclic body", "a whole body"),
         () if !discrete.v.rigid.is_empty() => told("rigid", "rigid parts", "bodies that deform"),
-        () if !discrete.v.frames.is_empty() => {
-            told("boundary", "displacements along normals or in other directions", "displacements along axes")
-        }
         () => None,
     }
 }

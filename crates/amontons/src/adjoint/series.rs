@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::along::Scratch;
 use super::error::GradientError;
-use super::history::{KeptStep, made};
-use super::instance::{ProblemInstance, SolvedStep, StepResidual};
+use super::history::{KeptStep, made, started};
+use super::instance::{PhasedInstance, ProblemInstance, SolvedStep, StepResidual, at_level};
 use super::outputs::{GradientOutput, OutputReader};
 use super::parameter::{Parameter, Variants};
 use super::points::{LinearPoint, PointMargin, TOUCHES, margins};
@@ -65,18 +65,19 @@ pub struct SeriesTable {
 /// # Errors
 /// Those of [`gradient`](super::gradient).
 pub fn series(request: &SeriesRequest) -> Result<SeriesTable, GradientError> {
-    let base = ProblemInstance::new(request.problem);
-    scope::check(request.problem, &base.discrete)?;
+    let base = PhasedInstance::new(request.problem);
+    scope::check(&base)?;
     let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
     let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
-    let prepared = |output: &GradientOutput| output.prepared(&base);
-    let sets = outputs.iter().map(prepared).collect::<Result<Vec<Prepared>, GradientError>>()?;
-    let mut sweep = ForwardSweep { request, base: &base, outputs: &outputs, sets, columns: Vec::new() };
+    let prepared = |output: &GradientOutput| output.prepared(&base.first);
+    let sets = outputs.iter().map(prepared).collect::<Result<Vec<PreparedProbe>, GradientError>>()?;
+    let mut sweep =
+        ForwardSweep { request, base: &base, outputs: &outputs, sets, columns: Vec::new(), kinks: Vec::new() };
     sweep.run()
 }
 
 /// The probe of an output, prepared for a problem.
-type Prepared = Option<Arc<ProbeSet>>;
+type PreparedProbe = Option<Arc<ProbeSet>>;
 
 /// A state with the report of its step.
 type Reported<'a> = (&'a State, Option<&'a StepReport>);
@@ -84,23 +85,28 @@ type Reported<'a> = (&'a State, Option<&'a StepReport>);
 /// The run with the derivatives of its state.
 struct ForwardSweep<'a> {
     request: &'a SeriesRequest<'a>,
-    base: &'a ProblemInstance,
+    base: &'a PhasedInstance,
     outputs: &'a [GradientOutput],
     /// By output.
-    sets: Vec<Prepared>,
-    columns: Vec<Column>,
+    sets: Vec<PreparedProbe>,
+    columns: Vec<ParameterColumn>,
+    /// By step, output and parameter: how much of a kink the derivative has, and the step of the parameter.
+    kinks: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
 /// The derivative of the state by a parameter.
-struct Column {
+struct ParameterColumn {
     variants: Variants,
     /// Number of times that the step of the parameter was reduced.
     shrunk: i32,
     /// The probes for the variants, by output.
-    sets: Vec<[Prepared; 4]>,
+    sets: Vec<[PreparedProbe; 4]>,
     /// The derivatives of the state, and how much of a kink they have.
     state: StateVector,
     kink: Option<StateVector>,
+    /// The same of the state one step before.
+    before: Option<StateVector>,
+    kink_before: Option<StateVector>,
     /// The same of the contact points at fixed data.
     points: OfPoints,
     bent_points: OfPoints,
@@ -108,9 +114,10 @@ struct Column {
 
 impl ForwardSweep<'_> {
     fn run(&mut self) -> Result<SeriesTable, GradientError> {
-        let (base, request) = (self.base, self.request);
-        let mut march = March::on(&base.problem, &base.discrete, &base.problem.backend)?;
-        let (start, steps) = (march.initial()?, base.problem.timeline.steps());
+        let (phased, request) = (self.base, self.request);
+        let ProblemInstance { problem, discrete } = &phased.first;
+        let mut march = March::on(problem, discrete, &problem.backend)?;
+        let (start, steps) = (march.initial()?, problem.timeline.steps());
         let mut table =
             SeriesTable { times: vec![start.t], values: Vec::new(), derivatives: Vec::new(), margin: None, ties: 0 };
         let (mut near, mut factors): (Vec<PointMargin>, Option<StepFactors>) = (Vec::new(), None);
@@ -121,13 +128,17 @@ impl ForwardSweep<'_> {
             }
             let (state, report) = made(&mut march, &old.state)?;
             let new = KeptStep::of(&state, &report);
-            let mut factor = StepFactors::kept_or_made(factors.take(), base, n)?;
-            let chosen = factor.chosen(base, n, [&old.state, &new.state]);
+            let (base, phase) = (phased.of(n), phased.start(n));
+            let start = &*started(&old.state, &new.state, phase);
+            let mut factor = StepFactors::kept_or_made(factors.take(), base, (n, start))?;
+            let at = &*at_level(&factor.rule, start, &new.state);
+            let chosen = factor.chosen(base, n, [start, at]);
             let unknown = factor.mechanics.on_contact.clone();
             let solved = SolvedStep {
                 n,
-                old: &old.state,
+                old: start,
                 new: &new.state,
+                at,
                 states: &new.states,
                 chosen: &chosen,
                 unknown: &unknown,
@@ -139,11 +150,15 @@ impl ForwardSweep<'_> {
                 self.begin((&solved, &forces))?;
                 self.add_row(&mut table, (&old.state, None), &[], None)?;
             }
+            if phase.rests {
+                self.columns.iter_mut().for_each(ParameterColumn::rest);
+            }
             let all = self.advance(&mut factor, &step, (&forces, &here))?;
             table.times.push(state.t);
             self.add_row(&mut table, (&state, Some(&report)), &points, Some((&here, &all)))?;
             (old, factors) = (new, Some(factor));
         }
+        self.check(&table)?;
         table.margin = near.iter().map(|near| near.value).min_by(f64::total_cmp);
         table.ties = near.iter().filter(|near| near.value <= TOUCHES).count();
         Ok(table)
@@ -152,23 +167,34 @@ impl ForwardSweep<'_> {
     /// Makes the columns with the derivatives of the initial state, at the equations of the first step.
     fn begin(&mut self, first: (&SolvedStep, &[Local])) -> Result<(), GradientError> {
         let base = self.base;
-        let start = initial_state(&base.problem, &base.discrete, None)?;
+        let initial = |of: &PhasedInstance| initial_state(&of.first.problem, &of.first.discrete, None);
+        let start = initial(base)?;
         for parameter in self.request.parameters {
             let variants = parameter.variants(base, first, 0)?;
-            let [a, b, c, d] = variants.all.each_ref().map(|of| initial_state(&of.problem, &of.discrete, None));
+            let [a, b, c, d] = variants.all.each_ref().map(initial);
             let all = [&a?, &b?, &start, &c?, &d?];
             let [state, kink] = StateVector::central(variants.h, all);
             let sets = self.prepared(&variants)?;
             let kink = Some(kink).filter(|kink| !kink.is_zero());
-            let (points, bent_points) = (Vec::new(), Vec::new());
-            self.columns.push(Column { variants, shrunk: 0, sets, state, kink, points, bent_points });
+            let (points, bent_points, before, kink_before) = Default::default();
+            self.columns.push(ParameterColumn {
+                variants,
+                shrunk: 0,
+                sets,
+                state,
+                kink,
+                before,
+                kink_before,
+                points,
+                bent_points,
+            });
         }
         Ok(())
     }
 
-    fn prepared(&self, variants: &Variants) -> Result<Vec<[Prepared; 4]>, GradientError> {
+    fn prepared(&self, variants: &Variants) -> Result<Vec<[PreparedProbe; 4]>, GradientError> {
         let of = |output: &GradientOutput| {
-            let [a, b, c, d] = variants.all.each_ref().map(|instance| output.prepared(instance));
+            let [a, b, c, d] = variants.all.each_ref().map(|instance| output.prepared(&instance.first));
             Ok([a?, b?, c?, d?])
         };
         self.outputs.iter().map(of).collect()
@@ -185,7 +211,11 @@ impl ForwardSweep<'_> {
         for (j, parameter) in self.request.parameters.iter().enumerate() {
             let (all, slope, kink) = loop {
                 let Some(column) = self.columns.get(j) else { break Default::default() };
-                let all = column.variants.all.each_ref().map(|variant| variant.residual(&step.solved, forces));
+                let all = column
+                    .variants
+                    .all
+                    .each_ref()
+                    .map(|variant| variant.of(step.solved.n).residual(&step.solved, forces));
                 let [a, b, c, d] = all.each_ref();
                 let around = Around { h: column.variants.h, all: [a, b, here, c, d] };
                 if let Some((slope, kink)) = ResidualSlope::of(&around, step.points) {
@@ -211,7 +241,7 @@ impl ForwardSweep<'_> {
 
     /// Adds the values and the derivatives of all outputs at a state.
     fn add_row(
-        &self,
+        &mut self,
         table: &mut SeriesTable,
         (state, report): Reported,
         points: &[LinearPoint],
@@ -219,11 +249,13 @@ impl ForwardSweep<'_> {
     ) -> Result<(), GradientError> {
         let mut scratch = Scratch { state: state.clone(), report: report.cloned() };
         let readers = self.outputs.iter().zip(&self.sets);
-        let readers: Vec<OutputReader> =
-            readers.map(|(output, set)| OutputReader::with(self.base, output, set.clone())).collect();
+        let readers: Vec<OutputReader> = readers
+            .map(|(output, set)| OutputReader::with(self.base.of(state.step.max(1)), output, set.clone()))
+            .collect();
         let values: Vec<f64> = readers.iter().map(|reader| reader.value_at(state, report)).collect();
         let mut rows = vec![Vec::with_capacity(self.columns.len()); self.outputs.len()];
-        for (j, (column, parameter)) in self.columns.iter().zip(self.request.parameters).enumerate() {
+        let mut kinks = vec![Vec::with_capacity(self.columns.len()); self.outputs.len()];
+        for (j, column) in self.columns.iter().enumerate() {
             let of_step = equations.and_then(|(here, all)| Some((here, all.get(j)?)));
             let direct = self.direct(column, (state, report), &mut scratch, (of_step, &values));
             for (i, (reader, row)) in readers.iter().zip(&mut rows).enumerate() {
@@ -235,23 +267,39 @@ impl ForwardSweep<'_> {
                 });
                 let [more, bent_directly] = direct[i];
                 let (slope, bent) = (slope + more, bent.unwrap_or(f64::NAN) + bent_directly);
-                let rounded = NOTHING * values[i].abs() / column.variants.h;
-                let is_smooth = bent.abs() <= KINK * slope.abs() + ROUNDINGS * rounded;
-                if !values[i].is_nan() && !is_smooth {
-                    return Err(parameter.kink());
-                }
+                kinks[i].push([bent, column.variants.h]);
                 row.push(slope);
             }
         }
         table.values.push(values);
         table.derivatives.push(rows);
+        self.kinks.push(kinks);
+        Ok(())
+    }
+
+    /// Returns an error if a derivative is none, because the data have a kink. Round-off of an output is that of its
+    /// largest value.
+    fn check(&self, table: &SeriesTable) -> Result<(), GradientError> {
+        for i in 0..self.outputs.len() {
+            let number = |row: &Vec<f64>| row.get(i).map_or(0.0, |value| value.abs());
+            let largest = table.values.iter().map(number).filter(|value| value.is_finite()).fold(0.0, f64::max);
+            for ((values, slopes), kinks) in table.values.iter().zip(&table.derivatives).zip(&self.kinks) {
+                for (j, ([bent, h], slope)) in kinks[i].iter().zip(&slopes[i]).enumerate() {
+                    let rounded = NOTHING * largest / h;
+                    let is_smooth = bent.abs() <= KINK * slope.abs() + ROUNDINGS * rounded;
+                    if !(values[i].is_nan() || is_smooth) {
+                        return Err(self.request.parameters[j].kink());
+                    }
+                }
+            }
+        }
         Ok(())
     }
 
     /// ∂o/∂m of the outputs at fixed unknowns, and how much of a kink it has.
     fn direct(
         &self,
-        column: &Column,
+        column: &ParameterColumn,
         (state, report): Reported,
         scratch: &mut Scratch,
         (of_step, values): (Option<(&StepResidual, &[StepResidual; 4])>, &[f64]),
@@ -264,6 +312,7 @@ impl ForwardSweep<'_> {
                 }
             }
             for ((output, sets), found) in self.outputs.iter().zip(&column.sets).zip(&mut found) {
+                let instance = instance.of(state.step.max(1));
                 let reader = OutputReader::with(instance, output, sets[v].clone());
                 found[v] = reader.value_at(state, scratch.report.as_ref());
             }
@@ -285,7 +334,13 @@ fn no_slope(output: &GradientOutput) -> GradientError {
     GradientError::refused(fault)
 }
 
-impl Column {
+impl ParameterColumn {
+    /// Makes the derivatives those of a state at rest.
+    fn rest(&mut self) {
+        self.state.w.fill(0.0);
+        self.kink.iter_mut().for_each(|kink| kink.w.fill(0.0));
+    }
+
     fn advance(
         &mut self,
         factors: &mut StepFactors,
@@ -293,12 +348,16 @@ impl Column {
         slope: &ResidualSlope,
         kink: Option<ResidualSlope>,
     ) -> Result<(), GradientError> {
-        if self.kink.is_some() || kink.is_some() {
+        if self.kink.is_some() || self.kink_before.is_some() || kink.is_some() {
             let start = self.kink.take().unwrap_or_else(|| StateVector::zero(step.solved.old));
-            let (end, points) = step.forward(factors, &start, &kink.unwrap_or_else(|| ResidualSlope::zero(slope)))?;
-            (self.kink, self.bent_points) = (Some(end), points);
+            let kink = kink.unwrap_or_else(|| ResidualSlope::zero(slope));
+            let before = self.kink_before.take().unwrap_or_else(|| StateVector::zero(step.solved.old));
+            let (end, points) = step.forward(factors, (&start, Some(&before)), &kink)?;
+            (self.kink, self.kink_before, self.bent_points) = (Some(end), Some(start), points);
         }
-        (self.state, self.points) = step.forward(factors, &self.state, slope)?;
+        let (end, points) = step.forward(factors, (&self.state, self.before.as_ref()), slope)?;
+        self.before = Some(std::mem::replace(&mut self.state, end));
+        self.points = points;
         Ok(())
     }
 }

@@ -11,6 +11,7 @@ use crate::inclusion::Local;
 use crate::linalg::{dot, max_abs, zeros};
 use crate::state::State;
 use crate::tensor::dot as inner;
+use crate::time::Start;
 
 /// A vector of the numbers of a state: the derivatives of an output by the state, or those of the state by a parameter.
 #[derive(Clone, Debug)]
@@ -35,6 +36,32 @@ impl StateVector {
             wear: zeros(state.surface.wear.len()),
             work: zeros(state.surface.friction_work.len()),
         }
+    }
+
+    /// (4 v₀ − v₋₁)/3 of the vectors of two states, to which a step adds; of wear and work of friction v₀.
+    pub fn mixed(start: &StateVector, before: &StateVector) -> StateVector {
+        let mix = |now: &[f64], then: &[f64]| -> Vec<f64> {
+            now.iter().zip(then).map(|(now, then)| (4.0 * now - then) / 3.0).collect()
+        };
+        StateVector {
+            u: mix(&start.u, &before.u),
+            w: mix(&start.w, &before.w),
+            theta: mix(&start.theta, &before.theta),
+            branches: start.branches.iter().zip(&before.branches).map(|(now, then)| mix(now, then)).collect(),
+            wear: start.wear.clone(),
+            work: start.work.clone(),
+        }
+    }
+
+    /// Adds a multiple of the parts of another vector to which steps add: all but wear and work of friction.
+    fn add_bar(&mut self, factor: f64, bar: &StateVector) {
+        let add = |to: &mut [f64], from: &[f64]| {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+        };
+        add(&mut self.u, &bar.u);
+        add(&mut self.w, &bar.w);
+        add(&mut self.theta, &bar.theta);
+        self.branches.iter_mut().zip(&bar.branches).for_each(|(to, from)| add(to, from));
     }
 
     /// The derivative and the kink of values around a state, as [`stencil::central`] has them, the kink without
@@ -100,17 +127,21 @@ pub(super) struct LinearStep<'a> {
 }
 
 impl LinearStep<'_> {
-    /// Makes the weights of the state at the end of the step those of the state at its start.
+    /// Makes the weights of the state at the end of the step those of the state at its start. `before` holds weights of
+    /// the state at its start that a later step had, and then those of the state one step before.
     pub fn back(
         &self,
         factors: &mut StepFactors,
-        weights: &mut StateVector,
+        (weights, before): (&mut StateVector, &mut Option<StateVector>),
         direct: Option<&OfPoints>,
     ) -> Result<Multiplied, GradientError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
         let failed = |part| move |source| GradientError::Linear { step: n, part, source };
         let after = weights.clone();
-        let heat = factors.heat(base, solved, self.flux, &after.theta).map_err(failed("heat"))?;
+        // Of the unknowns at the time of the equations, v₁ = v₀ + (v_ϑ − v₀)/ϑ.
+        let share = factors.rule.level.recip();
+        let of_heat: Vec<f64> = after.theta.iter().map(|theta| share * theta).collect();
+        let heat = factors.heat(base, solved, self.flux, &of_heat).map_err(failed("heat"))?;
         let mut by_point = self.outputs(&after, &heat[0]);
         for (all, direct) in by_point.iter_mut().zip(direct.into_iter().flatten()) {
             all.iter_mut().zip(direct).for_each(|(all, direct)| *all += direct);
@@ -121,18 +152,35 @@ impl LinearStep<'_> {
         let found = factors.mechanics(base, solved, self.points, (&right, &force)).map_err(failed("mechanics"))?;
         let areas: Vec<f64> =
             base.step(n, solved.old, |step| step.boundary.points.iter().map(|point| point.weight).collect());
-        base.step(n, solved.old, |step| self.onto_start(step, weights, (&found, &heat[0]), &inputs));
+        *weights = base.step(n, solved.old, |step| {
+            let mut bar = weights.clone();
+            let mut start = self.onto_start(step, &mut bar, (&found, &heat), &inputs);
+            let later = before.take();
+            match step.rule.start {
+                Start::TwoStates => {
+                    start.add_bar(4.0 / 3.0, &bar);
+                    let earlier = before.insert(StateVector::zero(solved.old));
+                    earlier.add_bar(-1.0 / 3.0, &bar);
+                }
+                Start::State | Start::Admissible => start.add_bar(1.0, &bar),
+            }
+            if let Some(later) = later {
+                start.add_bar(1.0, &later);
+            }
+            start
+        });
         let branches = self.points.iter().map(|point| point.branch).collect();
         Ok(Multiplied { transposed: found, heat, after, areas, branches })
     }
 
-    /// The derivatives by (p, q), penetration, slip and wear of each point of what follows from them in the step.
-    fn outputs(&self, after: &StateVector, heat: &[f64]) -> Vec<[f64; 7]> {
+    /// The derivatives by (p, q), penetration, slip, wear and penetration at the time of the equations of each point of
+    /// what follows from them in the step.
+    fn outputs(&self, after: &StateVector, heat: &[f64]) -> Vec<[f64; 8]> {
         self.base.step(self.solved.n, self.solved.old, |step| {
             let seen = if heat.is_empty() { vec![[0.0; 2]; self.points.len()] } else { sides_of(step, heat) };
             let of = |(i, point): (usize, &LinearPoint)| {
                 let ([_, q1, q2], [s1, s2], work) = (point.force, point.slip, point.rubbing * after.work[i]);
-                let mut all = [0.0, work * s1, work * s2, 0.0, work * q1, work * q2, after.wear[i]];
+                let mut all = [0.0, work * s1, work * s2, 0.0, work * q1, work * q2, after.wear[i], 0.0];
                 let (Some(flux), Some(at)) = (self.flux.get(i), step.boundary.points.get(i)) else { return all };
                 let [own, other] = seen[i].map(|seen| 0.0 - at.weight * seen);
                 let through = own + other;
@@ -144,10 +192,11 @@ impl LinearStep<'_> {
                     through * flux.by_pressure,
                     power * s1,
                     power * s2,
-                    through * flux.by_penetration,
+                    0.0,
                     power * q1 + along * s1,
                     power * q2 + along * s2,
                     0.0,
+                    through * flux.by_penetration,
                 ];
                 all.iter_mut().zip(more).for_each(|(all, more)| *all += more);
                 all
@@ -166,11 +215,11 @@ impl LinearStep<'_> {
             .map(|(point, of)| super::instance::global(&point.basis, &[of[0], of[1], of[2]]));
         let mut right = unweighted(step, at_points);
         for (i, right) in right.iter_mut().enumerate() {
-            *right += after.w[i] + rule.gamma * after.u[i];
+            *right += (after.w[i] + rule.gamma * after.u[i]) / rule.level;
         }
         for (branch, weights) in step.discrete.branches.iter().zip(&after.branches) {
             let more = branch.step(rule, &zeros(weights.len()), weights);
-            right.iter_mut().zip(&more).for_each(|(right, more)| *right += more);
+            right.iter_mut().zip(&more).for_each(|(right, more)| *right += more / rule.level);
         }
         let per_area = |(of, point): (&[f64; INPUTS], &crate::contact::PointOnBoundary)| {
             if point.weight == 0.0 { [0.0; 3] } else { [of[3], of[4], of[5]].map(|f| f / point.weight) }
@@ -178,14 +227,15 @@ impl LinearStep<'_> {
         (right, inputs.iter().zip(&step.boundary.points).map(per_area).collect())
     }
 
-    /// The weights of the state at the start of the step.
+    /// Makes the weights of the state at the end of the step those of what the step adds to; returns those of the state
+    /// at its start.
     fn onto_start(
         &self,
         step: &Step,
         weights: &mut StateVector,
-        (found, heat): (&Transposed, &[f64]),
+        (found, [heat, held]): (&Transposed, &[Vec<f64>; 2]),
         inputs: &[[f64; INPUTS]],
-    ) {
+    ) -> StateVector {
         let (discrete, rule) = (step.discrete, step.rule);
         let onto = |of: &mut [f64], more: &[f64], factor: f64| {
             of.iter_mut().zip(more).for_each(|(of, more)| *of += factor * more);
@@ -198,7 +248,7 @@ impl LinearStep<'_> {
             .map(|(i, point)| {
                 let area = step.boundary.points.get(i).map_or(0.0, |point| point.weight);
                 let [a, b, c] = found.points[i].map(|mu| 0.0 - area * mu);
-                let all = point.back(&[a, b, c, 0.0, 0.0, 0.0, 0.0]);
+                let all = point.back(&[a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0]);
                 [all[6] + inputs[i][6], all[7] + inputs[i][7]]
             })
             .collect();
@@ -207,35 +257,47 @@ impl LinearStep<'_> {
         let along = self.points.iter().zip(&known).map(|(point, [of, _])| point.basis[0].map(|c| c * of));
         onto(&mut weights.u, &unweighted(step, along), 1.0);
         let inertia = discrete.inertia().1.apply(&found.y);
-        weights.w = inertia.iter().map(|m| step.inertia() / rule.delta * m).collect();
+        // The share of the values at the start in those at the end, 1 − 1/ϑ.
+        let kept_of = 1.0 - rule.level.recip();
+        for (w, m) in weights.w.iter_mut().zip(&inertia) {
+            *w = kept_of * *w + step.inertia() / rule.delta * m;
+        }
         for (branch, weights) in discrete.branches.iter().zip(&mut weights.branches) {
             let none = zeros(weights.len());
             let (kept, force) = (branch.step(rule, weights, &none), branch.step(rule, &branch.force(&found.y), &none));
-            *weights = kept.iter().zip(&force).map(|(kept, force)| kept - force).collect();
+            for (weights, (kept, force)) in weights.iter_mut().zip(kept.iter().zip(&force)) {
+                *weights = kept_of * *weights + kept / rule.level - force;
+            }
         }
-        weights.theta = zeros(weights.theta.len());
+        let has_heat = step.problem.physics.has_heat();
+        weights.theta.iter_mut().for_each(|theta| *theta *= if has_heat { kept_of } else { 0.0 });
+        let (wear, work) = (weights.wear.clone(), weights.work.clone());
+        let mut start = StateVector { wear, work, ..StateVector::zero(step.old) };
         if step.problem.physics.has_heat() {
-            onto(&mut weights.theta, &discrete.m.apply_transposed(&found.y), 1.0);
+            onto(&mut start.theta, &discrete.m.apply_transposed(&found.y), 1.0);
             let stored = discrete.storage();
             onto(&mut weights.theta, &stored.1.apply(heat), stored.0 / rule.delta);
-            onto(&mut weights.u, &discrete.e.apply_transposed(heat), 1.0);
+            // A prescribed temperature is taken between that at the start and the datum.
+            onto(&mut start.theta, held, 1.0 - rule.level);
+            onto(&mut start.u, &discrete.e.apply_transposed(heat), 1.0);
             let signs = step.boundary.points.iter().map(|point| step.contacts[point.contact].sign());
             // The laws see the side `on`; the shares of the other side are negative in the jump.
             let of_sides =
                 known.iter().zip(signs).map(|([_, of], sign)| if sign > 0.0 { [*of, 0.0] } else { [0.0, 0.0 - of] });
-            onto_sides(step, of_sides, &mut weights.theta);
+            onto_sides(step, of_sides, &mut start.theta);
         }
-        for (wear, [of, _]) in weights.wear.iter_mut().zip(&known) {
+        for (wear, [of, _]) in start.wear.iter_mut().zip(&known) {
             *wear -= of;
         }
+        start
     }
 }
 
 impl LinearPoint {
     /// Weights of (p, q), penetration, slip and wear turned into weights of the inputs.
-    fn weighted(&self, of: &[f64; 7]) -> [f64; INPUTS] {
-        let [p, q1, q2, penetration, s1, s2, worn] = *of;
-        let mut all = self.back(&[0.0, 0.0, 0.0, penetration, s1, s2, worn]);
+    fn weighted(&self, of: &[f64; 8]) -> [f64; INPUTS] {
+        let [p, q1, q2, penetration, s1, s2, worn, at_level] = *of;
+        let mut all = self.back(&[0.0, 0.0, 0.0, penetration, s1, s2, worn, at_level]);
         [p, q1, q2].iter().zip(&mut all[3..6]).for_each(|(of, all)| *all += of);
         all
     }
@@ -250,8 +312,8 @@ pub(super) struct Around<'a> {
 impl Multiplied {
     /// The derivative of the output by a parameter through this step, how much of a kink there is, as
     /// [`stencil::central`] has it, and the round-off of both.
-    pub fn by_parameter(&self, around: &Around, free: [&[bool]; 2]) -> [f64; 3] {
-        let values = around.all.map(|residual| [self.product(residual, free)]);
+    pub fn by_parameter(&self, around: &Around) -> [f64; 3] {
+        let values = around.all.map(|residual| [self.product(residual)]);
         let [[slope], [kink]] = stencil::central(around.h, values.each_ref());
         let of_points = self.of_defects(around);
         [slope - of_points[0], kink - of_points[1], f64::EPSILON * self.size(around.all[2]) / around.h]
@@ -274,17 +336,15 @@ impl Multiplied {
     }
 
     /// The sum of all equations but those of the contact points, and of what follows from the unknowns.
-    fn product(&self, of: &StepResidual, [free_v, free_q]: [&[bool]; 2]) -> f64 {
+    fn product(&self, of: &StepResidual) -> f64 {
         let Multiplied { transposed, heat: [heat, held], after, .. } = self;
-        let on = |free: &[bool], y: &[f64], rest: &[f64]| -> f64 {
-            free.iter().zip(y.iter().zip(rest)).filter(|(free, _)| **free).map(|(_, (y, rest))| y * rest).sum()
-        };
         let worn = after.wear.iter().zip(&of.points).map(|(weight, point)| weight * point.worn).sum::<f64>();
         let branches = after.branches.iter().zip(&of.branches).map(|(a, b)| dot(a, b)).sum::<f64>();
         let warmed = if heat.is_empty() { dot(&after.theta[..of.temperatures.len()], &of.temperatures) } else { 0.0 };
         dot(&transposed.prescribed, &of.rates) + dot(held, &of.temperatures[..held.len()]) + warmed
-            - on(free_v, &transposed.y, &of.mechanics)
-            - on(free_q, heat, &of.heat)
+            // The multipliers have no components along held degrees of freedom.
+            - dot(&transposed.y, &of.mechanics)
+            - dot(heat, &of.heat[..heat.len()])
             + dot(&after.u, &of.u)
             + branches
             + worn

@@ -6,13 +6,14 @@ use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
 use super::sweep::{Around, LinearStep, OfPoints, StateVector};
 use super::transpose::{
-    REPETITIONS, StepFactors, inverse, jump, near, on_degrees, onto_sides, product, sides_of, times,
+    REPETITIONS, StepFactors, inverse, jump, near, on_degrees, only_held, onto_sides, product, sides_of, times,
 };
 use crate::contact::{Contact, Flux, PointOnBoundary};
 use crate::equation::foundation::temperatures;
 use crate::equation::system::Step;
 use crate::inclusion::{Exchange, HeatStep, Local, LocalTangent};
 use crate::linalg::{SolveError, Tangent, max_abs, zeros};
+use crate::time::Start;
 
 /// The derivative by a parameter, at fixed unknowns, of the equations of a step and of what follows from them.
 pub(super) struct ResidualSlope {
@@ -99,33 +100,44 @@ impl LinearStep<'_> {
     pub fn forward(
         &self,
         factors: &mut StepFactors,
-        start: &StateVector,
+        (start, before): (&StateVector, Option<&StateVector>),
         by: &ResidualSlope,
     ) -> Result<Advanced, GradientError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
+        let before = before.filter(|_| factors.rule.start == Start::TwoStates);
+        let mixed = before.map(|before| StateVector::mixed(start, before));
+        let start = Started { start, bar: mixed.as_ref().unwrap_or(start) };
         let failed = |part| move |source| GradientError::Linear { step: n, part, source };
-        let known = base.step(n, solved.old, |step| self.known(step, start));
-        let right = base.step(n, solved.old, |step| self.pushed(step, start, by, &known));
+        let known = base.step(n, solved.old, |step| self.known(step, &start));
+        let right = base.step(n, solved.old, |step| self.pushed(step, &start, by, &known));
         let (w, forces) = factors.moved(base, solved, self.points, &right).map_err(failed("mechanics"))?;
         let all = base.step(n, solved.old, |step| self.at_points(step, &w, &forces, &known));
-        let warmed = base.step(n, solved.old, |step| self.warmed(step, start, by, &all));
+        let warmed = base.step(n, solved.old, |step| self.warmed(step, &start, by, &all));
         let theta = match warmed {
-            Some(right) => factors.warmed(base, solved, self.flux, &right).map_err(failed("heat"))?,
-            None if by.temperatures.is_empty() => zeros(start.theta.len()),
+            Some(right) => {
+                let at = factors.warmed(base, solved, self.flux, &right).map_err(failed("heat"))?;
+                start.start.theta.iter().zip(&at).map(|(start, at)| factors.rule.end([*start, *at])).collect()
+            }
+            None if by.temperatures.is_empty() => zeros(start.start.theta.len()),
             None => by.temperatures.clone(),
         };
-        let mut end = base.step(n, solved.old, |step| self.end(step, start, by, &all));
-        for (branch, (of, start)) in end.branches.iter_mut().zip(base.discrete.branches.iter().zip(&start.branches)) {
-            let more = of.step(factors.rule, start, &w);
+        let rule = factors.rule;
+        let at_end = |start: &[f64], at: &[f64]| -> Vec<f64> {
+            start.iter().zip(at).map(|(start, at)| rule.end([*start, *at])).collect()
+        };
+        let mut end = base.step(n, solved.old, |step| self.end(step, &start, by, &all));
+        for (i, (branch, of)) in end.branches.iter_mut().zip(&base.discrete.branches).enumerate() {
+            let more = at_end(&start.start.branches[i], &of.step(rule, &start.bar.branches[i], &w));
             branch.iter_mut().zip(&more).for_each(|(branch, more)| *branch += more);
         }
-        end.u.iter_mut().zip(&w).for_each(|(u, w)| *u += factors.rule.gamma * w);
+        end.u.iter_mut().zip(&w).for_each(|(u, w)| *u += rule.gamma / rule.level * w);
+        let w = at_end(&start.start.w, &w);
         let points = all.iter().map(|(input, output)| [input[3], input[4], input[5], output[3], output[4], output[5]]);
         Ok((StateVector { w, theta, ..end }, points.collect()))
     }
 
     /// The changes of ū_ν − g and of the temperature at each point.
-    fn known(&self, step: &Step, start: &StateVector) -> Vec<[f64; 2]> {
+    fn known(&self, step: &Step, &Started { start, bar }: &Started) -> Vec<[f64; 2]> {
         let sides = if step.problem.physics.has_heat() {
             sides_of(step, &start.theta)
         } else {
@@ -136,19 +148,21 @@ impl LinearStep<'_> {
             let [own, other] = sides[i];
             // The laws see the side `on`; the shares of the other side are negative in the jump.
             let temperature = if sign > 0.0 { own } else { 0.0 - other };
-            [jump(step, i, point, &start.u)[0] - start.wear[i], temperature]
+            [jump(step, i, point, &bar.u)[0] - start.wear[i], temperature]
         };
         self.points.iter().enumerate().map(of).collect()
     }
 
-    /// The right-hand sides of the mechanical half-step: of (4.1), of the contact points, and the prescribed velocities.
-    fn pushed(&self, step: &Step, start: &StateVector, by: &ResidualSlope, known: &[[f64; 2]]) -> Pushed {
+    /// The right-hand sides of the mechanical half-step: of (4.1), of contact points, and the prescribed velocities.
+    fn pushed(&self, step: &Step, &Started { start, bar }: &Started, by: &ResidualSlope, known: &[[f64; 2]]) -> Pushed {
         let (discrete, rule) = (step.discrete, step.rule);
-        let mut right = discrete.inertia().1.apply(&start.w);
-        right.iter_mut().for_each(|force| *force *= step.inertia() / rule.delta);
+        let mut right = discrete.inertia().1.apply(&bar.w);
+        for force in &mut right {
+            *force *= step.inertia() / rule.delta;
+        }
         let mut take = |force: &[f64]| right.iter_mut().zip(force).for_each(|(right, force)| *right -= force);
-        take(&discrete.apply_linear_a(&start.u));
-        for (branch, z) in discrete.branches.iter().zip(&start.branches) {
+        take(&discrete.apply_linear_a(&bar.u));
+        for (branch, z) in discrete.branches.iter().zip(&bar.branches) {
             take(&branch.force(&branch.step(rule, z, &zeros(z.len()))));
         }
         take(&by.mechanics);
@@ -161,9 +175,8 @@ impl LinearStep<'_> {
             std::array::from_fn(|a| 0.0 - defect[a] - seen[a])
         };
         let defects = self.points.iter().zip(&by.defects).zip(known).map(of_point).collect();
-        let free = &discrete.v.free;
-        let held = (0..free.len()).map(|i| if free[i] { 0.0 } else { by.rates[i] - start.u[i] / rule.span });
-        Pushed { right, defects, held: held.collect() }
+        let rates = by.rates.iter().zip(&bar.u).map(|(rate, u)| rate - u / rule.span).collect();
+        Pushed { right, defects, held: only_held(&discrete.v, rates) }
     }
 
     /// The changes of the inputs and outputs of each point.
@@ -186,7 +199,7 @@ impl LinearStep<'_> {
     fn warmed(
         &self,
         step: &Step,
-        start: &StateVector,
+        &Started { start, bar }: &Started,
         by: &ResidualSlope,
         all: &[([f64; INPUTS], [f64; OUTPUTS])],
     ) -> Option<[Vec<f64>; 2]> {
@@ -196,7 +209,7 @@ impl LinearStep<'_> {
         let discrete = step.discrete;
         let stored = discrete.storage();
         let (stored, heated) = (
-            stored.1.apply(&start.theta).into_iter().map(|s| stored.0 / step.rule.delta * s),
+            stored.1.apply(&bar.theta).into_iter().map(|s| stored.0 / step.rule.delta * s),
             discrete.e.apply(&start.u),
         );
         let mut right: Vec<f64> = stored.zip(heated.iter().zip(&by.heat)).map(|(s, (e, r))| s + e - r).collect();
@@ -207,7 +220,7 @@ impl LinearStep<'_> {
             let speed = s1.hypot(s2);
             let along = if speed > 0.0 { (s1 * output[4] + s2 * output[5]) / speed } else { 0.0 };
             let through = flux.by_pressure * input[3]
-                + flux.by_penetration * output[3]
+                + flux.by_penetration * output[7]
                 + flux.by_slip_speed * along
                 + flux.by_friction_power * power;
             let rubs = step.contacts.get(at.contact).is_some_and(Contact::rubs);
@@ -215,22 +228,23 @@ impl LinearStep<'_> {
             [0.0 - at.weight * through, 0.0 - at.weight * into]
         });
         onto_sides(step, of, &mut right);
-        let free = &discrete.q.free;
-        let held = (0..free.len()).map(|i| if free[i] { 0.0 } else { by.temperatures[i] }).collect();
-        Some([right, held])
+        // A prescribed temperature is taken between that at the start and the datum.
+        let given = by.temperatures.iter().zip(&start.theta);
+        let given = given.map(|(by, start)| by + (1.0 - step.rule.level) * start).collect();
+        Some([right, only_held(&discrete.q, given)])
     }
 
     /// The state at the end of the step, but for what the unknowns of the bodies add to u, w, θ and the branches.
     fn end(
         &self,
         step: &Step,
-        start: &StateVector,
+        &Started { start, bar }: &Started,
         by: &ResidualSlope,
         all: &[([f64; INPUTS], [f64; OUTPUTS])],
     ) -> StateVector {
         let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
         let mut end = StateVector {
-            u: sum(&start.u, &by.u),
+            u: sum(&bar.u, &by.u),
             w: Vec::new(),
             theta: Vec::new(),
             branches: by.branches.clone(),
@@ -245,6 +259,12 @@ impl LinearStep<'_> {
         }
         end
     }
+}
+
+/// The derivatives of the state from which a step starts, and of that to which it adds, [`Start`].
+struct Started<'a> {
+    start: &'a StateVector,
+    bar: &'a StateVector,
 }
 
 /// The right-hand sides of a mechanical half-step.
@@ -289,7 +309,7 @@ impl StepFactors {
     ) -> Result<(Vec<f64>, Vec<Local>), SolveError> {
         let (matrix, half) = (&self.matrix, &mut self.mechanics);
         base.step(of.n, of.old, |step| {
-            let given = data(step, of.new);
+            let given = data(step, of.at);
             let inverses: Vec<LocalTangent> = points.iter().map(|point| inverse(&near(&point.by_force()))).collect();
             let slope = |(point, inverse): (&LinearPoint, &LocalTangent)| {
                 product(inverse, &point.by_velocity()).map(|row| row.map(|entry| 0.0 - entry))
@@ -334,7 +354,7 @@ impl StepFactors {
         let Some((half, matrix)) = &mut self.heat else { return Ok(Vec::new()) };
         base.step(of.n, of.old, |step| {
             let foundation = temperatures(step);
-            let prescribed = step.boundary.restricted(1, &of.new.theta);
+            let prescribed = step.boundary.restricted(1, &of.at.theta);
             let lumped = vec![None; step.contacts.len()];
             let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
             half.system.condensed_mut().turn(&[]);

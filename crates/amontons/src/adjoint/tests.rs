@@ -1,8 +1,8 @@
 //! Jᵀ of the half-steps is the transposed of J.
 
 use super::at_solution;
-use super::history::RunHistory;
-use super::instance::{ProblemInstance, SolvedStep, data, global};
+use super::history::{RunHistory, started};
+use super::instance::{PhasedInstance, SolvedStep, at_level, data, global};
 use super::points::{LinearPoint, linearised};
 use super::sweep::{Around, LinearStep, StateVector};
 use super::tangent::ResidualSlope;
@@ -44,18 +44,19 @@ fn forward(step: &Step, points: &[LinearPoint], v: &[f64], f: &[Local]) -> (Vec<
 fn the_transposed_step_is_the_transposed_of_the_step() {
     let text = include_str!("../../tests/reference/gradients/block-stick-slip.toml");
     let case = case::parse(&Source::new("block", text), &[]).expect("a case");
-    let base = ProblemInstance::new(&case.problem);
-    let mut history = RunHistory::new(&base, usize::MAX, &|| true).expect("a run");
+    let phased = PhasedInstance::new(&case.problem);
+    let mut history = RunHistory::new(&phased, usize::MAX, &|| true).expect("a run");
+    let base = &phased.first;
     for n in [3, 9, 13, 20] {
         let [old, new] = history.around(n).expect("a step");
-        let mut factors = StepFactors::new(&base.problem, &base.discrete, base.rule(n)).expect("factors");
-        let chosen = factors.chosen(&base, n, [&old.state, &new.state]);
+        let mut factors = StepFactors::new(&base.problem, &base.discrete, base.rule(n, &old.state)).expect("factors");
+        let chosen = factors.chosen(base, n, [&old.state, &new.state]);
         let unknown = factors.mechanics.on_contact.clone();
         let (old, states, new) = (&old.state, &new.states, &new.state);
-        let solved = SolvedStep { n, old, new, states, chosen: &chosen, unknown: &unknown };
-        let points = linearised(&base, &solved, None).expect("points");
+        let solved = SolvedStep { n, old, new, at: new, states, chosen: &chosen, unknown: &unknown };
+        let points = linearised(base, &solved, None).expect("points");
         let (right, force) = (numbers(new.w.len(), 7 + n as u64), locals(points.len(), 11 + n as u64));
-        let found = factors.mechanics(&base, &solved, &points, (&right, &force)).expect("a solution");
+        let found = factors.mechanics(base, &solved, &points, (&right, &force)).expect("a solution");
         let (mut v, f) = (numbers(new.w.len(), 13 + n as u64), locals(points.len(), 17 + n as u64));
         base.discrete.v.mask(&mut v);
         base.step(n, old, |step| {
@@ -114,29 +115,39 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
         )
         .replace("viscosity = {", "prony = [{ ratio = 0.3, time = 0.4 }]\nviscosity = {")
         .replace("displacement = [0, 0]", "displacement = [0, 0]\ntemperature = 1.0");
-    for (name, text) in [("thermal-pressure", warm), ("wear", wear), ("pair", &warm_pair)] {
+    let with = |text: &str, scheme: &str| text.replace("[time]", &format!("[time]\nscheme = {scheme}"));
+    let (theta, bdf2) = (with(warm, "\"theta\"\ntheta = 0.6"), with(&warm_pair, "\"bdf2\""));
+    let cases = [("heat", warm), ("wear", wear), ("pair", &warm_pair), ("theta", &theta), ("bdf2", &bdf2)];
+    for (name, text) in cases {
         let case = case::parse(&Source::new(name, text), &[]).unwrap_or_else(|error| panic!("{error}"));
-        let base = ProblemInstance::new(&case.problem);
-        let mut history = RunHistory::new(&base, usize::MAX, &|| true).expect("a run");
+        let phased = PhasedInstance::new(&case.problem);
+        let base = &phased.first;
+        let mut history = RunHistory::new(&phased, usize::MAX, &|| true).expect("a run");
         for n in [2, history.steps / 2, history.steps] {
             let [old, new] = history.around(n).expect("a step");
-            let mut factors = StepFactors::new(&base.problem, &base.discrete, base.rule(n)).expect("factors");
-            let chosen = factors.chosen(&base, n, [&old.state, &new.state]);
+            let (start, states, flux, new) = (old.state.clone(), &new.states, &new.flux, &new.state);
+            let old = &*started(&start, new, phased.start(n));
+            let mut factors = StepFactors::new(&base.problem, &base.discrete, base.rule(n, old)).expect("factors");
+            let at = &*at_level(&factors.rule, old, new);
+            let chosen = factors.chosen(base, n, [old, at]);
             let unknown = factors.mechanics.on_contact.clone();
-            let (old, states, flux, new) = (&old.state, &new.states, &new.flux, &new.state);
-            let solved = SolvedStep { n, old, new, states, chosen: &chosen, unknown: &unknown };
-            let (points, forces, here) = at_solution(&base, &solved, None).expect("points");
+            let solved = SolvedStep { n, old, new, at, states, chosen: &chosen, unknown: &unknown };
+            let (points, forces, here) = at_solution(base, &solved, None).expect("points");
             let around = Around { h: 1.0, all: [&here; 5] };
             let (slope, kink) = ResidualSlope::of(&around, &points).expect("one branch");
             assert!(kink.is_none() && !forces.is_empty());
-            let step = LinearStep { base: &base, solved, points: &points, flux };
-            let (v, weights) = (random_vector(old, 7 + n as u64), random_vector(new, 1007 + n as u64));
-            let moved = step.forward(&mut factors, &v, &slope).expect("a solution").0;
-            let mut back = weights.clone();
-            step.back(&mut factors, &mut back, None).expect("a solution");
+            let step = LinearStep { base, solved, points: &points, flux };
+            let [v, before] = [7, 507].map(|seed| random_vector(old, seed + n as u64));
+            let weights = random_vector(new, 1007 + n as u64);
+            let moved = step.forward(&mut factors, (&v, Some(&before)), &slope).expect("a solution").0;
+            let (mut back, mut earlier) = (weights.clone(), None);
+            step.back(&mut factors, (&mut back, &mut earlier), None).expect("a solution");
             let ([left, size], [right, other]) = (products(&moved, &weights), products(&v, &back));
-            println!("{name}, step {n}: {left:e} {right:e}, {:.1e}", (left - right).abs() / size.max(other));
-            assert!((left - right).abs() <= 1e-12 * size.max(other), "{name}, step {n}: {left:e} {right:e}");
+            let [more, added] = earlier.map_or([0.0; 2], |earlier| products(&before, &earlier));
+            let (right, size) = (right + more, size.max(other).max(added));
+            println!("{name}, step {n}: {left:e} {right:e}, {:.1e}", (left - right).abs() / size);
+            assert!((left - right).abs() <= 1e-12 * size, "{name}, step {n}: {left:e} {right:e}");
+            assert!(name != "bdf2" || added > 0.0);
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::{Chosen, Exchange, HeatStep, Local, LocalTangent};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, zeros};
 use crate::problem::Problem;
+use crate::space::Space;
 use crate::state::State;
 use crate::tensor::{Point, dot};
 use crate::time::Rule;
@@ -23,6 +24,8 @@ pub(super) const REPETITIONS: usize = 3;
 /// The matrices of both half-steps with their factors.
 pub(super) struct StepFactors {
     pub rule: Rule,
+    /// The phase whose conditions the matrices have.
+    phase: usize,
     pub mechanics: HalfStep,
     pub matrix: BlockMatrix,
     pub heat: Option<(HalfStep, BlockMatrix)>,
@@ -52,17 +55,20 @@ impl StepFactors {
             half(&matrix, &discrete.q).map(|half| (half, matrix))
         };
         let heat = problem.physics.has_heat().then(heat).transpose().map_err(|source| ("heat", source))?;
-        Ok(StepFactors { rule, mechanics, matrix, heat })
+        Ok(StepFactors { rule, phase: problem.phase(), mechanics, matrix, heat })
     }
 
     /// The factors of step n: those of another step, if it has the same rule.
     pub fn kept_or_made(
         factors: Option<StepFactors>,
         base: &ProblemInstance,
-        n: usize,
+        (n, old): (usize, &State),
     ) -> Result<StepFactors, GradientError> {
-        let rule = base.rule(n);
-        if let Some(factors) = factors.filter(|factors| factors.rule == rule) {
+        let rule = base.rule(n, old);
+        let is_same = |factors: &StepFactors| {
+            factors.rule == rule && base.problem.has_same_conditions([factors.phase, base.problem.phase()])
+        };
+        if let Some(factors) = factors.filter(is_same) {
             return Ok(factors);
         }
         let made = StepFactors::new(&base.problem, &base.discrete, rule);
@@ -93,7 +99,7 @@ impl StepFactors {
         let (matrix, half) = (&self.matrix, &mut self.mechanics);
         base.step(of.n, of.old, |step| {
             let space = &step.discrete.v;
-            let given = data(step, of.new);
+            let given = data(step, of.at);
             let inverses: Vec<LocalTangent> = points.iter().map(|point| inverse(&near(&point.by_force()))).collect();
             let slope = |(point, inverse): (&LinearPoint, &LocalTangent)| {
                 product(inverse, &point.by_velocity()).map(|row| row.map(|entry| 0.0 - entry))
@@ -123,7 +129,7 @@ impl StepFactors {
                 found.y.iter_mut().zip(&more).for_each(|(y, more)| *y += more);
             }
             let (rest, _) = remaining(step, matrix, points, &found, (right, force));
-            found.prescribed = only_held(space, &rest);
+            found.prescribed = only_held(space, rest);
             Ok(found)
         })
     }
@@ -139,7 +145,7 @@ impl StepFactors {
         let Some((half, matrix)) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
         base.step(of.n, of.old, |step| {
             let foundation = temperatures(step);
-            let prescribed = step.boundary.restricted(1, &of.new.theta);
+            let prescribed = step.boundary.restricted(1, &of.at.theta);
             let lumped = vec![None; step.contacts.len()];
             let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
             half.system.condensed_mut().turn(&[]);
@@ -163,7 +169,7 @@ impl StepFactors {
                 let more = half.system.linearised(&tangent, &rest)?;
                 y.iter_mut().zip(&more).for_each(|(y, more)| *y += more);
             }
-            let held = only_held(&step.discrete.q, &left(&y));
+            let held = only_held(&step.discrete.q, left(&y));
             Ok([y, held])
         })
     }
@@ -208,9 +214,10 @@ pub(super) fn jump(step: &Step, i: usize, point: &LinearPoint, y: &[f64]) -> Loc
     point.basis.map(|axis| dot(&axis, &v))
 }
 
-/// The entries of held degrees of freedom; zero elsewhere.
-fn only_held(space: &crate::space::Space, values: &[f64]) -> Vec<f64> {
-    values.iter().zip(&space.free).map(|(value, free)| if *free { 0.0 } else { *value }).collect()
+/// The components along held degrees of freedom; zero along the others.
+pub(super) fn only_held(space: &Space, mut values: Vec<f64>) -> Vec<f64> {
+    space.mask_free(&mut values);
+    values
 }
 
 /// By point, Σ N y over the nodes of the side that bears it and over the others.

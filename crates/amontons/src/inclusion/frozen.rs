@@ -40,6 +40,8 @@ pub struct PointOutput {
     pub defect: Local,
     /// Penetration r in m.
     pub penetration: f64,
+    /// r at the time of the equations, by which heat flows, m.
+    pub at_level: f64,
     /// Slip velocity along the tangents, m/s.
     pub slip: [f64; 2],
     /// Depth that wears off in the step, m.
@@ -107,6 +109,7 @@ impl Mechanical<'_> {
         PointOutput {
             defect: [if is_given { p } else { p - projected[0] }, along(1), along(2)],
             penetration: laws.penetration,
+            at_level: laws.at_level,
             slip: laws.friction.slip,
             worn: laws.worn,
             bound: laws.friction.bound,

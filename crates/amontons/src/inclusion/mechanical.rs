@@ -163,7 +163,8 @@ impl<'a> Mechanical<'a> {
         let [v1, v2] = self.foundation[i];
         let [first, second] = self.held(i);
         let slip = [if first { 0.0 } else { t1 - v1 }, if second { 0.0 } else { t2 - v2 }];
-        Kinematics { penetration, rate, slip, temperature }
+        let start = opening + span * frame.gap_rate;
+        Kinematics { penetration, rate, start, slip, temperature }
     }
 
     pub(super) fn laws_at(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
@@ -177,8 +178,7 @@ impl<'a> Mechanical<'a> {
 
     /// The laws at a point and its kinematics.
     pub(super) fn laws_of(&self, i: usize, at: &Kinematics, multiplier: &Multiplier, response: Response) -> Laws {
-        let (contact, rule, frame) = (self.contact(i), self.step.rule, &self.step.frames[i]);
-        let start = self.opening(i) + rule.span * frame.gap_rate;
+        let (contact, rule, frame, start) = (self.contact(i), self.step.rule, &self.step.frames[i], at.start);
         let law = contact.normal.as_ref();
         let mean = MeanPressure::of(law, start, &rule);
         let impact = Impact::new(law, start + rule.span * self.step.onset(i).approach);

@@ -55,6 +55,8 @@ pub(super) struct Kinematics {
     /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
     pub penetration: f64,
     pub rate: f64,
+    /// r at the start of the step, m.
+    pub start: f64,
     /// w_τ − v_F − b in m/s.
     pub slip: Tangential,
     /// θ of the body in K.

@@ -492,7 +492,7 @@ fn what_has_no_derivative_is_refused() {
     let young = ["material.elasticity.young"];
     let tool = "obstacle = { shape = \"plane\", point = [0, 0], normal = [0, 1], geometry = \"updated\" }";
     for (at, more, words) in [
-        ("steps = 20", "scheme = \"bdf2\"", "time.scheme: found another scheme"),
+        ("steps = 20", "scheme = \"contact-stabilised\"", "time.scheme: found steps from admissible velocities"),
         ("gap = 0.0011", tool, "obstacle.updated: found an obstacle that is followed"),
     ] {
         let found = told(&text.replace(at, &format!("{at}\n{more}")), &["corner_x"], &young);

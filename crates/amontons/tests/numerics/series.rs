@@ -71,18 +71,24 @@ fn the_last_step_agrees_with_an_independent_program_and_the_adjoint() {
     }
 }
 
-/// Compares the derivatives of a text by keys at all steps with differences of runs, relative to the largest derivative
-/// of all steps: the errors fall with the square of the step.
 fn check_by_runs(text: &str, outputs: &[&str], keys: &[&str]) {
+    check_within(4e-3, text, outputs, keys);
+}
+
+/// Compares the derivatives of a text by keys at all steps with differences of runs, relative to the largest derivative
+/// of all steps: the errors fall with the square of the step, from the largest one that changes no contact state.
+fn check_within(step: f64, text: &str, outputs: &[&str], keys: &[&str]) {
     let found = series_by_keys(text, outputs, keys).expect("a series");
     let source = Source::new("case", text);
     let names: Vec<String> = outputs.iter().map(ToString::to_string).collect();
+    let adjoint = by_keys(text, outputs, keys, None).expect("a gradient");
     for (j, key) in keys.iter().enumerate() {
         let at = case::parameter(&source, &[], key).expect("a parameter").value;
         let values = |value: f64| {
             at_all_steps(&parsed(&source, &[format!("{key}={value:?}")]), &names, &[]).expect("values").values
         };
-        let runs = [4e-3, 2e-3, 1e-3].map(|step| (step * at, [values(at - step * at), values(at + step * at)]));
+        let runs =
+            [step, 0.5 * step, 0.25 * step].map(|step| (step * at, [values(at - step * at), values(at + step * at)]));
         for (i, output) in outputs.iter().enumerate() {
             let number = |row: &Vec<f64>| Some(row[i]).filter(|value| !value.is_nan());
             let largest = found.derivatives.iter().fold(0.0, |most: f64, row| most.max(row[i][j].abs()));
@@ -95,10 +101,13 @@ fn check_by_runs(text: &str, outputs: &[&str], keys: &[&str]) {
                 };
                 found.derivatives.iter().enumerate().filter_map(error).fold(0.0, f64::max)
             });
-            println!("{output} by {key}: {errors:.1?}");
+            let last = found.derivatives.last().map_or(f64::NAN, |row| row[i][j]);
+            let apart = (adjoint.derivatives[i][j] - last).abs() / scale;
             let [a, b, c] = errors;
+            println!("{output} by {key}: {last:e}, runs {a:.1e} {b:.1e} {c:.1e}, adjoint {apart:.1e}");
             let falls = (a / b - 4.0).abs() < 0.2 && (b / c - 4.0).abs() < 0.4;
             assert!(c <= 1e-4 && (a <= 1e-8 || falls), "{output} by {key}: {errors:?}");
+            assert!(apart <= 1e-10, "{output} by {key}: {apart:e}");
         }
     }
 }
@@ -126,4 +135,122 @@ fn the_first_row_is_that_of_the_initial_state() {
     assert!(slopes[3].iter().all(|slope| is_near(*slope, 0.0)), "{slopes:?}");
     assert!(values[1].is_nan() && values[2].is_nan() && slopes[1][0].is_nan() && slopes[2][1].is_nan());
     assert!(found.values[1].iter().chain(found.derivatives[1].iter().flatten()).all(|value| value.is_finite()));
+}
+
+/// The line of the wear law, which BDF2 does not take.
+fn wear_of(text: &str) -> String {
+    text.lines().find(|line| line.starts_with("wear")).expect("wear").to_owned()
+}
+
+const OF_TURNED: [&str; 6] =
+    ["corner_x", "stress", "pressure", "warm", "final.contact.force.1", "energy.friction_dissipation"];
+const OF_SPACE: [&str; 4] = ["corner_x", "corner_z", "pressure", "final.contact.force.2"];
+
+/// BDF2 adds to two states, and starts anew where a rigid foundation is hit.
+#[test]
+fn runs_by_bdf2_have_the_slopes_of_differences() {
+    let with = |text: &str| text.replace("[time]", "[time]\nscheme = \"bdf2\"");
+    let keys = ["material.elasticity.young", "material.prony[0].time", "initial.velocity[1]", "time.end"];
+    check_by_runs(&with(&TURNED.replace(&wear_of(TURNED), "")), &OF_TURNED, &keys);
+    check_by_runs(&with(IN_SPACE), &OF_SPACE, &["material.density", "material.elasticity.young", "mesh.size[1]"]);
+}
+
+/// Nodes in contact without mass.
+#[test]
+fn runs_with_redistributed_mass_have_the_slopes_of_differences() {
+    let plane = source("block-stick-slip").text;
+    let size = plane.lines().find(|line| line.starts_with("n = ")).expect("a mesh");
+    for scheme in ["euler", "bdf2"] {
+        let text = plane.replace(size, "n = [8, 6]");
+        let text = text.replace("[time]", &format!("[time]\nscheme = \"{scheme}\"\nmass = \"redistributed\""));
+        let outputs = ["corner_x", "pressure", "final.contact.force.0"];
+        check_within(5e-4, &text, &outputs, &["material.elasticity.young", "contact.gap"]);
+    }
+}
+
+/// The ϑ-scheme on layers: its equations hold within the step, with heat, wear and stress relaxation.
+#[test]
+fn runs_by_the_theta_scheme_have_the_slopes_of_differences() {
+    for theta in ["0.5", "0.7"] {
+        let text = TURNED.replace("[time]", &format!("[time]\nscheme = \"theta\"\ntheta = {theta}"));
+        let text = text.replace("temperature = 1.0\n[[boundary]]", "temperature = \"1 + 0.5*t\"\n[[boundary]]");
+        let keys =
+            ["material.elasticity.young", "material.prony[0].time", "initial.velocity[1]", "initial.temperature"];
+        check_by_runs(&text, &OF_TURNED, &keys);
+    }
+}
+
+/// A support along the normal of a side that is off the axes.
+#[test]
+fn runs_with_supports_along_normals_have_the_slopes_of_differences() {
+    let text = TURNED.replace("traction = [\"0.4*sin(2*t)\", 0.3]", "normal_displacement = \"0.002*t\"");
+    check_by_runs(&text, &OF_TURNED, &["material.elasticity.young", "contact.friction.static", "time.end"]);
+    let refused = series_by_keys(&text, &["corner_x"], &["mesh.blocks[0].turn.angle"]).unwrap_err().to_string();
+    assert!(refused.contains("mesh.blocks[0].turn.angle: found a key that turns the directions"), "{refused}");
+}
+
+/// Phases with their own step lengths: the first without inertia, and a load and a support that end with it.
+#[test]
+fn runs_of_phases_have_the_slopes_of_differences() {
+    let phases = "[[phase]]\nname = \"press\"\nend = 0.5\nsteps = 3\nanalysis = \"quasistatic\"\n\
+                  [[phase]]\nname = \"slide\"\nend = 0.8\nsteps = 4\n\
+                  [[phase]]\nname = \"on\"\nend = 1.0\nsteps = 3\n[material]";
+    let text = TURNED.replace("end = 1.0\nsteps = 6\n", "").replace("[material]", phases);
+    let support =
+        "[[boundary]]\non = \"body_right\"\nnormal_displacement = \"0.002*t\"\nphases = [\"press\"]\n[contact]";
+    let keys = ["material.elasticity.young", "material.prony[0].time", "phase[0].end", "load.body_force[1]"];
+    for scheme in ["euler", "bdf2"] {
+        let text = if scheme == "bdf2" { text.replace(&wear_of(&text), "") } else { text.clone() };
+        let text = text.replace("[time]", &format!("[time]\nscheme = \"{scheme}\""));
+        check_by_runs(&text, &OF_TURNED, &keys);
+        check_by_runs(&text.replace("[contact]", support), &OF_TURNED[..4], &keys[..2]);
+    }
+}
+
+/// A stiff block on a spring k is pulled by F = 4t against the friction of N = 10: u = max(0, (F − μN)/k), k = 100.
+const PULLED: &str = r#"
+name = "pulled"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [1.0, 0.1]
+n = [2, 1]
+diagonal = "right"
+[time]
+end = 1.0
+steps = 7
+inertia = false
+[material]
+elasticity = { law = "isotropic", young = 1e9, poisson = 0.0, stress_state = "plane-strain" }
+[[boundary]]
+on = "top"
+traction = ["4*t", -10.0]
+[[boundary]]
+on = "left"
+spring = [1000.0, 0.0]
+[contact]
+on = "bottom"
+gap = 0.0
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.3 }
+[[probe]]
+name = "block"
+quantity = "displacement"
+at = [0.5, 0.0]
+"#;
+
+/// Before the block slips nothing depends on the friction; then ∂u/∂μ = −N/k, and ∂u/∂k = −u/k.
+#[test]
+fn a_pulled_block_depends_on_the_friction_once_it_slips() {
+    let keys = ["contact.friction.coefficient", "boundary[1].spring[0]"];
+    let found = series_by_keys(PULLED, &["block_x"], &keys).expect("a series");
+    for (n, t) in found.times.iter().enumerate() {
+        let u = (0.04 * t - 0.03).max(0.0);
+        let by_friction = if u > 0.0 { -0.1 } else { 0.0 };
+        let (value, slopes) = (found.values[n][0], &found.derivatives[n][0]);
+        assert!((value - u).abs() <= 1e-8, "{value} {u}");
+        assert!((slopes[0] - by_friction).abs() <= 1e-7, "step {n}: {} {by_friction}", slopes[0]);
+        assert!((slopes[1] + u / 1000.0).abs() <= 1e-11, "step {n}: {} {}", slopes[1], -u / 1000.0);
+    }
+    assert!(found.values[5][0].abs() <= 1e-8 && found.values[6][0] > 4e-3);
 }

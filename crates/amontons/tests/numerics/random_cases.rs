@@ -1,0 +1,236 @@
+//! Derivatives of small cases that look random, at all steps, held to differences of whole runs.
+
+use std::fmt::Write as _;
+
+use amontons::adjoint::{GradientRequest, Parameter, SeriesRequest, gradient, series};
+use amontons::case::{self, Case, Source};
+use amontons::contact::Status;
+use amontons::output::Memory;
+use amontons::run::{Settings, run};
+
+use super::common::Random;
+use super::gradient::parsed;
+
+/// Choices that look random, from a seed.
+struct Dice(Random);
+
+impl Dice {
+    /// A number in (low, high).
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * 0.5 * (1.0 + self.0.number())
+    }
+
+    fn one<'a>(&mut self, of: &[&'a str]) -> &'a str {
+        of[self.between(0.0, of.len() as f64) as usize % of.len()]
+    }
+}
+
+/// A rotation by an angle about an axis of length 1.
+fn rotation(axis: [f64; 3], angle: f64) -> [[f64; 3]; 3] {
+    let (s, c) = angle.sin_cos();
+    let [x, y, z] = axis;
+    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let own = if i == j { c } else { 0.0 };
+            own + s * cross[i][j] + (1.0 - c) * axis[i] * axis[j]
+        })
+    })
+}
+
+/// A body on a rigid foundation, or on another body, turned off the axes.
+struct Turned {
+    dim: usize,
+    rows: [[f64; 3]; 3],
+    turn: String,
+}
+
+impl Turned {
+    fn new(dice: &mut Dice, dim: usize) -> Turned {
+        let angle = dice.between(0.2, 1.2);
+        if dim == 2 {
+            return Turned { dim, rows: rotation([0.0, 0.0, 1.0], angle), turn: format!("{{ angle = {angle:?} }}") };
+        }
+        let axis: [f64; 3] = std::array::from_fn(|_| dice.between(0.2, 1.0));
+        let size = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+        let axis = axis.map(|a| a / size);
+        Turned { dim, rows: rotation(axis, angle), turn: format!("{{ angle = {angle:?}, axis = {axis:?} }}") }
+    }
+
+    /// A position, or a constant vector.
+    fn vector(&self, v: [f64; 3]) -> String {
+        let at = |i: usize| -> f64 { (0..3).map(|j| self.rows[i][j] * v[j]).sum() };
+        format!("{:?}", (0..self.dim).map(at).collect::<Vec<f64>>())
+    }
+
+    /// A vector of expressions.
+    fn expressions(&self, v: [&str; 3]) -> String {
+        let at = |i: usize| {
+            let terms: Vec<String> = (0..self.dim).map(|j| format!("({:?})*({})", self.rows[i][j], v[j])).collect();
+            format!("\"{}\"", terms.join(" + "))
+        };
+        format!("[{}]", (0..self.dim).map(at).collect::<Vec<String>>().join(", "))
+    }
+}
+
+/// The laws of a contact, and a key of them.
+fn laws(dice: &mut Dice, is_pair: bool, has_heat: bool) -> (String, &'static str) {
+    let normal = dice.one(&[
+        "{ law = \"signorini\" }",
+        "{ law = \"compliance\", stiffness = 800.0 }",
+        "{ law = \"power\", stiffness = 9000.0, exponent = 1.4 }",
+        "{ law = \"damped\", stiffness = 900.0, damping = 6.0 }",
+    ]);
+    let all = [
+        ("{ law = \"coulomb\", coefficient = 0.3 }", "contact.friction.coefficient"),
+        ("{ law = \"static-kinetic\", static = 0.4, kinetic = 0.3, decay_speed = 0.2 }", "contact.friction.kinetic"),
+        ("{ law = \"tresca\", bound = 0.05 }", "contact.friction.bound"),
+        ("{ law = \"expression\", coefficient = \"0.2 + 0.1*exp(-v/0.3)\", factor = 1.1 }", "contact.friction.factor"),
+    ];
+    let (friction, key) = all[dice.between(0.0, 4.0) as usize % 4];
+    let mut text = format!("normal = {normal}\nfriction = {friction}\n");
+    if has_heat {
+        let foundation = if is_pair { "" } else { ", foundation_temperature = 2.0" };
+        let _ = writeln!(text, "frictional_heat = 0.6");
+        let _ = writeln!(text, "heat = {{ law = \"pressure\", coefficient = 0.6, exponent = 0.95{foundation} }}");
+    }
+    if !is_pair && dice.between(0.0, 1.0) < 0.4 {
+        text += "wear = { law = \"archard\", coefficient = 0.002 }\n";
+    }
+    (text, key)
+}
+
+/// The text of a case, with its outputs and keys.
+fn made(seed: u64) -> (String, Vec<String>, Vec<String>) {
+    let mut dice = Dice(Random(0x9e37_79b9_7f4a_7c15 + seed));
+    (0..8).for_each(|_| _ = dice.between(0.0, 1.0));
+    let (dim, is_pair, has_heat) = (if seed % 4 == 3 { 3 } else { 2 }, seed % 3 == 1, dice.between(0.0, 1.0) < 0.5);
+    let turned = Turned::new(&mut dice, dim);
+    let solid = |size: [f64; 3], n: [usize; 3]| format!("size = {:?}, n = {:?}", &size[..dim], &n[..dim]);
+    let (upper, counts) = ([1.0, 0.5, 0.4], if dim == 2 { [4, 2, 1] } else { [2, 1, 1] });
+    let body = format!("{{ name = \"body\", {}, turn = {}", solid(upper, counts), turned.turn);
+    let base = format!("{{ name = \"base\", {}, turn = {} }}", solid([1.2, 0.4, 0.6], [3, 1, 1]), turned.turn);
+    let (blocks, on) = if is_pair {
+        let origin = turned.vector([0.1, 0.4, 0.1]);
+        (format!("[{base}, {body}, origin = {origin} }}]"), "base_top")
+    } else {
+        (format!("[{body} }}]"), "body_bottom")
+    };
+    let stress_state = if dim == 2 { ", stress_state = \"plane-strain\"" } else { "" };
+    let physics =
+        if has_heat { "heat_capacity = 2.0\nexpansion = 0.4\ncoupling = 0.2\nconductivity = 0.8\n" } else { "" };
+    let prony = if dice.between(0.0, 1.0) < 0.4 { "prony = [{ ratio = 0.3, time = 0.4 }]\n" } else { "" };
+    let (shear, press) = (dice.between(0.01, 0.03), dice.between(0.012, 0.03));
+    let moved = [format!("{shear:?}*sin(3*t)"), format!("-{press:?}*t"), format!("{:?}*t*t", 0.5 * shear)];
+    let moved = turned.expressions([&moved[0], &moved[1], &moved[2]]);
+    let (contact, key) = laws(&mut dice, is_pair, has_heat);
+    let warm = if has_heat { "temperature = 1.0\n" } else { "" };
+    let mut text = format!(
+        "name = \"random\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"blocks\"\nblocks = {blocks}\n[time]\n\
+         end = 1.0\nsteps = 6\n[material]\ndensity = {:?}\n{physics}\
+         elasticity = {{ law = \"isotropic\", young = {:?}, poisson = 0.3{stress_state} }}\nviscosity = {{ law = \"lame\", first = 0.2, second = 0.5 }}\n{prony}\
+         [[boundary]]\non = \"body_top\"\ndisplacement = {moved}\n{warm}",
+        dice.between(0.5, 1.5),
+        dice.between(40.0, 120.0)
+    );
+    if is_pair {
+        let still = turned.vector([0.0; 3]);
+        let _ = write!(text, "[[boundary]]\non = \"base_bottom\"\ndisplacement = {still}\n{warm}");
+    }
+    let gap = dice.between(0.0005, 0.002);
+    let _ = write!(text, "[contact]\non = \"{on}\"\ngap = {gap:?}\n{contact}");
+    if is_pair {
+        text += "with = \"body_bottom\"\nnonmortar = \"body_bottom\"\ngeometry = \"reference\"\n";
+    }
+    if has_heat {
+        text += "[initial]\ntemperature = 1.0\n";
+    }
+    let seen = if is_pair { [0.8, 0.6, 0.3] } else { [0.7, 0.2, 0.2] };
+    let _ = write!(text, "[[probe]]\nname = \"seen\"\nquantity = \"displacement\"\nat = {}\n", turned.vector(seen));
+    let _ =
+        write!(text, "[[probe]]\nname = \"pressure\"\nquantity = \"pressure\"\non = \"{on}\"\ntake = \"integral\"\n");
+    let mut outputs = vec!["seen_x", "seen_y", "pressure", "final.contact.force.0", "energy.friction_dissipation"];
+    if has_heat {
+        let _ =
+            write!(text, "[[probe]]\nname = \"warm\"\nquantity = \"temperature\"\non = \"{on}\"\ntake = \"mean\"\n");
+        outputs.push("warm");
+    }
+    let keys = [key, "material.elasticity.young", "contact.gap", "material.density"];
+    (text, outputs.into_iter().map(String::from).collect(), keys.iter().map(ToString::to_string).collect())
+}
+
+/// The outputs at all steps, and the status of all contact points.
+fn values(source: &Source, outputs: &[String], set: &str) -> (Vec<Vec<f64>>, Vec<Status>) {
+    let case = parsed(source, &[set.to_owned()]);
+    let Case { problem, probes, .. } = &case;
+    let made = series(&SeriesRequest { problem, probes, outputs, parameters: &[], interrupt: None }).expect("values");
+    let mut memory = Memory::new().reports();
+    run(problem, &Settings::default(), &mut [&mut memory]).expect("a run");
+    let status = memory.reports.iter().flat_map(|report| report.contact.states.iter().map(|state| state.status));
+    (made.values, status.collect())
+}
+
+/// The errors of a derivative at all steps, relative to its largest size over all steps.
+fn errors(found: &[f64], [below, above]: [&[f64]; 2], h: f64, scale: f64) -> f64 {
+    let of = |((found, below), above): ((&f64, &f64), &f64)| ((above - below) / (2.0 * h) - found).abs() / scale;
+    found.iter().zip(below).zip(above).map(of).filter(|error| !error.is_nan()).fold(0.0, f64::max)
+}
+
+#[test]
+fn random_cases_have_the_slopes_of_differences_of_runs() {
+    let (mut checked, mut changed, mut seen) = (0, 0, [0; 3]);
+    for seed in 0..20 {
+        let (text, outputs, keys) = made(seed);
+        let source = Source::new("random", text.clone());
+        let case = parsed(&source, &[]);
+        let parameter = |key: &String| case::parameter(&source, &[], key).expect("a parameter");
+        let parameters: Vec<Parameter> = keys.iter().map(parameter).collect();
+        let Case { problem, probes, .. } = &case;
+        let request = SeriesRequest { problem, probes, outputs: &outputs, parameters: &parameters, interrupt: None };
+        let found = series(&request).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let (outputs, parameters) = (&outputs, &parameters);
+        let request = GradientRequest { problem, probes, outputs, parameters, memory: None, interrupt: None };
+        let adjoint = gradient(&request).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert!(found.ties == 0 && found.margin == adjoint.margin, "{seed}: {:?}", found.margin);
+        let here = values(&source, outputs, &format!("{}={:?}", keys[0], parameters[0].value)).1;
+        let all = [Status::Open, Status::Stick, Status::Slip];
+        seen.iter_mut().zip(all).for_each(|(seen, one)| *seen += here.iter().filter(|status| **status == one).count());
+        for (j, (key, parameter)) in keys.iter().zip(parameters).enumerate() {
+            let at = |h: f64| values(&source, outputs, &format!("{key}={:?}", parameter.value + h));
+            let runs = [4e-3, 2.5e-4].iter().find_map(|step| {
+                let h = step * parameter.value;
+                let ends = [at(0.0 - h), at(h)];
+                ends.iter().all(|(_, status)| *status == here).then_some((h, ends))
+            });
+            let Some((h, [low, high])) = runs else {
+                changed += 1;
+                continue;
+            };
+            let [half, quarter] = [0.5, 0.25].map(|share| [at(0.0 - share * h), at(share * h)]);
+            for (i, output) in outputs.iter().enumerate() {
+                let slopes: Vec<f64> = found.derivatives.iter().map(|row| row[i][j]).collect();
+                let all = |values: &[Vec<f64>]| -> Vec<f64> { values.iter().map(|row| row[i]).collect() };
+                let most = |of: &[f64]| of.iter().filter(|v| !v.is_nan()).fold(0.0f64, |most, v| most.max(v.abs()));
+                let size = most(&all(&found.values)) / parameter.value.abs();
+                let scale = most(&slopes).max(1e-3 * size);
+                let of = |[a, b]: [&Vec<Vec<f64>>; 2], h: f64| errors(&slopes, [&all(a), &all(b)], h, scale);
+                let first = of([&low.0, &high.0], h);
+                let [coarse, fine] = [(&half, 0.5 * h), (&quarter, 0.25 * h)].map(|([a, b], h)| of([&a.0, &b.0], h));
+                let last = slopes.last().expect("a step");
+                let apart = (last - adjoint.derivatives[i][j]).abs() / scale;
+                println!(
+                    "{seed} {output} by {key}: {last:e}, runs {first:.1e} {coarse:.1e} {fine:.1e}, adjoint {apart:.1e}"
+                );
+                // Round-off of a difference of runs whose residuals are at most 1e-13 of their terms.
+                let rounded = 1e-12 * size * parameter.value / (0.25 * h * scale);
+                let falls = (coarse / fine - 4.0).abs() < 0.2;
+                let is_met = fine <= rounded || falls;
+                assert!(fine <= 1e-3 && is_met, "{seed}: {output} by {key}: {coarse:e} {fine:e}\n{text}");
+                assert!(apart <= 1e-10, "{seed}: {output} by {key}: {apart:e}");
+                checked += 1;
+            }
+        }
+    }
+    println!("checked {checked}, changed {changed}, open, stick, slip {seen:?}");
+    assert!(checked > 300 && changed < 8 && seen.iter().all(|seen| *seen > 0), "{checked} {changed} {seen:?}");
+}
