@@ -34,3 +34,4 @@ mod stability;
 mod steady;
 mod theta;
 mod thrown;
+mod waves;
