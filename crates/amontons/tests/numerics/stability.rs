@@ -567,12 +567,12 @@ fn a_layer_on_a_belt_that_warms_up_grows_as_its_formula_says() {
 #[test]
 fn warm_modes_go_on_as_a_run_in_time_does() {
     let text = block_in_space("{ law = \"coulomb\", coefficient = 0.5 }")
-        .replace("scheme = \"theta\"", "scheme = \"theta\"\ncoupling = \"monolithic\"")
+        .replace("[time]", "[scheme]\ncoupling = \"monolithic\"\n[time]")
         .replace(
             "density = 1.0\n",
             "density = 1.0\nheat_capacity = 1.0\nconductivity = 0.3\nexpansion = 0.1\ncoupling = 0.2\n",
         )
-        .replace("[[boundary]]", "[[boundary]]\non = \"top\"\ntemperature = 0\n[[boundary]]")
+        .replace("displacement = [0, -0.05, 0]", "displacement = [0, -0.05, 0]\ntemperature = 0")
         + "frictional_heat = 0.7\nheat = { law = \"constant\", conductance = 0.4, foundation_temperature = 0.1 }\n";
     let offs = [1e-4, 1e-5].map(|small| against_time(&text, ModeKind::Coupled, small).0);
     assert!(offs[1] < 1e-4 && (offs[0] / offs[1] - 10.0).abs() < 1.0, "{offs:?}");

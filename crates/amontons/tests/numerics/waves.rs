@@ -71,7 +71,14 @@ fn assert_union(name: &str, whole: &Modes, sector: &Modes) -> f64 {
     for mode in &whole.modes {
         let nearest = (0..left.len()).min_by(|a, b| off(left[*a], mode).total_cmp(&off(left[*b], mode)));
         let own = left.swap_remove(nearest.expect("a mode"));
-        worst = worst.max(off(own, mode) / mode.growth.hypot(mode.frequency));
+        let one = off(own, mode) / mode.growth.hypot(mode.frequency);
+        if one > 1e-10 {
+            println!(
+                "{name}: {} {} vs {} {}, {one:e}, residuals {:e} {:e}",
+                mode.growth, mode.frequency, own.growth, own.frequency, mode.residual, own.residual
+            );
+        }
+        worst = worst.max(one);
     }
     assert!(worst < 1e-8, "{name}: {worst:e} off");
     assert!(whole.modes.iter().chain(&sector.modes).all(|mode| mode.residual < 1e-9), "{name}: residuals");
@@ -177,6 +184,9 @@ fn a_ring_that_relaxes_has_the_modes_of_its_sector() {
         assert_union(&format!("{region:?}"), &whole, &sector);
         assert!(whole.modes.len() >= 5, "{region:?}: {} modes", whole.modes.len());
     }
+    let wanted = Wanted { kind: ModeKind::Squeal, count: 3, region: None, waves: None, interrupt: None };
+    let lowest = found(&body.case(6, false), &wanted).unwrap_or_else(|error| panic!("{error}"));
+    assert!(lowest.counts.iter().all(|count| count.modes >= 3 && count.missing == 0), "{:?}", lowest.counts);
 }
 
 /// A tube in space on a drum that turns and moves along its axis, with drag; an even number of sectors, so that half of
@@ -204,7 +214,7 @@ friction = { law = "coulomb", coefficient = 0.5 }
 foundation_velocity = ["-y", "x", 0.3]
 "#;
     let body = Body { mesh, cuts: &[""], rest: rest.to_owned(), axis: "axis = [0, 0, 1]" };
-    let [whole, sector] = body.both(6, ModeKind::Squeal, region([-0.6, 0.6], [0.0, 1.6]));
+    let [whole, sector] = body.both(6, ModeKind::Squeal, region([-0.6, 0.6], [0.0, 2.2]));
     let worst = assert_union("tube", &whole, &sector);
     println!("tube: {} modes, {worst:e} off", whole.modes.len());
     assert!(whole.modes.len() >= 8, "{} modes", whole.modes.len());
@@ -345,21 +355,24 @@ fn renumbered(mesh: &Mesh, seed: u64) -> Mesh {
 /// itself.
 #[test]
 fn modes_do_not_know_how_a_mesh_is_numbered() {
-    let gmsh = crate::common::file("crates/amontons/tests/meshes/quarter_ring.msh");
-    let gmsh = format!("[mesh]\nfile = {gmsh:?}\n");
+    let path = crate::common::file("crates/amontons/tests/meshes/quarter_ring.msh");
+    let gmsh = amontons::mesh::read(&path).unwrap_or_else(|error| panic!("{error}"));
     let ring = RING.replace("AROUND", "4").replace("ANGLE", &format!("angle = {:?}", TAU / 4.0));
     let cyclic = "[[cyclic]]\nsides = [\"start\", \"end\"]\n";
-    for (mesh, cut) in [(&gmsh, cyclic), (&gmsh, ""), (&ring, cyclic)] {
-        let text = format!("name = \"body\"\nunits = \"dimensionless\"\n{mesh}{}{cut}", drum(VISCOUS, 0.6));
-        let case = parsed(&text);
+    for (mesh, cut) in [(Some(&gmsh), cyclic), (Some(&gmsh), ""), (None, cyclic)] {
+        let text = format!("name = \"body\"\nunits = \"dimensionless\"\n{ring}{}{cut}", drum(VISCOUS, 0.6));
+        let mut case = parsed(&text);
+        if let Some(mesh) = mesh {
+            case.problem = crate::common::changed(&case.problem, |data| data.mesh = Arc::new(mesh.clone()));
+        }
         let region = Some(region([-0.6, 0.6], [0.0, 4.0]));
         let wanted = Wanted { kind: ModeKind::Squeal, count: 1, region, waves: None, interrupt: None };
         let ordered = found(&case, &wanted).unwrap_or_else(|error| panic!("{error}"));
         assert!(ordered.modes.len() >= 5, "{} modes", ordered.modes.len());
         for seed in 1..4 {
             let mut other = parsed(&text);
-            other.problem =
-                crate::common::changed(&case.problem, |data| data.mesh = Arc::new(renumbered(&data.mesh, seed)));
+            let mesh = Arc::new(renumbered(&case.problem.mesh, seed));
+            other.problem = crate::common::changed(&case.problem, |data| data.mesh = mesh);
             let shuffled = found(&other, &wanted).unwrap_or_else(|error| panic!("{error}"));
             let worst = assert_union(&format!("{cut}{seed}"), &ordered, &shuffled);
             println!("{cut}{seed}: {} modes, {worst:e} off", ordered.modes.len());
@@ -385,8 +398,9 @@ fn waves_are_those_of_the_sectors() {
     }
 }
 
-/// A sixteenth of `benchmarks/squeal-ring.toml`, against the three modes of two waves that grow, of which the second
-/// runs against the drum (Chebyshev collocation of another program).
+/// A sixteenth of `benchmarks/squeal-ring.toml`, against the three modes of two waves that grow (Chebyshev collocation
+/// of another program). That has e^{2iθ + λt} with Im λ of −2.06, −3.06 and 4.21 for σ_rθ = −f σ_rr: its drum drags
+/// the ring in the negative sense, and the first two run in the positive one. Here the drum turns the other way.
 #[test]
 fn a_sector_squeals_in_two_waves_as_elsewhere() {
     let path = crate::common::file("crates/amontons/benchmarks/squeal-ring.toml");
@@ -400,9 +414,7 @@ fn a_sector_squeals_in_two_waves_as_elsewhere() {
     let wanted = Wanted { kind: ModeKind::Squeal, count: 1, region, waves: Some(&[2]), interrupt: None };
     let found = found(&case, &wanted).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((found.modes.len(), found.missing()), (3, 0), "{:?}", found.counts);
-    for (growth, frequency, waves) in
-        [(0.08505491, 2.06127250, 2), (0.21497763, 3.06446519, 2), (0.20006446, 4.20948689, -2)]
-    {
+    for (growth, frequency, waves) in [(0.08505, 2.0613, -2), (0.21498, 3.0645, -2), (0.20006, 4.2095, 2)] {
         let mode = found.modes.iter().find(|mode| (mode.frequency - frequency).abs() < 1e-3);
         let mode = mode.unwrap_or_else(|| panic!("no mode of {frequency} rad/s"));
         assert!((mode.growth - growth).abs() < 2e-4, "{frequency} rad/s: growth {}", mode.growth);
