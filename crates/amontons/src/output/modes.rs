@@ -51,8 +51,8 @@ impl ModesFolder {
         self.0.path()
     }
 
-    /// Writes the shapes of the modes of a case, of sectors over the whole body, `modes/NAME-1.vtu` and so on, and their list `modes/NAME.pvd`, whose
-    /// times are the numbers of the modes.
+    /// Writes the shapes of the modes of a case, of sectors over the whole body, `modes/NAME-1.vtu` and so on, and
+    /// their list `modes/NAME.pvd`, whose times are the numbers of the modes.
     ///
     /// # Errors
     /// A file cannot be written.

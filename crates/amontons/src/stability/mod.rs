@@ -189,8 +189,8 @@ pub struct Wanted<'a> {
 }
 
 impl Wanted<'_> {
-    /// The pencils to be searched. Those of n and N − n waves have conjugate eigenvalues: n is searched on both sides of
-    /// the real axis, or N − n too in a region away from it.
+    /// The pencils to be searched. Those of n and N − n waves have conjugate eigenvalues: n is searched on both sides
+    /// of the real axis, or N − n too in a region away from it.
     fn searches(&self, sectors: Sectors) -> Vec<(WaveNumber, Coverage)> {
         let mut numbers = self.waves.map_or_else(|| (0..=sectors.count / 2).collect(), <[usize]>::to_vec);
         numbers.sort_unstable();
@@ -246,8 +246,8 @@ pub struct Mode {
     pub by_contact: Vec<f64>,
     /// Share of each body in the kinetic energy, or of hot spots in the square of the temperature.
     pub by_body: Vec<f64>,
-    /// u′ by node and component, real and imaginary part, largest component 1 m; without dimension but for the scale. Of
-    /// a sector that of the sector of the mesh.
+    /// u′ by node and component, real and imaginary part, largest component 1 m; without dimension but for the scale.
+    /// Of a sector that of the sector of the mesh.
     pub displacement: Vec<[f64; 2]>,
     /// θ′ by node, K, in the scale of u′; of hot spots the largest temperature is 1 K.
     pub temperature: Vec<[f64; 2]>,

@@ -75,8 +75,8 @@ impl KnownEigenvalues {
         Ok(KnownEigenvalues { coverage, ritz, radius })
     }
 
-    /// The eigenvalues that are covered: of conjugates that both are eigenvalues the one of non-negative frequency. Those
-    /// that are real up to round-off are made so.
+    /// The eigenvalues that are covered: of conjugates that both are eigenvalues the one of non-negative frequency.
+    /// Those that are real up to round-off are made so.
     fn covered(&self) -> impl Iterator<Item = (c64, &RitzPair)> {
         self.ritz.iter().filter_map(|ritz| {
             let lambda = ritz.lambda;

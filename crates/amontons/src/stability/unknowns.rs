@@ -26,8 +26,8 @@ pub(super) struct PerturbedUnknowns {
     pub u: Vec<Functional>,
     /// By node.
     pub theta: Vec<Functional>,
-    /// Temperatures of the foundations with a heat capacity, by contact; empty where θ_F is given, or where waves around
-    /// the body leave it as it is.
+    /// Temperatures of the foundations with a heat capacity, by contact; empty where θ_F is given, or where waves
+    /// around the body leave it as it is.
     foundations: Vec<Functional>,
     /// True for unknowns of the displacement.
     pub moves: Vec<bool>,
@@ -38,8 +38,8 @@ pub(super) struct PerturbedUnknowns {
 }
 
 impl PerturbedUnknowns {
-    /// The unknowns of a discrete problem, node by node, then those of foundations. In a sector nodes on its second side follow those on the
-    /// first one with the phase of the waves.
+    /// The unknowns of a discrete problem, node by node, then those of foundations. In a sector nodes on its second
+    /// side follow those on the first one with the phase of the waves.
     pub fn new(
         (discrete, contacts): (&Discretization, &[Contact]),
         what: Perturbed,

@@ -59,8 +59,8 @@ impl Body {
 }
 
 /// Asserts that two lists of modes have the same eigenvalues, each as often, to 1e-8 of the modulus, and the same
-/// shares of the contacts. Returns the largest difference.
-fn assert_union(name: &str, whole: &Modes, sector: &Modes) -> f64 {
+/// shares of the contacts.
+fn assert_union(name: &str, whole: &Modes, sector: &Modes) {
     assert_eq!((whole.missing(), sector.missing()), (0, 0), "{name}: counts");
     assert_eq!(whole.modes.len(), sector.modes.len(), "{name}: numbers of modes");
     let counted: usize = sector.counts.iter().map(|count| count.modes).sum();
@@ -71,21 +71,13 @@ fn assert_union(name: &str, whole: &Modes, sector: &Modes) -> f64 {
     for mode in &whole.modes {
         let nearest = (0..left.len()).min_by(|a, b| off(left[*a], mode).total_cmp(&off(left[*b], mode)));
         let own = left.swap_remove(nearest.expect("a mode"));
-        let one = off(own, mode) / mode.growth.hypot(mode.frequency);
-        if one > 1e-10 {
-            println!(
-                "{name}: {} {} vs {} {}, {one:e}, residuals {:e} {:e}",
-                mode.growth, mode.frequency, own.growth, own.frequency, mode.residual, own.residual
-            );
-        }
-        worst = worst.max(one);
+        worst = worst.max(off(own, mode) / mode.growth.hypot(mode.frequency));
     }
     assert!(worst < 1e-8, "{name}: {worst:e} off");
     assert!(whole.modes.iter().chain(&sector.modes).all(|mode| mode.residual < 1e-9), "{name}: residuals");
     let bring = |modes: &Modes| modes.modes.iter().flat_map(|mode| mode.by_contact.clone()).sum::<f64>();
     let size: f64 = whole.modes.iter().map(|mode| mode.growth.hypot(mode.frequency)).sum();
     assert!((bring(whole) - bring(sector)).abs() < 1e-7 * size, "{name}: {} and {}", bring(whole), bring(sector));
-    worst
 }
 
 /// Asserts that the shapes of the sector, turned and with their phases, are those of the whole up to a factor.
@@ -163,8 +155,7 @@ fn a_ring_has_the_modes_of_its_sector() {
         let body = Body { mesh: RING, cuts: &[""], rest: drum(material, friction), axis: "" };
         let [whole, sector] = body.both(SECTORS, ModeKind::Squeal, region);
         let name = format!("friction {friction}, {material}, {region:?}");
-        let worst = assert_union(&name, &whole, &sector);
-        println!("{name}: {} modes, {worst:e} off, {:?}", whole.modes.len(), sector.counts);
+        assert_union(&name, &whole, &sector);
         assert!(whole.modes.len() >= 9, "{name}: {} modes", whole.modes.len());
         assert_eq!((sector.sectors, sector.counts.len()), (SECTORS, SECTORS / 2 + 1));
         if friction > 0.0 {
@@ -215,8 +206,7 @@ foundation_velocity = ["-y", "x", 0.3]
 "#;
     let body = Body { mesh, cuts: &[""], rest: rest.to_owned(), axis: "axis = [0, 0, 1]" };
     let [whole, sector] = body.both(6, ModeKind::Squeal, region([-0.6, 0.6], [0.0, 2.2]));
-    let worst = assert_union("tube", &whole, &sector);
-    println!("tube: {} modes, {worst:e} off", whole.modes.len());
+    assert_union("tube", &whole, &sector);
     assert!(whole.modes.len() >= 8, "{} modes", whole.modes.len());
 }
 
@@ -260,9 +250,7 @@ fn a_ring_has_the_hot_spots_of_its_sector() {
         let mut body = Body { mesh: RING, cuts: &[""], rest: warm_ring(velocity), axis: "" };
         body.rest = body.rest.replace("density = 1.0", "density = 0.0").replace("coupling = 0.0\n", "");
         let [whole, sector] = body.both(SECTORS, ModeKind::Thermal, region);
-        let worst = assert_union(velocity, &whole, &sector);
-        let real = whole.modes.iter().filter(|mode| mode.frequency <= 0.0).count();
-        println!("{velocity}: {} modes, {real} real, {worst:e} off, {:?}", whole.modes.len(), sector.counts);
+        assert_union(velocity, &whole, &sector);
         assert!(whole.modes.len() >= 8, "{velocity}: {} modes", whole.modes.len());
     }
 }
@@ -270,10 +258,11 @@ fn a_ring_has_the_hot_spots_of_its_sector() {
 /// Squeal and heat in one pencil.
 #[test]
 fn a_warm_ring_has_the_modes_of_its_sector() {
-    let body = Body { mesh: RING, cuts: &[""], rest: warm_ring("[\"-2*y\", \"2*x\"]"), axis: "" };
+    // A short first step would press with its inertia.
+    let rest = warm_ring("[\"-2*y\", \"2*x\"]").replace("end = 1e-9", "end = 1.0");
+    let body = Body { mesh: RING, cuts: &[""], rest, axis: "" };
     let [whole, sector] = body.both(6, ModeKind::Coupled, region([-0.9, 2.0], [0.0, 4.0]));
-    let worst = assert_union("coupled", &whole, &sector);
-    println!("coupled: {} modes, {worst:e} off", whole.modes.len());
+    assert_union("coupled", &whole, &sector);
     assert!(whole.modes.len() >= 8, "{} modes", whole.modes.len());
 }
 
@@ -317,8 +306,7 @@ foundation_velocity = ["-y", "x"]
 "#;
     let body = Body { mesh, cuts: &["hub_", "rim_"], rest: rest.to_owned(), axis: "" };
     let [whole, sector] = body.both(6, ModeKind::Squeal, region([-0.9, 0.9], [0.0, 4.0]));
-    let worst = assert_union("two rings", &whole, &sector);
-    println!("two rings: {} modes, {worst:e} off", whole.modes.len());
+    assert_union("two rings", &whole, &sector);
     assert!(whole.modes.len() >= 8, "{} modes", whole.modes.len());
 }
 
@@ -374,8 +362,7 @@ fn modes_do_not_know_how_a_mesh_is_numbered() {
             let mesh = Arc::new(renumbered(&case.problem.mesh, seed));
             other.problem = crate::common::changed(&case.problem, |data| data.mesh = mesh);
             let shuffled = found(&other, &wanted).unwrap_or_else(|error| panic!("{error}"));
-            let worst = assert_union(&format!("{cut}{seed}"), &ordered, &shuffled);
-            println!("{cut}{seed}: {} modes, {worst:e} off", ordered.modes.len());
+            assert_union(&format!("{cut}{seed}"), &ordered, &shuffled);
         }
     }
 }

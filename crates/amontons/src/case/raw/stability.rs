@@ -22,8 +22,8 @@ pub(in crate::case) struct Stability {
     /// Least and largest growth in 1/s: all modes between them in place of `count` of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growth: Option<[f64; 2]>,
-    /// Numbers of waves around a body of which the mesh is a sector, in both senses; if left out, 0 to half the number of
-    /// sectors.
+    /// Numbers of waves around a body of which the mesh is a sector, in both senses; if left out, 0 to half the number
+    /// of sectors.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub waves: Option<Vec<usize>>,
