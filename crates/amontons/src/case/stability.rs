@@ -26,9 +26,6 @@ impl Build<'_> {
             raw::StabilityKind::Thermal => ModeKind::Thermal,
             raw::StabilityKind::Coupled => ModeKind::Coupled,
         });
-        if raw.waves.as_ref().is_some_and(Vec::is_empty) {
-            self.note("stability.waves", At::Value, "an empty list".to_owned(), "numbers of waves", None);
-        }
         Search { kind, count: raw.count, hertz: raw.frequency, growth: raw.growth, waves: raw.waves }
     }
 }
