@@ -9,7 +9,7 @@ use amontons::output::{ModesFolder, ModesOf, OutputError, RunStart, Sink, Snapsh
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
-use amontons::stability::{self, Mode, Modes, StabilityError, Wanted};
+use amontons::stability::{self, Mode, ModeCount, Modes, StabilityError, Wanted};
 use amontons::state::State;
 
 use crate::arguments::{Common, ModesArguments, OutputFormat};
@@ -73,8 +73,8 @@ pub fn execute(file: &Path, arguments: &ModesArguments, common: &Common) -> Resu
             print::text(&format!("{tables}{critical}  results in {}\n", out.display()))?;
         }
     }
-    match all.iter().find(|of| of.modes.missing != 0) {
-        Some(of) => Err(CommandFailure::Modes(StabilityError::Missing { missing: of.modes.missing })),
+    match all.iter().find(|of| of.modes.missing() != 0) {
+        Some(of) => Err(CommandFailure::Modes(StabilityError::Missing { missing: of.modes.missing() })),
         None => Ok(()),
     }
 }
@@ -223,10 +223,13 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
         ));
     }
     let contacts = names(&problem.contacts);
+    let is_sector = modes.sectors > 1;
+    let waves = |text: &str| if is_sector { format!(" {text:>5}") } else { String::new() };
     let header: Vec<String> = contacts.iter().map(|name| format!("{:>14}", format!("by {name}"))).collect();
     lines.push(format!(
-        "  {:>4} {:>13} {:>14} {:>10} {:>9}{}",
+        "  {:>4}{} {:>13} {:>14} {:>10} {:>9}{}",
         "mode",
+        waves("waves"),
         "frequency/Hz",
         "growth/(1/s)",
         "damping",
@@ -236,7 +239,8 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
     for (number, mode) in (1..).zip(&modes.modes) {
         let by: Vec<String> = mode.by_contact.iter().map(|growth| format!("{growth:>14.5e}")).collect();
         lines.push(format!(
-            "  {number:>4} {:>13.7e} {:>14.7e} {:>10.2e} {:>9.1e}{}",
+            "  {number:>4}{} {:>13.7e} {:>14.7e} {:>10.2e} {:>9.1e}{}",
+            mode.waves.map_or_else(String::new, |number| waves(&number.to_string())),
             mode.hertz(),
             if mode.growth.abs() <= NEUTRAL * mode.frequency { 0.0 } else { mode.growth },
             if mode.growth.abs() <= NEUTRAL * mode.frequency { 0.0 } else { mode.damping_ratio() },
@@ -244,23 +248,31 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
             by.concat()
         ));
     }
-    let growing = modes.modes.iter().filter(|mode| mode.growth > NEUTRAL * mode.growth.hypot(mode.frequency)).count();
-    let region = &modes.region;
-    let [from, to] = region.frequency.map(|rate| rate / std::f64::consts::TAU);
-    let count = match modes.missing {
-        0 => "the count finds no other".to_owned(),
-        missing => format!("the count has {missing:+} more"),
-    };
-    lines.push(format!(
-        "  {growing} of {} grow; frequencies {from:.4e} to {to:.4e} Hz, growth {:.4e} to {:.4e} 1/s: {count} ({} unknowns, \
-         {} factorizations)",
-        modes.modes.len(),
-        region.growth[0],
-        region.growth[1],
-        modes.unknowns,
-        modes.factorizations
-    ));
+    lines.extend(counted(modes));
     lines.join("\n") + "\n"
+}
+
+/// How many grow, and what the counts say.
+fn counted(modes: &Modes) -> Vec<String> {
+    let growing = modes.modes.iter().filter(|mode| mode.growth > NEUTRAL * mode.growth.hypot(mode.frequency)).count();
+    let grow = format!("  {growing} of {} grow", modes.modes.len());
+    let cost = format!("({} unknowns, {} factorizations)", modes.unknowns, modes.factorizations);
+    let region = |ModeCount { region, missing, .. }: &ModeCount| {
+        let [from, to] = region.frequency.map(|rate| rate / std::f64::consts::TAU);
+        let count = match missing {
+            0 => "the count finds no other".to_owned(),
+            missing => format!("the count has {missing:+} more"),
+        };
+        let [least, most] = region.growth;
+        format!("frequencies {from:.4e} to {to:.4e} Hz, growth {least:.4e} to {most:.4e} 1/s: {count}")
+    };
+    match &modes.counts[..] {
+        [only] if modes.sectors == 1 => vec![format!("{grow}; {} {cost}", region(only))],
+        all => {
+            let of = |count: &ModeCount| format!("  waves {}: {} modes; {}", count.waves, count.modes, region(count));
+            all.iter().map(of).chain([format!("{grow} {cost}, a body of {} sectors", modes.sectors)]).collect()
+        }
+    }
 }
 
 /// Velocity of the body over that of slip above which a state is called not steady.

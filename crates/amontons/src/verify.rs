@@ -12,7 +12,7 @@ use crate::output::{
     OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values,
 };
 use crate::run::{RunError, Settings, run};
-use crate::stability::{Modes, StabilityError, Wanted, modes};
+use crate::stability::{Modes, Search, StabilityError, modes};
 
 mod folder;
 
@@ -258,7 +258,7 @@ struct Recorder {
     /// Values of each probe, by the index of its check: one value per time, including t = 0.
     probes: Vec<(usize, Vec<f64>)>,
     /// What modes are looked for, if a check names one, and those found.
-    wanted: Option<Wanted<'static>>,
+    wanted: Option<Search>,
     modes: Option<Result<Modes, StabilityError>>,
 }
 
@@ -280,7 +280,7 @@ impl Recorder {
             history: Vec::new(),
             set: ProbeSet::new(&case.problem, &probes).map_err(failed)?,
             probes: indices.into_iter().map(|i| (i, Vec::new())).collect(),
-            wanted: names_mode.then(|| case.stability.wanted(&case.problem, None)),
+            wanted: names_mode.then(|| case.stability.clone()),
             modes: None,
         })
     }
@@ -301,8 +301,8 @@ impl Recorder {
     fn mode(&self, name: &str, number: usize, is_frequency: bool) -> Result<f64, VerifyError> {
         let failed = |error: String| VerifyError::Check(format!("{name}: {error}"));
         let modes = match &self.modes {
-            Some(Ok(modes)) if modes.missing == 0 => &modes.modes,
-            Some(Ok(modes)) => return Err(failed(format!("the count finds {} more modes", modes.missing))),
+            Some(Ok(modes)) if modes.missing() == 0 => &modes.modes,
+            Some(Ok(modes)) => return Err(failed(format!("the count finds {} more modes", modes.missing()))),
             Some(Err(error)) => return Err(failed(error.to_string())),
             None => return Err(failed("no state to find modes of".to_owned())),
         };
@@ -351,7 +351,8 @@ impl Sink for Recorder {
 
     fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
         if let (Some(wanted), Some(report)) = (&self.wanted, last.report) {
-            self.modes = Some(modes(last.problem, last.discretization, last.state, report, wanted));
+            let wanted = wanted.wanted(last.problem, None);
+            self.modes = Some(modes(last.problem, last.discretization, last.state, report, &wanted));
         }
         Ok(())
     }

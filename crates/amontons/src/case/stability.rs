@@ -26,6 +26,6 @@ impl Build<'_> {
             raw::StabilityKind::Thermal => ModeKind::Thermal,
             raw::StabilityKind::Coupled => ModeKind::Coupled,
         });
-        Search { kind, count: raw.count, hertz: raw.frequency, growth: raw.growth }
+        Search { kind, count: raw.count, hertz: raw.frequency, growth: raw.growth, waves: raw.waves }
     }
 }

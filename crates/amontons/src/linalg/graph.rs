@@ -13,6 +13,23 @@ pub struct Graph {
 }
 
 impl Graph {
+    /// The graph of pairs of nodes that are coupled, each with itself and in both orders.
+    #[must_use]
+    pub fn of_pairs(nodes: usize, pairs: impl IntoIterator<Item = (u32, u32)>) -> Graph {
+        let mut all: Vec<(u32, u32)> = pairs.into_iter().flat_map(|(i, j)| [(i, j), (j, i)]).collect();
+        all.extend((0..nodes as u32).map(|i| (i, i)));
+        all.sort_unstable();
+        all.dedup();
+        let mut start = vec![0; nodes + 1];
+        for (i, _) in &all {
+            start[*i as usize + 1] += 1;
+        }
+        for i in 0..nodes {
+            start[i + 1] += start[i];
+        }
+        Graph { start, columns: all.into_iter().map(|(_, j)| j).collect() }
+    }
+
     /// The graph of the nodes of a mesh.
     #[must_use]
     pub fn of_mesh(mesh: &Mesh) -> Graph {

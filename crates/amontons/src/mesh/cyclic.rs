@@ -175,6 +175,22 @@ impl Cyclic {
     }
 }
 
+impl Cyclic {
+    /// A vector of a sector, turned into the one `places` further in the positive sense about the axis, of `sectors`.
+    #[must_use]
+    pub fn vector(&self, v: &Point, [places, sectors]: [usize; 2]) -> Point {
+        let axis = self.axis.map(|c| c / length(&self.axis));
+        turned(&rotation(&axis, TAU * places as f64 / sectors as f64), v)
+    }
+
+    /// A position in a sector, turned likewise.
+    #[must_use]
+    pub fn position(&self, x: &Point, places: [usize; 2]) -> Point {
+        let image = self.vector(&minus(x, &self.through), places);
+        std::array::from_fn(|c| image[c] + self.through[c])
+    }
+}
+
 /// The images of the axes under a rotation about a unit vector: Rodrigues' formula.
 fn rotation(axis: &Point, angle: f64) -> [Point; 3] {
     let (s, c) = angle.sin_cos();

@@ -208,7 +208,8 @@ impl PointAtState<'_> {
         }
         let slope = if closed { slope(&*self.contact.normal, &self.point.x, state) } else { open() };
         // Heat by the power of friction q·w_τ, out of this side and into the other.
-        let rubs = f64::from(u8::from(self.contact.rubs()));
+        // A foundation with a heat capacity takes what does not enter the body, as the other side of a pair.
+        let rubs = f64::from(u8::from(self.contact.rubs() || self.contact.foundation_heat.is_some()));
         let powers = [flux.by_friction_power, flux.by_friction_power + rubs];
         let slip = &state.slip;
         let heat_of = |force: &Point| powers.map(|power| power * dot(force, slip));

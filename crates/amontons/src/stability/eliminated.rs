@@ -3,12 +3,16 @@
 //! A point that is held (a closed gap on a rigid foundation, a point that sticks) gives one condition c·x = 0 on the
 //! perturbation, and one reaction that acts on the equations by a column r. The perturbations that satisfy all
 //! conditions are x = Z ξ, and the tests on which no reaction acts are the columns of W, rᵀW = 0, so that the reactions
-//! drop out of Wᵀ T Z ξ = 0. With friction r has a part along the slip and is not c, so that W is not Z.
+//! drop out of Wᵀ T Z ξ = 0. With friction r has a part along the slip and is not c, so that W is not Z. In a sector of
+//! a cyclic body both are complex; a reaction is given by the functional whose conjugate it acts by, and it is Wᴴ T Z.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use faer::c64;
 
 /// A linear function of the unknowns: their numbers and factors, each number once.
-pub(super) type Functional = Vec<(u32, f64)>;
+pub(super) type Functional = Vec<(u32, c64)>;
 
 /// Part of a condition, relative to what it was, that is left when it follows from others.
 const NOTHING: f64 = 1e-9;
@@ -26,57 +30,62 @@ pub(super) struct Basis(Vec<Functional>);
 
 impl Basis {
     /// An unknown as a combination of those that are left.
-    pub fn of(&self, unknown: usize) -> &[(u32, f64)] {
+    pub fn of(&self, unknown: usize) -> &[(u32, c64)] {
         self.0.get(unknown).map_or(&[], Vec::as_slice)
     }
 
+    /// The same with the unknowns that are left by other numbers.
+    pub fn renumbered(mut self, number: &[u32]) -> Basis {
+        for (at, _) in self.0.iter_mut().flatten() {
+            *at = number[*at as usize];
+        }
+        self
+    }
+
     /// The unknowns of a vector on those that are left.
-    pub fn expand<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f64, Output = T>>(&self, x: &[T]) -> Vec<T> {
-        let of = |row: &Functional| {
-            let mut sum = T::default();
-            for &(at, factor) in row {
-                sum += x[at as usize] * factor;
-            }
-            sum
-        };
-        self.0.iter().map(of).collect()
+    pub fn expand(&self, x: &[c64]) -> Vec<c64> {
+        self.0.iter().map(|row| row.iter().map(|&(at, factor)| x[at as usize] * factor).sum()).collect()
     }
 }
 
 /// The conditions and reactions that are eliminated, in reduced form: each has an unknown of its own that no other has.
 #[derive(Default)]
 struct ReducedRows {
-    rows: Vec<BTreeMap<u32, f64>>,
+    rows: Vec<ReducedRow>,
     /// Row by its own unknown.
     pivots: BTreeMap<u32, usize>,
-    /// The unknowns of all rows.
-    seen: BTreeSet<u32>,
+    /// The rows that have, or once had, an unknown that is not their own.
+    with: BTreeMap<u32, Vec<usize>>,
 }
+
+/// The factors of a row by unknown.
+type ReducedRow = BTreeMap<u32, c64>;
 
 impl ReducedRows {
     /// A functional without the unknowns of the rows, and its largest entry among those that may be eliminated; `None`
     /// if nothing is left of it.
-    fn rest(&self, functional: &Functional, may: &impl Fn(u32) -> bool) -> Option<(BTreeMap<u32, f64>, u32)> {
-        let (mut rest, mut size) = (BTreeMap::new(), 0.0f64);
+    fn rest(&self, functional: &Functional, may: &impl Fn(u32) -> bool) -> Option<(ReducedRow, u32)> {
+        let (mut rest, mut size) = (ReducedRow::new(), 0.0f64);
         for &(unknown, factor) in functional {
-            *rest.entry(unknown).or_insert(0.0) += factor;
+            *rest.entry(unknown).or_default() += factor;
             if may(unknown) {
-                size = size.max(factor.abs());
+                size = size.max(factor.norm());
             }
         }
-        let known: Vec<(u32, f64)> =
+        let known: Vec<(u32, c64)> =
             rest.iter().filter(|(unknown, _)| self.pivots.contains_key(unknown)).map(|(u, f)| (*u, *f)).collect();
         for (unknown, factor) in known {
             if let Some(row) = self.pivots.get(&unknown).and_then(|row| self.rows.get(*row)) {
                 for (other, value) in row {
-                    *rest.entry(*other).or_insert(0.0) -= factor * value;
+                    *rest.entry(*other).or_default() -= factor * value;
                 }
             }
             rest.remove(&unknown);
         }
-        let largest = rest.iter().filter(|(unknown, _)| may(**unknown)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let largest =
+            rest.iter().filter(|(unknown, _)| may(**unknown)).max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
         let (pivot, value) = largest.map(|(unknown, value)| (*unknown, *value))?;
-        if value.abs() <= NOTHING * size {
+        if value.norm() <= NOTHING * size {
             return None;
         }
         for factor in rest.values_mut() {
@@ -86,24 +95,33 @@ impl ReducedRows {
     }
 
     /// Adds a row that was reduced, with its own unknown.
-    fn add(&mut self, (new, pivot): (BTreeMap<u32, f64>, u32)) {
-        for row in self.rows.iter_mut().filter(|_| self.seen.contains(&pivot)) {
-            if let Some(factor) = row.remove(&pivot) {
-                new.iter().filter(|(unknown, _)| **unknown != pivot).for_each(|(unknown, value)| {
-                    *row.entry(*unknown).or_insert(0.0) -= factor * value;
-                });
+    fn add(&mut self, (new, pivot): (ReducedRow, u32)) {
+        let others = || new.iter().filter(|(unknown, _)| **unknown != pivot);
+        for number in self.with.remove(&pivot).unwrap_or_default() {
+            let Some(row) = self.rows.get_mut(number) else { continue };
+            let Some(factor) = row.remove(&pivot) else { continue };
+            for (unknown, value) in others() {
+                match row.entry(*unknown) {
+                    Entry::Occupied(mut known) => *known.get_mut() -= factor * value,
+                    Entry::Vacant(none) => {
+                        none.insert(-factor * value);
+                        self.with.entry(*unknown).or_default().push(number);
+                    }
+                }
             }
         }
-        self.seen.extend(new.keys());
+        for (unknown, _) in others() {
+            self.with.entry(*unknown).or_default().push(self.rows.len());
+        }
         self.pivots.insert(pivot, self.rows.len());
         self.rows.push(new);
     }
 }
 
 /// Z and W for held components: `may` tells the unknowns that may be eliminated. A component that others hold already,
-/// or whose reaction does no work, is left out. Returns the number of unknowns that are left, Z and W; unknown and test
+/// or whose reaction does no work, is left out. Returns the unknowns that are left, Z and W; unknown and test
 /// of the same number belong to the same degree of freedom wherever that is possible.
-pub(super) fn eliminate(size: usize, held: &[HeldRow], may: impl Fn(u32) -> bool) -> (usize, Basis, Basis) {
+pub(super) fn eliminate(size: usize, held: &[HeldRow], may: impl Fn(u32) -> bool) -> (Vec<u32>, Basis, Basis) {
     let (mut conditions, mut reactions) = (ReducedRows::default(), ReducedRows::default());
     for HeldRow { condition, reaction } in held {
         if let (Some(condition), Some(reaction)) = (conditions.rest(condition, &may), reactions.rest(reaction, &may)) {
@@ -123,15 +141,16 @@ pub(super) fn eliminate(size: usize, held: &[HeldRow], may: impl Fn(u32) -> bool
     }
     let basis = |reduced: &ReducedRows, number: &[u32]| {
         let of = |unknown: u32| match reduced.pivots.get(&unknown).and_then(|row| reduced.rows.get(*row)) {
-            None => vec![(number[unknown as usize], 1.0)],
+            None => vec![(number[unknown as usize], c64::new(1.0, 0.0))],
             Some(row) => {
-                let others = row.iter().filter(|(other, value)| **other != unknown && **value != 0.0);
+                let others = row.iter().filter(|(other, value)| **other != unknown && value.norm() > 0.0);
                 others.map(|(other, value)| (number[*other as usize], -value)).collect()
             }
         };
         Basis((0..size as u32).map(of).collect())
     };
-    (left.len(), basis(&conditions, &number), basis(&reactions, &tests))
+    let (trial, test) = (basis(&conditions, &number), basis(&reactions, &tests));
+    (left, trial, test)
 }
 
 #[cfg(test)]
@@ -141,9 +160,12 @@ mod tests {
     /// Conditions vanish on Z, reactions on W, also where a condition is given twice and where tests take other places.
     #[test]
     fn conditions_and_reactions_vanish() {
+        let of = |real: &[(u32, f64)]| {
+            real.iter().map(|&(unknown, factor)| (unknown, c64::from_polar(factor, f64::from(unknown)))).collect()
+        };
         let held = |condition: &[(u32, f64)], reaction: &[(u32, f64)]| HeldRow {
-            condition: condition.to_vec(),
-            reaction: reaction.to_vec(),
+            condition: of(condition),
+            reaction: of(reaction),
         };
         let all = [
             held(&[(0, 1.0), (1, 0.2)], &[(0, 0.1), (1, 1.0)]),
@@ -151,15 +173,15 @@ mod tests {
             held(&[(2, 2.0), (3, -1.0), (0, 0.6)], &[(3, 1.0), (1, 0.4)]),
         ];
         let (left, z, w) = eliminate(6, &all, |unknown| unknown < 5);
-        assert_eq!(left, 4);
-        for k in 0..left {
-            let unit: Vec<f64> = (0..left).map(|j| if j == k { 1.0 } else { 0.0 }).collect();
+        assert_eq!(left.len(), 4);
+        for k in 0..4 {
+            let unit: Vec<c64> = (0..4).map(|j| c64::new(f64::from(u8::from(j == k)), 0.0)).collect();
             let [x, y] = [&z, &w].map(|basis| basis.expand(&unit));
             for HeldRow { condition, reaction } in &all[..2] {
-                let on = |f: &Functional, v: &[f64]| f.iter().map(|(u, c)| c * v[*u as usize]).sum::<f64>();
-                assert!(on(condition, &x).abs() < 1e-15 && on(reaction, &y).abs() < 1e-15, "{k}");
+                let on = |f: &Functional, v: &[c64]| f.iter().map(|(u, c)| c * v[*u as usize]).sum::<c64>();
+                assert!(on(condition, &x).norm() < 1e-15 && on(reaction, &y).norm() < 1e-15, "{k}");
             }
-            assert!(x.iter().any(|x| x.abs() > 0.5) && y.iter().any(|y| y.abs() > 0.5));
+            assert!(x.iter().any(|x| x.norm() > 0.5) && y.iter().any(|y| y.norm() > 0.5));
         }
     }
 }

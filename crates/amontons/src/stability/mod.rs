@@ -20,6 +20,7 @@ mod shares;
 #[cfg(all(test, feature = "case"))]
 mod tests;
 mod unknowns;
+mod waves;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -35,6 +36,7 @@ use crate::tensor::length;
 use polynomial::{Forms, Polynomial};
 use shares::ModeShares;
 use unknowns::{Perturbed, PerturbedUnknowns};
+use waves::{Sectors, WaveNumber};
 
 /// Difference of two frequencies, relative to them, that is round-off.
 const SAME: f64 = 1e-7;
@@ -89,6 +91,23 @@ impl ModeRegion {
         within(self.growth, growth) && within(self.frequency, frequency.abs())
     }
 
+    /// The corners of the paths around what is covered, counterclockwise; all are closed but that around the upper half
+    /// of a region that reaches the real axis.
+    fn paths(&self, coverage: Coverage) -> Vec<Vec<c64>> {
+        let upper = self.upper_path();
+        if coverage != Coverage::Both {
+            return vec![upper];
+        }
+        let mut lower: Vec<c64> = upper.iter().map(c64::conj).rev().collect();
+        if self.frequency[0] > 0.0 {
+            return vec![upper, lower];
+        }
+        // The lower half begins on the left and ends on the right; both ends are those of the upper half.
+        lower.pop();
+        lower.extend(upper);
+        vec![lower]
+    }
+
     /// The corners around the upper half, counterclockwise from the lower right one; closed if the region does not
     /// reach the real axis.
     fn upper_path(&self) -> Vec<c64> {
@@ -107,8 +126,19 @@ impl ModeRegion {
     }
 }
 
+/// The part of the plane of λ that a search covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Coverage {
+    /// The upper half, of a pencil that is real: the lower half has the conjugates.
+    Folded,
+    /// Both halves.
+    Both,
+    /// The upper half, of a region away from the real axis.
+    Upper,
+}
+
 /// What a case asks for, before its problem is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Search {
     /// What is perturbed; `None` for the kind that suits the problem.
     pub kind: Option<ModeKind>,
@@ -118,13 +148,15 @@ pub struct Search {
     pub hertz: Option<[f64; 2]>,
     /// Least and largest growth of all modes that are looked for, 1/s.
     pub growth: Option<[f64; 2]>,
+    /// Numbers of waves around a body of which the mesh is a sector; `None` for all.
+    pub waves: Option<Vec<usize>>,
 }
 
 impl Search {
     /// What to look for in a problem. Where only frequencies are given, growth reaches as far as they do to both sides,
     /// and where only growth is given, frequencies reach as far as it does.
     #[must_use]
-    pub fn wanted<'a>(&self, problem: &Problem, interrupt: Option<&'a AtomicBool>) -> Wanted<'a> {
+    pub fn wanted<'a>(&'a self, problem: &Problem, interrupt: Option<&'a AtomicBool>) -> Wanted<'a> {
         let frequency = self.hertz.map(|range| range.map(|hertz| hertz * std::f64::consts::TAU));
         let region = match (self.growth, frequency) {
             (None, None) => None,
@@ -135,7 +167,8 @@ impl Search {
                 Some(ModeRegion { growth, frequency: [0.0, most] })
             }
         };
-        Wanted { kind: self.kind.unwrap_or_else(|| ModeKind::of(problem)), count: self.count, region, interrupt }
+        let kind = self.kind.unwrap_or_else(|| ModeKind::of(problem));
+        Wanted { kind, count: self.count, region, waves: self.waves.as_deref(), interrupt }
     }
 }
 
@@ -144,15 +177,51 @@ impl Search {
 pub struct Wanted<'a> {
     /// What is perturbed.
     pub kind: ModeKind,
-    /// The number of modes: those of lowest frequency, or of hot spots those of largest growth.
+    /// The number of modes: those of lowest frequency, or of hot spots those of largest growth. In a sector as many for
+    /// each number of waves.
     pub count: usize,
     /// All modes of this region in place of a number of them.
     pub region: Option<ModeRegion>,
+    /// Numbers of waves around a body of which the mesh is a sector; `None` for all, 0 to half the number of sectors.
+    pub waves: Option<&'a [usize]>,
     /// Ends the search when it becomes true.
     pub interrupt: Option<&'a AtomicBool>,
 }
 
 impl Wanted<'_> {
+    /// The pencils to be searched. Those of n and N − n waves have conjugate eigenvalues: n is searched on both sides
+    /// of the real axis, or N − n too in a region away from it.
+    fn searches(&self, sectors: Sectors) -> Vec<(WaveNumber, Coverage)> {
+        let mut numbers = self.waves.map_or_else(|| (0..=sectors.count / 2).collect(), <[usize]>::to_vec);
+        numbers.sort_unstable();
+        numbers.dedup();
+        let is_away = self.region.is_some_and(|region| region.frequency[0] > 0.0);
+        let of = |number: usize| {
+            let waves = sectors.waves(number);
+            match (waves.is_real(), is_away) {
+                (true, _) => vec![(waves, Coverage::Folded)],
+                (false, true) => vec![(waves, Coverage::Upper), (waves.backward(), Coverage::Upper)],
+                (false, false) => vec![(waves, Coverage::Both)],
+            }
+        };
+        numbers.into_iter().flat_map(of).collect()
+    }
+
+    /// Checks that numbers of waves are those of a sector.
+    fn check_waves(&self, sectors: Sectors) -> Result<(), StabilityError> {
+        let Some(waves) = self.waves else { return Ok(()) };
+        let most = sectors.count / 2;
+        let (found, expected, hint) = if sectors.count == 1 {
+            ("numbers of waves of a whole body".to_owned(), "a sector".to_owned(), "remove them: all modes are found")
+        } else if let Some(over) = waves.iter().find(|number| **number > most) {
+            let hint = "n waves and N − n are the same modes, which run the other way around";
+            (format!("{over}"), format!("at most {most}, half of {} sectors", sectors.count), hint)
+        } else {
+            return Ok(());
+        };
+        Err(StabilityError::Problem(Fault::new("stability.waves", found, expected).hint(hint)))
+    }
+
     /// Returns an error if the search was asked to stop.
     fn go_on(&self) -> Result<(), SolveError> {
         let stops = self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
@@ -167,6 +236,9 @@ pub struct Mode {
     pub growth: f64,
     /// Im λ in rad/s, not negative.
     pub frequency: f64,
+    /// Of a sector the number of waves around the body, positive if they run in the positive sense about the axis, and
+    /// up to whole multiples of the number of sectors. A mode of frequency 0 does not run, and there are two, ±n.
+    pub waves: Option<i64>,
     /// ‖T(λ)x‖ over the sum of the sizes of its terms.
     pub residual: f64,
     /// What each contact adds to the growth, 1/s: the power of its forces over twice the energy of the mode, or of heat
@@ -175,17 +247,39 @@ pub struct Mode {
     /// Share of each body in the kinetic energy, or of hot spots in the square of the temperature.
     pub by_body: Vec<f64>,
     /// u′ by node and component, real and imaginary part, largest component 1 m; without dimension but for the scale.
+    /// Of a sector that of the sector of the mesh.
     pub displacement: Vec<[f64; 2]>,
     /// θ′ by node, K, in the scale of u′; of hot spots the largest temperature is 1 K.
     pub temperature: Vec<[f64; 2]>,
 }
 
 impl Mode {
+    /// The mode of the conjugate of λ.
+    fn conjugate(&self) -> Mode {
+        let conjugate = |values: &[[f64; 2]]| values.iter().map(|[re, im]| [*re, -im]).collect();
+        Mode {
+            frequency: -self.frequency,
+            displacement: conjugate(&self.displacement),
+            temperature: conjugate(&self.temperature),
+            ..self.clone()
+        }
+    }
+
     /// −Re λ/|λ|: negative for a mode that grows.
     #[must_use]
     pub fn damping_ratio(&self) -> f64 {
         let size = self.growth.hypot(self.frequency);
         if size > 0.0 { -self.growth / size } else { 0.0 }
+    }
+
+    /// Cosine and sine of the phase of the sector `place` further in the positive sense about the axis, of `sectors`,
+    /// against that of the mesh: there u′ is e^{−2πi·waves·place/sectors} times that of the mesh, turned.
+    #[must_use]
+    pub fn phase(&self, place: usize, sectors: usize) -> [f64; 2] {
+        let turns = self.waves.unwrap_or_default() * place as i64;
+        let whole = sectors.max(1) as i64;
+        let (sine, cosine) = (std::f64::consts::TAU * turns.rem_euclid(whole) as f64 / whole as f64).sin_cos();
+        [cosine, -sine]
     }
 
     /// Im λ/2π in Hz.
@@ -195,6 +289,20 @@ impl Mode {
     }
 }
 
+/// What the argument principle says of the modes, of sectors those of a number of waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeCount {
+    /// Number of waves in both senses, 0 to half the number of sectors; 0 for a whole body.
+    pub waves: usize,
+    /// The region in which none is missing.
+    pub region: ModeRegion,
+    /// Number of modes in it.
+    pub modes: usize,
+    /// Eigenvalues that the count finds in the region beyond the modes, with conjugates. Other than zero only if the
+    /// memory was not enough to find them all.
+    pub missing: isize,
+}
+
 /// The modes of a state.
 #[derive(Clone, Debug)]
 pub struct Modes {
@@ -202,16 +310,15 @@ pub struct Modes {
     pub kind: ModeKind,
     /// All modes of the region, conjugates once: by frequency, or of hot spots by growth, the largest first.
     pub modes: Vec<Mode>,
-    /// The region in which none is missing.
-    pub region: ModeRegion,
-    /// Eigenvalues that the count finds in the region beyond the modes, with conjugates. Other than zero only if the
-    /// memory was not enough to find them all.
-    pub missing: isize,
+    /// Number of sectors of the body, 1 if the mesh is all of it.
+    pub sectors: usize,
+    /// The counts: one, or of sectors one per number of waves.
+    pub counts: Vec<ModeCount>,
     /// Number of unknowns of T.
     pub unknowns: usize,
-    /// Factorizations of T(λ): one for the search, the others for the count; and the dimension of the Krylov space.
+    /// Factorizations of T(λ): one per search, the others for the counts.
     pub factorizations: usize,
-    /// Dimension of the Krylov space.
+    /// Largest dimension of a Krylov space.
     pub dimension: usize,
     /// Contact points that are open, stick and slip.
     pub points: [usize; 3],
@@ -222,6 +329,61 @@ pub struct Modes {
 }
 
 impl Modes {
+    /// Eigenvalues that a count finds beyond the modes: the first number that is not zero.
+    #[must_use]
+    pub fn missing(&self) -> isize {
+        self.counts.iter().map(|count| count.missing).find(|missing| *missing != 0).unwrap_or_default()
+    }
+
+    /// Adds the modes of a number of waves.
+    fn add(&mut self, found: &search::FoundPairs, shares: &ModeShares) {
+        let waves = found.pencil.unknowns.waves();
+        let before = self.modes.len();
+        for pair in &found.pairs {
+            let mode = shares.mode(&found.pencil, pair);
+            if self.sectors == 1 {
+                self.modes.push(mode);
+                continue;
+            }
+            // The conjugate belongs to the waves that run the other way around.
+            let forward = Mode { waves: Some(waves.signed()), ..mode };
+            let backward = || Mode { waves: Some(waves.backward().signed()), ..forward.conjugate() };
+            if !waves.is_real() && forward.frequency <= 0.0 {
+                self.modes.push(backward());
+            }
+            if forward.frequency >= 0.0 {
+                self.modes.push(forward);
+            }
+        }
+        let least = waves.waves.min(waves.backward().waves);
+        let modes = self.modes.len() - before;
+        // Both senses apart have one region.
+        if let Some(count) = self.counts.iter_mut().find(|count| count.waves == least) {
+            count.modes += modes;
+            count.missing = if count.missing == 0 { found.missing } else { count.missing };
+        } else {
+            let (region, missing) = (found.region, found.missing);
+            self.counts.push(ModeCount { waves: least, region, modes, missing });
+        }
+        self.unknowns = found.pencil.size();
+        self.factorizations += found.factorizations;
+        self.dimension = self.dimension.max(found.dimension);
+    }
+
+    /// Brings the modes into order: by frequency, or of hot spots by growth, the largest first.
+    fn sort(&mut self) {
+        if self.kind == ModeKind::Thermal {
+            self.modes.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+            return;
+        }
+        self.modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        // Of two modes of one frequency, as above the onset of squeal, the growing one comes first.
+        let is_same = |a: &Mode, b: &Mode| b.frequency - a.frequency <= SAME * b.frequency;
+        for same in self.modes.chunk_by_mut(is_same) {
+            same.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+        }
+    }
+
     /// The largest growth, 1/s.
     #[must_use]
     pub fn largest_growth(&self) -> f64 {
@@ -301,6 +463,8 @@ pub fn modes(
     wanted: &Wanted,
 ) -> Result<Modes, StabilityError> {
     check(problem, discrete, wanted)?;
+    let sectors = Sectors::of(problem).map_err(StabilityError::Problem)?;
+    wanted.check_waves(sectors)?;
     let what = Perturbed {
         displacement: problem.physics.has_mechanics(),
         temperature: wanted.kind != ModeKind::Squeal && problem.physics.has_heat(),
@@ -308,42 +472,37 @@ pub fn modes(
     let contacts = contacts_at(problem, state.t);
     let boundary = report.contact.boundary.as_ref().unwrap_or(&discrete.boundary);
     let points = contact::linearised(&contacts, boundary, report, what.temperature)?;
-    let unknowns = PerturbedUnknowns::new(discrete, what);
-    if unknowns.size == 0 {
-        return Err(StabilityError::State(Reason::NoUnknowns));
-    }
-    let forms = forms(discrete, state, what, wanted.kind);
-    let pencil = Polynomial::new(unknowns, &forms, boundary, &points, discrete.mesh.dim);
-    let found = search::find(pencil, wanted, discrete.mesh.dim)?;
+    let mut forms = forms(discrete, state, what, wanted.kind);
+    let lumped = |contact: &Contact| contact.foundation_heat.as_ref().map(|heat| [heat.exchange, heat.capacity]);
+    forms.foundations = contacts.iter().map(lumped).collect();
     let shares = ModeShares::new(discrete, boundary, &contacts, &forms, wanted.kind);
     let statuses = report.contact.states.iter().map(|state| state.status);
     let count = |status: Status| statuses.clone().filter(|own| *own == status).count();
-    let mut modes: Vec<Mode> = found.pairs.iter().map(|pair| shares.mode(&found.pencil, pair)).collect();
-    if wanted.kind == ModeKind::Thermal {
-        modes.sort_by(|a, b| b.growth.total_cmp(&a.growth));
-    } else {
-        modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
-        // Of two modes of one frequency, as above the onset of squeal, the growing one comes first.
-        let is_same = |a: &Mode, b: &Mode| b.frequency - a.frequency <= SAME * b.frequency;
-        for same in modes.chunk_by_mut(is_same) {
-            same.sort_by(|a, b| b.growth.total_cmp(&a.growth));
-        }
-    }
     let largest = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(0.0, f64::max);
     let slip = largest(&mut report.contact.states.iter().map(|state| length(&state.slip)));
     let velocity = largest(&mut state.w.chunks(discrete.mesh.dim).map(|w| w.iter().map(|c| c * c).sum::<f64>().sqrt()));
-    Ok(Modes {
+    let mut all = Modes {
         kind: wanted.kind,
-        modes,
-        region: found.region,
-        missing: found.missing,
-        unknowns: found.pencil.size(),
-        factorizations: found.factorizations,
-        dimension: found.dimension,
+        modes: Vec::new(),
+        sectors: sectors.count,
+        counts: Vec::new(),
+        unknowns: 0,
+        factorizations: 0,
+        dimension: 0,
         points: [Status::Open, Status::Stick, Status::Slip].map(count),
         unsteady: if slip > 0.0 { velocity / slip } else { 0.0 },
         bodies: shares.names(),
-    })
+    };
+    for (waves, coverage) in wanted.searches(sectors) {
+        let unknowns = PerturbedUnknowns::new((discrete, &contacts), what, waves);
+        if unknowns.size == 0 {
+            return Err(StabilityError::State(Reason::NoUnknowns));
+        }
+        let pencil = Polynomial::new(unknowns, &forms, boundary, &points, &discrete.mesh);
+        all.add(&search::find(pencil, wanted, coverage, discrete.mesh.dim)?, &shares);
+    }
+    all.sort();
+    Ok(all)
 }
 
 /// Checks that all parts of the problem are linearised.
@@ -359,11 +518,6 @@ fn check(problem: &Problem, discrete: &Discretization, wanted: &Wanted) -> Resul
             (contact.preload.is_some(), "preload", "a preload, whose section is drawn together"),
             (contact.fluid.is_some(), "fluid", "a fluid"),
             (load, "obstacle.load", "an obstacle under a force"),
-            (
-                contact.foundation_heat.is_some() && kind != ModeKind::Squeal,
-                "heat",
-                "a foundation with a heat capacity",
-            ),
         ];
         all.into_iter().find(|(is, ..)| *is).map(|(_, key, found)| (key, found))
     };
@@ -372,10 +526,6 @@ fn check(problem: &Problem, discrete: &Discretization, wanted: &Wanted) -> Resul
             let path = format!("{}.{key}", problem.contact_path(side));
             return fault(path, found, "none in a search for modes", "remove it, or hold what it does fixed");
         }
-    }
-    if !problem.cyclic.is_empty() {
-        let hint = "mesh the whole body: modes need not repeat from sector to sector";
-        return fault("cyclic".to_owned(), "a sector", "a whole body in a search for modes", hint);
     }
     if discrete.branches.iter().any(|branches| branches.uniform().is_none()) {
         let hint = "give regions of their own a number each";

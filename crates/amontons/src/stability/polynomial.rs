@@ -7,7 +7,10 @@
 //! ```text
 //! λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
 //! λC θ′ + D θ′ − E u′ + Σ ω Nᵀ(q·ν)′ = 0
+//! λC_F θ_F′ + H θ_F′ − Σ ω (q·ν + q·w_τ)′ = 0      of a foundation with a heat capacity
 //! ```
+//!
+//! In a sector of a cyclic body the unknowns carry phases, and the rows are combined with their conjugates.
 
 use faer::c64;
 
@@ -15,7 +18,8 @@ use super::contact::{PointTerm, SpaceMap};
 use super::eliminated::{Basis, Functional, HeldRow, eliminate};
 use super::unknowns::{PerturbedUnknowns, add, merged};
 use crate::contact::ContactBoundary;
-use crate::linalg::{BlockMatrix, ComplexMatrix};
+use crate::linalg::{BlockMatrix, ComplexMatrix, Graph, nested_dissection};
+use crate::mesh::Mesh;
 use crate::tensor::Point;
 
 /// The forms of the body at the state; none where it has none.
@@ -33,13 +37,15 @@ pub(super) struct Forms {
     /// C, and the parts of D.
     pub storage: Option<BlockMatrix>,
     pub conduction: Vec<BlockMatrix>,
+    /// H in W/K and C in J/K of each foundation with a heat capacity, by contact.
+    pub foundations: Vec<Option<[f64; 2]>>,
 }
 
 /// T(λ) on a symmetric pattern.
 pub(super) struct Polynomial {
     pattern: ComplexMatrix,
     /// T₀, T₁, T₂, then A_τ by group, on the pattern.
-    terms: Vec<Vec<f64>>,
+    terms: Vec<Vec<c64>>,
     /// 1/τ of each group.
     pub rates: Vec<f64>,
     /// The unknowns with Z and W.
@@ -50,7 +56,7 @@ pub(super) struct Polynomial {
 }
 
 /// Entries of one term: row, column, value.
-type Entries = Vec<(u32, u32, f64)>;
+type Entries = Vec<(u32, u32, c64)>;
 
 /// The terms while they are assembled, on the unknowns before the contact eliminates some.
 struct Assembly<'a> {
@@ -79,11 +85,12 @@ impl Assembly<'_> {
         }
     }
 
-    /// Adds a multiple of the product of two functionals.
-    fn product(&mut self, term: usize, factor: f64, row: &[(u32, f64)], column: &[(u32, f64)]) {
+    /// Adds a multiple of the product of the conjugate of a functional and another one.
+    fn product(&mut self, term: usize, factor: f64, row: &[(u32, c64)], column: &[(u32, c64)]) {
         let entries = &mut self.terms[term];
         for &(i, a) in row {
-            entries.extend(column.iter().map(|&(j, b)| (i, j, factor * a * b)));
+            let a = factor * a.conj();
+            entries.extend(column.iter().map(|&(j, b)| (i, j, a * b)));
         }
     }
 
@@ -95,7 +102,7 @@ impl Assembly<'_> {
         let temperatures = unknowns.temperatures(boundary, point);
         let along = |direction: &Point| {
             let mut sum = Functional::new();
-            jump.iter().zip(direction).for_each(|(jump, c)| add(&mut sum, *c, jump));
+            jump.iter().zip(direction).for_each(|(jump, c)| add(&mut sum, c64::new(*c, 0.0), jump));
             merged(sum)
         };
         // Heat out of one side, and into the other, whose values are negative in the jump.
@@ -120,7 +127,7 @@ impl Assembly<'_> {
         let held = |held: &super::contact::HeldComponent| {
             let mut reaction = along(&held.force);
             for side in 0..2 {
-                add(&mut reaction, [1.0, -1.0][side] * held.heat[side], &temperatures[side]);
+                add(&mut reaction, c64::new([1.0, -1.0][side] * held.heat[side], 0.0), &temperatures[side]);
             }
             HeldRow { condition: along(&held.direction), reaction: merged(reaction) }
         };
@@ -135,8 +142,9 @@ impl Polynomial {
         forms: &Forms,
         boundary: &ContactBoundary,
         points: &[PointTerm],
-        dim: usize,
+        mesh: &Mesh,
     ) -> Polynomial {
+        let dim = mesh.dim;
         let terms = 3 + forms.branches.len();
         let mut assembly = Assembly { unknowns: &unknowns, terms: vec![Vec::new(); terms] };
         let (u, theta) = (&unknowns.u[..], &unknowns.theta[..]);
@@ -153,13 +161,38 @@ impl Polynomial {
         forms.heat.iter().for_each(|form| assembly.add(0, -1.0, form, [theta, u], 1));
         forms.storage.iter().for_each(|form| assembly.add(1, 1.0, form, [theta, theta], 1));
         forms.conduction.iter().for_each(|form| assembly.add(0, 1.0, form, [theta, theta], 1));
+        for (contact, lumped) in forms.foundations.iter().enumerate() {
+            let theta = unknowns.foundation(contact);
+            for (power, value) in lumped.iter().flatten().enumerate() {
+                assembly.product(power, *value, theta, theta);
+            }
+        }
         let held: Vec<HeldRow> =
             points.iter().enumerate().flat_map(|(i, point)| assembly.add_point(boundary, i, point)).collect();
         let entries = assembly.terms;
-        let (size, trial, test) = eliminate(unknowns.size, &held, |unknown| unknowns.moves[unknown as usize]);
+        let (left, trial, test) = eliminate(unknowns.size, &held, |unknown| unknowns.moves[unknown as usize]);
+        let (size, number) = (left.len(), order(&unknowns, mesh, &entries, (&left, [&test, &trial])));
+        let [trial, test] = [trial, test].map(|basis| basis.renumbered(&number));
         let rates = forms.branches.iter().map(|(rate, _)| *rate).collect();
         let (pattern, terms) = condensed(size, entries, [&test, &trial]);
         Polynomial { pattern, terms, rates, unknowns, trial, scale: vec![1.0; size] }
+    }
+
+    /// λ²T₂ + λT₁ + T₀ by the entries of the terms: row, column, value.
+    #[cfg(test)]
+    pub fn of_terms(size: usize, terms: [Vec<(u32, u32, f64)>; 3]) -> Polynomial {
+        let (_, trial, test) = eliminate(size, &[], |_| true);
+        let complex = |entries: Vec<(u32, u32, f64)>| {
+            entries.into_iter().map(|(i, j, value)| (i, j, c64::new(value, 0.0))).collect::<Entries>()
+        };
+        let (pattern, terms) = condensed(size, terms.map(complex).into_iter().collect(), [&test, &trial]);
+        let unknowns = PerturbedUnknowns::plain(size);
+        Polynomial { pattern, terms, rates: Vec::new(), unknowns, trial, scale: vec![1.0; size] }
+    }
+
+    /// True if T is real at real λ, so that eigenvalues come with their conjugates.
+    pub fn is_real(&self) -> bool {
+        self.unknowns.waves().is_real()
     }
 
     /// Number of unknowns.
@@ -180,7 +213,8 @@ impl Polynomial {
         for j in 0..self.size() {
             for k in self.range(j) {
                 if self.pattern.rows[k] as usize == j {
-                    largest[j] = self.terms.iter().zip(&weights).map(|(term, weight)| (term[k] * weight).abs()).sum();
+                    largest[j] =
+                        self.terms.iter().zip(&weights).map(|(term, weight)| term[k].norm() * weight.abs()).sum();
                 }
             }
         }
@@ -245,9 +279,9 @@ impl Polynomial {
         for j in 0..self.size() {
             let Some(k) = self.range(j).find(|k| self.pattern.rows[*k] as usize == j) else { continue };
             let springs = || self.rates.iter().zip(&self.terms[3..]);
-            let (stiffness, damping) = (self.terms[0][k], self.terms[1][k].max(0.0));
-            if stiffness > 0.0 && springs().all(|(_, spring)| spring[k] >= 0.0) {
-                let parts: c64 = springs().map(|(rate, spring)| lambda / (lambda + rate) * spring[k]).sum();
+            let (stiffness, damping) = (self.terms[0][k].re, self.terms[1][k].re.max(0.0));
+            if stiffness > 0.0 && springs().all(|(_, spring)| spring[k].re >= 0.0) {
+                let parts: c64 = springs().map(|(rate, spring)| lambda / (lambda + rate) * spring[k].re).sum();
                 let all = (lambda * damping + stiffness + parts) / stiffness;
                 sum = [sum[0] + all.arg(), sum[1] + all.norm().ln()];
             }
@@ -262,9 +296,9 @@ impl Polynomial {
         let mut count = [0.0f64; 2];
         for j in 0..self.size() {
             for k in self.range(j).filter(|k| self.pattern.rows[*k] as usize == j) {
-                let swings = self.terms[2][k] != 0.0;
+                let swings = self.terms[2][k].norm() > 0.0;
                 count[usize::from(swings)] += 1.0;
-                sums[usize::from(swings)].iter_mut().zip(&self.terms).for_each(|(sum, term)| *sum += term[k].abs());
+                sums[usize::from(swings)].iter_mut().zip(&self.terms).for_each(|(sum, term)| *sum += term[k].norm());
             }
         }
         let [[d, c, _], [a, _, m]] = sums;
@@ -281,25 +315,57 @@ pub(super) fn norm(x: &[c64]) -> f64 {
     x.iter().map(c64::norm_sqr).sum::<f64>().sqrt()
 }
 
-/// Wᵀ T Z of each term on one symmetric pattern.
-fn condensed(size: usize, terms: Vec<Entries>, [test, trial]: [&Basis; 2]) -> (ComplexMatrix, Vec<Vec<f64>>) {
+/// The number of each unknown that is left in the order of elimination: nested dissection of the nodes as T couples
+/// them, across pairs of bodies too; the foundations last.
+fn order(
+    unknowns: &PerturbedUnknowns,
+    mesh: &Mesh,
+    terms: &[Entries],
+    (left, [test, trial]): (&[u32], [&Basis; 2]),
+) -> Vec<u32> {
+    let node = |k: u32| left.get(k as usize).and_then(|unknown| unknowns.node_of.get(*unknown as usize)).copied();
+    let mut pairs: Vec<(u32, u32)> = Vec::new();
+    for (i, j, _) in terms.iter().flatten() {
+        for (row, _) in test.of(*i as usize) {
+            for (column, _) in trial.of(*j as usize) {
+                let pair = node(*row).zip(node(*column)).filter(|(a, b)| a != b);
+                pairs.extend(pair.filter(|pair| pairs.last() != Some(pair)));
+            }
+        }
+    }
+    let nodes = mesh.points.len();
+    let mut of_node: Vec<Vec<u32>> = vec![Vec::new(); nodes];
+    let mut rest = Vec::new();
+    for k in 0..left.len() as u32 {
+        node(k).map_or(&mut rest, |node| &mut of_node[node as usize]).push(k);
+    }
+    let keep: Vec<bool> = of_node.iter().map(|own| !own.is_empty()).collect();
+    let nodes = nested_dissection(&Graph::of_pairs(nodes, pairs), &mesh.points, &keep, &[]).order;
+    let ordered = nodes.iter().flat_map(|node| of_node[*node as usize].iter()).chain(&rest);
+    let mut number = vec![0; left.len()];
+    ordered.enumerate().for_each(|(new, old)| number[*old as usize] = new as u32);
+    number
+}
+
+/// Wᴴ T Z of each term on one symmetric pattern.
+fn condensed(size: usize, terms: Vec<Entries>, [test, trial]: [&Basis; 2]) -> (ComplexMatrix, Vec<Vec<c64>>) {
     let count = terms.len();
     // Column, row, term, value; the term `count` marks an entry that the pattern has without a value.
-    let mut all: Vec<(u32, u32, u32, f64)> = Vec::new();
+    let mut all: Vec<(u32, u32, u32, c64)> = Vec::new();
     for (term, entries) in terms.into_iter().enumerate() {
         for (i, j, value) in entries {
             for &(row, a) in test.of(i as usize) {
                 for &(column, b) in trial.of(j as usize) {
-                    all.push((column, row, term as u32, a * b * value));
-                    all.push((row, column, count as u32, 0.0));
+                    all.push((column, row, term as u32, a.conj() * b * value));
+                    all.push((row, column, count as u32, c64::default()));
                 }
             }
         }
     }
-    all.extend((0..size as u32).map(|j| (j, j, count as u32, 0.0)));
+    all.extend((0..size as u32).map(|j| (j, j, count as u32, c64::default())));
     all.sort_by_key(|(column, row, term, _)| (*column, *row, *term));
     let mut pattern = ComplexMatrix { start: vec![0; size + 1], ..ComplexMatrix::default() };
-    let mut values: Vec<Vec<f64>> = vec![Vec::new(); count];
+    let mut values: Vec<Vec<c64>> = vec![Vec::new(); count];
     let mut last = None;
     for (column, row, term, value) in all {
         if last != Some((column, row)) {
@@ -307,7 +373,7 @@ fn condensed(size: usize, terms: Vec<Entries>, [test, trial]: [&Basis; 2]) -> (C
             pattern.rows.push(row);
             pattern.start[column as usize + 1] += 1;
             for values in &mut values {
-                values.push(0.0);
+                values.push(c64::default());
             }
         }
         if let Some(values) = values.get_mut(term as usize).and_then(|values| values.last_mut()) {

@@ -5,7 +5,7 @@ use faer::c64;
 use super::count::{EigenvalueCount, count};
 use super::krylov::{KrylovSpace, RitzPair};
 use super::polynomial::Polynomial;
-use super::{ModeKind, ModeRegion, StabilityError, Wanted};
+use super::{Coverage, ModeKind, ModeRegion, StabilityError, Wanted};
 use crate::linalg::{Pattern, Pivots};
 use crate::machine;
 
@@ -30,7 +30,7 @@ fn relaxes(pencil: &Polynomial, lambda: c64) -> bool {
     lambda.im.abs() <= NEARLY_REAL * lambda.norm() && lambda.re < 0.0 && lambda.re >= -(1.0 + NEARLY_REAL) * fastest
 }
 
-/// An eigenvalue of non-negative frequency with its vector.
+/// An eigenvalue with its vector; of conjugates that both are eigenvalues the one of positive frequency.
 pub(super) struct FoundPair {
     pub lambda: c64,
     pub x: Vec<c64>,
@@ -49,13 +49,14 @@ pub(super) struct FoundPairs {
 
 /// The eigenvalues that the space has found up to the first that it has not, by distance to the shift.
 struct KnownEigenvalues {
+    coverage: Coverage,
     ritz: Vec<RitzPair>,
     /// Distance within which all of the space are found.
     radius: f64,
 }
 
 impl KnownEigenvalues {
-    fn new(space: &KrylovSpace, shift: c64) -> Result<KnownEigenvalues, StabilityError> {
+    fn new(space: &KrylovSpace, shift: c64, coverage: Coverage) -> Result<KnownEigenvalues, StabilityError> {
         let mut ritz = space.ritz()?;
         // Infinite eigenvalues, of unknowns without mass, are found as large numbers of no meaning.
         let nearest = ritz.first().map_or(0.0, |first| (first.lambda - shift).norm());
@@ -71,23 +72,25 @@ impl KnownEigenvalues {
             None => ritz.last().map_or(0.0, |last| (last.lambda - shift).norm()),
         };
         ritz.truncate(found);
-        Ok(KnownEigenvalues { ritz, radius })
+        Ok(KnownEigenvalues { coverage, ritz, radius })
     }
 
-    /// The eigenvalues of non-negative frequency; those that are real up to round-off are made so.
-    fn upper(&self) -> impl Iterator<Item = (c64, &RitzPair)> {
+    /// The eigenvalues that are covered: of conjugates that both are eigenvalues the one of non-negative frequency.
+    /// Those that are real up to round-off are made so.
+    fn covered(&self) -> impl Iterator<Item = (c64, &RitzPair)> {
         self.ritz.iter().filter_map(|ritz| {
             let lambda = ritz.lambda;
             let is_real = lambda.im.abs() <= REAL * lambda.norm();
             let lambda = if is_real { c64::new(lambda.re, 0.0) } else { lambda };
-            (lambda.im >= 0.0).then_some((lambda, ritz))
+            (lambda.im >= 0.0 || self.coverage == Coverage::Both).then_some((lambda, ritz))
         })
     }
 
-    /// All with their conjugates.
+    /// All that are known, with their conjugates where these are eigenvalues.
     fn both(&self) -> Vec<c64> {
-        let upper = self.upper().map(|(lambda, _)| lambda);
-        upper.flat_map(|l| [l].into_iter().chain((l.im > 0.0).then(|| l.conj()))).collect()
+        let folded = self.coverage == Coverage::Folded;
+        let covered = self.covered().map(|(lambda, _)| lambda);
+        covered.flat_map(|l| [l].into_iter().chain((folded && l.im > 0.0).then(|| l.conj()))).collect()
     }
 }
 
@@ -99,7 +102,7 @@ fn region_of(
     (shift, relaxing): (c64, bool),
     all: bool,
 ) -> Option<ModeRegion> {
-    let mut upper: Vec<c64> = known.upper().map(|(lambda, _)| lambda).collect();
+    let mut upper: Vec<c64> = known.covered().map(|(lambda, _)| c64::new(lambda.re, lambda.im.abs())).collect();
     if relaxing {
         upper.retain(|lambda| lambda.im > 0.0);
     }
@@ -150,7 +153,12 @@ fn shift(wanted: &Wanted, slow: f64) -> c64 {
 }
 
 /// Finds the eigenpairs.
-pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Result<FoundPairs, StabilityError> {
+pub(super) fn find(
+    mut pencil: Polynomial,
+    wanted: &Wanted,
+    coverage: Coverage,
+    dim: usize,
+) -> Result<FoundPairs, StabilityError> {
     let shift = shift(wanted, pencil.slow_rate(dim));
     pencil.balance(shift.norm());
     let matrix = pencil.at(shift);
@@ -163,7 +171,7 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
     loop {
         space.extend(by, wanted)?;
         by = (space.dimension() / 4).max(10);
-        let known = KnownEigenvalues::new(&space, shift)?;
+        let known = KnownEigenvalues::new(&space, shift, coverage)?;
         let is_last = space.is_exhausted() || space.dimension() >= most;
         let region = match wanted.region {
             Some(region) => Some(region),
@@ -171,17 +179,17 @@ pub(super) fn find(mut pencil: Polynomial, wanted: &Wanted, dim: usize) -> Resul
         };
         let Some(region) = region.filter(|region| region.farthest(shift) <= known.radius || is_last) else {
             if is_last {
-                return Err(StabilityError::TooFew { found: known.upper().count(), count: wanted.count });
+                return Err(StabilityError::TooFew { found: known.covered().count(), count: wanted.count });
             }
             continue;
         };
         let EigenvalueCount { missing, factorizations: made } =
-            count(&pencil, &pattern, (&region, wanted), &known.both())?;
+            count(&pencil, &pattern, (&region, coverage, wanted), &known.both())?;
         factorizations += made;
         if missing != 0 && !is_last {
             continue;
         }
-        let inside = known.upper().filter(|(lambda, _)| region.has([lambda.re, lambda.im]));
+        let inside = known.covered().filter(|(lambda, _)| region.has([lambda.re, lambda.im]));
         let pairs = inside.map(|(lambda, ritz)| {
             let x = space.vector(ritz);
             FoundPair { lambda, residual: pencil.residual(lambda, &x), x }

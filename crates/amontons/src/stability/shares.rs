@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use faer::c64;
 
+use super::eliminated::Functional;
 use super::polynomial::{Forms, Polynomial};
 use super::search::FoundPair;
 use super::{Mode, ModeKind};
@@ -46,6 +47,15 @@ impl<'a> ModeShares<'a> {
                 }
             }
         }
+        // What is left at a node of the cut of a sector is in part at the node that follows it.
+        for link in discrete.v.links.iter().chain(&discrete.q.links) {
+            let both = [link.node, link.to];
+            if let Some(all) = both.iter().find_map(|node| of_node.get(node).cloned()) {
+                for node in both {
+                    of_node.entry(node).or_insert_with(|| all.clone());
+                }
+            }
+        }
         let is_thermal = kind == ModeKind::Thermal;
         let bodies = bodies(&discrete.mesh);
         ModeShares { forms, dim: discrete.mesh.dim, is_thermal, contacts: contacts.len(), of_node, bodies }
@@ -60,7 +70,7 @@ impl<'a> ModeShares<'a> {
     pub fn mode(&self, pencil: &Polynomial, pair: &FoundPair) -> Mode {
         let left: Vec<c64> = pair.x.iter().zip(&pencil.scale).map(|(x, scale)| *x * *scale).collect();
         let x = pencil.trial.expand(&left);
-        let at = |of: &[Vec<(u32, f64)>]| -> Vec<c64> {
+        let at = |of: &[Functional]| -> Vec<c64> {
             of.iter().map(|row| row.iter().map(|&(k, factor)| x[k as usize] * factor).sum()).collect()
         };
         let (mut u, mut theta) = (at(&pencil.unknowns.u), at(&pencil.unknowns.theta));
@@ -74,6 +84,7 @@ impl<'a> ModeShares<'a> {
         Mode {
             growth: pair.lambda.re,
             frequency: pair.lambda.im,
+            waves: None,
             residual: pair.residual,
             by_contact,
             by_body,

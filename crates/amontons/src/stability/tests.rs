@@ -5,7 +5,7 @@ use faer::{Mat, c64};
 
 use super::polynomial::Polynomial;
 use super::search::{FoundPairs, find};
-use super::{ModeKind, ModeRegion, Wanted, contact, count, forms};
+use super::{Coverage, ModeKind, ModeRegion, Wanted, contact, count, forms};
 use crate::case::{self, Source};
 use crate::linalg::Pattern;
 use crate::run::{Settings, Stepping};
@@ -70,9 +70,10 @@ fn pencil(text: String) -> Polynomial {
     let (discrete, report) = (seen.discretization, seen.report.expect("a report"));
     let what = super::Perturbed { displacement: true, temperature: false };
     let points = contact::linearised(&seen.problem.contacts, &discrete.boundary, report, false).expect("points");
-    let unknowns = super::PerturbedUnknowns::new(discrete, what);
+    let unknowns =
+        super::PerturbedUnknowns::new((discrete, &seen.problem.contacts), what, super::Sectors::WHOLE.waves(0));
     let forms = forms(discrete, seen.state, what, ModeKind::Squeal);
-    Polynomial::new(unknowns, &forms, &discrete.boundary, &points, discrete.mesh.dim)
+    Polynomial::new(unknowns, &forms, &discrete.boundary, &points, &discrete.mesh)
 }
 
 /// All eigenvalues of λ²T₂ + λT₁ + T₀, by those of a dense matrix of twice the size.
@@ -100,7 +101,7 @@ fn dense(pencil: &Polynomial) -> Vec<c64> {
 }
 
 fn wanted(count: usize) -> Wanted<'static> {
-    Wanted { kind: ModeKind::Squeal, count, region: None, interrupt: None }
+    Wanted { kind: ModeKind::Squeal, count, region: None, waves: None, interrupt: None }
 }
 
 fn inside(region: &ModeRegion, lambda: c64) -> bool {
@@ -113,7 +114,7 @@ fn a_search_finds_what_a_dense_solver_finds() {
     for seed in 0..40 {
         let made = pencil(block(seed, seed % 4 > 1));
         let all = dense(&made);
-        let FoundPairs { pairs, region, missing, .. } = find(made, &wanted(5), 2).expect("modes");
+        let FoundPairs { pairs, region, missing, .. } = find(made, &wanted(5), Coverage::Folded, 2).expect("modes");
         let expected: Vec<c64> = all.into_iter().filter(|lambda| inside(&region, *lambda)).collect();
         assert_eq!((pairs.len(), missing), (expected.len(), 0), "{seed}: {region:?}, {expected:?}");
         for pair in &pairs {
@@ -127,14 +128,16 @@ fn a_search_finds_what_a_dense_solver_finds() {
 #[test]
 fn the_count_finds_what_is_missing() {
     for seed in 0..12 {
-        let found = find(pencil(block(seed, seed % 4 > 1)), &wanted(4), 2).expect("modes");
+        let found = find(pencil(block(seed, seed % 4 > 1)), &wanted(4), Coverage::Folded, 2).expect("modes");
         let at = found.pencil.at(c64::new(0.5, 0.0));
         let pattern = Pattern::new(&at).expect("a pattern");
         let all: Vec<c64> = found.pairs.iter().map(|pair| pair.lambda).filter(|lambda| lambda.im > 0.0).collect();
         let both = |kept: &[c64]| kept.iter().flat_map(|lambda| [*lambda, lambda.conj()]).collect::<Vec<c64>>();
         let count = |known: &[c64]| {
             let wanted = wanted(4);
-            count::count(&found.pencil, &pattern, (&found.region, &wanted), known).expect("a count").missing
+            count::count(&found.pencil, &pattern, (&found.region, Coverage::Folded, &wanted), known)
+                .expect("a count")
+                .missing
         };
         let off = all.len();
         assert_eq!(off, found.pairs.len(), "{seed}: real modes");
@@ -150,7 +153,7 @@ fn the_count_finds_what_is_missing() {
 fn a_search_ends_when_it_is_asked_to() {
     let stop = std::sync::atomic::AtomicBool::new(true);
     let wanted = Wanted { interrupt: Some(&stop), ..wanted(4) };
-    let ended = find(pencil(block(1, false)), &wanted, 2);
+    let ended = find(pencil(block(1, false)), &wanted, Coverage::Folded, 2);
     assert!(matches!(ended, Err(super::StabilityError::Solve(crate::linalg::SolveError::Interrupted))));
 }
 
@@ -159,9 +162,78 @@ fn a_search_ends_when_it_is_asked_to() {
 fn the_number_of_threads_changes_no_bit() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let found = pool.install(|| find(pencil(block(3, true)), &wanted(6), 3)).expect("modes");
+        let found = pool.install(|| find(pencil(block(3, true)), &wanted(6), Coverage::Folded, 3)).expect("modes");
         let bits = |pair: &super::search::FoundPair| [pair.lambda.re.to_bits(), pair.lambda.im.to_bits()];
         (found.pairs.iter().map(bits).collect::<Vec<_>>(), found.factorizations)
     };
     assert_eq!(with(1), with(3));
+}
+
+/// A block of two degrees of freedom: T₀ and T₁ by rows, unit masses. Its eigenvalues of positive frequency.
+fn of_two_degrees(stiffness: [[f64; 2]; 2], damping: [f64; 2]) -> Vec<c64> {
+    let entry = |i: u32, j: u32| (i, j, stiffness[i as usize][j as usize]);
+    let terms = [
+        vec![entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)],
+        vec![(0, 0, damping[0]), (1, 1, damping[1])],
+        vec![(0, 0, 1.0), (1, 1, 1.0)],
+    ];
+    let found = find(Polynomial::of_terms(2, terms), &wanted(2), Coverage::Folded, 1).expect("modes");
+    assert_eq!((found.pairs.len(), found.missing), (2, 0));
+    found.pairs.iter().map(|pair| pair.lambda).collect()
+}
+
+/// A block on a belt with two inclined springs and a contact spring (after Hoffmann et al.): k = 20 at 150°, 11 at 30°,
+/// contact 11.
+fn on_a_belt(mu: f64, damping: [f64; 2]) -> Vec<c64> {
+    let off = -2.25 * 3.0f64.sqrt();
+    of_two_degrees([[23.25, off + 11.0 * mu], [off, 18.75]], damping)
+}
+
+/// Eigenvalues of two degrees of freedom are the square roots of those of −K, also where they meet and become complex.
+#[test]
+fn two_degrees_squeal_as_their_formula_says() {
+    let off = -2.25 * 3.0f64.sqrt();
+    for mu in [0.0, 0.4, 0.5, 0.6, 1.0] {
+        let (half, product) = (c64::new(2.25, 0.0), c64::new(off * (off + 11.0 * mu), 0.0));
+        let root = (half * half + product).sqrt();
+        let found = on_a_belt(mu, [0.0; 2]);
+        for squared in [21.0 + root, 21.0 - root] {
+            let exact = (-squared).sqrt();
+            let near = |lambda: &c64| (lambda - exact).norm().min((lambda + exact).norm());
+            let nearest = found.iter().map(near).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-10 * exact.norm(), "μ = {mu}: {exact} is {nearest:e} off in {found:?}");
+        }
+    }
+    for delta in [0.5, 1.5] {
+        let found = of_two_degrees([[2.0, 1.0 - delta], [1.0, 2.0]], [0.0; 2]);
+        let root = c64::new(1.0 - delta, 0.0).sqrt();
+        for exact in [2.0 + root, 2.0 - root].map(|squared| (-squared).sqrt()) {
+            let near = |lambda: &c64| (lambda - exact).norm().min((lambda + exact).norm());
+            let nearest = found.iter().map(near).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-10, "Δ = {delta}: {exact} is {nearest:e} off in {found:?}");
+        }
+    }
+}
+
+/// Dashpots move the onset of squeal, and unequal ones bring it nearer: where the largest growth is zero, by bisection.
+#[test]
+fn unequal_damping_brings_squeal_nearer() {
+    for (damping, expected) in [
+        ([0.1, 0.1], 0.477_276_22),
+        ([0.1, 0.0], 0.354_283_12),
+        ([0.0, 0.1], 0.354_283_12),
+        ([0.5, 0.05], 0.404_495_82),
+    ] {
+        let (mut quiet, mut loud) = (0.36f64.min(expected - 0.02), 0.6);
+        while loud - quiet > 1e-9 {
+            let middle = 0.5 * (quiet + loud);
+            let growth = on_a_belt(middle, damping).iter().map(|lambda| lambda.re).fold(f64::NEG_INFINITY, f64::max);
+            if growth > 0.0 {
+                loud = middle;
+            } else {
+                quiet = middle;
+            }
+        }
+        assert!((loud - expected).abs() < 1e-8, "{damping:?}: {loud}");
+    }
 }

@@ -37,3 +37,4 @@ mod stability;
 mod steady;
 mod theta;
 mod thrown;
+mod waves;

@@ -71,6 +71,12 @@ impl SectorImage {
         turned(&self.turn, v)
     }
 
+    /// R to this power, as the images of the axes.
+    #[must_use]
+    pub fn turn(&self) -> &[Point; 3] {
+        &self.turn
+    }
+
     /// The vector of the sector whose image is `v`.
     #[must_use]
     pub fn back(&self, v: &Point) -> Point {
