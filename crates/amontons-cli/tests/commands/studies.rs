@@ -50,6 +50,70 @@ fn converge_writes_table_and_picture_and_reuses_finished_levels() {
     assert_eq!(text(&out.join("convergence.csv")), first);
 }
 
+/// The pad that is stopped: its data were made with 0.42, 0.15, 0.0015 and 900 W/(m² K), and noise.
+#[test]
+fn fit_finds_the_parameters_of_the_pad_that_is_stopped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases");
+    let [case, data] = ["pad-stop.toml", "pad-stop.csv"].map(|name| cases.join(name).display().to_string());
+    let out = folder.path().join("fit");
+    let out_text = out.display().to_string();
+    let keys = "constants.mu0,constants.exponent,constants.fade,contact.heat.conductance";
+    let with =
+        |rest: &[&str]| amontons(&[&["fit", &case, "--data", &data, "--out", &out_text, "--free"], rest].concat());
+    // The state of another descent is kept.
+    fs::create_dir(&out).expect("a folder");
+    fs::write(out.join("descent.json"), "{}").expect("a file");
+    let refused = with(&[keys]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(message.contains("holds an unfinished fit of another case, other data or other parameters"), "{message}");
+    let done = with(&[keys, "--bounds", "constants.mu0=0,1", "--force"]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let told = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(told.contains("pad-stop: 4 parameters from 200 values") && !told.contains("not determine"), "{told}");
+    for name in ["fit.csv", "fit.json", "fit.svg", "fit.png", "residuals.csv", "case.toml"] {
+        assert!(out.join(name).exists(), "{name}");
+    }
+    assert!(!out.join("descent.json").exists());
+    let table = text(&out.join("fit.csv"));
+    for (row, truth) in table.lines().skip(1).zip([0.42, 0.15, 1.5e-3, 900.0]) {
+        let numbers: Vec<f64> = row.split(',').skip(2).take(5).map(|entry| entry.parse().expect("a number")).collect();
+        let [_, value, deviation, low, high] = numbers[..] else { panic!("{row}") };
+        assert!((value - truth).abs() < 3.0 * deviation && low < value && value < high, "{row}");
+    }
+    assert_eq!(text(&out.join("residuals.csv")).lines().count(), 201);
+    // The case in the folder has the values found: it fits as well with nothing to change.
+    let [mu0, value] = ["mu0 = ", "conductance = "].map(|key| {
+        let case = text(&out.join("case.toml"));
+        let line = case.lines().find_map(|line| Some(line.split_once(key)?.1.to_owned())).expect("a key");
+        line.chars()
+            .take_while(|c| c.is_ascii_digit() || *c == '.')
+            .collect::<String>()
+            .parse::<f64>()
+            .expect("a number")
+    });
+    assert!((mu0 - 0.42).abs() < 0.02 && (value - 900.0).abs() < 30.0, "{mu0} {value}");
+    // A finished fit is not overwritten.
+    assert_eq!(with(&[keys]).status.code(), Some(2));
+    for (rest, message) in [
+        (
+            &["constants.mu0", "--bounds", "constants.fade=0,1"][..],
+            "found the key constants.fade, expected KEY=LOW,HIGH",
+        ),
+        (&["constants.mu0", "--bounds", "constants.mu0"][..], "found no `=`, expected KEY=LOW,HIGH"),
+        (&["constants.mu0", "--bounds", "constants.mu0=0,one"][..], "found `one`, expected KEY=LOW,HIGH"),
+        (&["constants.mu1"][..], "constants.mu1: found no value, expected a key with a number"),
+        (&["mesh.n[0]", "--force"][..], "mesh.n[0]: found a key that changes the number of"),
+        (&["time.steps", "--force"][..], "time.steps"),
+    ] {
+        let refused = with(rest);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{rest:?}: {told}");
+        assert!(told.contains(message), "{rest:?}: {told}");
+    }
+}
+
 #[test]
 fn gradient_writes_a_table_and_refuses_what_has_no_derivative() {
     let folder = tempfile::tempdir().expect("a folder");
