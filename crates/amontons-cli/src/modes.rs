@@ -269,8 +269,18 @@ fn counted(modes: &Modes) -> Vec<String> {
     match &modes.counts[..] {
         [only] if modes.sectors == 1 => vec![format!("{grow}; {} {cost}", region(only))],
         all => {
-            let of = |count: &ModeCount| format!("  waves {}: {} modes; {}", count.waves, count.modes, region(count));
-            all.iter().map(of).chain([format!("{grow} {cost}, a body of {} sectors", modes.sectors)]).collect()
+            // Numbers of waves with the same region and the same answer stand on one line.
+            let same = |a: &ModeCount, b: &ModeCount| region(a) == region(b);
+            let groups = all.chunk_by(same).map(|group| {
+                let found: Vec<String> = group.iter().map(|count| count.modes.to_string()).collect();
+                let waves = match group {
+                    [first, .., last] => format!("{} to {}", first.waves, last.waves),
+                    group => group.first().map_or_else(String::new, |only| only.waves.to_string()),
+                };
+                let region = group.first().map(region).unwrap_or_default();
+                format!("  waves {waves}: {} modes in {region}", found.join(", "))
+            });
+            groups.chain([format!("{grow} {cost}, a body of {} sectors", modes.sectors)]).collect()
         }
     }
 }

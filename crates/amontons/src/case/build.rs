@@ -41,26 +41,8 @@ pub(super) fn problem(
     notes: SchemaNotes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<PathFault>) {
-    let mut build = Build {
-        findings: Vec::new(),
-        doubtful: notes.doubtful,
-        limits: notes.limits,
-        constants: Constants::default(),
-        loader: Loader::new(files),
-        of_file: OfFile::default(),
-        chosen: Vec::new(),
-        no_mesh: false,
-        is_sound: notes.doubtful.is_empty(),
-        mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
-        dim: 2,
-        solver: raw.solver.solver,
-        timeline: timeline(&raw),
-        inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
-        densities: BTreeMap::new(),
-        has_other_end,
-    };
+    let mut build = Build::new(&raw, files, notes, has_other_end);
     build.head(&raw);
-    build.constants(&raw.constants);
     let mut mesh = build.mesh(&raw.mesh, &SideNames::new(&raw), available);
     build.dim = mesh.dim;
     build.thickness(raw.thickness, &mut mesh);
@@ -330,6 +312,29 @@ pub(super) enum Inertia {
     Ignored,
 }
 
+impl<'d> Build<'d> {
+    fn new(raw: &raw::Case, files: &'d Files, notes: SchemaNotes<'d>, has_other_end: bool) -> Build<'d> {
+        Build {
+            findings: Vec::new(),
+            doubtful: notes.doubtful,
+            limits: notes.limits,
+            constants: raw.constants(),
+            loader: Loader::new(files),
+            of_file: OfFile::default(),
+            chosen: Vec::new(),
+            no_mesh: false,
+            is_sound: notes.doubtful.is_empty(),
+            mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
+            dim: 2,
+            solver: raw.solver.solver,
+            timeline: timeline(raw),
+            inertia: if raw.time.inertia { Inertia::Acts } else { Inertia::Ignored },
+            densities: BTreeMap::new(),
+            has_other_end,
+        }
+    }
+}
+
 impl Build<'_> {
     pub fn note(
         &mut self,
@@ -374,12 +379,13 @@ impl Build<'_> {
         self.name(&raw.name);
         self.instants(raw);
         self.scheme_keys(&raw.time);
+        self.constant_names(&raw.constants);
     }
 
-    /// Takes the constants, and notes names that none may have.
-    fn constants(&mut self, raw: &BTreeMap<String, f64>) {
+    /// Notes names that no constant may have.
+    fn constant_names(&mut self, raw: &BTreeMap<String, f64>) {
         for (name, value) in raw {
-            if let Err(expected) = self.constants.add(name, *value) {
+            if let Err(expected) = Constants::default().add(name, *value) {
                 self.note(&format!("constants.{name}"), At::Key, format!("`{name}`"), expected, None);
             }
         }

@@ -147,7 +147,7 @@ pub struct Derivatives {
 pub struct Expression {
     source: String,
     /// The constants that the text mentions, with their values.
-    constants: Vec<(String, f64)>,
+    constants: Box<[(String, f64)]>,
     variables: [bool; 4],
     program: Program,
 }
@@ -176,7 +176,7 @@ impl Expression {
         let parsed = parse::parse(source, names, constants)?;
         Ok(Expression {
             source: source.to_owned(),
-            constants: parsed.used,
+            constants: parsed.used.into(),
             variables: parsed.variables,
             program: Program::new(&parsed.graph, parsed.root),
         })

@@ -15,6 +15,9 @@ const REACHED: f64 = 1e-10;
 const LEVEL: f64 = 1e-4;
 /// Relative change of a parameter, and part of the data that residuals are, that count as round-off.
 const ROUNDED: f64 = 1e-11;
+/// Largest relative change of a parameter in which the model counts as linear, so that a small gain tells that the
+/// minimum is near.
+const SHORT: f64 = 0.1;
 /// Part of the gain that the linear model promises below which a step is not taken, and above which damping is reduced.
 const POOR: f64 = 1e-4;
 const GOOD: f64 = 0.75;
@@ -134,7 +137,7 @@ impl<'a> Descent<'a> {
         let known = self.request.measured.states_deviations();
         let variance = if known { (sum / freedom).max(1.0) } else { sum / freedom };
         let whole = linear.change(0.0, &room);
-        if whole.gain <= REACHED * variance && self.is_short(&whole) || self.is_met(sum) {
+        if whole.gain <= REACHED * variance && whole.is_below(SHORT) || self.is_met(sum) {
             return Ok(Some(DescentEnding::Minimum));
         }
         loop {
@@ -143,7 +146,7 @@ impl<'a> Descent<'a> {
             } else {
                 whole.clone()
             };
-            if self.is_nothing(&change) {
+            if change.is_below(ROUNDED) {
                 // Undamped it is the minimum to round-off; damped so far, none of the steps descended.
                 let ending = if self.state.damping > 0.0 { DescentEnding::Kink } else { DescentEnding::Minimum };
                 self.state.damping = 0.0;
@@ -188,16 +191,6 @@ impl<'a> Descent<'a> {
         let scales = self.model.scales(&self.state.values);
         let values = self.state.values.iter().zip(&change.delta).zip(scales).zip(self.request.bounds);
         values.map(|(((value, delta), scale), [low, high])| (value + scale * delta).clamp(*low, *high)).collect()
-    }
-
-    /// True if a change is round-off of the parameters.
-    fn is_nothing(&self, change: &Change) -> bool {
-        change.delta.iter().all(|delta| delta.abs() <= ROUNDED)
-    }
-
-    /// True if a change stays where the model is linear, so that a small gain tells that the minimum is near.
-    fn is_short(&self, change: &Change) -> bool {
-        change.delta.iter().all(|delta| delta.abs() <= 0.1)
     }
 
     /// True if the run meets the data to round-off.

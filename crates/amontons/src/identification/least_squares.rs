@@ -20,6 +20,13 @@ pub(super) struct Change {
     pub gain: f64,
 }
 
+impl Change {
+    /// True if no parameter changes by more than a part of it.
+    pub fn is_below(&self, part: f64) -> bool {
+        self.delta.iter().all(|delta| delta.abs() <= part)
+    }
+}
+
 /// Part of the largest singular value below which one is the rounding of zero, as derivatives are as exact.
 pub(super) const ROUNDED: f64 = 1e-8;
 
@@ -42,7 +49,7 @@ impl LinearModel {
         let p = self.columns.len();
         let mut held: Vec<Option<f64>> = room.iter().map(|[low, high]| (low >= high).then_some(*low)).collect();
         let mut delta = vec![0.0; p];
-        for _ in 0..3 * p + 1 {
+        for _ in 0..=3 * p {
             delta = self.free_change(lambda, &held);
             let beyond = |j: usize| (room[j][0] - delta[j]).max(delta[j] - room[j][1]);
             let worst = (0..p).filter(|&j| held[j].is_none()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b)));

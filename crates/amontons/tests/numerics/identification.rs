@@ -120,9 +120,10 @@ fn data(rows: &[[f64; 3]], deviations: [f64; 2], states: bool, noise: &mut Noise
             .to_owned();
     for [t, f, theta] in rows {
         let (f, theta) = (f + force * noise.normal(), theta + warm * noise.normal());
-        text += &match states {
-            true => format!("{t:?},{f:?},{force:?},{theta:?},{warm:?}\n"),
-            false => format!("{t:?},{f:?},{theta:?}\n"),
+        text += &if states {
+            format!("{t:?},{f:?},{force:?},{theta:?},{warm:?}\n")
+        } else {
+            format!("{t:?},{f:?},{theta:?}\n")
         };
     }
     text
