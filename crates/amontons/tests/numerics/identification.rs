@@ -246,12 +246,11 @@ traction = ["load*t"]
 [[probe]]
 name = "u"
 quantity = "displacement"
-component = "x"
 at = [1]
 "#;
     let rows: Vec<String> =
         (1..=10).map(|n| format!("{:?},{:?},1e-4\n", 0.1 * f64::from(n), 0.02 * f64::from(n))).collect();
-    let text = format!("t,u,u_sigma\n{}", rows.concat());
+    let text = format!("t,u_x,u_x_sigma\n{}", rows.concat());
     let keys = ["constants.load", "material.elasticity.young"];
     let found = fitted(ROD, &[], (&keys, &[NONE; 2]), &text).unwrap_or_else(|error| panic!("{error}"));
     let [load, young] = [0, 1].map(|i| found.parameters[i].value);
