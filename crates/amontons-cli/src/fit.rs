@@ -157,6 +157,11 @@ fn text(title: &str, found: &Identified, out: &Path) -> String {
     for of in &found.series {
         let deviation = of.deviation.map_or_else(String::new, |of| format!(", deviation taken for them {of:.3e}"));
         lines.push(format!("  {}: {} values, residuals of {:.3e} (rms){deviation}", of.name, of.count, of.rms));
+        if of.is_opposite {
+            let text =
+                "measured values have the other sign than those of the run: forces are those on the body, in its axes";
+            lines.push(format!("    {text}"));
+        }
         if of.is_systematic {
             lines.push(format!(
                 "    neighbouring residuals agree (correlation {:.2}): the case misses something, and the intervals are too narrow",
@@ -197,6 +202,7 @@ fn parameters(found: &Identified) -> String {
                 let relative = 0.5 * (high - low) / of.value.abs();
                 format!("{low:.6e} … {high:.6e}  (± {:.3} %)", 100.0 * relative)
             }
+            None if found.freedom == 0 => "as many values as parameters: their spread is not known".to_owned(),
             None if of.is_at_bound => "at its bound: the data would have it beyond".to_owned(),
             None => "not determined by the data".to_owned(),
         };

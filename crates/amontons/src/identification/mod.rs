@@ -108,7 +108,8 @@ pub struct IdentifiedParameter {
     pub start: f64,
     /// The value at the minimum.
     pub value: f64,
-    /// Its standard deviation; `None` if the data do not determine it, or a bound holds it.
+    /// Its standard deviation; `None` if the data do not determine it, if a bound holds it, or if there are as many
+    /// parameters as values, whose spread nothing tells.
     pub deviation: Option<f64>,
     /// The 95 % interval.
     pub interval: Option<[f64; 2]>,
@@ -132,6 +133,8 @@ pub struct FittedSeries {
     pub autocorrelation: f64,
     /// True if this correlation is larger than that of noise in 999 of 1000 cases.
     pub is_systematic: bool,
+    /// True if the values of the run have the other sign than those measured, for the most part.
+    pub is_opposite: bool,
 }
 
 /// A measured value beside that of the run.
@@ -175,7 +178,7 @@ impl Found {
         let freedom = request.measured.count().saturating_sub(count);
         let is_known = request.measured.states_deviations();
         let chi_square = linear.sum();
-        let variance = if is_known || freedom == 0 { 1.0 } else { chi_square / freedom as f64 };
+        let variance = if is_known { Some(1.0) } else { (freedom > 0).then(|| chi_square / freedom as f64) };
         let DataStatistics { deviations, quantile, correlations, combinations } =
             statistics(&linear, &free, variance, (!is_known).then_some(freedom));
         let values = state.values.iter().zip(&request.family.values).zip(&request.family.names);
@@ -237,6 +240,7 @@ fn fitted(name: &str, number: usize, points: &[FittedPoint], deviation: Option<f
         rms: (rests.iter().map(|rest| rest * rest).sum::<f64>() / own.len().max(1) as f64).sqrt(),
         deviation,
         autocorrelation,
+        is_opposite: own.iter().map(|point| point.measured * point.fitted).sum::<f64>() < 0.0,
         is_systematic: autocorrelation > SYSTEMATIC / (own.len().max(1) as f64).sqrt(),
     }
 }

@@ -45,11 +45,11 @@ pub(super) struct DataStatistics {
 }
 
 /// The statistics of a model in the parameters that no bound holds, over `variance`, that of residuals in units of
-/// their deviations, with `freedom` degrees of freedom, `None` if the deviations are known.
+/// their deviations, `None` if nothing tells it, with `freedom` degrees of freedom, `None` if the deviations are known.
 pub(super) fn statistics(
     model: &LinearModel,
     is_free: &[bool],
-    variance: f64,
+    variance: Option<f64>,
     freedom: Option<usize>,
 ) -> DataStatistics {
     let count = is_free.len();
@@ -63,7 +63,7 @@ pub(super) fn statistics(
         for ((right, s), known) in singular.right.iter().zip(&singular.values).zip(&known) {
             let part = right[a] * right[b];
             if *known {
-                sum += variance * part / (s * s);
+                sum += part / (s * s);
             } else if right[a].abs() > ABSENT || right[b].abs() > ABSENT {
                 return None;
             }
@@ -78,7 +78,7 @@ pub(super) fn statistics(
     };
     for (a, &i) in free.iter().enumerate() {
         let of = covariance(a, a);
-        found.deviations[i] = of.map(f64::sqrt);
+        found.deviations[i] = of.zip(variance).map(|(of, variance)| (variance * of).sqrt());
         for (b, &j) in free.iter().enumerate() {
             let product = of.zip(covariance(b, b)).map(|(a, b)| (a * b).sqrt()).filter(|product| *product > 0.0);
             found.correlations[i][j] = covariance(a, b).zip(product).map(|(ab, product)| ab / product);
@@ -88,8 +88,8 @@ pub(super) fn statistics(
         let mut exponents = vec![0.0; count];
         let largest = right.iter().fold(0.0, |most: f64, v| if v.abs() > most.abs() { *v } else { most });
         free.iter().zip(right).for_each(|(&j, v)| exponents[j] = v * largest.signum());
-        let half_width = known.then(|| quantile * variance.sqrt() / s);
-        let is_determined = half_width.is_some_and(|width| width < UNDETERMINED);
+        let half_width = variance.filter(|_| *known).map(|variance| quantile * variance.sqrt() / s);
+        let is_determined = *known && half_width.is_none_or(|width| width < UNDETERMINED);
         found.combinations.push(DataCombination { exponents, singular_value: *s, half_width, is_determined });
     }
     found
@@ -159,7 +159,7 @@ mod tests {
     fn a_line_has_the_variances_of_regression() {
         let x: Vec<f64> = (0..12).map(f64::from).collect();
         let model = LinearModel { residuals: vec![0.0; 12], columns: vec![vec![1.0; 12], x.clone()] };
-        let found = statistics(&model, &[true, true], 4.0, Some(10));
+        let found = statistics(&model, &[true, true], Some(4.0), Some(10));
         let (n, mean) = (12.0, 5.5);
         let square: f64 = x.iter().map(|x| (x - mean) * (x - mean)).sum();
         let exact = [(4.0 * (1.0 / n + mean * mean / square)).sqrt(), (4.0 / square).sqrt()];
@@ -168,7 +168,7 @@ mod tests {
         }
         let correlation = 0.0 - mean / (square / n + mean * mean).sqrt();
         assert!((found.correlations[0][1].unwrap_or(f64::NAN) - correlation).abs() < 1e-12);
-        let held = statistics(&model, &[true, false], 4.0, None);
+        let held = statistics(&model, &[true, false], Some(4.0), None);
         assert_eq!(held.deviations[1], None);
         assert!((held.deviations[0].unwrap_or(f64::NAN) - (4.0f64 / 12.0).sqrt()).abs() < 1e-12);
     }
@@ -179,7 +179,7 @@ mod tests {
         let u: Vec<f64> = [2.0, 4.0, 6.0, 8.0, 10.0f64].iter().map(|f| f * f / 20_000.0).collect();
         let column: Vec<f64> = u.iter().map(|u| 0.0 - u).collect();
         let model = LinearModel { residuals: vec![0.0; 5], columns: vec![column.clone(), column] };
-        let found = statistics(&model, &[true, true], 1.0, None);
+        let found = statistics(&model, &[true, true], Some(1.0), None);
         let squares: Vec<f64> = found.combinations.iter().map(|of| of.singular_value * of.singular_value).collect();
         assert!((squares[0] / 7.832e-5 - 1.0).abs() < 1e-12 && squares[1] < 1e-30, "{squares:?}");
         assert_eq!(found.deviations, [None, None]);
@@ -192,7 +192,7 @@ mod tests {
         columns[0].push(0.0);
         columns[1].push(0.5);
         let model = LinearModel { residuals: vec![0.0; 6], columns: columns.to_vec() };
-        let found = statistics(&model, &[true, true], 1.0, None);
+        let found = statistics(&model, &[true, true], Some(1.0), None);
         for (combination, exact) in found.combinations.iter().zip([3.26278, 0.12002]) {
             let square = combination.singular_value * combination.singular_value;
             assert!((square - exact).abs() < 5e-6, "{square} {exact}");

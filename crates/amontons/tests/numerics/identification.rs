@@ -315,6 +315,28 @@ fn a_descent_goes_on_with_the_same_bits() {
     assert_eq!(whole, alone);
 }
 
+/// One value and one parameter: the value is met, and nothing tells how sure it is.
+#[test]
+fn as_many_values_as_parameters_have_no_intervals() {
+    let rows = outputs(BLOCK);
+    let [t, force, _] = rows[10];
+    for (states, text) in [
+        (false, format!("t,contact_force_x\n{t:?},{force:?}\n")),
+        (true, format!("t,contact_force_x,contact_force_x_sigma\n{t:?},{force:?},0.003\n")),
+    ] {
+        let found = fitted(BLOCK, &starts([0.3, 0.08, 2.0, 100.0]), (&["constants.mu"], &[NONE]), &text)
+            .unwrap_or_else(|error| panic!("{error}"));
+        let mu = &found.parameters[0];
+        assert!((mu.value / 0.35 - 1.0).abs() < 1e-7, "{}", mu.value);
+        assert_eq!((mu.interval.is_some(), found.combinations[0].is_determined), (states, true));
+    }
+    // A force with the sign of the one that the bench takes.
+    let text: String = rows.iter().map(|[t, force, _]| format!("{t:?},{:?}\n", 0.0 - force)).collect();
+    let found = fitted(BLOCK, &[], (&["constants.mu"], &[[0.0, 1.0]]), &format!("t,contact_force_x\n{text}"));
+    let found = found.unwrap_or_else(|error| panic!("{error}"));
+    assert!(found.parameters[0].is_at_bound || found.series[0].is_opposite, "{:?}", found.series);
+}
+
 /// A case that misses something is told from noise.
 #[test]
 fn residuals_that_go_together_are_told() {
