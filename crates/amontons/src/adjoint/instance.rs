@@ -1,7 +1,7 @@
 //! A problem with its forms, and the equations of one of its steps at given unknowns.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::contact::Status;
 use crate::discretization::Discretization;
@@ -23,7 +23,28 @@ use crate::time::{Rule, Start};
 pub(super) struct ProblemInstance {
     pub problem: Problem,
     pub discrete: Arc<Discretization>,
+    /// True if the forms of (4.1) and of (4.2) are those of the instance beside which it was made.
+    alike: [bool; 2],
+    /// What the step that was asked for last adds to.
+    begun: Mutex<Option<Arc<Begun>>>,
 }
+
+/// What a step adds to, with its products with the forms of inertia and storage.
+struct Begun {
+    /// The number of the step, and where the state is in memory.
+    key: [usize; 3],
+    products: Products,
+    mixed: Option<Mixed>,
+}
+
+/// The parts of (4.1) and of (4.2) that are linear in the state, each with its largest term.
+pub(super) struct LinearParts {
+    mechanics: (Vec<f64>, f64),
+    heat: (Vec<f64>, f64),
+}
+
+/// A residual at other values of a parameter is sought beside that of the problem itself.
+pub(super) type Beside<'a> = (&'a ProblemInstance, &'a StepResidual);
 
 /// A problem with its forms in each of its phases.
 pub(super) struct PhasedInstance {
@@ -38,12 +59,23 @@ impl PhasedInstance {
         let made = |phase: usize| {
             let of_phase = problem.in_phase(phase);
             if problem.has_same_conditions([0, phase]) {
-                return ProblemInstance { problem: of_phase, discrete: Arc::clone(&first.discrete) };
+                return ProblemInstance::with(&of_phase, &first.discrete);
             }
             ProblemInstance::new(&of_phase)
         };
         let later = (1..problem.timeline.phases().len()).map(made).collect();
         PhasedInstance { first, later }
+    }
+
+    /// The same of a problem that differs from another one by a parameter. Parts of its residuals that the parameter
+    /// does not change are then taken from those of the other one.
+    pub fn beside(problem: &Problem, other: &PhasedInstance) -> PhasedInstance {
+        let mut made = PhasedInstance::new(problem);
+        if made.later.len() == other.later.len() {
+            made.first.compare(&other.first);
+            made.later.iter_mut().zip(&other.later).for_each(|(own, other)| own.compare(other));
+        }
+        made
     }
 
     /// The problem in the phase of step n.
@@ -128,11 +160,43 @@ pub(super) struct StepResidual {
     /// What follows from the unknowns: ū + γw, and the branches.
     pub u: Vec<f64>,
     pub branches: Vec<Vec<f64>>,
+    /// Parts of the residuals.
+    linear: LinearParts,
 }
 
 impl ProblemInstance {
     pub fn new(problem: &Problem) -> ProblemInstance {
-        ProblemInstance { problem: problem.clone(), discrete: Arc::new(Discretization::new(problem)) }
+        ProblemInstance::with(problem, &Arc::new(Discretization::new(problem)))
+    }
+
+    fn with(problem: &Problem, discrete: &Arc<Discretization>) -> ProblemInstance {
+        let discrete = Arc::clone(discrete);
+        ProblemInstance { problem: problem.clone(), discrete, alike: [false; 2], begun: Mutex::default() }
+    }
+
+    /// Notes which forms are those of another instance.
+    fn compare(&mut self, other: &ProblemInstance) {
+        let is_warmed = self.problem.physics == Physics::Warmed;
+        self.alike = self.discrete.has_same_forms(&other.discrete).map(|is_same| is_same && !is_warmed);
+    }
+
+    /// What step n from a state adds to.
+    fn begun(&self, n: usize, old: &State, rule: Rule) -> Arc<Begun> {
+        let key = [n, old.u.as_ptr().addr(), old.w.as_ptr().addr()];
+        let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(begun) = begun.as_ref().filter(|begun| begun.key == key) {
+            return Arc::clone(begun);
+        }
+        let discrete = &self.discrete;
+        // The others are those of an iteration that is already made.
+        let [a_u, a_w, b_w, d_theta] = <[Vec<f64>; 4]>::default();
+        let (mass_w, mass_theta) = (discrete.inertia().1.apply(&old.w), discrete.stored_heat(&old.theta));
+        let products = Products { t: old.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta };
+        let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
+        let mixed = earlier.map(|earlier| Mixed::new(discrete, old, earlier));
+        let made = Arc::new(Begun { key, products, mixed });
+        *begun = Some(Arc::clone(&made));
+        made
     }
 
     /// The rule of step n from a state: one without a state before it starts anew.
@@ -147,6 +211,7 @@ impl ProblemInstance {
     /// Something of a step that starts from a state.
     pub fn step<T>(&self, n: usize, old: &State, of: impl FnOnce(&Step) -> T) -> T {
         let (now, rule) = (self.problem.timeline.instant(n), self.rule(n, old));
+        let begun = self.begun(n, old, rule);
         // The times of a run are data too.
         let start = now.t - now.k;
         let old = &*if (old.t - start).abs() <= 1e-12 * now.t {
@@ -155,9 +220,6 @@ impl ProblemInstance {
             Cow::Owned(State { t: start, ..old.clone() })
         };
         let level = rule.time([old.t, now.t]);
-        let products = Products::of(&self.discrete, old);
-        let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
-        let mixed = earlier.map(|earlier| Mixed::new(&self.discrete, old, earlier));
         let contacts = contacts_at(&self.problem, level);
         let boundary = boundary_at(&self.discrete, &self.problem, old);
         let (loose, pulse, inputs) = (Arc::new(Loose::default()), Pulse::default(), StepInputs::default());
@@ -167,8 +229,8 @@ impl ProblemInstance {
             discrete: &self.discrete,
             boundary: &boundary,
             old,
-            bar: mixed.as_ref().map_or_else(|| Bar::of(old, &products), Mixed::bar),
-            products: &products,
+            bar: begun.mixed.as_ref().map_or_else(|| Bar::of(old, &begun.products), Mixed::bar),
+            products: &begun.products,
             n,
             whole: [now.t, now.k],
             rule,
@@ -182,8 +244,12 @@ impl ProblemInstance {
         })
     }
 
-    /// The equations of a step at its unknowns w, θ and `forces`, (p, q) of each point in its own basis.
-    pub fn residual(&self, of: &SolvedStep, forces: &[Local]) -> StepResidual {
+    /// The equations of a step at its unknowns w, θ and `forces`, (p, q) of each point in its own basis; at another
+    /// value of a parameter `beside` those of the problem itself.
+    pub fn residual(&self, of: &SolvedStep, forces: &[Local], beside: Option<Beside>) -> StepResidual {
+        let same_rule = |(other, _): &Beside| other.rule(of.n, of.old) == self.rule(of.n, of.old);
+        let known = beside.filter(same_rule).map(|(_, here)| &here.linear);
+        let [of_mechanics, of_heat] = self.alike.map(|is_alike| known.filter(|_| is_alike));
         self.step(of.n, of.old, |step| {
             let given = data(step, of.at);
             let term = given.frozen(step, of.unknown, of.chosen);
@@ -200,16 +266,21 @@ impl ProblemInstance {
                 step.rubbing(frame) * dot(&state.q, &state.slip)
             };
             let work = states.iter().zip(&given.frames).map(rubbed).collect();
-            let (mechanics, u, acting) = balance(step, &of.at.w, &states);
+            let linear = LinearParts {
+                mechanics: of_mechanics
+                    .map_or_else(|| linear_mechanics(step, &of.at.w), |known| known.mechanics.clone()),
+                heat: of_heat.map_or_else(|| linear_heat(step, &of.at.theta), |known| known.heat.clone()),
+            };
+            let (mechanics, u, acting) = balance(step, &of.at.w, &states, &linear);
             let mut rates = of.at.w.clone();
             let free = step.replacing(|inputs| &inputs.displacements);
             step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
-            let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states);
+            let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states, &linear);
             let sizes = [acting, flowing];
             let u = step.end(&step.old.u, u);
             let branches = step.old.branches.iter().zip(step.branches(&of.at.w));
             let branches = branches.map(|(old, branch)| step.end(old, branch)).collect();
-            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches }
+            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches, linear }
         })
     }
 }
@@ -267,46 +338,67 @@ pub(super) fn driving(step: &Step) -> Vec<f64> {
     }
 }
 
-/// The residual of (4.1) at a velocity and forces of contact, ū + γw, and the largest term.
-fn balance(step: &Step, w: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>, f64) {
-    let (discrete, rule) = (step.discrete, step.rule);
-    let u: Vec<f64> = step.bar.u.iter().zip(w).map(|(u, w)| u + rule.gamma * w).collect();
-    let theta = driving(step);
+/// ū + γw.
+fn deformation(step: &Step, w: &[f64]) -> Vec<f64> {
+    step.bar.u.iter().zip(w).map(|(u, w)| u + step.rule.gamma * w).collect()
+}
+
+/// What in (4.1) is linear in the state, and the largest term.
+fn linear_mechanics(step: &Step, w: &[f64]) -> (Vec<f64>, f64) {
+    let (discrete, u, theta) = (step.discrete, deformation(step, w), driving(step));
     let [mass_w, a_u, _, b_w] = discrete.mechanical_products(&u, w, &discrete.warmed(&theta));
-    let (inertia, load, thermal) = (step.inertia() / rule.delta, step.load(), discrete.thermal_force(&theta));
+    let (inertia, thermal) = (step.inertia() / step.rule.delta, discrete.thermal_force(&theta));
+    let largest = [&a_u, &b_w, &thermal].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
+    let largest = largest.max(inertia * max_abs(&mass_w).max(max_abs(step.bar.mass_w)));
+    let of = |i: usize| inertia * (mass_w[i] - step.bar.mass_w[i]) + b_w[i] + a_u[i] - thermal[i];
+    let mut sum: Vec<f64> = (0..w.len()).map(of).collect();
+    sum.iter_mut().zip(&step.relaxing(w)).for_each(|(sum, force)| *sum += force);
+    (sum, largest)
+}
+
+/// The residual of (4.1) at a velocity and forces of contact, ū + γw, and the largest term.
+fn balance(step: &Step, w: &[f64], states: &[PointState], linear: &LinearParts) -> (Vec<f64>, Vec<f64>, f64) {
+    let (discrete, load) = (step.discrete, step.load());
     let mut rest = zeros(w.len());
     let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
     step.boundary.scatter(discrete.v.components, states.iter().map(force), &mut rest);
-    let largest = [&a_u, &b_w, &*load, &thermal, &rest].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
-    let largest = largest.max(inertia * max_abs(&mass_w).max(max_abs(step.bar.mass_w)));
+    let largest = linear.mechanics.1.max(max_abs(&load)).max(max_abs(&rest));
     for (i, rest) in rest.iter_mut().enumerate() {
-        *rest += inertia * (mass_w[i] - step.bar.mass_w[i]) + b_w[i] + a_u[i] - load[i] - thermal[i];
+        *rest += linear.mechanics.0[i] - load[i];
     }
-    let relaxing = step.relaxing(w);
-    rest.iter_mut().zip(&relaxing).for_each(|(rest, force)| *rest += force);
-    (rest, u, largest)
+    (rest, deformation(step, w), largest)
+}
+
+/// What in (4.2) is linear in the state, and the largest term; nothing without heat.
+fn linear_heat(step: &Step, theta: &[f64]) -> (Vec<f64>, f64) {
+    if !step.problem.physics.has_heat() {
+        return (Vec::new(), 0.0);
+    }
+    let discrete = step.discrete;
+    let [stored, conducted] = discrete.thermal_products(theta);
+    let (storage, coupling) = (discrete.storage().0 / step.rule.delta, discrete.e.apply(&step.old.u));
+    let largest = max_abs(&conducted).max(max_abs(&coupling));
+    let largest = largest.max(storage * max_abs(&stored).max(max_abs(step.bar.mass_theta)));
+    let of = |i: usize| storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - coupling[i];
+    ((0..theta.len()).map(of).collect(), largest)
 }
 
 /// The residual of (4.2) at a temperature and states of the contact points, and the temperature with its prescribed
 /// values, both empty without heat, and the largest term.
-fn warming(step: &Step, theta: &[f64], states: &[PointState]) -> (Vec<f64>, Vec<f64>, f64) {
+fn warming(step: &Step, theta: &[f64], states: &[PointState], linear: &LinearParts) -> (Vec<f64>, Vec<f64>, f64) {
     if !step.problem.physics.has_heat() {
         let given =
             if step.problem.physics == Physics::Warmed { step.problem.given_temperature(step.t) } else { Vec::new() };
         return (Vec::new(), given, 0.0);
     }
-    let discrete = step.discrete;
-    let [stored, conducted] = discrete.thermal_products(theta);
-    let (storage, supply, coupling) =
-        (discrete.storage().0 / step.rule.delta, step.supply(), discrete.e.apply(&step.old.u));
+    let (discrete, supply) = (step.discrete, step.supply());
     let mut rest = zeros(theta.len());
     let foundation = temperatures(step);
     let on_boundary = heat_step(step, &foundation, states);
     step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut rest);
-    let largest = [&conducted, &coupling, &*supply, &rest].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
-    let largest = largest.max(storage * max_abs(&stored).max(max_abs(step.bar.mass_theta)));
+    let largest = linear.heat.1.max(max_abs(&supply)).max(max_abs(&rest));
     for (i, rest) in rest.iter_mut().enumerate() {
-        *rest += storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - coupling[i] - supply[i];
+        *rest += linear.heat.0[i] - supply[i];
     }
     let mut prescribed = step.old.theta.clone();
     discrete.q.prescribe_with(step.t, &step.replacing(|inputs| &inputs.temperatures), &mut prescribed);

@@ -247,7 +247,10 @@ impl WholeSweep<'_> {
                 }
             }
             for (variants, sums) in variants.iter().zip(&mut sums) {
-                let all = variants.all.each_ref().map(|variant| variant.of(n).residual(&solved, &forces));
+                let all = variants
+                    .all
+                    .each_ref()
+                    .map(|variant| variant.of(n).residual(&solved, &forces, Some((base, &here))));
                 if n == steps {
                     add_outputs(outputs, variants, (base, &here), &all, (&last, sums))?;
                 }
@@ -272,7 +275,7 @@ fn at_solution(
 ) -> Result<(Vec<LinearPoint>, Vec<Local>, StepResidual), GradientError> {
     let points = linearised(base, solved, forced).map_err(|i| kink(base, solved.n, i))?;
     let forces: Vec<Local> = points.iter().map(|point| point.force).collect();
-    let here = base.residual(solved, &forces);
+    let here = base.residual(solved, &forces, None);
     match here.unmet(base, solved) {
         Some(unmet) => Err(unknown_form(solved.n, unmet)),
         None => Ok((points, forces, here)),

@@ -122,7 +122,7 @@ impl<'a> OutputReader<'a> {
     /// The value at a state with the report of its step, if a step led to it. Without one outputs of the contact points
     /// that a step determines are NaN.
     pub fn value_at(&self, state: &State, report: Option<&StepReport>) -> f64 {
-        let ProblemInstance { problem, discrete } = self.instance;
+        let ProblemInstance { problem, discrete, .. } = self.instance;
         let points = &discrete.boundary.points;
         match &self.output.kind {
             OutputKind::Probe(_, column) => {

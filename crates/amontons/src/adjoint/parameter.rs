@@ -64,7 +64,7 @@ impl Parameter<'_> {
     fn around(&self, base: &PhasedInstance, h: f64) -> Result<Variants, GradientError> {
         let at = |j: f64| {
             let problem = (self.problem)(self.value + j * h).map_err(GradientError::refused)?;
-            let instance = PhasedInstance::new(&problem);
+            let instance = PhasedInstance::beside(&problem, base);
             self.compare(&base.first, &instance.first)?;
             base.all().zip(instance.all()).try_for_each(|(base, other)| self.compare(base, other))?;
             Ok::<PhasedInstance, GradientError>(instance)
@@ -120,7 +120,7 @@ impl Parameter<'_> {
         (last, forces): (&SolvedStep, &[Local]),
     ) -> Result<f64, GradientError> {
         let branches = |of: &PhasedInstance| -> Vec<[bool; 2]> {
-            of.of(last.n).residual(last, forces).points.iter().map(|point| point.branch).collect()
+            of.of(last.n).residual(last, forces, None).points.iter().map(|point| point.branch).collect()
         };
         let here = branches(base);
         let mut failed = None;

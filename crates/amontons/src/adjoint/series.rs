@@ -115,7 +115,7 @@ struct ParameterColumn {
 impl ForwardSweep<'_> {
     fn run(&mut self) -> Result<SeriesTable, GradientError> {
         let (phased, request) = (self.base, self.request);
-        let ProblemInstance { problem, discrete } = &phased.first;
+        let ProblemInstance { problem, discrete, .. } = &phased.first;
         let mut march = March::on(problem, discrete, &problem.backend)?;
         let (start, steps) = (march.initial()?, problem.timeline.steps());
         let mut table =
@@ -211,11 +211,10 @@ impl ForwardSweep<'_> {
         for (j, parameter) in self.request.parameters.iter().enumerate() {
             let (all, slope, kink) = loop {
                 let Some(column) = self.columns.get(j) else { break Default::default() };
-                let all = column
-                    .variants
-                    .all
-                    .each_ref()
-                    .map(|variant| variant.of(step.solved.n).residual(&step.solved, forces));
+                let all =
+                    column.variants.all.each_ref().map(|variant| {
+                        variant.of(step.solved.n).residual(&step.solved, forces, Some((step.base, here)))
+                    });
                 let [a, b, c, d] = all.each_ref();
                 let around = Around { h: column.variants.h, all: [a, b, here, c, d] };
                 if let Some((slope, kink)) = ResidualSlope::of(&around, step.points) {

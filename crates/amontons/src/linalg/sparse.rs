@@ -42,6 +42,15 @@ struct Repeated {
 pub(super) const CHUNK: usize = 2048;
 
 impl BlockMatrix {
+    /// True if another matrix has the same entries at the same places, to the bit.
+    #[must_use]
+    pub fn is_same(&self, other: &BlockMatrix) -> bool {
+        let shape = |of: &BlockMatrix| (of.rows, of.cols, of.values.len(), of.of_differences);
+        shape(self) == shape(other)
+            && (Arc::ptr_eq(&self.graph, &other.graph) || self.graph == other.graph)
+            && self.values.iter().zip(other.values.iter()).all(|(a, b)| a.to_bits() == b.to_bits())
+    }
+
     /// The zero matrix of `rows` × `cols` blocks.
     #[must_use]
     pub fn zero(graph: &Arc<Graph>, rows: usize, cols: usize) -> BlockMatrix {
