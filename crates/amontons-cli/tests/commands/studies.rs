@@ -104,7 +104,7 @@ fn fit_finds_the_parameters_of_the_pad_that_is_stopped() {
         (&["constants.mu0", "--bounds", "constants.mu0"][..], "found no `=`, expected KEY=LOW,HIGH"),
         (&["constants.mu0", "--bounds", "constants.mu0=0,one"][..], "found `one`, expected KEY=LOW,HIGH"),
         (&["constants.mu1"][..], "constants.mu1: found no value, expected a key with a number"),
-        (&["mesh.n[0]", "--force"][..], "mesh.n[0]: found a key that changes the number of"),
+        (&["mesh.n[0]", "--force"][..], "mesh.n[0]: found 30.0, expected an integer"),
         (&["time.steps", "--force"][..], "time.steps"),
     ] {
         let refused = with(rest);
