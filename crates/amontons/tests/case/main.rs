@@ -21,6 +21,7 @@ mod acting;
 mod bodies;
 mod boundary;
 mod conditions;
+mod constants;
 mod faults;
 mod files;
 mod graded_faults;
