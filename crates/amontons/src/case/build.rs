@@ -16,7 +16,7 @@ use super::side_names::SideNames;
 use super::verify::{Expected, Verify};
 use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
-use crate::expression::Constants;
+use crate::expression::NamedConstants;
 use crate::field::{Coefficient, Field};
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::FreeMemory;
@@ -277,7 +277,7 @@ pub(super) struct Build<'d> {
     /// The numbers that keys admit.
     pub limits: &'d [(Path, Limits)],
     /// The constants that expressions may mention.
-    pub constants: Constants,
+    pub constants: NamedConstants,
     /// The files beside the case.
     pub loader: Loader<'d>,
     /// The mesh file with the factor of its coordinates, or `None` for a generated mesh.
@@ -385,7 +385,7 @@ impl Build<'_> {
     /// Notes names that no constant may have.
     fn constant_names(&mut self, raw: &BTreeMap<String, f64>) {
         for (name, value) in raw {
-            if let Err(expected) = Constants::default().add(name, *value) {
+            if let Err(expected) = NamedConstants::default().add(name, *value) {
                 self.note(&format!("constants.{name}"), At::Key, format!("`{name}`"), expected, None);
             }
         }

@@ -11,7 +11,7 @@ use crate::contact::{
     PressureFormula, PressureFormulaFault, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening,
     StaticKinetic, Stop, TableFault, Tabulated, Tresca, WearLaw,
 };
-use crate::expression::{Constants, ExpressionError};
+use crate::expression::{ExpressionError, NamedConstants};
 
 /// Coefficients with their keys below the law, in the order in which the law takes their values.
 pub(super) type Keyed<'a> = Vec<(String, &'a Datum)>;
@@ -39,7 +39,7 @@ fn normal_law<'a, L: NormalLaw + 'static>(
 }
 
 /// The law of the contact pressure.
-pub(super) fn normal<'a>(raw: &'a Normal, constants: &Constants) -> NormalPlan<'a> {
+pub(super) fn normal<'a>(raw: &'a Normal, constants: &NamedConstants) -> NormalPlan<'a> {
     match raw {
         Normal::Compliance { stiffness } => normal_law(&[("stiffness", stiffness)], |v| Compliance { stiffness: v[0] }),
         Normal::Power { stiffness, exponent } => normal_law(&[("stiffness", stiffness), ("exponent", exponent)], |v| {
@@ -149,7 +149,7 @@ fn capped<'a>(
 }
 
 /// The law of the friction bound.
-pub(super) fn friction<'a>(raw: &'a Friction, constants: &Constants) -> FrictionPlan<'a> {
+pub(super) fn friction<'a>(raw: &'a Friction, constants: &NamedConstants) -> FrictionPlan<'a> {
     match raw {
         Friction::None => (Vec::new(), Box::new(|_| Ok(Arc::new(Frictionless)))),
         Friction::Stick => (Vec::new(), Box::new(|_| Ok(Arc::new(NoSlip)))),
@@ -255,7 +255,7 @@ fn heat_law<'a, L: HeatLaw + 'static>(
 }
 
 /// One law of heat exchange.
-pub(super) fn heat<'a>(raw: &'a HeatTerm, constants: &Constants) -> HeatPlan<'a> {
+pub(super) fn heat<'a>(raw: &'a HeatTerm, constants: &NamedConstants) -> HeatPlan<'a> {
     match raw {
         HeatTerm::Constant { conductance, truncation } => {
             heat_law(&[("conductance", conductance)], truncation.as_ref(), |v, truncation| ConstantConductance {

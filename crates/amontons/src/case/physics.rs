@@ -5,7 +5,7 @@ use super::place::{At, PathFault};
 use super::raw::{self, Datum, Friction, Heat, HeatTerm, Scalar, Wear};
 use super::schema::{SchemaView, rules};
 use crate::contact::{ConductanceFormula, FrictionFormula};
-use crate::expression::{Constants, Formula};
+use crate::expression::{Formula, NamedConstants};
 use crate::problem::Physics;
 
 /// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
@@ -168,7 +168,7 @@ pub(super) fn is_zero_datum(datum: &Datum) -> bool {
 }
 
 /// True if friction depends on the temperature.
-fn sees_temperature(friction: &Friction, constants: &Constants) -> bool {
+fn sees_temperature(friction: &Friction, constants: &NamedConstants) -> bool {
     match friction {
         Friction::Temperature { .. } => true,
         Friction::Expression { coefficient, .. } => {
@@ -179,7 +179,7 @@ fn sees_temperature(friction: &Friction, constants: &Constants) -> bool {
 }
 
 /// The dependence of a law of heat exchange on mechanics: pressure or penetration, or `None`.
-fn sees_motion(law: &HeatTerm, constants: &Constants) -> Option<&'static str> {
+fn sees_motion(law: &HeatTerm, constants: &NamedConstants) -> Option<&'static str> {
     match law {
         HeatTerm::Pressure { .. } => Some("a conductance of the pressure"),
         HeatTerm::Power { .. } | HeatTerm::Ramp { .. } => Some("a conductance of the penetration"),
@@ -193,7 +193,7 @@ fn sees_motion(law: &HeatTerm, constants: &Constants) -> Option<&'static str> {
 }
 
 /// The keys of a contact that need mechanics, with a description.
-fn of_motion(contact: &raw::Contact, constants: &Constants) -> Vec<(&'static str, &'static str)> {
+fn of_motion(contact: &raw::Contact, constants: &NamedConstants) -> Vec<(&'static str, &'static str)> {
     let given = [
         ("normal", contact.normal.is_some(), "a law of contact pressure"),
         ("friction", !matches!(contact.friction, Friction::None), "friction"),

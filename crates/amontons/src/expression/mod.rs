@@ -77,12 +77,12 @@ impl Variable {
 
 /// Numbers with names that expressions may mention beside `pi` and `e`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Constants(BTreeMap<String, f64>);
+pub struct NamedConstants(BTreeMap<String, f64>);
 
 /// Names of variables of expressions and formulas, which no constant may have.
 const VARIABLE_NAMES: [&str; 8] = ["x", "y", "z", "t", "p", "v", "r", "theta"];
 
-impl Constants {
+impl NamedConstants {
     /// Adds a constant.
     ///
     /// # Errors
@@ -160,19 +160,19 @@ impl Expression {
     /// [`ExpressionError`] at the first place where the text departs from the language, or if it
     /// is too long or too deeply nested.
     pub fn parse(source: &str) -> Result<Expression, ExpressionError> {
-        Expression::named(source, parse::PLACE, &Constants::default())
+        Expression::named(source, parse::PLACE, &NamedConstants::default())
     }
 
     /// Compiles an expression that may mention constants.
     ///
     /// # Errors
     /// Those of [`parse`](Self::parse).
-    pub fn with(source: &str, constants: &Constants) -> Result<Expression, ExpressionError> {
+    pub fn with(source: &str, constants: &NamedConstants) -> Result<Expression, ExpressionError> {
         Expression::named(source, parse::PLACE, constants)
     }
 
     /// Compiles an expression in up to four variables with these names.
-    fn named(source: &str, names: &[&str], constants: &Constants) -> Result<Expression, ExpressionError> {
+    fn named(source: &str, names: &[&str], constants: &NamedConstants) -> Result<Expression, ExpressionError> {
         let parsed = parse::parse(source, names, constants)?;
         Ok(Expression {
             source: source.to_owned(),
@@ -260,14 +260,14 @@ impl Formula {
     /// # Errors
     /// Fails like [`Expression::parse`].
     pub fn parse(source: &str, names: &[&str]) -> Result<Formula, ExpressionError> {
-        Formula::with(source, names, &Constants::default())
+        Formula::with(source, names, &NamedConstants::default())
     }
 
     /// Compiles a formula that may mention constants.
     ///
     /// # Errors
     /// Fails like [`Expression::parse`].
-    pub fn with(source: &str, names: &[&str], constants: &Constants) -> Result<Formula, ExpressionError> {
+    pub fn with(source: &str, names: &[&str], constants: &NamedConstants) -> Result<Formula, ExpressionError> {
         Ok(Formula { expression: Expression::named(source, names, constants)? })
     }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::ops::Op;
 use super::program::{NodeId, OperationGraph};
-use super::{Constants, ExpressionError, Variable};
+use super::{ExpressionError, NamedConstants, Variable};
 
 /// Longest expression, in bytes.
 pub(super) const MAX_LENGTH: usize = 10_000;
@@ -127,7 +127,7 @@ pub(super) struct Parsed {
 pub(super) fn parse<'s>(
     source: &'s str,
     names: &'s [&'s str],
-    constants: &'s Constants,
+    constants: &'s NamedConstants,
 ) -> Result<Parsed, ExpressionError> {
     if source.len() > MAX_LENGTH {
         return Err(ExpressionError {
@@ -162,8 +162,8 @@ struct Parser<'a> {
     source: &'a str,
     /// Names of the variables.
     names: &'a [&'a str],
-    /// Constants beside `pi` and `e`, and those that were met.
-    constants: &'a Constants,
+    /// NamedConstants beside `pi` and `e`, and those that were met.
+    constants: &'a NamedConstants,
     used: Vec<(String, f64)>,
     token: Token,
     span: Range<usize>,

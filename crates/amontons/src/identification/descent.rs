@@ -10,8 +10,8 @@ use crate::adjoint::GradientError;
 
 /// Squared change of the parameters, in their standard deviations, below which the minimum is reached.
 const REACHED: f64 = 1e-10;
-/// Gain of a damped step, in squared standard deviations, of which the linear model promised more: the way down is along
-/// a kink, and the rest of it says nothing about the parameters.
+/// Gain of a damped step, in squared standard deviations, of which the linear model promised more: the way down is
+/// along a kink, and the rest of it says nothing about the parameters.
 const LEVEL: f64 = 1e-4;
 /// Relative change of a parameter, and part of the data that residuals are, that count as round-off.
 const ROUNDED: f64 = 1e-11;
@@ -52,7 +52,7 @@ pub struct DescentState {
 }
 
 /// A descent at its end.
-pub(super) struct Found {
+pub(super) struct DescentEnd {
     pub state: DescentState,
     pub evaluated: Evaluated,
     pub linear: LinearModel,
@@ -92,7 +92,7 @@ impl<'a> Descent<'a> {
     pub fn made(
         mut self,
         watch: &mut dyn FnMut(&DescentState) -> Result<(), IdentificationError>,
-    ) -> Result<Found, IdentificationError> {
+    ) -> Result<DescentEnd, IdentificationError> {
         if self.state.runs == 0 {
             self.state.runs = 1;
             self.state.history.push(self.linear().sum());
@@ -106,7 +106,7 @@ impl<'a> Descent<'a> {
             }
             let linear = self.linear();
             let held = self.held(&linear);
-            return Ok(Found { state: self.state, evaluated: self.evaluated, linear, held, ending });
+            return Ok(DescentEnd { state: self.state, evaluated: self.evaluated, linear, held, ending });
         }
     }
 
@@ -234,7 +234,8 @@ impl<'a> Descent<'a> {
     }
 }
 
-/// The deviations to begin with, if the data do not state theirs: how far the values of each series are from their mean.
+/// The deviations to begin with, if the data do not state theirs: how far the values of each series are from their
+/// mean.
 fn first_deviations(request: &IdentificationRequest) -> Vec<f64> {
     if request.measured.states_deviations() {
         return Vec::new();

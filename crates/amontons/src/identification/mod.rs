@@ -7,8 +7,8 @@
 //!     χ²(m) = Σ ((y_i − f_i(m)) / σ_i)²   is made smallest within bounds,
 //! ```
 //!
-//! by Gauss–Newton with the derivatives ∂f/∂m of [`series`]. Between steps outputs are linear in time. At the minimum the
-//! same derivatives tell how far the data determine m: cov m = (JᵀJ)⁻¹ with J = (∂f/∂m)/σ.
+//! by Gauss–Newton with the derivatives ∂f/∂m of [`crate::adjoint::series`]. Between steps outputs are linear in time.
+//! At the minimum the same derivatives tell how far the data determine m: cov m = (JᵀJ)⁻¹ with J = (∂f/∂m)/σ.
 //!
 //! | module | holds |
 //! |---|---|
@@ -37,7 +37,7 @@ pub use statistics::DataCombination;
 use statistics::{DataStatistics, statistics};
 
 use crate::output::Probe;
-use descent::{Descent, Found};
+use descent::{Descent, DescentEnd};
 use model::OutputModel;
 
 /// What is asked for.
@@ -169,10 +169,10 @@ pub fn identify(
     Ok(found.told(request, &model))
 }
 
-impl Found {
+impl DescentEnd {
     /// The answer with its statistics.
     fn told(self, request: &IdentificationRequest, model: &OutputModel) -> Identified {
-        let Found { state, evaluated, linear, held, ending } = self;
+        let DescentEnd { state, evaluated, linear, held, ending } = self;
         let free: Vec<bool> = held.iter().map(|held| !held).collect();
         let count = free.iter().filter(|free| **free).count();
         let freedom = request.measured.count().saturating_sub(count);

@@ -5,8 +5,8 @@ const ORTHOGONAL: f64 = 1e-15;
 /// Sweeps over all pairs of columns; ten are many.
 const SWEEPS: usize = 60;
 
-/// The decomposition A = U S Vᵀ of a matrix with p columns, by rotations of pairs of columns (Hestenes 1958), which find
-/// small singular values with their own relative accuracy.
+/// The decomposition A = U S Vᵀ of a matrix with p columns, by rotations of pairs of columns (Hestenes 1958), which
+/// find small singular values with their own relative accuracy.
 #[derive(Clone, Debug)]
 pub(super) struct SingularValues {
     /// The columns of U S, largest first.

@@ -301,8 +301,8 @@ fn the_number_of_threads_changes_no_bit() {
     assert!(states(1) == states(4));
 }
 
-/// A block under bilateral contact, which cannot leave its foundation: with strong friction it jams, and no steady state
-/// exists. `turned` has x and z exchanged, and `scale` is the unit of length.
+/// A block under bilateral contact, which cannot leave its foundation: with strong friction it jams, and no steady
+/// state exists. `turned` has x and z exchanged, and `scale` is the unit of length.
 fn jamming(coefficient: f64, turned: bool, scale: f64, rest: &str) -> Problem {
     let vector = |v: [f64; 3]| {
         let [x, y, z] = v.map(|c| c * scale);

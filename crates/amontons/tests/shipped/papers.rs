@@ -145,7 +145,10 @@ fn is_key(schema: &Value, path: &[&str]) -> bool {
             return true;
         }
         let Some((first, rest)) = path.split_first() else { return true };
-        node.get("properties").and_then(|properties| properties.get(first)).is_some_and(|next| search(root, next, rest))
+        let named = node.get("properties").and_then(|properties| properties.get(first));
+        // A table whose keys are names that the case gives, such as [constants].
+        let own = node.get("additionalProperties").filter(|of| of.is_object());
+        named.or(own).is_some_and(|next| search(root, next, rest))
     }
     search(schema, schema, path)
 }
@@ -164,7 +167,7 @@ fn keys<'t>(schema: &Value, text: &'t str) -> Vec<&'t str> {
     let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "._".contains(c)));
     let is_path = |word: &&str| {
         let parts: Vec<&str> = word.split('.').collect();
-        let is_file = ["csv", "toml", "json", "pvd", "vtu", "msh", "md", "rs", "png", "svg", "bin", "sha256"]
+        let is_file = ["csv", "toml", "json", "py", "pvd", "vtu", "msh", "md", "rs", "png", "svg", "bin", "sha256"]
             .contains(parts.last().unwrap_or(&""));
         parts.len() > 1
             && tables.contains(&parts[0])

@@ -41,7 +41,7 @@ pub(in crate::case) use side::{Locus, Side};
 pub(in crate::case) use stability::{Stability, StabilityKind};
 pub(in crate::case) use verify::{Check, ErrorName, ModeValue, Take, Vary, Verify};
 
-use crate::expression::Constants;
+use crate::expression::NamedConstants;
 
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
 ///
@@ -133,8 +133,8 @@ pub(in crate::case) struct Case {
 
 impl Case {
     /// The constants whose names may be those of constants.
-    pub fn constants(&self) -> Constants {
-        let mut constants = Constants::default();
+    pub fn constants(&self) -> NamedConstants {
+        let mut constants = NamedConstants::default();
         for (name, value) in &self.constants {
             // The build of the case tells what is wrong with the other names.
             let _ = constants.add(name, *value);

@@ -2,7 +2,7 @@
 
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
-use crate::expression::{Constants, ExpressionError, Formula};
+use crate::expression::{ExpressionError, Formula, NamedConstants};
 
 /// p_τ = c μ(p, v, θ) p with μ a formula: p the pressure in Pa, v the slip speed in m/s, θ the temperature of the body
 /// in K. Where the formula is negative, μ is 0.
@@ -25,7 +25,7 @@ impl FrictionFormula {
     ///
     /// # Errors
     /// Fails if the text is no formula in `p`, `v`, `theta` and the constants.
-    pub fn new(coefficient: &str, factor: f64, constants: &Constants) -> Result<FrictionFormula, ExpressionError> {
+    pub fn new(coefficient: &str, factor: f64, constants: &NamedConstants) -> Result<FrictionFormula, ExpressionError> {
         Ok(FrictionFormula { factor, coefficient: Formula::with(coefficient, &Self::VARIABLES, constants)? })
     }
 
@@ -80,8 +80,8 @@ impl FrictionLaw for FrictionFormula {
 #[cfg(test)]
 pub(super) fn samples() -> Vec<std::sync::Arc<dyn FrictionLaw>> {
     let all = [
-        FrictionFormula::new("0.2 + 0.1*exp(-v/0.3)", 1.0, &Constants::default()),
-        FrictionFormula::new("0.3/(1 + 0.1*p)*(1 - 0.01*theta)", 0.5, &Constants::default()),
+        FrictionFormula::new("0.2 + 0.1*exp(-v/0.3)", 1.0, &NamedConstants::default()),
+        FrictionFormula::new("0.3/(1 + 0.1*p)*(1 - 0.01*theta)", 0.5, &NamedConstants::default()),
     ];
     all.into_iter().flatten().map(|law| std::sync::Arc::new(law) as std::sync::Arc<dyn FrictionLaw>).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
-use crate::expression::{Constants, ExpressionError, Formula};
+use crate::expression::{ExpressionError, Formula, NamedConstants};
 
 /// h = c f(p, r) with a formula f: p₊ in Pa is the contact pressure, r in m the penetration, negative if the gap is
 /// open. If the formula is negative, h is 0.
@@ -28,7 +28,7 @@ impl ConductanceFormula {
         conductance: &str,
         factor: f64,
         truncation: Option<f64>,
-        constants: &Constants,
+        constants: &NamedConstants,
     ) -> Result<ConductanceFormula, ExpressionError> {
         let conductance = Formula::with(conductance, &Self::VARIABLES, constants)?;
         Ok(ConductanceFormula { factor, conductance, truncation })
@@ -70,8 +70,8 @@ impl HeatLaw for ConductanceFormula {
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn HeatLaw>, f64)> {
     let all = [
-        ConductanceFormula::new("5 + 2*p^0.95", 1.0, None, &Constants::default()),
-        ConductanceFormula::new("0.02/(1e-3 + max(-r, 0))", 2.0, Some(3.0), &Constants::default()),
+        ConductanceFormula::new("5 + 2*p^0.95", 1.0, None, &NamedConstants::default()),
+        ConductanceFormula::new("0.02/(1e-3 + max(-r, 0))", 2.0, Some(3.0), &NamedConstants::default()),
     ];
     all.into_iter().flatten().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn HeatLaw>, 1e-3)).collect()
 }

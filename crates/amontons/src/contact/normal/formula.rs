@@ -1,7 +1,7 @@
 //! A pressure given by a formula in the penetration.
 
 use super::{NormalLaw, Pressure};
-use crate::expression::{Constants, ExpressionError, Formula};
+use crate::expression::{ExpressionError, Formula, NamedConstants};
 use crate::quadrature::{QuadratureRule, Shape, rule};
 use crate::tensor::Point;
 
@@ -51,13 +51,13 @@ impl PressureFormula {
     /// A formula times a factor, for penetrations above r₀ in m.
     ///
     /// # Errors
-    /// Fails if the text is no formula in `r` and the constants, if r₀ is above 0, if the formula does not vanish at r₀, or if it
-    /// decreases between 10⁻¹² m and 10 m beyond it.
+    /// Fails if the text is no formula in `r` and the constants, if r₀ is above 0, if the formula does not vanish at
+    /// r₀, or if it decreases between 10⁻¹² m and 10 m beyond it.
     pub fn new(
         pressure: &str,
         factor: f64,
         begin: f64,
-        constants: &Constants,
+        constants: &NamedConstants,
     ) -> Result<PressureFormula, PressureFormulaFault> {
         if !(begin <= 0.0 && begin.is_finite()) {
             return Err(PressureFormulaFault::Begin(begin));
@@ -134,9 +134,9 @@ impl NormalLaw for PressureFormula {
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
     let all = [
-        PressureFormula::new("1e4*r + 2e7*r^2", 1.0, 0.0, &Constants::default()),
-        PressureFormula::new("50*tanh(150*r)", 2.0, 0.0, &Constants::default()),
-        PressureFormula::new("10*(exp(4000*r) - exp(-4))", 1.0, -1e-3, &Constants::default()),
+        PressureFormula::new("1e4*r + 2e7*r^2", 1.0, 0.0, &NamedConstants::default()),
+        PressureFormula::new("50*tanh(150*r)", 2.0, 0.0, &NamedConstants::default()),
+        PressureFormula::new("10*(exp(4000*r) - exp(-4))", 1.0, -1e-3, &NamedConstants::default()),
     ];
     all.into_iter().flatten().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn NormalLaw>, 1e-3)).collect()
 }
