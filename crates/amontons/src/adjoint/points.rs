@@ -189,14 +189,16 @@ pub(super) struct PointMargin {
 }
 
 /// The margins of all points of a step: |r|/(k max|w|) of open points, p/max p and (s − ‖q‖)/max p of closed ones, and
-/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component. Without pressure max s is in the place of max p.
+/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component. Without pressure max s is taken for max p.
 pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
     let largest = |of_point: &dyn Fn(&PointState) -> f64| of.states.iter().map(of_point).fold(0.0, f64::max);
     let pressure = largest(&|state| state.pressure.abs());
+    let bound = largest(&|state| state.bound);
     let scales = MarginScales {
         speed: max_abs(&of.at.w),
         pressure,
-        traction: if pressure > 0.0 { pressure } else { largest(&|state| state.bound) },
+        // A pressure that is round-off of the bound is none.
+        traction: if pressure > TOUCHES * bound { pressure } else { bound },
         rule,
     };
     let mut all = Vec::new();

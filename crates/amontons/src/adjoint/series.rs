@@ -236,8 +236,8 @@ impl ForwardSweep<'_> {
         Ok(equations)
     }
 
-    /// The derivatives of the equations of a step by a parameter. Its step is reduced where a difference leaves the branch
-    /// of a point on both sides, and where a law bends within it.
+    /// The derivatives of the equations of a step by a parameter. Its step is reduced where a difference leaves the
+    /// branch of a point on both sides, and where a law bends within it.
     fn slopes(
         &mut self,
         j: usize,

@@ -1,4 +1,4 @@
-//! Derivatives beside kinks: laws that bend within the step of a parameter, points that nothing moves, the start of slip.
+//! Derivatives beside kinks: laws that bend within the step of a parameter, points that nothing moves, start of slip.
 
 use amontons::adjoint::{GradientRequest, GradientTable, Parameter, SeriesRequest, SeriesTable, gradient, series};
 use amontons::case::{Case, Source};
@@ -129,8 +129,8 @@ quantity = "displacement"
 at = [1.0, 0.0]
 "#;
 
-/// u = max(0, (F − μN)/k) with k = 100, N = 10, F = 4; half of the bound μN/ω = 20 μ acts at the corner. At μ = 0.4 both
-/// one-sided derivatives, −0.1 and 0, are told.
+/// u = max(0, (F − μN)/k) with k = 100, N = 10, F = 4; half of the bound μN/ω = 20 μ acts at the corner. At μ = 0.4
+/// both one-sided derivatives, −0.1 and 0, are given.
 #[test]
 fn the_start_of_slip_has_both_one_sided_derivatives() {
     for (mu, u, slope) in [(0.3, 0.01, -0.1), (0.4, 0.0, f64::NAN), (0.5, 0.0, 0.0)] {
@@ -158,8 +158,8 @@ fn the_start_of_slip_has_both_one_sided_derivatives() {
 ///
 /// u = F²/(2τEA),  D = F³/(6τEA) of the first pull, a quarter of that of a cycle.
 ///
-/// Nodes at the distance h slip one after the other: u and D are off by the square of h/ℓ, and so are the derivatives at
-/// whole multiples F = m τ h, in the middle between two kinks. Shear over the height H moves the end by about τH/EA·E/G.
+/// Nodes at the distance h slip one after the other: u and D are off by the square of h/ℓ, and so are the derivatives
+/// at whole multiples F = m τ h, in the middle between two kinks. Shear over the height H changes u by τH/G at most.
 #[test]
 fn a_rod_on_a_base_has_the_derivatives_of_its_closed_form() {
     let text = r#"
