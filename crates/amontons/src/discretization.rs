@@ -219,6 +219,12 @@ impl Discretization {
         self.warm.capacity.is_empty() && self.warm.conductivity.is_empty()
     }
 
+    /// True if the thermal stress is linear in the temperature, so that m does not change.
+    #[must_use]
+    pub fn expands_linearly(&self) -> bool {
+        self.warm.expansion.is_empty()
+    }
+
     /// Inertia (ρ·, ·) as a scale and a form: ρ and (·, ·) if the density is uniform, otherwise 1 and the weighted
     /// form; with the mass redistributed where the problem says so.
     #[must_use]

@@ -16,7 +16,7 @@ use crate::problem::{Physics, Problem};
 use crate::pulse::Pulse;
 use crate::space::Space;
 use crate::state::State;
-use crate::tensor::{Point, dot};
+use crate::tensor::{Point, dot, length};
 use crate::time::{Rule, Start};
 
 /// A problem with its forms.
@@ -425,6 +425,8 @@ pub(super) fn heat_step<'a>(step: &Step<'a>, foundation: &'a [f64], states: &'a 
 
 /// Residual of an equation relative to its largest term above which the step does not obey it.
 const MET: f64 = 1e-6;
+/// Slip relative to the largest velocity up to which a point rests.
+const RESTS: f64 = 1e-9;
 
 impl StepResidual {
     /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
@@ -435,10 +437,8 @@ impl StepResidual {
             space.mask(&mut rest);
             max_abs(&rest)
         };
-        let apart = |a: &[f64], b: &[f64]| {
-            let most = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-            most > MET * max_abs(a).max(max_abs(b))
-        };
+        let most = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        let apart = |a: &[f64], b: &[f64]| most(a, b) > MET * max_abs(a).max(max_abs(b));
         let traction = self.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
         let points = discrete.boundary.points.iter().zip(&self.points).filter(|(point, _)| point.weight > 0.0);
         let defect = points.fold(0.0, |most: f64, (_, point)| most.max(max_abs(&point.defect)));
@@ -449,6 +449,9 @@ impl StepResidual {
         let theta = if base.problem.physics.has_heat() { &of.at.theta } else { &of.new.theta };
         let worn = sum(&old.wear, &mut self.points.iter().map(|point| point.worn));
         let work = sum(&old.friction_work, &mut self.work.iter().copied());
+        // Where all points stick, their slip and its work are round-off.
+        let q = self.states.iter().fold(0.0, |most: f64, state| most.max(length(&state.q)));
+        let rubbed = base.problem.timeline.instant(of.n).k * q * max_abs(&of.at.w);
         match () {
             () if largest(&discrete.v, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
             () if !self.heat.is_empty() && largest(&discrete.q, &self.heat) > MET * self.sizes[1] => {
@@ -461,7 +464,9 @@ impl StepResidual {
             () if defect > MET * traction => Some("the laws of contact"),
             () if apart(&self.u, &of.new.u) => Some("the displacement at the end of the step"),
             () if apart(&worn, &new.wear) => Some("the depth of wear"),
-            () if apart(&work, &new.friction_work) => Some("the work of friction"),
+            () if apart(&work, &new.friction_work) && most(&work, &new.friction_work) > RESTS * rubbed => {
+                Some("the work of friction")
+            }
             () => None,
         }
     }

@@ -64,6 +64,9 @@ use crate::step::initial_state;
 const GRANTED: usize = 1 << 30;
 /// Kink of a parameter relative to the derivative above which there is none, and the roundings that are no kink.
 const KINK: f64 = 1e-4;
+/// The same above which a smaller step of the parameter is tried: a law that bends within the step, such as a power of
+/// a small penetration, is resolved by it, and a kink is not.
+const BENT: f64 = 1e-7;
 const ROUNDINGS: f64 = 256.0;
 /// Part of an output that counts as a rounding.
 const NOTHING: f64 = 16.0 * f64::EPSILON;
@@ -174,19 +177,28 @@ impl WholeSweep<'_> {
     /// The derivatives by output and parameter, and the margins of all points that are near or nearest.
     fn derivatives(&mut self, forced: Option<Forced>) -> Result<(Vec<Vec<f64>>, Vec<PointMargin>), GradientError> {
         let count = self.request.parameters.len();
-        let mut sizes = vec![0; count];
+        let (mut sizes, mut kept): (_, Vec<Option<Sums>>) = (vec![0; count], vec![None; count]);
+        let mut open = vec![true; count];
         loop {
             let (sums, near) = self.sweep(forced.as_ref(), &sizes)?;
-            let lost = |j: usize| sums[j].iter().any(|[slope, ..]| slope.is_nan());
-            let again: Vec<usize> = (0..count).filter(|&j| lost(j) && sizes[j] + 1 < SIZES).collect();
-            if again.is_empty() {
-                let by_output = (0..self.outputs.len()).map(|i| sums.iter().map(|sums| sums[i][0]).collect()).collect();
-                self.check(&sums)?;
-                return Ok((by_output, near));
+            for (j, found) in sums.into_iter().enumerate() {
+                if !open[j] {
+                    continue;
+                }
+                // A difference leaves the branch of a point on both sides, or a law bends within it.
+                let is_better = kept[j].as_ref().is_none_or(|kept| is_less_bent(&found, kept));
+                if is_better {
+                    kept[j] = Some(found);
+                }
+                let bends = kept[j].iter().flatten().any(is_bent);
+                open[j] = bends && is_better && sizes[j] + 1 < SIZES;
+                sizes[j] += i32::from(open[j]);
             }
-            // A difference left the branch of a point on both sides.
-            for j in again {
-                sizes[j] += 1;
+            if open.iter().all(|open| !open) {
+                let sums: Vec<Sums> = kept.into_iter().map(Option::unwrap_or_default).collect();
+                self.check(&sums)?;
+                let by_output = (0..self.outputs.len()).map(|i| sums.iter().map(|sums| sums[i][0]).collect()).collect();
+                return Ok((by_output, near));
             }
         }
     }
@@ -265,6 +277,17 @@ impl WholeSweep<'_> {
         add_start(&phased.first, &variants, &ended, &mut sums)?;
         Ok((sums, near))
     }
+}
+
+/// True if a derivative is lost, or its kink more than round-off and than [`BENT`].
+fn is_bent([slope, kink, rounded]: &[f64; 3]) -> bool {
+    slope.is_nan() || kink.abs() > BENT * slope.abs() + ROUNDINGS * rounded
+}
+
+/// True if all kinks of sums at a smaller step are at most half of those before.
+fn is_less_bent(found: &Sums, before: &Sums) -> bool {
+    let mut both = found.iter().zip(before).filter(|(_, before)| is_bent(before));
+    both.all(|(found, before)| before[0].is_nan() || found[1].abs() <= 0.5 * before[1].abs())
 }
 
 /// The linearised contact points of a step, their forces, and its equations, which are met.

@@ -2,7 +2,7 @@
 
 use super::instance::{ProblemInstance, SolvedStep, data, inputs};
 use super::stencil::derivative;
-use crate::contact::Status;
+use crate::contact::{GraphKind, Status};
 use crate::inclusion::{Local, LocalTangent, Mechanical, PointInput, PointOutput, PointState};
 use crate::linalg::max_abs;
 use crate::tensor::{Point, dot, length};
@@ -27,6 +27,8 @@ pub(super) struct LinearPoint {
     pub rubbing: f64,
     /// The branch of the laws.
     pub branch: [bool; 2],
+    /// True if the point may open: its contact is not bilateral.
+    pub may_open: bool,
     /// Derivatives by input: jump of the velocities (3), (p, q) (3), ū_ν − g, and temperature; of defect (3),
     /// penetration, slip (2), wear depth, and penetration at the time of the equations.
     pub by: [[f64; OUTPUTS]; INPUTS],
@@ -95,13 +97,20 @@ pub(super) fn linearised(
                     by[j % 3] = if j > 2 { 1.0 } else { 0.0 };
                     continue;
                 }
+                // The pressure of a point that nothing unknown moves is zero, at a kink of what wears off by it.
+                if j == 3 && term.is_given(i) {
+                    by[0] = 1.0;
+                    continue;
+                }
                 let at = |change: f64| {
                     let output = term.equations(i, &changed(input, j, change));
                     (numbers(&output), output.branch)
                 };
                 *by = derivative(at, scales.of(i, j), sizes, branch).ok_or(i)?;
             }
+            let contact = base.discrete.boundary.points.get(i).and_then(|on| step.contacts.get(on.contact));
             Ok(LinearPoint {
+                may_open: contact.is_none_or(|contact| contact.normal.graph() != GraphKind::Bilateral),
                 basis: term.basis(i),
                 slip: output.slip,
                 force: input.force,
@@ -180,36 +189,66 @@ pub(super) struct PointMargin {
 }
 
 /// The margins of all points of a step: |r|/(k max|w|) of open points, p/max p and (s − ‖q‖)/max p of closed ones, and
-/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component.
+/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component. Without pressure max s is taken for max p.
 pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
-    let speed = max_abs(&of.at.w);
-    let pressure = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()));
-    let over = |value: f64, scale: f64| (scale > 0.0).then(|| value / scale);
+    let largest = |of_point: &dyn Fn(&PointState) -> f64| of.states.iter().map(of_point).fold(0.0, f64::max);
+    let pressure = largest(&|state| state.pressure.abs());
+    let bound = largest(&|state| state.bound);
+    let scales = MarginScales {
+        speed: max_abs(&of.at.w),
+        pressure,
+        // A pressure that is round-off of the bound is none.
+        traction: if pressure > TOUCHES * bound { pressure } else { bound },
+        rule,
+    };
     let mut all = Vec::new();
     for (i, (state, point)) in of.states.iter().zip(points).enumerate() {
-        let [presses, sticks] = point.branch;
         let Some(rho) = of.chosen.rho().get(i).copied().filter(|rho| *rho > 0.0) else { continue };
-        let mut add = |value: Option<f64>, beyond: [bool; 2]| {
-            all.extend(value.map(|value| PointMargin { value, beyond, n: of.n, point: i }));
-        };
-        if !presses {
-            add(over(state.penetration.abs(), rule.k * speed), [true, sticks]);
-            continue;
-        }
-        // A point that hardly touches bears a pressure of the stiffness of the body times a length.
-        let depth = state.penetration.abs().max(rule.span / rho * state.pressure.abs());
-        let touches = over(depth, rule.k * speed).filter(|margin| *margin <= TOUCHES);
-        if touches.is_some() {
-            add(touches, [false, sticks]);
-            continue;
-        }
-        add(over(state.pressure.abs(), pressure), [false, sticks]);
-        if state.bound > 0.0 {
-            match state.status {
-                Status::Slip => add(over(length(&state.slip), speed), [presses, !sticks]),
-                _ => add(over((state.bound - length(&state.q)).max(0.0), pressure), [presses, !sticks]),
-            }
-        }
+        let found = scales.of(state, point, rho).into_iter().flatten();
+        all.extend(found.map(|(value, beyond)| PointMargin { value, beyond, n: of.n, point: i }));
     }
     all
+}
+
+/// The sizes to which the distances of the points of a step from a change of state are relative.
+struct MarginScales<'a> {
+    /// max|w| in m/s, max p and the largest traction in Pa.
+    speed: f64,
+    pressure: f64,
+    traction: f64,
+    rule: &'a Rule,
+}
+
+impl MarginScales<'_> {
+    /// The margins of a point, with the branches beyond.
+    fn of(&self, state: &PointState, point: &LinearPoint, rho: f64) -> [Option<(f64, [bool; 2])>; 2] {
+        let ([presses, sticks], rule) = (point.branch, self.rule);
+        let over = |value: f64, scale: f64, beyond| (scale > 0.0).then(|| (value / scale, beyond));
+        let mut first = None;
+        if point.may_open {
+            let opened = [!presses, sticks];
+            if !presses {
+                return [over(state.penetration.abs(), rule.k * self.speed, opened), None];
+            }
+            // A point that hardly touches bears a pressure of the stiffness of the body times a length.
+            let depth = state.penetration.abs().max(rule.span / rho * state.pressure.abs());
+            let touches = over(depth, rule.k * self.speed, opened).filter(|(margin, _)| *margin <= TOUCHES);
+            if touches.is_some() {
+                return [touches, None];
+            }
+            first = over(state.pressure.abs(), self.pressure, opened);
+        }
+        let turned = [presses, !sticks];
+        let second = match state.status {
+            _ if state.bound <= 0.0 => None,
+            Status::Slip => {
+                // A point that hardly slips slips as far as a rounding of q moves it, which may be the largest speed.
+                let slip = length(&state.slip);
+                let starts = over(rho * slip, state.bound, turned).filter(|(margin, _)| *margin <= TOUCHES);
+                starts.or_else(|| over(slip, self.speed, turned))
+            }
+            _ => over((state.bound - length(&state.q)).max(0.0), self.traction, turned),
+        };
+        [first, second]
+    }
 }

@@ -76,7 +76,7 @@ fn of_body(problem: &Problem, discrete: &Discretization) -> Option<OutOfScope> {
         () if problem.physics == Physics::Coupled && problem.coupling != Coupling::Staggered => {
             told("solver.coupling", "another coupling", "\"staggered\"")
         }
-        () if !discrete.is_linear() || !discrete.conducts_linearly() => {
+        () if !discrete.is_linear() || !discrete.conducts_linearly() || !discrete.expands_linearly() => {
             told("material", "a nonlinear law, or one that depends on temperature", "linear laws with constant data")
         }
         () if discrete.branches.iter().any(|branch| !branch.has_field()) => {

@@ -97,8 +97,9 @@ struct ForwardSweep<'a> {
 /// The derivative of the state by a parameter.
 struct ParameterColumn {
     variants: Variants,
-    /// Number of times that the step of the parameter was reduced.
+    /// Number of times that the step of the parameter was reduced, and true if that did not make its kink smaller.
     shrunk: i32,
+    is_bent: bool,
     /// The probes for the variants, by output.
     sets: Vec<[PreparedProbe; 4]>,
     /// The derivatives of the state, and how much of a kink they have.
@@ -110,6 +111,22 @@ struct ParameterColumn {
     /// The same of the contact points at fixed data.
     points: OfPoints,
     bent_points: OfPoints,
+}
+
+/// The equations of a step in the variants of a parameter, with their derivative and how much of a kink there is.
+struct StepSlopes {
+    all: [StepResidual; 4],
+    slope: ResidualSlope,
+    kink: Option<ResidualSlope>,
+}
+
+impl StepSlopes {
+    fn is_less_bent(&self, before: &StepSlopes) -> bool {
+        match (&self.kink, &before.kink) {
+            (Some(kink), Some(before)) => kink.is_half_of(before),
+            (kink, _) => kink.is_none(),
+        }
+    }
 }
 
 impl ForwardSweep<'_> {
@@ -180,6 +197,7 @@ impl ForwardSweep<'_> {
             self.columns.push(ParameterColumn {
                 variants,
                 shrunk: 0,
+                is_bent: false,
                 sets,
                 state,
                 kink,
@@ -205,37 +223,48 @@ impl ForwardSweep<'_> {
         &mut self,
         factors: &mut StepFactors,
         step: &LinearStep,
-        (forces, here): (&[Local], &StepResidual),
+        here: (&[Local], &StepResidual),
     ) -> Result<Vec<[StepResidual; 4]>, GradientError> {
         let mut equations = Vec::with_capacity(self.columns.len());
-        for (j, parameter) in self.request.parameters.iter().enumerate() {
-            let (all, slope, kink) = loop {
-                let Some(column) = self.columns.get(j) else { break Default::default() };
-                let all =
-                    column.variants.all.each_ref().map(|variant| {
-                        variant.of(step.solved.n).residual(&step.solved, forces, Some((step.base, here)))
-                    });
-                let [a, b, c, d] = all.each_ref();
-                let around = Around { h: column.variants.h, all: [a, b, here, c, d] };
-                if let Some((slope, kink)) = ResidualSlope::of(&around, step.points) {
-                    break (Some(all), Some(slope), kink);
-                }
-                // A difference left the branch of a point on both sides.
-                let shrunk = column.shrunk + 1;
-                if shrunk >= SIZES {
-                    return Err(parameter.kink());
-                }
-                let variants = parameter.variants(self.base, (&step.solved, forces), shrunk)?;
-                let sets = self.prepared(&variants)?;
-                if let Some(column) = self.columns.get_mut(j) {
-                    (column.variants, column.sets, column.shrunk) = (variants, sets, shrunk);
-                }
-            };
-            let (Some(all), Some(slope), Some(column)) = (all, slope, self.columns.get_mut(j)) else { continue };
-            column.advance(factors, step, &slope, kink)?;
+        for j in 0..self.columns.len() {
+            let StepSlopes { all, slope, kink } = self.slopes(j, step, here)?;
+            if let Some(column) = self.columns.get_mut(j) {
+                column.advance(factors, step, &slope, kink)?;
+            }
             equations.push(all);
         }
         Ok(equations)
+    }
+
+    /// The derivatives of the equations of a step by a parameter. Its step is reduced where a difference leaves the
+    /// branch of a point on both sides, and where a law bends within it.
+    fn slopes(
+        &mut self,
+        j: usize,
+        step: &LinearStep,
+        here: (&[Local], &StepResidual),
+    ) -> Result<StepSlopes, GradientError> {
+        let parameter = &self.request.parameters[j];
+        let mut found = self.columns[j].slopes(step, here);
+        while self.columns[j].shrunk + 1 < SIZES {
+            let is_bent = self.columns[j].is_bent;
+            if found.as_ref().is_some_and(|found| is_bent || found.kink.is_none()) {
+                break;
+            }
+            let shrunk = self.columns[j].shrunk + 1;
+            let variants = parameter.variants(self.base, (&step.solved, here.0), shrunk)?;
+            let sets = self.prepared(&variants)?;
+            let column = &mut self.columns[j];
+            let before = (std::mem::replace(&mut column.variants, variants), std::mem::replace(&mut column.sets, sets));
+            let finer = column.slopes(step, here);
+            if found.as_ref().is_some_and(|found| !finer.as_ref().is_some_and(|finer| finer.is_less_bent(found))) {
+                // A kink of the data themselves, which is followed.
+                ((column.variants, column.sets), column.is_bent) = (before, true);
+                break;
+            }
+            (column.shrunk, found) = (shrunk, finer);
+        }
+        found.ok_or_else(|| parameter.kink())
     }
 
     /// Adds the values and the derivatives of all outputs at a state.
@@ -334,6 +363,18 @@ fn no_slope(output: &GradientOutput) -> GradientError {
 }
 
 impl ParameterColumn {
+    /// The derivatives of the equations of a step; `None` if a difference leaves the branch of a point on both sides.
+    fn slopes(&self, step: &LinearStep, (forces, here): (&[Local], &StepResidual)) -> Option<StepSlopes> {
+        let of = |variant: &PhasedInstance| {
+            variant.of(step.solved.n).residual(&step.solved, forces, Some((step.base, here)))
+        };
+        let all = self.variants.all.each_ref().map(of);
+        let [a, b, c, d] = all.each_ref();
+        let around = Around { h: self.variants.h, all: [a, b, here, c, d] };
+        let (slope, kink) = ResidualSlope::of(&around, step.points)?;
+        Some(StepSlopes { all, slope, kink })
+    }
+
     /// Makes the derivatives those of a state at rest.
     fn rest(&mut self) {
         self.state.w.fill(0.0);

@@ -376,9 +376,10 @@ impl Around<'_> {
             return stencil::central(h, [&a, &b, &at, &c, &d]);
         }
         let on = |of: [usize; 2]| of.iter().all(|&j| values[j].branch == branch);
+        // To one side of second order: the second difference is zero of a law that is linear on the branch.
         let one_sided = |near: Local, far: Local, h: f64| {
             let slope: Local = std::array::from_fn(|k| (4.0 * near[k] - 3.0 * at[k] - far[k]) / (2.0 * h));
-            [slope, [0.0; 3]]
+            [slope, std::array::from_fn(|k| ((far[k] - near[k]) - (near[k] - at[k])) / h)]
         };
         match (on([0, 1]), on([3, 4])) {
             (_, true) => one_sided(c, d, h),

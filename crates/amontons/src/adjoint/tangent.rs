@@ -66,11 +66,18 @@ impl ResidualSlope {
     }
 
     fn is_zero(&self) -> bool {
-        let none = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+        self.numbers().all(|value| *value == 0.0)
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
         let ResidualSlope { mechanics, heat, rates, temperatures, defects, worn, work, u, branches } = self;
-        [mechanics, heat, rates, temperatures, worn, work, u].into_iter().all(|values| none(values))
-            && defects.iter().all(|defect| none(defect))
-            && branches.iter().all(|branch| none(branch))
+        let lists = [mechanics, heat, rates, temperatures, worn, work, u].into_iter().chain(branches);
+        lists.flatten().chain(defects.iter().flatten())
+    }
+
+    /// True if no number is larger than half of that of another one.
+    pub fn is_half_of(&self, of: &ResidualSlope) -> bool {
+        self.numbers().zip(of.numbers()).all(|(number, of)| number.abs() <= 0.5 * of.abs())
     }
 
     /// No derivative, of the size of another one.

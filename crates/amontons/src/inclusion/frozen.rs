@@ -95,6 +95,12 @@ impl Mechanical<'_> {
         [0, 1].map(|a| !held[a] && moves(a))
     }
 
+    /// True if no unknown moves a point whose pressure is a multiplier: it exerts no force.
+    #[must_use]
+    pub fn is_given(&self, i: usize) -> bool {
+        self.response[i] == Response::Given
+    }
+
     /// The equations of a point. Along tangents without friction q is zero, and where nothing is unknown the force is
     /// as it is.
     #[must_use]
@@ -103,8 +109,9 @@ impl Mechanical<'_> {
         let [p, q1, q2] = at.force;
         let multiplier = Multiplier { p, q: [q1, q2], sticks: at.sticks };
         let laws = self.laws_of(i, &kinematics, &multiplier, self.response[i]);
-        let (projected, rubs, is_free) = (laws.projected(), self.rubs_along(i), self.rho[i] > 0.0);
-        let is_given = self.response[i] == Response::Given;
+        // Where the foundation slides out of the plane, the law determines q without ρ.
+        let is_free = self.rho[i] > 0.0 || self.slides_out(i);
+        let (projected, rubs, is_given) = (laws.projected(), self.rubs_along(i), self.is_given(i));
         let along = |a: usize| at.force[a] - if is_free && rubs[a - 1] { projected[a] } else { 0.0 };
         PointOutput {
             defect: [if is_given { p } else { p - projected[0] }, along(1), along(2)],

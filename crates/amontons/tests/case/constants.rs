@@ -7,6 +7,7 @@ const BAR: &str = r#"name = "bar"
 [constants]
 g0 = 9.81
 mu0 = 0.3
+spare = 1.0
 [mesh]
 kind = "interval"
 size = 1.0
@@ -30,16 +31,16 @@ foundation_velocity = [0, 0, 1]
 "#;
 
 spoiled! { BAR
-    a_constant_with_the_name_of_a_function: "g0 = 9.81" => "sin = 9.81"
-        "bar.toml:3:1: constants.sin: found `sin`, expected a name that is no variable, function or constant of expressions";
-    a_constant_with_the_name_of_a_variable: "mu0 = 0.3" => "theta = 0.3"
-        "bar.toml:4:1: constants.theta: found `theta`, expected a name that is no variable, function or constant of expressions";
-    a_constant_whose_name_is_no_word: "mu0 = 0.3" => "\"mu-0\" = 0.3"
-        "bar.toml:4:1: constants.mu-0: found `mu-0`, expected a name of letters, digits and `_` that begins with a letter";
+    a_constant_with_the_name_of_a_function: "spare = 1.0" => "sin = 1.0"
+        "bar.toml:5:1: constants.sin: found `sin`, expected a name that is no variable, function or constant of expressions";
+    a_constant_with_the_name_of_a_variable: "spare = 1.0" => "theta = 1.0"
+        "bar.toml:5:1: constants.theta: found `theta`, expected a name that is no variable, function or constant of expressions";
+    a_constant_whose_name_is_no_word: "spare = 1.0" => "\"mu-0\" = 1.0"
+        "bar.toml:5:1: constants.mu-0: found `mu-0`, expected a name of letters, digits and `_` that begins with a letter";
     a_constant_with_a_unit: "g0 = 9.81" => "g0 = \"9.81 m\""
         "bar.toml:3:6: constants.g0: found \"9.81 m\", expected a number without a unit (numbers with names that expressions and formulas of the case may mention: `[constants]` with `mu0 = 0.4`)";
     a_constant_that_is_not_there: "-g0*" => "-g1*"
-        "bar.toml:19:17: load.body_force[0]: found `g1`, expected a variable (x, y, z, t), a constant (pi, e, g0, mu0) or a function; did you mean g0?";
+        "bar.toml:20:17: load.body_force[0]: found `g1`, expected a variable (x, y, z, t), a constant (pi, e, g0, mu0, spare) or a function; did you mean g0?";
 }
 
 /// A case with constants is that with the numbers in their places, and overrides reach them.

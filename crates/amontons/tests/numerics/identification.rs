@@ -326,9 +326,10 @@ fn as_many_values_as_parameters_have_no_intervals() {
     ] {
         let found = fitted(BLOCK, &starts([0.3, 0.08, 2.0, 100.0]), (&["constants.mu"], &[NONE]), &text)
             .unwrap_or_else(|error| panic!("{error}"));
-        // Another coefficient may have the same force at one time.
+        // Another coefficient may have the same force at one time. With a stated deviation the descent ends 1e-5 of it
+        // from the minimum.
         let (mu, fitted) = (&found.parameters[0], found.points[0].fitted);
-        assert!((fitted / force - 1.0).abs() < 1e-9, "{fitted} {force} {}", mu.value);
+        assert!((fitted / force - 1.0).abs() < 1e-7, "{fitted} {force} {}", mu.value);
         assert_eq!((mu.interval.is_some(), found.combinations[0].is_determined), (states, true));
     }
     // A force with the sign of the one that the bench takes.

@@ -21,6 +21,7 @@ mod gradient;
 mod identification;
 mod iterations;
 mod jumps;
+mod kinks;
 mod layers;
 mod manufactured;
 mod newton;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use amontons::adjoint::{GradientRequest, Parameter, SeriesRequest, gradient, series};
+use amontons::adjoint::{GradientError, GradientRequest, Parameter, SeriesRequest, SeriesTable, gradient, series};
 use amontons::case::{self, Case, Source};
 use amontons::contact::Status;
 use amontons::output::Memory;
@@ -137,7 +137,8 @@ fn made(seed: u64) -> (String, Vec<String>, Vec<String>) {
         let still = turned.vector([0.0; 3]);
         let _ = write!(text, "[[boundary]]\non = \"base_bottom\"\ndisplacement = {still}\n{warm}");
     }
-    let gap = dice.between(0.0005, 0.002);
+    // Some points touch at once, others close during the run, or stay open.
+    let gap = dice.between(0.0005, 0.012);
     let _ = write!(text, "[contact]\non = \"{on}\"\ngap = {gap:?}\n{contact}");
     if is_pair {
         text += "with = \"body_bottom\"\nnonmortar = \"body_bottom\"\ngeometry = \"reference\"\n";
@@ -176,61 +177,107 @@ fn errors(found: &[f64], [below, above]: [&[f64]; 2], h: f64, scale: f64) -> f64
     found.iter().zip(below).zip(above).map(of).filter(|error| !error.is_nan()).fold(0.0, f64::max)
 }
 
-#[test]
-fn random_cases_have_the_slopes_of_differences_of_runs() {
-    let (mut checked, mut changed, mut seen) = (0, 0, [0; 3]);
-    for seed in 0..20 {
-        let (text, outputs, keys) = made(seed);
-        let source = Source::new("random", text.clone());
-        let case = parsed(&source, &[]);
-        let parameter = |key: &String| case::parameter(&source, &[], key).expect("a parameter");
-        let parameters: Vec<Parameter> = keys.iter().map(parameter).collect();
-        let Case { problem, probes, .. } = &case;
-        let request = SeriesRequest { problem, probes, outputs: &outputs, parameters: &parameters, interrupt: None };
-        let found = series(&request).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        let (outputs, parameters) = (&outputs, &parameters);
-        let request = GradientRequest { problem, probes, outputs, parameters, memory: None, interrupt: None };
-        let adjoint = gradient(&request).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        assert!(found.ties == 0 && found.margin == adjoint.margin, "{seed}: {:?}", found.margin);
-        let here = values(&source, outputs, &format!("{}={:?}", keys[0], parameters[0].value)).1;
-        let all = [Status::Open, Status::Stick, Status::Slip];
-        seen.iter_mut().zip(all).for_each(|(seen, one)| *seen += here.iter().filter(|status| **status == one).count());
-        for (j, (key, parameter)) in keys.iter().zip(parameters).enumerate() {
-            let at = |h: f64| values(&source, outputs, &format!("{key}={:?}", parameter.value + h));
-            let runs = [4e-3, 2.5e-4].iter().find_map(|step| {
-                let h = step * parameter.value;
-                let ends = [at(0.0 - h), at(h)];
-                ends.iter().all(|(_, status)| *status == here).then_some((h, ends))
-            });
-            let Some((h, [low, high])) = runs else {
-                changed += 1;
-                continue;
-            };
-            let [half, quarter] = [0.5, 0.25].map(|share| [at(0.0 - share * h), at(share * h)]);
-            for (i, output) in outputs.iter().enumerate() {
-                let slopes: Vec<f64> = found.derivatives.iter().map(|row| row[i][j]).collect();
-                let all = |values: &[Vec<f64>]| -> Vec<f64> { values.iter().map(|row| row[i]).collect() };
-                let most = |of: &[f64]| of.iter().filter(|v| !v.is_nan()).fold(0.0f64, |most, v| most.max(v.abs()));
-                let size = most(&all(&found.values)) / parameter.value.abs();
-                let scale = most(&slopes).max(1e-3 * size);
-                let of = |[a, b]: [&Vec<Vec<f64>>; 2], h: f64| errors(&slopes, [&all(a), &all(b)], h, scale);
-                let first = of([&low.0, &high.0], h);
-                let [coarse, fine] = [(&half, 0.5 * h), (&quarter, 0.25 * h)].map(|([a, b], h)| of([&a.0, &b.0], h));
-                let last = slopes.last().expect("a step");
-                let apart = (last - adjoint.derivatives[i][j]).abs() / scale;
-                println!(
-                    "{seed} {output} by {key}: {last:e}, runs {first:.1e} {coarse:.1e} {fine:.1e}, adjoint {apart:.1e}"
-                );
-                // Round-off of a difference of runs whose residuals are at most 1e-13 of their terms.
-                let rounded = 1e-12 * size * parameter.value / (0.25 * h * scale);
-                let falls = (coarse / fine - 4.0).abs() < 0.2;
-                let is_met = fine <= rounded || falls;
-                assert!(fine <= 1e-3 && is_met, "{seed}: {output} by {key}: {coarse:e} {fine:e}\n{text}");
-                assert!(apart <= 1e-10, "{seed}: {output} by {key}: {apart:e}");
-                checked += 1;
+/// A derivative at all steps beside central differences of runs over h, h/2 and h/4.
+struct Compared {
+    /// Errors relative to the scale, and the round-off of the last difference.
+    errors: [f64; 3],
+    rounded: f64,
+    /// The largest derivative of all steps.
+    scale: f64,
+}
+
+impl Compared {
+    fn new(
+        (found, (i, j)): (&SeriesTable, (usize, usize)),
+        value: f64,
+        h: f64,
+        runs: &[[(Vec<Vec<f64>>, Vec<Status>); 2]; 3],
+    ) -> Compared {
+        let slopes: Vec<f64> = found.derivatives.iter().map(|row| row[i][j]).collect();
+        let all = |values: &[Vec<f64>]| -> Vec<f64> { values.iter().map(|row| row[i]).collect() };
+        let most = |of: &[f64]| of.iter().filter(|v| !v.is_nan()).fold(0.0f64, |most, v| most.max(v.abs()));
+        let size = most(&all(&found.values)) / value.abs();
+        let scale = most(&slopes).max(1e-3 * size);
+        let error = |k: usize, h: f64| {
+            let [low, high] = &runs[k];
+            errors(&slopes, [&all(&low.0), &all(&high.0)], h, scale)
+        };
+        // Round-off of a difference of runs whose residuals are at most 1e-13 of their terms.
+        let rounded = 1e-12 * size * value / (0.25 * h * scale);
+        Compared { errors: [error(0, h), error(1, 0.5 * h), error(2, 0.25 * h)], rounded, scale }
+    }
+
+    /// True if the error is small and round-off, or falls with the square of the difference.
+    fn is_met(&self) -> bool {
+        let [_, coarse, fine] = self.errors;
+        fine <= 1e-3 && (fine <= self.rounded || (coarse / fine - 4.0).abs() < 0.2)
+    }
+}
+
+/// What was counted over all cases: derivatives, keys whose differences change a state, and statuses.
+#[derive(Default)]
+struct Counts {
+    checked: usize,
+    changed: usize,
+    /// Open, stick and slip.
+    seen: [usize; 3],
+}
+
+/// Compares the derivatives of a case by both methods with differences of runs; returns what is wrong.
+fn wrong(seed: u64, counts: &mut Counts) -> Result<Vec<String>, GradientError> {
+    let (text, outputs, keys) = made(seed);
+    let source = Source::new("random", text);
+    let case = parsed(&source, &[]);
+    let parameter = |key: &String| case::parameter(&source, &[], key).expect("a parameter");
+    let (outputs, parameters) = (&outputs, &keys.iter().map(parameter).collect::<Vec<Parameter>>());
+    let Case { problem, probes, .. } = &case;
+    let found = series(&SeriesRequest { problem, probes, outputs, parameters, interrupt: None })?;
+    let request = GradientRequest { problem, probes, outputs, parameters, memory: None, interrupt: None };
+    let (adjoint, mut wrong) = (gradient(&request)?, Vec::new());
+    if found.ties > 0 || found.margin != adjoint.margin {
+        wrong.push(format!("{seed}: ties {}, margins {:?} {:?}", found.ties, found.margin, adjoint.margin));
+    }
+    let here = values(&source, outputs, &format!("{}={:?}", keys[0], parameters[0].value)).1;
+    let all = [Status::Open, Status::Stick, Status::Slip];
+    let number = |one: Status| here.iter().filter(|status| **status == one).count();
+    counts.seen.iter_mut().zip(all).for_each(|(seen, one)| *seen += number(one));
+    for (j, (key, parameter)) in keys.iter().zip(parameters).enumerate() {
+        let at = |h: f64| values(&source, outputs, &format!("{key}={:?}", parameter.value + h));
+        let mut compared: Option<Vec<Compared>> = None;
+        for step in [4e-3, 2.5e-4, 1.5625e-5] {
+            let h = step * parameter.value;
+            let all = [h, 0.5 * h, 0.25 * h].map(|h| [at(0.0 - h), at(h)]);
+            // A law that bends, such as a power of a small penetration, has its order at smaller differences.
+            let is_met = compared.as_ref().is_some_and(|all| all.iter().all(Compared::is_met));
+            if !is_met && all.iter().flatten().all(|(_, status)| *status == here) {
+                let of = |i: usize| Compared::new((&found, (i, j)), parameter.value, h, &all);
+                compared = Some((0..outputs.len()).map(of).collect());
             }
         }
+        counts.changed += usize::from(compared.is_none());
+        for (i, compared) in compared.iter().flatten().enumerate() {
+            let last = found.derivatives.last().map_or(f64::NAN, |row| row[i][j]);
+            let apart = (last - adjoint.derivatives[i][j]).abs() / compared.scale;
+            let output = &outputs[i];
+            println!("{seed} {output} by {key}: {last:e}, runs {:?}, adjoint {apart:.1e}", compared.errors);
+            if !compared.is_met() || apart > 1e-10 {
+                wrong.push(format!("{seed}: {output} by {key}: {:?}, adjoint {apart:e}", compared.errors));
+            }
+            counts.checked += 1;
+        }
     }
+    Ok(wrong)
+}
+
+#[test]
+fn random_cases_have_the_slopes_of_differences_of_runs() {
+    let mut counts = Counts::default();
+    let all =
+        (0..20).flat_map(|seed| wrong(seed, &mut counts).unwrap_or_else(|error| vec![format!("{seed}: {error}")]));
+    let wrong: Vec<String> = all.collect();
+    let Counts { checked, changed, seen } = counts;
     println!("checked {checked}, changed {changed}, open, stick, slip {seen:?}");
-    assert!(checked > 300 && changed < 8 && seen.iter().all(|seen| *seen > 0), "{checked} {changed} {seen:?}");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let all: usize = seen.iter().sum();
+    assert!(checked > 300 && changed < 8 && seen.iter().all(|seen| 8 * seen > all), "{checked} {changed} {seen:?}");
 }

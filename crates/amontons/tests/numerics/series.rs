@@ -14,7 +14,7 @@ fn at_all_steps(case: &Case, outputs: &[String], parameters: &[Parameter]) -> Re
 }
 
 /// The same of a text by keys.
-fn series_by_keys(text: &str, outputs: &[&str], keys: &[&str]) -> Result<SeriesTable, GradientError> {
+pub(super) fn series_by_keys(text: &str, outputs: &[&str], keys: &[&str]) -> Result<SeriesTable, GradientError> {
     let source = Source::new("case", text);
     let base = parsed(&source, &[]);
     let outputs: Vec<String> = outputs.iter().map(ToString::to_string).collect();
@@ -77,7 +77,7 @@ fn check_by_runs(text: &str, outputs: &[&str], keys: &[&str]) {
 
 /// Compares the derivatives of a text by keys at all steps with differences of runs, relative to the largest derivative
 /// of all steps: the errors fall with the square of the step, from the largest one that changes no contact state.
-fn check_within(step: f64, text: &str, outputs: &[&str], keys: &[&str]) {
+pub(super) fn check_within(step: f64, text: &str, outputs: &[&str], keys: &[&str]) {
     let found = series_by_keys(text, outputs, keys).expect("a series");
     let source = Source::new("case", text);
     let names: Vec<String> = outputs.iter().map(ToString::to_string).collect();
