@@ -26,11 +26,11 @@ pub(super) struct ProblemInstance {
     /// True if the forms of (4.1) and of (4.2) are those of the instance beside which it was made.
     alike: [bool; 2],
     /// What the step that was asked for last adds to.
-    begun: Mutex<Option<Arc<Begun>>>,
+    begun: Mutex<Option<Arc<StepStart>>>,
 }
 
 /// What a step adds to, with its products with the forms of inertia and storage.
-struct Begun {
+struct StepStart {
     /// The number of the step, and where the state is in memory.
     key: [usize; 3],
     products: Products,
@@ -44,7 +44,7 @@ pub(super) struct LinearParts {
 }
 
 /// A residual at other values of a parameter is sought beside that of the problem itself.
-pub(super) type Beside<'a> = (&'a ProblemInstance, &'a StepResidual);
+pub(super) type BaseResidual<'a> = (&'a ProblemInstance, &'a StepResidual);
 
 /// A problem with its forms in each of its phases.
 pub(super) struct PhasedInstance {
@@ -181,7 +181,7 @@ impl ProblemInstance {
     }
 
     /// What step n from a state adds to.
-    fn begun(&self, n: usize, old: &State, rule: Rule) -> Arc<Begun> {
+    fn begun(&self, n: usize, old: &State, rule: Rule) -> Arc<StepStart> {
         let key = [n, old.u.as_ptr().addr(), old.w.as_ptr().addr()];
         let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(begun) = begun.as_ref().filter(|begun| begun.key == key) {
@@ -194,7 +194,7 @@ impl ProblemInstance {
         let products = Products { t: old.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta };
         let earlier = old.earlier.as_ref().filter(|_| rule.start == Start::TwoStates);
         let mixed = earlier.map(|earlier| Mixed::new(discrete, old, earlier));
-        let made = Arc::new(Begun { key, products, mixed });
+        let made = Arc::new(StepStart { key, products, mixed });
         *begun = Some(Arc::clone(&made));
         made
     }
@@ -246,8 +246,8 @@ impl ProblemInstance {
 
     /// The equations of a step at its unknowns w, θ and `forces`, (p, q) of each point in its own basis; at another
     /// value of a parameter `beside` those of the problem itself.
-    pub fn residual(&self, of: &SolvedStep, forces: &[Local], beside: Option<Beside>) -> StepResidual {
-        let same_rule = |(other, _): &Beside| other.rule(of.n, of.old) == self.rule(of.n, of.old);
+    pub fn residual(&self, of: &SolvedStep, forces: &[Local], beside: Option<BaseResidual>) -> StepResidual {
+        let same_rule = |(other, _): &BaseResidual| other.rule(of.n, of.old) == self.rule(of.n, of.old);
         let known = beside.filter(same_rule).map(|(_, here)| &here.linear);
         let [of_mechanics, of_heat] = self.alike.map(|is_alike| known.filter(|_| is_alike));
         self.step(of.n, of.old, |step| {
