@@ -149,7 +149,12 @@ fn picture(name: &str, found: &Identified, out: &Path) -> Result<(), CommandFail
 fn text(title: &str, found: &Identified, out: &Path) -> String {
     let count = found.points.len();
     let mut lines = vec![
-        format!("{title}: {} parameters from {count} values, in {} runs", found.parameters.len(), found.runs),
+        format!(
+            "{title}: {} from {}, in {}",
+            counted(found.parameters.len(), "parameter"),
+            counted(count, "value"),
+            counted(found.runs, "run")
+        ),
         parameters(found),
     ];
     lines.extend(combinations(found));
@@ -187,6 +192,10 @@ fn text(title: &str, found: &Identified, out: &Path) -> String {
         out.join("case.toml").display()
     ));
     lines.join("\n")
+}
+
+fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 fn parameters(found: &Identified) -> String {
