@@ -149,13 +149,13 @@ fn exact_data_give_back_the_parameters_that_made_them() {
     }
 }
 
-/// Intervals hold what they promise: over 100 draws of noise the truth is in the 95 % ellipsoid 88 to 100 times, as of
-/// 100 draws with a chance of 0.95 in 999 of 1000 cases, and in the interval of each parameter as often.
+/// Intervals hold what they promise: over 100 draws of noise the truth is in the 95 % ellipsoid 90 times or more, and in
+/// the interval of each parameter 88 to 100 times, as it is with a chance of 0.95 in 999 of 1000 cases.
 #[test]
 fn intervals_contain_the_truth_in_nineteen_of_twenty_draws() {
     const CHI_SQUARE: f64 = 9.487_729; // quantile 0.95 with four degrees of freedom
     let rows = outputs(BLOCK);
-    let [mut inside, mut each] = [[0usize; 4], [0usize; 4]];
+    let (mut inside, mut each) = (0usize, [0usize; 4]);
     for (seed, states) in (0..100u64).map(|seed| (seed, true)) {
         let text = data(&rows, [0.003, 0.01], states, &mut Noise(1000 * seed + 17));
         let found = fitted(BLOCK, &starts([0.3, 0.06, 1.5, 90.0]), (&KEYS, &[NONE; 4]), &text)
@@ -166,14 +166,14 @@ fn intervals_contain_the_truth_in_nineteen_of_twenty_draws() {
             .zip(TRUTH)
             .map(|(of, truth)| (of.value - truth) / of.deviation.expect("a deviation"))
             .collect();
-        inside[0] += usize::from(mahalanobis(&found, &scaled) <= CHI_SQUARE);
+        inside += usize::from(mahalanobis(&found, &scaled) <= CHI_SQUARE);
         for (count, of) in each.iter_mut().zip(&scaled) {
             *count += usize::from(of.abs() <= 1.96);
         }
     }
-    for count in [inside[0], each[0], each[1], each[2], each[3]] {
-        assert!((88..=100).contains(&count), "{inside:?} {each:?}");
-    }
+    println!("of 100 draws {inside} in the ellipsoid, {each:?} in the intervals");
+    assert!((90..=100).contains(&inside), "{inside} in the ellipsoid");
+    assert!(each.iter().all(|count| (88..=100).contains(count)), "{each:?} in the intervals");
     assert!(each.iter().any(|count| *count < 100), "intervals that never fail are too wide: {each:?}");
 }
 
