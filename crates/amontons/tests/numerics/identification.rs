@@ -149,8 +149,8 @@ fn exact_data_give_back_the_parameters_that_made_them() {
     }
 }
 
-/// Intervals hold what they promise: over 100 draws of noise the truth is in the 95 % ellipsoid 90 times or more, and in
-/// the interval of each parameter 88 to 100 times, as it is with a chance of 0.95 in 999 of 1000 cases.
+/// Intervals hold what they promise: over 100 draws of noise the truth is in the 95 % ellipsoid 90 times or more, and
+/// in the interval of each parameter 88 to 100 times, as it is with a chance of 0.95 in 999 of 1000 cases.
 #[test]
 fn intervals_contain_the_truth_in_nineteen_of_twenty_draws() {
     const CHI_SQUARE: f64 = 9.487_729; // quantile 0.95 with four degrees of freedom
