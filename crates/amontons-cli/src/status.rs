@@ -174,6 +174,7 @@ impl CommandFailure {
             }
             CommandFailure::Fit { error: IdentificationError::Data(_), .. } => USAGE,
             CommandFailure::Fit { error: IdentificationError::Interrupted, .. } => INTERRUPTED,
+            CommandFailure::Fit { error: IdentificationError::NoMinimum { .. }, .. } => SOLVER,
             CommandFailure::Fit { error: IdentificationError::Kept(error), .. } => {
                 error.downcast_ref().map_or(FILE, of_output)
             }
@@ -220,6 +221,12 @@ impl CommandFailure {
             CommandFailure::Gradient(error) => error.to_string(),
             CommandFailure::Fit { error: IdentificationError::Interrupted, folder } => {
                 format!("interrupted; the parameters so far are kept in {}; the same command goes on", folder.display())
+            }
+            CommandFailure::Fit { error: error @ IdentificationError::NoMinimum { .. }, folder } => {
+                format!(
+                    "{error}; the last values are in {}, and --force begins anew",
+                    folder.join("descent.json").display()
+                )
             }
             CommandFailure::Fit { error, .. } => error.to_string(),
             CommandFailure::Exists(path) => format!("{} already exists; give another name", path.display()),

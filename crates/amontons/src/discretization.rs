@@ -2,6 +2,7 @@
 
 mod linearised;
 mod relaxation;
+mod same;
 mod weight;
 
 use std::sync::{Arc, OnceLock};
@@ -244,39 +245,6 @@ impl Discretization {
     #[must_use]
     pub fn storage(&self) -> (f64, &BlockMatrix) {
         (self.capacity.factor(), self.capacity.form(&self.mass))
-    }
-
-    /// True if the forms of (4.1) and of (4.2) are to the bit those of another discretization; false for laws that are
-    /// not in matrices.
-    #[must_use]
-    pub fn has_same_forms(&self, other: &Discretization) -> [bool; 2] {
-        let same = |a: (f64, &BlockMatrix), b: (f64, &BlockMatrix)| a.0.to_bits() == b.0.to_bits() && a.1.is_same(b.1);
-        let both = |a: Option<&BlockMatrix>, b: Option<&BlockMatrix>| match (a, b) {
-            (None, None) => true,
-            (Some(a), Some(b)) => a.is_same(b),
-            _ => false,
-        };
-        let [one, two] = [self, other].map(|of| (of.is_linear(), of.conducts_linearly(), &of.branches));
-        let expands_linearly = |of: &Discretization| of.warm.expansion.is_empty();
-        let mechanics = one.0
-            && two.0
-            && expands_linearly(self)
-            && expands_linearly(other)
-            && one.2.is_empty()
-            && two.2.is_empty()
-            && same(self.inertia(), other.inertia())
-            && self.a.is_same(&other.a)
-            && self.b.is_same(&other.b)
-            && self.m.is_same(&other.m)
-            && both(self.springs.as_ref(), other.springs.as_ref())
-            && both(self.dashpots.as_ref(), other.dashpots.as_ref());
-        let heat = one.1
-            && two.1
-            && same(self.storage(), other.storage())
-            && self.d.is_same(&other.d)
-            && self.e.is_same(&other.e)
-            && both(self.convection.as_ref(), other.convection.as_ref());
-        [mechanics, heat]
     }
 
     /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches; no B in

@@ -1,17 +1,17 @@
 //! One step of the sweep from the start of a run to its end.
 
 use super::error::GradientError;
-use super::instance::{ProblemInstance, SolvedStep, StepResidual, data, heat_step};
+use super::instance::{ProblemInstance, SolvedStep, StepResidual, data};
 use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
 use super::sweep::{Around, LinearStep, OfPoints, StateVector};
 use super::transpose::{
-    REPETITIONS, StepFactors, inverse, jump, near, on_degrees, only_held, onto_sides, product, sides_of, times,
+    REPETITIONS, StepFactors, heat_tangent, inverse, jump, near, on_degrees, only_held, onto_sides, product, sides_of,
+    times,
 };
 use crate::contact::{Contact, Flux, PointOnBoundary};
-use crate::equation::foundation::temperatures;
 use crate::equation::system::Step;
-use crate::inclusion::{Exchange, HeatStep, Local, LocalTangent};
+use crate::inclusion::{Local, LocalTangent};
 use crate::linalg::{SolveError, Tangent, max_abs, zeros};
 use crate::time::Start;
 
@@ -360,18 +360,7 @@ impl StepFactors {
     ) -> Result<Vec<f64>, SolveError> {
         let Some((half, matrix)) = &mut self.heat else { return Ok(Vec::new()) };
         base.step(of.n, of.old, |step| {
-            let foundation = temperatures(step);
-            let prescribed = step.boundary.restricted(1, &of.at.theta);
-            let lumped = vec![None; step.contacts.len()];
-            let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
-            half.system.condensed_mut().turn(&[]);
-            let tangent = if step.contacts.is_empty() {
-                Tangent::new()
-            } else {
-                let on_boundary = heat_step(step, &foundation, of.states);
-                let unknown = &half.on_contact;
-                HeatStep { theta_prescribed: &prescribed, lumped: &lumped, unknown, ..on_boundary }.tangent(&exchange)
-            };
+            let tangent = heat_tangent(step, half, of, flux);
             let mut theta = held.clone();
             for _ in 0..REPETITIONS {
                 let (product, through) = (matrix.apply(&theta), passed(step, flux, &theta));

@@ -144,20 +144,7 @@ impl StepFactors {
     ) -> Result<[Vec<f64>; 2], SolveError> {
         let Some((half, matrix)) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
         base.step(of.n, of.old, |step| {
-            let foundation = temperatures(step);
-            let prescribed = step.boundary.restricted(1, &of.at.theta);
-            let lumped = vec![None; step.contacts.len()];
-            let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
-            half.system.condensed_mut().turn(&[]);
-            let tangent = if step.contacts.is_empty() {
-                Tangent::new()
-            } else {
-                let on_boundary = heat_step(step, &foundation, of.states);
-                let unknown = &half.on_contact;
-                HeatStep { theta_prescribed: &prescribed, lumped: &lumped, unknown, ..on_boundary }
-                    .tangent(&exchange)
-                    .transposed()
-            };
+            let tangent = heat_tangent(step, half, of, flux).transposed();
             let left = |y: &[f64]| -> Vec<f64> {
                 let (product, through) = (matrix.apply(y), exchanged(step, flux, y));
                 (0..right.len()).map(|i| right[i] - product[i] - through[i]).collect()
@@ -289,4 +276,17 @@ pub(super) fn inverse(g: &LocalTangent) -> LocalTangent {
     };
     let determinant: f64 = (0..3).map(|b| g[0][b] * cofactor(0, b)).sum();
     std::array::from_fn(|a| std::array::from_fn(|b| cofactor(b, a) / determinant))
+}
+
+/// The derivative of the heat that contact takes in the temperatures of a step, and the system made ready for it.
+pub(super) fn heat_tangent(step: &Step, half: &mut HalfStep, of: &SolvedStep, flux: &[Flux]) -> Tangent {
+    half.system.condensed_mut().turn(&[]);
+    if step.contacts.is_empty() {
+        return Tangent::new();
+    }
+    let (foundation, lumped) = (temperatures(step), vec![None; step.contacts.len()]);
+    let prescribed = step.boundary.restricted(1, &of.at.theta);
+    let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
+    let (on_boundary, unknown) = (heat_step(step, &foundation, of.states), &half.on_contact);
+    HeatStep { theta_prescribed: &prescribed, lumped: &lumped, unknown, ..on_boundary }.tangent(&exchange)
 }

@@ -7,6 +7,7 @@ use super::least_squares::{Change, LinearModel};
 use super::model::{Evaluated, OutputModel};
 use super::{DescentEnding, IdentificationRequest};
 use crate::adjoint::GradientError;
+use crate::problem::Fault;
 
 /// Squared change of the parameters, in their standard deviations, below which the minimum is reached.
 const REACHED: f64 = 1e-10;
@@ -75,6 +76,13 @@ impl<'a> Descent<'a> {
         request: &'a IdentificationRequest<'a>,
         model: &'a OutputModel<'a>,
     ) -> Result<Descent<'a>, IdentificationError> {
+        if let Some(from) = &request.from {
+            let series = if request.measured.states_deviations() { 0 } else { request.measured.series.len() };
+            if from.values.len() != request.family.values.len() || from.deviations.len() != series {
+                let fault = Fault::new("the state of the descent", "one of other parameters or data", "one of these");
+                return Err(IdentificationError::data(fault));
+            }
+        }
         let state = request.from.clone().unwrap_or_else(|| DescentState {
             values: request.family.values.clone(),
             damping: 0.0,
@@ -99,9 +107,12 @@ impl<'a> Descent<'a> {
         }
         loop {
             watch(&self.state)?;
-            let ending = if self.state.steps >= STEPS { Some(DescentEnding::Exhausted) } else { self.step()? };
-            let Some(ending) = ending else { continue };
-            if ending != DescentEnding::Exhausted && self.estimate() {
+            if self.state.steps >= STEPS {
+                let chi_square = self.linear().sum();
+                return Err(IdentificationError::NoMinimum { steps: self.state.steps, chi_square });
+            }
+            let Some(ending) = self.step()? else { continue };
+            if self.estimate() {
                 continue;
             }
             let linear = self.linear();

@@ -12,6 +12,16 @@ pub enum IdentificationError {
     /// A run or its derivatives failed at the parameters from which the descent starts or goes on.
     #[error("{0}")]
     Run(#[from] GradientError),
+    /// No minimum was found.
+    #[error(
+        "no minimum in {steps} steps, with χ² = {chi_square:.6e}: start from other values (--set), give bounds, or free fewer parameters"
+    )]
+    NoMinimum {
+        /// Steps of Gauss–Newton.
+        steps: usize,
+        /// χ² after the last one.
+        chi_square: f64,
+    },
     /// The state of the descent could not be kept.
     #[error("{0}")]
     Kept(Box<dyn std::error::Error + Send + Sync>),

@@ -90,11 +90,9 @@ pub struct Identified {
 pub enum DescentEnding {
     /// The next step would change the parameters by less than 1e-5 of their standard deviations, or by round-off.
     Minimum,
-    /// No shorter step descends though the derivatives say so: a contact point changes its state here, or the data are
+    /// No shorter step descends, though the derivatives say so: a contact point changes its state here, or the data are
     /// met to round-off.
     Kink,
-    /// The number of steps is used up.
-    Exhausted,
 }
 
 /// A parameter that was identified.

@@ -56,6 +56,19 @@ impl<'a> OutputModel<'a> {
         {
             return told(Fault::new(name.clone(), "a parameter that is named twice", "each parameter once"));
         }
+        let count = family.names.len();
+        if family.values.len() != count || bounds.len() != count {
+            let found = format!("{count} names, {} values and {} bounds", family.values.len(), bounds.len());
+            return told(Fault::new("the parameters", found, "as many of each"));
+        }
+        let is_finite = |point: &super::Measurement| {
+            let is_spread = |deviation: f64| deviation.is_finite() && deviation > 0.0;
+            point.t.is_finite() && point.value.is_finite() && point.deviation.is_none_or(is_spread)
+        };
+        if measured.count() == 0 || !measured.all().all(|(_, point)| is_finite(point)) {
+            let expected = "finite values at finite times, with positive deviations";
+            return told(Fault::new(measured.name.clone(), "values that are none, or no values", expected));
+        }
         for ((name, value), [low, high]) in family.names.iter().zip(&family.values).zip(*bounds) {
             if low >= high {
                 let expected = "a lower bound and a larger upper one";
@@ -164,7 +177,7 @@ fn at_times(
             return Err(IdentificationError::data(fault.hint(format!("the run is from 0 to {end:?} s"))));
         }
         let t = point.t.clamp(0.0, end);
-        let n = table.times.partition_point(|time| *time < t).min(table.times.len() - 1);
+        let n = table.times.partition_point(|time| *time < t).min(table.times.len().saturating_sub(1));
         let before = n.saturating_sub(1);
         let part = match table.times[n] - table.times[before] {
             span if span > 0.0 => (t - table.times[before]) / span,

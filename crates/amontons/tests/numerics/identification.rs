@@ -391,6 +391,31 @@ fn spoiled_data_have_one_clear_message() {
     }
 }
 
+/// The state of another descent, and bounds of another number of parameters, are refused, not indexed.
+#[test]
+fn a_state_of_other_parameters_is_refused() {
+    let data = "t,warm\n1,0.5\n2,0.7\n";
+    let state = DescentState {
+        values: vec![0.3, 0.1],
+        damping: 0.0,
+        deviations: vec![1.0],
+        estimates: 0,
+        steps: 0,
+        runs: 1,
+        history: Vec::new(),
+    };
+    let made = gone_on(BLOCK, &[], (&["constants.mu"], &[NONE]), data, Some(state.clone()), &mut |_| Ok(()));
+    let told = made.map(|_| ()).expect_err("a state of two parameters").to_string();
+    assert!(told.starts_with("the state of the descent: found one of other parameters or data"), "{told}");
+    let told =
+        fitted(BLOCK, &[], (&["constants.mu"], &[NONE; 2]), data).map(|_| ()).expect_err("two bounds").to_string();
+    assert!(told.starts_with("the parameters: found 1 names, 1 values and 2 bounds"), "{told}");
+    // A descent that has used up its steps is no result.
+    let state = DescentState { values: vec![0.3], steps: 200, ..state };
+    let made = gone_on(BLOCK, &[], (&["constants.mu"], &[NONE]), data, Some(state), &mut |_| Ok(()));
+    assert!(matches!(made, Err(IdentificationError::NoMinimum { steps: 200, .. })));
+}
+
 #[test]
 fn what_cannot_be_identified_is_refused() {
     let told = |keys: &[&str], bounds: &[[f64; 2]], text: &str| match fitted(BLOCK, &[], (keys, bounds), text) {
