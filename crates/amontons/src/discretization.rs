@@ -3,6 +3,7 @@
 mod linearised;
 mod relaxation;
 mod same;
+mod tangents;
 mod weight;
 
 use std::sync::{Arc, OnceLock};
@@ -226,6 +227,12 @@ impl Discretization {
         self.warm.expansion.is_empty()
     }
 
+    /// True if the matrices of both half-steps and all forms are constant.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        self.is_linear() && self.conducts_linearly() && self.expands_linearly()
+    }
+
     /// Inertia (ρ·, ·) as a scale and a form: ρ and (·, ·) if the density is uniform, otherwise 1 and the weighted
     /// form; with the mass redistributed where the problem says so.
     #[must_use]
@@ -284,27 +291,6 @@ impl Discretization {
         Warmed { theta, forms: is_matrix.then(forms) }
     }
 
-    /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear, and with the
-    /// laws of the temperature at θ.
-    #[must_use]
-    pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64], warmed: &Warmed) -> BlockMatrix {
-        let mut matrix = self.mechanical_matrix(rule);
-        if let Some([a, b]) = &warmed.forms {
-            matrix.add_scaled(rule.gamma, a);
-            if !rule.is_steady() {
-                matrix.add_scaled(1.0, b);
-            }
-            return matrix;
-        }
-        let viscosity = Some((&self.viscosity, 1.0, w)).filter(|_| !rule.is_steady());
-        for (laws, factor, at) in [(&self.elasticity, rule.gamma, u)].into_iter().chain(viscosity) {
-            if !laws.is_empty() {
-                matrix.add_scaled(factor, &self.tangent(laws, at, warmed.theta));
-            }
-        }
-        matrix
-    }
-
     /// The form of the elastic energy, with the springs at the boundary: for laws that are not linear their tangent at
     /// rest.
     #[must_use]
@@ -328,36 +314,12 @@ impl Discretization {
         self.sum_of_heat(rule, self.d.clone(), self.storage())
     }
 
-    /// [`Discretization::thermal_matrix`] with 𝓚 and the heat capacity at θ: the symmetric part of the tangent.
-    #[must_use]
-    pub fn thermal_tangent(&self, rule: Rule, theta: &[f64]) -> BlockMatrix {
-        let (graph, Warm { capacity, conductivity, .. }) = (self.mass.graph(), &self.warm);
-        let d = if conductivity.is_empty() {
-            self.d.clone()
-        } else {
-            forms::d_at(&self.mesh, graph, &conductivity.iter().collect::<Vec<_>>(), theta)
-        };
-        if capacity.is_empty() {
-            return self.sum_of_heat(rule, d, self.storage());
-        }
-        self.sum_of_heat(rule, d, (1.0, &forms::weighted_at(&self.mesh, graph, capacity, theta)))
-    }
-
     fn sum_of_heat(&self, rule: Rule, mut d: BlockMatrix, (c, storage): (f64, &BlockMatrix)) -> BlockMatrix {
         if let Some(convection) = &self.convection {
             d.add_scaled(1.0, convection);
         }
         d.add_scaled(c / rule.delta, storage);
         d
-    }
-
-    /// Part of the tangent of (4.2) that [`Discretization::thermal_tangent`] leaves out, from the slope of 𝓚, or `None`
-    /// if 𝓚 does not depend on temperature.
-    #[must_use]
-    pub fn thermal_slope(&self, theta: &[f64]) -> Option<BlockMatrix> {
-        let conductivity = &self.warm.conductivity;
-        let slope = || forms::conduction_slope(&self.mesh, self.mass.graph(), conductivity, theta);
-        (!conductivity.is_empty()).then(slope)
     }
 
     /// True if the heat content is linear in the temperature.
@@ -385,29 +347,6 @@ impl Discretization {
         } else {
             forms::expanded(&self.mesh, &self.warm.expansion, &self.dilatation, theta)
         }
-    }
-
-    /// Derivative of the right-hand side of (4.1) by temperature at u, w and θ: that of m less those of a and b, or
-    /// `None` if expansion and laws do not depend on temperature, so that m is the derivative.
-    #[must_use]
-    pub fn mechanical_slope(&self, u: &[f64], w: &[f64], theta: &[f64]) -> Option<BlockMatrix> {
-        let warm = !self.warm.expansion.is_empty();
-        if !warm && !self.softens() {
-            return None;
-        }
-        let (mesh, graph) = (&self.mesh, self.mass.graph());
-        let mut matrix = if warm {
-            forms::expansion_slope(mesh, graph, &self.warm.expansion, &self.dilatation, theta)
-        } else {
-            self.m.clone()
-        };
-        for (laws, at) in [(&self.elasticity, u), (&self.viscosity, w)] {
-            if laws.iter().any(|law| !law.temperatures().is_empty()) {
-                let slope = forms::law_slope(mesh, graph, &borrowed(laws), &self.dilatation, [at, theta]);
-                matrix.add_scaled(-1.0, &slope);
-            }
-        }
-        Some(matrix)
     }
 
     /// a(u, ·) of the linear laws with the springs.

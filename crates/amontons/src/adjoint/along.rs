@@ -104,13 +104,17 @@ impl ChangedPart {
 }
 
 impl StateChange<'_> {
-    /// How often the change of a part is contained in it; `None` if nothing of it changes.
+    /// How often the change of a part is contained in it; `None` if nothing of it changes. Of the displacements of
+    /// several nodes their differences count, which strain the body.
     pub fn scale(&self, part: ChangedPart) -> Option<f64> {
         let (state, report) = self.base;
         let (all, changes) = (part.of(state), part.of_change(self.change.0));
         let reads = |i: usize| self.reads(part, i);
         let over = |lists: &[&[f64]], reads: &dyn Fn(usize) -> bool| -> f64 {
             lists.iter().fold(0.0, |most: f64, list| most.max(largest(list, reads)))
+        };
+        let apart = |lists: &[&[f64]]| {
+            lists.iter().fold(0.0, |most: f64, list| most.max(spread(list, self.components(part), reads)))
         };
         let of_points =
             self.change.1.iter().fold(0.0, |most: f64, all| most.max(largest(&all[part.of_point()], |_| true)));
@@ -120,6 +124,10 @@ impl StateChange<'_> {
         }
         let states = report.map_or(&[][..], |report| &report.contact.states);
         let at_points = states.iter().fold(0.0, |most: f64, state| most.max(part.size(state)));
+        let (size, strained) = (apart(&all), apart(&changes).max(RIGID * change));
+        if self.nodes.is_some() && self.components(part) == self.dim && size > 0.0 {
+            return Some(size / strained);
+        }
         let sizes = [over(&all, &reads).max(at_points), over(&all, &|_| true), 1.0];
         sizes.into_iter().find(|size| *size > 0.0).map(|size| size / change)
     }
@@ -150,13 +158,31 @@ impl StateChange<'_> {
         }
     }
 
-    fn reads(&self, part: ChangedPart, i: usize) -> bool {
-        let components = match part {
+    fn components(&self, part: ChangedPart) -> usize {
+        match part {
             ChangedPart::Displacement | ChangedPart::Velocity | ChangedPart::Branches => self.dim,
             _ => 1,
-        };
+        }
+    }
+
+    fn reads(&self, part: ChangedPart, i: usize) -> bool {
+        let components = self.components(part);
         self.nodes.as_ref().is_none_or(|nodes| nodes.binary_search(&((i / components) as u32)).is_ok())
     }
+}
+
+/// Part of a change that strains the body which is told from its rigid motion.
+const RIGID: f64 = 1e-3;
+
+/// The largest difference of a component at two nodes that are read.
+pub(super) fn spread(values: &[f64], components: usize, reads: impl Fn(usize) -> bool) -> f64 {
+    let of = |c: usize| {
+        let read = values.iter().enumerate().filter(|(i, _)| i % components == c && reads(*i)).map(|(_, value)| *value);
+        let [low, high] =
+            read.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+        (high - low).max(0.0)
+    };
+    (0..components).map(of).fold(0.0, f64::max)
 }
 
 fn largest(values: &[f64], reads: impl Fn(usize) -> bool) -> f64 {

@@ -12,10 +12,11 @@ use crate::equation::given::Given;
 use crate::equation::system::{Bar, Mixed, Products, Step};
 use crate::inclusion::{Chosen, HeatStep, Local, Loose, Mechanical, PointInput, PointOutput, PointState};
 use crate::linalg::{max_abs, zeros};
-use crate::problem::{Physics, Problem};
+use crate::problem::{Coupling, Physics, Problem};
 use crate::pulse::Pulse;
 use crate::space::Space;
 use crate::state::State;
+use crate::step::across_gaps;
 use crate::tensor::{Point, dot, length};
 use crate::time::{Rule, Start};
 
@@ -37,8 +38,8 @@ struct StepStart {
     mixed: Option<Mixed>,
 }
 
-/// The parts of (4.1) and of (4.2) that are linear in the state, each with its largest term.
-pub(super) struct LinearParts {
+/// The parts of (4.1) and of (4.2) that the bodies have in themselves, each with its largest term.
+pub(super) struct BodyParts {
     mechanics: (Vec<f64>, f64),
     heat: (Vec<f64>, f64),
 }
@@ -129,8 +130,13 @@ pub(super) struct SolvedStep<'a> {
     pub unknown: &'a [Option<u32>],
 }
 
-/// The state at the end of a step with w and θ at the time of its equations, [`Rule::level`].
+/// The state at the end of a step with w and θ at the time of its equations, [`Rule::level`]. At the end of a steady
+/// step the body rests, and its unknown is the velocity that leads there in infinite time.
 pub(super) fn at_level<'a>(rule: &Rule, old: &State, new: &'a State) -> Cow<'a, State> {
+    if rule.is_steady() {
+        let w = new.u.iter().zip(&old.u).map(|(new, old)| (new - old) / rule.gamma).collect();
+        return Cow::Owned(State { w, ..new.clone() });
+    }
     if rule.is_at_end() {
         return Cow::Borrowed(new);
     }
@@ -161,7 +167,7 @@ pub(super) struct StepResidual {
     pub u: Vec<f64>,
     pub branches: Vec<Vec<f64>>,
     /// Parts of the residuals.
-    linear: LinearParts,
+    bodies: BodyParts,
 }
 
 impl ProblemInstance {
@@ -248,7 +254,7 @@ impl ProblemInstance {
     /// value of a parameter `beside` those of the problem itself.
     pub fn residual(&self, of: &SolvedStep, forces: &[Local], beside: Option<BaseResidual>) -> StepResidual {
         let same_rule = |(other, _): &BaseResidual| other.rule(of.n, of.old) == self.rule(of.n, of.old);
-        let known = beside.filter(same_rule).map(|(_, here)| &here.linear);
+        let known = beside.filter(same_rule).map(|(_, here)| &here.bodies);
         let [of_mechanics, of_heat] = self.alike.map(|is_alike| known.filter(|_| is_alike));
         self.step(of.n, of.old, |step| {
             let given = data(step, of.at);
@@ -257,38 +263,40 @@ impl ProblemInstance {
             let points: Vec<PointOutput> = term.as_ref().map_or_else(Vec::new, |term| {
                 inputs.iter().enumerate().map(|(i, input)| term.equations(i, input)).collect()
             });
-            let states: Vec<PointState> = term.as_ref().map_or_else(Vec::new, |term| {
-                let of = |(i, (point, force))| state(&term.basis(i), point, force);
-                points.iter().zip(forces).enumerate().map(of).collect()
-            });
+            let states: Vec<PointState> = term.as_ref().map_or_else(
+                || at_rest(step),
+                |term| {
+                    let of = |(i, (point, force))| state(&term.basis(i), point, force);
+                    points.iter().zip(forces).enumerate().map(of).collect()
+                },
+            );
             let rubbed = |(state, frame)| {
                 let state: &PointState = state;
                 step.rubbing(frame) * dot(&state.q, &state.slip)
             };
             let work = states.iter().zip(&given.frames).map(rubbed).collect();
-            let linear = LinearParts {
-                mechanics: of_mechanics
-                    .map_or_else(|| linear_mechanics(step, &of.at.w), |known| known.mechanics.clone()),
-                heat: of_heat.map_or_else(|| linear_heat(step, &of.at.theta), |known| known.heat.clone()),
+            let bodies = BodyParts {
+                mechanics: of_mechanics.map_or_else(|| of_bodies(step, of.at), |known| known.mechanics.clone()),
+                heat: of_heat.map_or_else(|| of_conduction(step, of.at), |known| known.heat.clone()),
             };
-            let (mechanics, u, acting) = balance(step, &of.at.w, &states, &linear);
+            let (mechanics, u, acting) = balance(step, &of.at.w, &states, &bodies);
             let mut rates = of.at.w.clone();
             let free = step.replacing(|inputs| &inputs.displacements);
             step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
-            let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states, &linear);
+            let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states, &bodies);
             let sizes = [acting, flowing];
             let u = step.end(&step.old.u, u);
             let branches = step.old.branches.iter().zip(step.branches(&of.at.w));
             let branches = branches.map(|(old, branch)| step.end(old, branch)).collect();
-            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches, linear }
+            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches, bodies }
         })
     }
 }
 
-/// The data of the contact points of a step.
-pub(super) fn data(step: &Step, new: &State) -> Given {
-    let theta = step.boundary.scalars_on(step.contacts, &driving(step));
-    Given::new(step, &new.w).at(theta)
+/// The data of the contact points of a step, with its unknowns at the time of its equations.
+pub(super) fn data(step: &Step, at: &State) -> Given {
+    let theta = step.boundary.scalars_on(step.contacts, &driving(step, &at.theta));
+    Given::new(step, &at.w).at(theta)
 }
 
 /// What the equations of the contact points depend on, at the unknowns of a step.
@@ -329,63 +337,83 @@ fn state(basis: &[Point; 3], point: &PointOutput, force: &Local) -> PointState {
     }
 }
 
-/// The temperature in m and in the laws of contact: θ_{n−1}, or the given one.
-pub(super) fn driving(step: &Step) -> Vec<f64> {
+/// The contact points of a step without mechanics, which exchange heat across their gaps.
+fn at_rest(step: &Step) -> Vec<PointState> {
+    if step.problem.physics.has_mechanics() { Vec::new() } else { across_gaps(step) }
+}
+
+/// The temperature in m and in the laws of bodies and contact: the given one; θ_{n−1}; or that of the step, `at` the
+/// time of its equations.
+pub(super) fn driving(step: &Step, at: &[f64]) -> Vec<f64> {
     match step.problem.physics {
         Physics::Warmed => step.problem.given_temperature(step.level),
+        Physics::Coupled if is_coupled(step) => at.to_vec(),
         Physics::Coupled | Physics::Heat => step.old.theta.clone(),
         Physics::Mechanics => zeros(step.old.theta.len()),
     }
 }
 
+/// True if each half-step has the solution of the other one: they are not staggered.
+pub(super) fn is_coupled(step: &Step) -> bool {
+    step.problem.physics == Physics::Coupled && step.coupling() != Coupling::Staggered
+}
+
 /// ū + γw.
-fn deformation(step: &Step, w: &[f64]) -> Vec<f64> {
+pub(super) fn deformation(step: &Step, w: &[f64]) -> Vec<f64> {
     step.bar.u.iter().zip(w).map(|(u, w)| u + step.rule.gamma * w).collect()
 }
 
-/// What in (4.1) is linear in the state, and the largest term.
-fn linear_mechanics(step: &Step, w: &[f64]) -> (Vec<f64>, f64) {
-    let (discrete, u, theta) = (step.discrete, deformation(step, w), driving(step));
-    let [mass_w, a_u, _, b_w] = discrete.mechanical_products(&u, w, &discrete.warmed(&theta));
+/// What in (4.1) is of the bodies, and the largest term.
+fn of_bodies(step: &Step, at: &State) -> (Vec<f64>, f64) {
+    if !step.problem.physics.has_mechanics() {
+        return (Vec::new(), 0.0);
+    }
+    let (discrete, u, theta) = (step.discrete, deformation(step, &at.w), driving(step, &at.theta));
+    let [mass_w, a_u, _, b_w] = discrete.mechanical_products(&u, &step.rates(&at.w), &discrete.warmed(&theta));
     let (inertia, thermal) = (step.inertia() / step.rule.delta, discrete.thermal_force(&theta));
     let largest = [&a_u, &b_w, &thermal].map(|term| max_abs(term)).into_iter().fold(0.0, f64::max);
     let largest = largest.max(inertia * max_abs(&mass_w).max(max_abs(step.bar.mass_w)));
     let of = |i: usize| inertia * (mass_w[i] - step.bar.mass_w[i]) + b_w[i] + a_u[i] - thermal[i];
-    let mut sum: Vec<f64> = (0..w.len()).map(of).collect();
-    sum.iter_mut().zip(&step.relaxing(w)).for_each(|(sum, force)| *sum += force);
+    let mut sum: Vec<f64> = (0..at.w.len()).map(of).collect();
+    sum.iter_mut().zip(&step.relaxing(&at.w)).for_each(|(sum, force)| *sum += force);
     (sum, largest)
 }
 
 /// The residual of (4.1) at a velocity and forces of contact, ū + γw, and the largest term.
-fn balance(step: &Step, w: &[f64], states: &[PointState], linear: &LinearParts) -> (Vec<f64>, Vec<f64>, f64) {
+fn balance(step: &Step, w: &[f64], states: &[PointState], bodies: &BodyParts) -> (Vec<f64>, Vec<f64>, f64) {
+    if !step.problem.physics.has_mechanics() {
+        return (Vec::new(), step.old.u.clone(), 0.0);
+    }
     let (discrete, load) = (step.discrete, step.load());
     let mut rest = zeros(w.len());
     let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
     step.boundary.scatter(discrete.v.components, states.iter().map(force), &mut rest);
-    let largest = linear.mechanics.1.max(max_abs(&load)).max(max_abs(&rest));
+    let largest = bodies.mechanics.1.max(max_abs(&load)).max(max_abs(&rest));
     for (i, rest) in rest.iter_mut().enumerate() {
-        *rest += linear.mechanics.0[i] - load[i];
+        *rest += bodies.mechanics.0[i] - load[i];
     }
     (rest, deformation(step, w), largest)
 }
 
-/// What in (4.2) is linear in the state, and the largest term; nothing without heat.
-fn linear_heat(step: &Step, theta: &[f64]) -> (Vec<f64>, f64) {
+/// What in (4.2) is of the bodies, and the largest term; nothing without heat.
+fn of_conduction(step: &Step, at: &State) -> (Vec<f64>, f64) {
     if !step.problem.physics.has_heat() {
         return (Vec::new(), 0.0);
     }
     let discrete = step.discrete;
-    let [stored, conducted] = discrete.thermal_products(theta);
-    let (storage, coupling) = (discrete.storage().0 / step.rule.delta, discrete.e.apply(&step.old.u));
-    let largest = max_abs(&conducted).max(max_abs(&coupling));
+    let [stored, conducted] = step.thermal_products(&at.theta);
+    let heating =
+        if is_coupled(step) { discrete.e.apply(&deformation(step, &at.w)) } else { discrete.e.apply(&step.old.u) };
+    let storage = discrete.storage().0 / step.rule.delta;
+    let largest = max_abs(&conducted).max(max_abs(&heating));
     let largest = largest.max(storage * max_abs(&stored).max(max_abs(step.bar.mass_theta)));
-    let of = |i: usize| storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - coupling[i];
-    ((0..theta.len()).map(of).collect(), largest)
+    let of = |i: usize| storage * (stored[i] - step.bar.mass_theta[i]) + conducted[i] - heating[i];
+    ((0..at.theta.len()).map(of).collect(), largest)
 }
 
 /// The residual of (4.2) at a temperature and states of the contact points, and the temperature with its prescribed
 /// values, both empty without heat, and the largest term.
-fn warming(step: &Step, theta: &[f64], states: &[PointState], linear: &LinearParts) -> (Vec<f64>, Vec<f64>, f64) {
+fn warming(step: &Step, theta: &[f64], states: &[PointState], bodies: &BodyParts) -> (Vec<f64>, Vec<f64>, f64) {
     if !step.problem.physics.has_heat() {
         let given =
             if step.problem.physics == Physics::Warmed { step.problem.given_temperature(step.t) } else { Vec::new() };
@@ -396,9 +424,9 @@ fn warming(step: &Step, theta: &[f64], states: &[PointState], linear: &LinearPar
     let foundation = temperatures(step);
     let on_boundary = heat_step(step, &foundation, states);
     step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut rest);
-    let largest = linear.heat.1.max(max_abs(&supply)).max(max_abs(&rest));
+    let largest = bodies.heat.1.max(max_abs(&supply)).max(max_abs(&rest));
     for (i, rest) in rest.iter_mut().enumerate() {
-        *rest += linear.heat.0[i] - supply[i];
+        *rest += bodies.heat.0[i] - supply[i];
     }
     let mut prescribed = step.old.theta.clone();
     discrete.q.prescribe_with(step.t, &step.replacing(|inputs| &inputs.temperatures), &mut prescribed);
@@ -407,6 +435,7 @@ fn warming(step: &Step, theta: &[f64], states: &[PointState], linear: &LinearPar
     let mut masked = theta.to_vec();
     discrete.q.mask(&mut masked);
     prescribed.iter_mut().zip(&masked).for_each(|(prescribed, free)| *prescribed += free);
+    discrete.q.follow(&mut prescribed);
     (rest, prescribed, largest)
 }
 
@@ -434,6 +463,7 @@ impl StepResidual {
         let discrete = &base.discrete;
         let largest = |space: &Space, rest: &[f64]| {
             let mut rest = rest.to_vec();
+            space.gather(&mut rest);
             space.mask(&mut rest);
             max_abs(&rest)
         };

@@ -26,6 +26,7 @@
 
 mod along;
 mod error;
+mod factors;
 mod history;
 mod instance;
 mod outputs;
@@ -43,6 +44,7 @@ mod transpose;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use error::{GradientError, RefusedGradient};
+use factors::StepFactors;
 use history::{RunHistory, started};
 use instance::{PhasedInstance, ProblemInstance, SolvedStep, StepResidual, at_level};
 use outputs::{GradientOutput, OutputReader};
@@ -52,7 +54,6 @@ use points::{Forced, LinearPoint, PointMargin, TOUCHES, linearised, margins};
 use serde::Serialize;
 pub use series::{SeriesRequest, SeriesTable, series};
 use sweep::{Around, LinearStep, Multiplied, OfPoints, StateVector};
-use transpose::StepFactors;
 
 use crate::inclusion::Local;
 use crate::output::Probe;
@@ -234,10 +235,9 @@ impl WholeSweep<'_> {
             let [old, new] = self.history.around(n)?;
             let (base, start) = (phased.of(n), phased.start(n));
             let old = &*started(&old.state, &new.state, start);
-            let mut made = StepFactors::kept_or_made(factors.take(), base, (n, old))?;
-            let at = &*at_level(&made.rule, old, &new.state);
-            let chosen = made.chosen(base, n, [old, at]);
-            let unknown = made.mechanics.on_contact.clone();
+            let at = &*at_level(&base.rule(n, old), old, &new.state);
+            let mut made = StepFactors::kept_or_made(factors.take(), base, (n, old, at))?;
+            let (chosen, unknown) = (made.chosen(base, n, [old, at]), made.on_contact());
             let (states, flux) = (&new.states, &new.flux);
             let solved = SolvedStep { n, old, new: &new.state, at, states, chosen: &chosen, unknown: &unknown };
             let (points, forces, here) = at_solution(base, &solved, forced)?;

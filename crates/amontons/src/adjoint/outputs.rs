@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::along::{ChangedPart, Scratch, StateChange};
+use super::along::{ChangedPart, Scratch, StateChange, spread};
 use super::error::GradientError;
 use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
@@ -199,7 +199,11 @@ impl<'a> OutputReader<'a> {
         let nodes = self.set.as_ref().and_then(|set| set.nodes(&self.instance.problem.mesh));
         let bases: Vec<_> = points.iter().map(|point| point.basis).collect();
         if let Some(nodes) = nodes {
-            let [u, w, theta] = [&state.u, &state.w, &state.theta].map(|values| or(scale(values)));
+            let of = |values: &[f64]| {
+                let apart = spread(values, dim, |i| nodes.contains(&((i / dim) as u32)));
+                if apart > 0.0 { apart } else { or(scale(values)) }
+            };
+            let (u, w, theta) = (of(&state.u), of(&state.w), or(scale(&state.theta)));
             for node in nodes.into_iter().map(|node| node as usize) {
                 for i in node * dim..(node + 1) * dim {
                     found.0.u[i] = self.slope(&mut last, u, |(state, _), h| state.u[i] += h);

@@ -31,7 +31,6 @@ fn of_time(problem: &Problem) -> Option<OutOfScope> {
     let timeline = &problem.timeline;
     match () {
         () if timeline.is_automatic() => told("time.steps", "chosen steps", "equal steps"),
-        () if timeline.first_steady().is_some() => told("phase", "a steady phase", "phases in time"),
         () if timeline.has_phases() && problem.contacts.iter().any(is_bilateral) => {
             told("phase", "phases with bilateral contact", "a run of one phase")
         }
@@ -72,18 +71,13 @@ fn of_scheme(problem: &Problem) -> Option<OutOfScope> {
 fn of_body(problem: &Problem, discrete: &Discretization) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
     match () {
-        () if problem.physics == Physics::Heat => told("physics", "heat alone", "mechanics, with or without heat"),
-        () if problem.physics == Physics::Coupled && problem.coupling != Coupling::Staggered => {
-            told("solver.coupling", "another coupling", "\"staggered\"")
-        }
-        () if !discrete.is_linear() || !discrete.conducts_linearly() || !discrete.expands_linearly() => {
-            told("material", "a nonlinear law, or one that depends on temperature", "linear laws with constant data")
+        () if problem.physics == Physics::Coupled && problem.coupling == Coupling::Extrapolated => {
+            let expected = "\"staggered\", \"fixed-point\" or \"monolithic\"";
+            told("solver.coupling", "an extrapolated temperature", expected)
         }
         () if discrete.branches.iter().any(|branch| !branch.has_field()) => {
             told("material.prony", "relaxation times that vary in space", "uniform ones")
         }
-        () if !discrete.v.links.is_empty() => told("cyclic", "a sector of a cyclic body", "a whole body"),
-        () if !discrete.v.rigid.is_empty() => told("rigid", "rigid parts", "bodies that deform"),
         () => None,
     }
 }

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::along::Scratch;
 use super::error::GradientError;
+use super::factors::StepFactors;
 use super::history::{KeptStep, made, started};
 use super::instance::{PhasedInstance, ProblemInstance, SolvedStep, StepResidual, at_level};
 use super::outputs::{GradientOutput, OutputReader};
@@ -21,7 +22,6 @@ use super::points::{LinearPoint, PointMargin, TOUCHES, margins};
 use super::stencil;
 use super::sweep::{Around, LinearStep, OfPoints, StateVector};
 use super::tangent::ResidualSlope;
-use super::transpose::StepFactors;
 use super::{KINK, NOTHING, ROUNDINGS, SIZES, at_solution, keep_least, scope};
 use crate::inclusion::Local;
 use crate::output::{Probe, ProbeSet};
@@ -147,10 +147,9 @@ impl ForwardSweep<'_> {
             let new = KeptStep::of(&state, &report);
             let (base, phase) = (phased.of(n), phased.start(n));
             let start = &*started(&old.state, &new.state, phase);
-            let mut factor = StepFactors::kept_or_made(factors.take(), base, (n, start))?;
-            let at = &*at_level(&factor.rule, start, &new.state);
-            let chosen = factor.chosen(base, n, [start, at]);
-            let unknown = factor.mechanics.on_contact.clone();
+            let at = &*at_level(&base.rule(n, start), start, &new.state);
+            let mut factor = StepFactors::kept_or_made(factors.take(), base, (n, start, at))?;
+            let (chosen, unknown) = (factor.chosen(base, n, [start, at]), factor.on_contact());
             let solved = SolvedStep {
                 n,
                 old: start,

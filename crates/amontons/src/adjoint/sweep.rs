@@ -1,14 +1,17 @@
 //! One step of the sweep from the end of a run to its start.
 
+use std::borrow::Cow;
+
 use super::error::GradientError;
+use super::factors::{StepFactors, coupled};
 use super::instance::{ProblemInstance, SolvedStep, StepResidual};
 use super::points::{INPUTS, LinearPoint};
 use super::stencil;
-use super::transpose::{StepFactors, Transposed, onto_sides, sides_of, unweighted};
+use super::transpose::{Transposed, onto_sides, sides_of, unweighted};
 use crate::contact::Flux;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
-use crate::linalg::{dot, max_abs, zeros};
+use crate::linalg::{SolveError, dot, max_abs, zeros};
 use crate::state::State;
 use crate::tensor::dot as inner;
 use crate::time::Start;
@@ -137,30 +140,36 @@ impl LinearStep<'_> {
     ) -> Result<Multiplied, GradientError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
         let failed = |part| move |source| GradientError::Linear { step: n, part, source };
-        let after = weights.clone();
+        let mut after = weights.clone();
+        if factors.rule.is_steady() {
+            after.w.fill(0.0);
+        }
         // Of the unknowns at the time of the equations, v₁ = v₀ + (v_ϑ − v₀)/ϑ.
         let share = factors.rule.level.recip();
-        let of_heat: Vec<f64> = after.theta.iter().map(|theta| share * theta).collect();
-        let heat = factors.heat(base, solved, self.flux, &of_heat).map_err(failed("heat"))?;
-        let mut by_point = self.outputs(&after, &heat[0]);
-        for (all, direct) in by_point.iter_mut().zip(direct.into_iter().flatten()) {
-            all.iter_mut().zip(direct).for_each(|(all, direct)| *all += direct);
+        let mut of_heat: Vec<f64> = after.theta.iter().map(|theta| share * theta).collect();
+        let mut heat = factors.heat(base, solved, self.flux, &of_heat).map_err(failed("heat"))?;
+        if factors.is_coupled {
+            let y = self.coupled_back(factors, (&after, direct), &heat[0]).map_err(failed("the coupling"))?;
+            let of = self.mechanics_back(factors, Some((&after, direct)), &y).map_err(failed("mechanics"))?;
+            let more = base.step(n, solved.old, |step| self.of_temperature(step, factors, &of));
+            of_heat.iter_mut().zip(&more).for_each(|(of, more)| *of += more);
+            heat = factors.heat(base, solved, self.flux, &of_heat).map_err(failed("heat"))?;
         }
-        let inputs: Vec<[f64; INPUTS]> =
-            self.points.iter().zip(&by_point).map(|(point, all)| point.weighted(all)).collect();
-        let (right, force) = base.step(n, solved.old, |step| self.right(step, &after, &inputs));
-        let found = factors.mechanics(base, solved, self.points, (&right, &force)).map_err(failed("mechanics"))?;
+        let of = self.mechanics_back(factors, Some((&after, direct)), &heat[0]).map_err(failed("mechanics"))?;
         let areas: Vec<f64> =
             base.step(n, solved.old, |step| step.boundary.points.iter().map(|point| point.weight).collect());
         *weights = base.step(n, solved.old, |step| {
-            let mut bar = weights.clone();
-            let mut start = self.onto_start(step, &mut bar, (&found, &heat), &inputs);
+            let mut bar = after.clone();
+            let mut start = self.onto_start(step, factors, &mut bar, &heat, &of);
             let later = before.take();
+            let [_, of_start, of_before] = self.stored(step, factors, &heat[0]);
+            add_to(&mut start.theta, of_start.as_deref());
             match step.rule.start {
                 Start::TwoStates => {
                     start.add_bar(4.0 / 3.0, &bar);
                     let earlier = before.insert(StateVector::zero(solved.old));
                     earlier.add_bar(-1.0 / 3.0, &bar);
+                    add_to(&mut earlier.theta, of_before.as_deref());
                 }
                 Start::State | Start::Admissible => start.add_bar(1.0, &bar),
             }
@@ -170,7 +179,78 @@ impl LinearStep<'_> {
             start
         });
         let branches = self.points.iter().map(|point| point.branch).collect();
-        Ok(Multiplied { transposed: found, heat, after, areas, branches })
+        Ok(Multiplied { transposed: of.transposed, heat, after, areas, branches })
+    }
+
+    /// The multipliers y of (4.2) if both half-steps hold at once: y = y₀ + T y, with `first` those of the temperature
+    /// alone.
+    fn coupled_back(
+        &self,
+        factors: &mut StepFactors,
+        weights: EndWeights,
+        first: &[f64],
+    ) -> Result<Vec<f64>, SolveError> {
+        let (n, old) = (self.solved.n, self.solved.old);
+        let mut through = |weights: Option<EndWeights>, y: &[f64]| {
+            let of = self.mechanics_back(factors, weights, y)?;
+            let right = self.base.step(n, old, |step| self.of_temperature(step, factors, &of));
+            let [more, _] = factors.heat(self.base, &self.solved, self.flux, &right)?;
+            Ok::<Vec<f64>, SolveError>(more)
+        };
+        let of_mechanics = through(Some(weights), &zeros(first.len()))?;
+        let right: Vec<f64> = first.iter().zip(&of_mechanics).map(|(a, b)| a + b).collect();
+        coupled(&right, |y| through(None, y))
+    }
+
+    /// The transposed mechanical half-step of weights of the state at the end of the step, which may be none, and of
+    /// multipliers of (4.2).
+    fn mechanics_back(
+        &self,
+        factors: &mut StepFactors,
+        weights: Option<EndWeights>,
+        heat: &[f64],
+    ) -> Result<MechanicsBack, SolveError> {
+        let (base, solved, n) = (self.base, &self.solved, self.solved.n);
+        let (after, direct) = match weights {
+            Some((after, direct)) => (Cow::Borrowed(after), direct),
+            None => (Cow::Owned(StateVector::zero(solved.new)), None),
+        };
+        let mut by_point = self.outputs(&after, heat);
+        for (all, direct) in by_point.iter_mut().zip(direct.into_iter().flatten()) {
+            all.iter_mut().zip(direct).for_each(|(all, direct)| *all += direct);
+        }
+        let inputs: Vec<[f64; INPUTS]> =
+            self.points.iter().zip(&by_point).map(|(point, all)| point.weighted(all)).collect();
+        let (mut right, force) = base.step(n, solved.old, |step| self.right(step, &after, &inputs));
+        if factors.is_coupled {
+            let heating = base.discrete.e.apply_transposed(heat);
+            right.iter_mut().zip(&heating).for_each(|(right, more)| *right += factors.rule.gamma * more);
+        }
+        let transposed = factors.mechanics(base, solved, self.points, (&right, &force))?;
+        let of_point = |(i, point): (usize, &LinearPoint)| {
+            let area = base.discrete.boundary.points.get(i).map_or(0.0, |point| point.weight);
+            let [a, b, c] = transposed.points[i].map(|mu| 0.0 - area * mu);
+            let all = point.back(&[a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            [all[6] + inputs[i][6], all[7] + inputs[i][7]]
+        };
+        let known = self.points.iter().enumerate().map(of_point).collect();
+        Ok(MechanicsBack { transposed, known })
+    }
+
+    /// The weights of the temperature that drives mechanics: in m, in the laws of the bodies and in those of contact.
+    fn of_temperature(&self, step: &Step, factors: &StepFactors, of: &MechanicsBack) -> Vec<f64> {
+        let mut sum = factors.slopes.force_transposed(step.discrete, &of.transposed.y);
+        let signs = step.boundary.points.iter().map(|point| step.contacts[point.contact].sign());
+        // The laws see the side `on`; the shares of the other side are negative in the jump.
+        let of_sides =
+            of.known.iter().zip(signs).map(|([_, of], sign)| if sign > 0.0 { [*of, 0.0] } else { [0.0, 0.0 - of] });
+        onto_sides(step, of_sides, &mut sum);
+        sum
+    }
+
+    /// The weights of θ̄, θ₀ and θ₋₁ in the stored heat.
+    fn stored(&self, step: &Step, factors: &StepFactors, heat: &[f64]) -> [Option<Vec<f64>>; 3] {
+        if heat.is_empty() { [None, None, None] } else { factors.slopes.stored_transposed(step, heat) }
     }
 
     /// The derivatives by (p, q), penetration, slip, wear and penetration at the time of the equations of each point of
@@ -232,33 +312,35 @@ impl LinearStep<'_> {
     fn onto_start(
         &self,
         step: &Step,
+        factors: &StepFactors,
         weights: &mut StateVector,
-        (found, [heat, held]): (&Transposed, &[Vec<f64>; 2]),
-        inputs: &[[f64; INPUTS]],
+        [heat, held]: &[Vec<f64>; 2],
+        of: &MechanicsBack,
     ) -> StateVector {
         let (discrete, rule) = (step.discrete, step.rule);
+        let MechanicsBack { transposed: found, known } = of;
         let onto = |of: &mut [f64], more: &[f64], factor: f64| {
             of.iter_mut().zip(more).for_each(|(of, more)| *of += factor * more);
         };
-        // Of ū_ν − g and of the temperature at each point.
-        let known: Vec<[f64; 2]> = self
-            .points
-            .iter()
-            .enumerate()
-            .map(|(i, point)| {
-                let area = step.boundary.points.get(i).map_or(0.0, |point| point.weight);
-                let [a, b, c] = found.points[i].map(|mu| 0.0 - area * mu);
-                let all = point.back(&[a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0]);
-                [all[6] + inputs[i][6], all[7] + inputs[i][7]]
-            })
-            .collect();
-        onto(&mut weights.u, &discrete.apply_linear_a(&found.y), -1.0);
-        onto(&mut weights.u, &found.prescribed, -1.0 / rule.span);
-        let along = self.points.iter().zip(&known).map(|(point, [of, _])| point.basis[0].map(|c| c * of));
-        onto(&mut weights.u, &unweighted(step, along), 1.0);
-        let inertia = discrete.inertia().1.apply(&found.y);
+        let (wear, work) = (weights.wear.clone(), weights.work.clone());
+        let mut start = StateVector { wear, work, ..StateVector::zero(step.old) };
         // The share of the values at the start in those at the end, 1 − 1/ϑ.
         let kept_of = 1.0 - rule.level.recip();
+        let has_heat = step.problem.physics.has_heat();
+        weights.theta.iter_mut().for_each(|theta| *theta *= if has_heat { kept_of } else { 0.0 });
+        if has_heat {
+            add_to(&mut weights.theta, self.stored(step, factors, heat)[0].as_deref());
+            // A prescribed temperature is taken between that at the start and the datum.
+            onto(&mut start.theta, held, 1.0 - rule.level);
+        }
+        if !step.problem.physics.has_mechanics() {
+            return start;
+        }
+        onto(&mut weights.u, &factors.slopes.elastic(discrete, &found.y), -1.0);
+        onto(&mut weights.u, &found.prescribed, -1.0 / rule.span);
+        let along = self.points.iter().zip(known).map(|(point, [of, _])| point.basis[0].map(|c| c * of));
+        onto(&mut weights.u, &unweighted(step, along), 1.0);
+        let inertia = discrete.inertia().1.apply(&found.y);
         for (w, m) in weights.w.iter_mut().zip(&inertia) {
             *w = kept_of * *w + step.inertia() / rule.delta * m;
         }
@@ -269,28 +351,35 @@ impl LinearStep<'_> {
                 *weights = kept_of * *weights + kept / rule.level - force;
             }
         }
-        let has_heat = step.problem.physics.has_heat();
-        weights.theta.iter_mut().for_each(|theta| *theta *= if has_heat { kept_of } else { 0.0 });
-        let (wear, work) = (weights.wear.clone(), weights.work.clone());
-        let mut start = StateVector { wear, work, ..StateVector::zero(step.old) };
-        if step.problem.physics.has_heat() {
-            onto(&mut start.theta, &discrete.m.apply_transposed(&found.y), 1.0);
-            let stored = discrete.storage();
-            onto(&mut weights.theta, &stored.1.apply(heat), stored.0 / rule.delta);
-            // A prescribed temperature is taken between that at the start and the datum.
-            onto(&mut start.theta, held, 1.0 - rule.level);
-            onto(&mut start.u, &discrete.e.apply_transposed(heat), 1.0);
-            let signs = step.boundary.points.iter().map(|point| step.contacts[point.contact].sign());
-            // The laws see the side `on`; the shares of the other side are negative in the jump.
-            let of_sides =
-                known.iter().zip(signs).map(|([_, of], sign)| if sign > 0.0 { [*of, 0.0] } else { [0.0, 0.0 - of] });
-            onto_sides(step, of_sides, &mut start.theta);
+        if has_heat {
+            let heating = discrete.e.apply_transposed(heat);
+            if factors.is_coupled {
+                onto(&mut weights.u, &heating, 1.0);
+            } else {
+                onto(&mut start.u, &heating, 1.0);
+                onto(&mut start.theta, &self.of_temperature(step, factors, of), 1.0);
+            }
         }
-        for (wear, [of, _]) in start.wear.iter_mut().zip(&known) {
+        for (wear, [of, _]) in start.wear.iter_mut().zip(known) {
             *wear -= of;
         }
         start
     }
+}
+
+/// Weights of the state at the end of a step, and of the contact points there.
+type EndWeights<'a> = (&'a StateVector, Option<&'a OfPoints>);
+
+/// A transposed mechanical half-step.
+struct MechanicsBack {
+    transposed: Transposed,
+    /// The weights of ū_ν − g and of the temperature at each point.
+    known: Vec<[f64; 2]>,
+}
+
+/// Adds numbers that may be none.
+fn add_to(sum: &mut [f64], more: Option<&[f64]>) {
+    sum.iter_mut().zip(more.into_iter().flatten()).for_each(|(sum, more)| *sum += more);
 }
 
 impl LinearPoint {

@@ -1,18 +1,19 @@
 //! One step of the sweep from the start of a run to its end.
 
+use std::borrow::Cow;
+
 use super::error::GradientError;
+use super::factors::{BodySlopes, Factored, REPETITIONS, StepFactors, coupled, solvable};
 use super::instance::{ProblemInstance, SolvedStep, StepResidual, data};
 use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
 use super::sweep::{Around, LinearStep, OfPoints, StateVector};
-use super::transpose::{
-    REPETITIONS, StepFactors, heat_tangent, inverse, jump, near, on_degrees, only_held, onto_sides, product, sides_of,
-    times,
-};
+use super::transpose::{heat_tangent, inverse, jump, near, on_degrees, onto_sides, product, sides_of, times};
 use crate::contact::{Contact, Flux, PointOnBoundary};
 use crate::equation::system::Step;
 use crate::inclusion::{Local, LocalTangent};
-use crate::linalg::{SolveError, Tangent, max_abs, zeros};
+use crate::linalg::{BlockMatrix, SolveError, Tangent, max_abs, zeros};
+use crate::space::Space;
 use crate::time::Start;
 
 /// The derivative by a parameter, at fixed unknowns, of the equations of a step and of what follows from them.
@@ -113,18 +114,16 @@ impl LinearStep<'_> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
         let before = before.filter(|_| factors.rule.start == Start::TwoStates);
         let mixed = before.map(|before| StateVector::mixed(start, before));
-        let start = Started { start, bar: mixed.as_ref().unwrap_or(start) };
+        let start = Started { start, bar: mixed.as_ref().unwrap_or(start), before };
         let failed = |part| move |source| GradientError::Linear { step: n, part, source };
-        let known = base.step(n, solved.old, |step| self.known(step, &start));
-        let right = base.step(n, solved.old, |step| self.pushed(step, &start, by, &known));
-        let (w, forces) = factors.moved(base, solved, self.points, &right).map_err(failed("mechanics"))?;
-        let all = base.step(n, solved.old, |step| self.at_points(step, &w, &forces, &known));
-        let warmed = base.step(n, solved.old, |step| self.warmed(step, &start, by, &all));
-        let theta = match warmed {
-            Some(right) => {
-                let at = factors.warmed(base, solved, self.flux, &right).map_err(failed("heat"))?;
-                start.start.theta.iter().zip(&at).map(|(start, at)| factors.rule.end([*start, *at])).collect()
-            }
+        let theta = if factors.is_coupled {
+            self.coupled_forth(factors, &start, by).map_err(failed("the coupling"))?
+        } else {
+            start.start.theta.clone()
+        };
+        let (w, all) = self.mechanics_forth(factors, &start, by, &theta).map_err(failed("mechanics"))?;
+        let theta = match self.heat_forth(factors, &start, by, (&w, &all)).map_err(failed("heat"))? {
+            Some(at) => start.start.theta.iter().zip(&at).map(|(start, at)| factors.rule.end([*start, *at])).collect(),
             None if by.temperatures.is_empty() => zeros(start.start.theta.len()),
             None => by.temperatures.clone(),
         };
@@ -138,18 +137,69 @@ impl LinearStep<'_> {
             branch.iter_mut().zip(&more).for_each(|(branch, more)| *branch += more);
         }
         end.u.iter_mut().zip(&w).for_each(|(u, w)| *u += rule.gamma / rule.level * w);
-        let w = at_end(&start.start.w, &w);
+        let w = if rule.is_steady() { zeros(w.len()) } else { at_end(&start.start.w, &w) };
         let points = all.iter().map(|(input, output)| [input[3], input[4], input[5], output[3], output[4], output[5]]);
         Ok((StateVector { w, theta, ..end }, points.collect()))
     }
 
-    /// The changes of ū_ν − g and of the temperature at each point.
-    fn known(&self, step: &Step, &Started { start, bar }: &Started) -> Vec<[f64; 2]> {
-        let sides = if step.problem.physics.has_heat() {
-            sides_of(step, &start.theta)
-        } else {
-            vec![[0.0; 2]; self.points.len()]
+    /// The mechanical half-step, with the change `theta` of the temperature that drives it: w, and the changes of the
+    /// inputs and outputs of each point.
+    fn mechanics_forth(
+        &self,
+        factors: &mut StepFactors,
+        start: &Started,
+        by: &ResidualSlope,
+        theta: &[f64],
+    ) -> Result<(Vec<f64>, Vec<PointChange>), SolveError> {
+        let (base, solved, n) = (self.base, &self.solved, self.solved.n);
+        let known = base.step(n, solved.old, |step| self.known(step, start, theta));
+        let right = base.step(n, solved.old, |step| {
+            let mut pushed = self.pushed(step, &factors.slopes, start, by, &known);
+            if step.problem.physics.has_heat() {
+                let thermal = factors.slopes.force(step.discrete, theta);
+                pushed.right.iter_mut().zip(&thermal).for_each(|(right, force)| *right += force);
+            }
+            pushed
+        });
+        let (w, forces) = factors.moved(base, solved, self.points, &right)?;
+        let all = base.step(n, solved.old, |step| self.at_points(step, &w, &forces, &known));
+        Ok((w, all))
+    }
+
+    /// The heat half-step: the temperature at the time of its equations, or `None` without heat.
+    fn heat_forth(
+        &self,
+        factors: &mut StepFactors,
+        start: &Started,
+        by: &ResidualSlope,
+        (w, all): (&[f64], &[PointChange]),
+    ) -> Result<Option<Vec<f64>>, SolveError> {
+        let (base, solved, n) = (self.base, &self.solved, self.solved.n);
+        let right = base.step(n, solved.old, |step| self.warmed(step, factors, start, by, (w, all)));
+        right.map(|right| factors.warmed(base, solved, self.flux, &right)).transpose()
+    }
+
+    /// The temperature at the time of the equations if both half-steps hold at once.
+    fn coupled_forth(
+        &self,
+        factors: &mut StepFactors,
+        start: &Started,
+        by: &ResidualSlope,
+    ) -> Result<Vec<f64>, SolveError> {
+        let mut through = |start: &Started, by: &ResidualSlope, theta: &[f64]| {
+            let (w, all) = self.mechanics_forth(factors, start, by, theta)?;
+            Ok::<Vec<f64>, SolveError>(self.heat_forth(factors, start, by, (&w, &all))?.unwrap_or_default())
         };
+        let right = through(start, by, &zeros(start.start.theta.len()))?;
+        let (none, same) = (StateVector::zero(self.solved.old), ResidualSlope::zero(by));
+        let none = Started { start: &none, bar: &none, before: None };
+        coupled(&right, |theta| through(&none, &same, theta))
+    }
+
+    /// The changes of ū_ν − g and of the temperature at each point.
+    fn known(&self, step: &Step, &Started { start, bar, .. }: &Started, theta: &[f64]) -> Vec<[f64; 2]> {
+        let sides =
+            if step.problem.physics.has_heat() { sides_of(step, theta) } else { vec![[0.0; 2]; self.points.len()] };
         let of = |(i, point): (usize, &LinearPoint)| {
             let sign = step.boundary.points.get(i).map_or(1.0, |on| step.contacts[on.contact].sign());
             let [own, other] = sides[i];
@@ -161,39 +211,36 @@ impl LinearStep<'_> {
     }
 
     /// The right-hand sides of the mechanical half-step: of (4.1), of contact points, and the prescribed velocities.
-    fn pushed(&self, step: &Step, &Started { start, bar }: &Started, by: &ResidualSlope, known: &[[f64; 2]]) -> Pushed {
+    fn pushed(
+        &self,
+        step: &Step,
+        slopes: &BodySlopes,
+        &Started { bar, .. }: &Started,
+        by: &ResidualSlope,
+        known: &[[f64; 2]],
+    ) -> Pushed {
         let (discrete, rule) = (step.discrete, step.rule);
         let mut right = discrete.inertia().1.apply(&bar.w);
         for force in &mut right {
             *force *= step.inertia() / rule.delta;
         }
         let mut take = |force: &[f64]| right.iter_mut().zip(force).for_each(|(right, force)| *right -= force);
-        take(&discrete.apply_linear_a(&bar.u));
+        take(&slopes.elastic(discrete, &bar.u));
         for (branch, z) in discrete.branches.iter().zip(&bar.branches) {
             take(&branch.force(&branch.step(rule, z, &zeros(z.len()))));
         }
         take(&by.mechanics);
-        if step.problem.physics.has_heat() {
-            let thermal = discrete.m.apply(&start.theta);
-            right.iter_mut().zip(&thermal).for_each(|(right, force)| *right += force);
-        }
         let of_point = |((point, defect), [opening, temperature]): ((&LinearPoint, &Local), &[f64; 2])| -> Local {
             let seen = point.forth(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *opening, *temperature]);
             std::array::from_fn(|a| 0.0 - defect[a] - seen[a])
         };
         let defects = self.points.iter().zip(&by.defects).zip(known).map(of_point).collect();
         let rates = by.rates.iter().zip(&bar.u).map(|(rate, u)| rate - u / rule.span).collect();
-        Pushed { right, defects, held: only_held(&discrete.v, rates) }
+        Pushed { right, defects, held: held_values(&discrete.v, rates) }
     }
 
-    /// The changes of the inputs and outputs of each point.
-    fn at_points(
-        &self,
-        step: &Step,
-        w: &[f64],
-        forces: &[Local],
-        known: &[[f64; 2]],
-    ) -> Vec<([f64; INPUTS], [f64; OUTPUTS])> {
+    /// The changes of the inputs and outputs of each point with those of w, (p, q) and what is known.
+    fn at_points(&self, step: &Step, w: &[f64], forces: &[Local], known: &[[f64; 2]]) -> Vec<PointChange> {
         let of = |(i, point): (usize, &LinearPoint)| {
             let ([v1, v2, v3], [p, q1, q2], [opening, temperature]) = (jump(step, i, point, w), forces[i], known[i]);
             let input = [v1, v2, v3, p, q1, q2, opening, temperature];
@@ -206,20 +253,24 @@ impl LinearStep<'_> {
     fn warmed(
         &self,
         step: &Step,
-        &Started { start, bar }: &Started,
+        factors: &StepFactors,
+        &Started { start, bar, before }: &Started,
         by: &ResidualSlope,
-        all: &[([f64; INPUTS], [f64; OUTPUTS])],
+        (w, all): (&[f64], &[PointChange]),
     ) -> Option<[Vec<f64>; 2]> {
         if !step.problem.physics.has_heat() {
             return None;
         }
         let discrete = step.discrete;
-        let stored = discrete.storage();
-        let (stored, heated) = (
-            stored.1.apply(&bar.theta).into_iter().map(|s| stored.0 / step.rule.delta * s),
-            discrete.e.apply(&start.u),
-        );
-        let mut right: Vec<f64> = stored.zip(heated.iter().zip(&by.heat)).map(|(s, (e, r))| s + e - r).collect();
+        let earlier = before.map_or(&[][..], |before| &before.theta);
+        let stored = factors.slopes.stored(step, &bar.theta, [&start.theta, earlier]);
+        let u: Cow<[f64]> = if factors.is_coupled {
+            bar.u.iter().zip(w).map(|(u, w)| u + step.rule.gamma * w).collect()
+        } else {
+            Cow::Borrowed(&start.u)
+        };
+        let heated = discrete.e.apply(&u);
+        let mut right: Vec<f64> = stored.iter().zip(heated.iter().zip(&by.heat)).map(|(s, (e, r))| s + e - r).collect();
         let of = self.points.iter().zip(all).enumerate().map(|(i, (point, (input, output)))| {
             let (Some(flux), Some(at)) = (self.flux.get(i), step.boundary.points.get(i)) else { return [0.0; 2] };
             let power = point.power([input[4], input[5]], [output[4], output[5]]);
@@ -238,16 +289,16 @@ impl LinearStep<'_> {
         // A prescribed temperature is taken between that at the start and the datum.
         let given = by.temperatures.iter().zip(&start.theta);
         let given = given.map(|(by, start)| by + (1.0 - step.rule.level) * start).collect();
-        Some([right, only_held(&discrete.q, given)])
+        Some([right, held_values(&discrete.q, given)])
     }
 
     /// The state at the end of the step, but for what the unknowns of the bodies add to u, w, θ and the branches.
     fn end(
         &self,
         step: &Step,
-        &Started { start, bar }: &Started,
+        &Started { start, bar, .. }: &Started,
         by: &ResidualSlope,
-        all: &[([f64; INPUTS], [f64; OUTPUTS])],
+        all: &[PointChange],
     ) -> StateVector {
         let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
         let mut end = StateVector {
@@ -268,11 +319,16 @@ impl LinearStep<'_> {
     }
 }
 
-/// The derivatives of the state from which a step starts, and of that to which it adds, [`Start`].
+/// The derivatives of the state from which a step starts, of that to which it adds, [`Start`], and of that one step
+/// before.
 struct Started<'a> {
     start: &'a StateVector,
     bar: &'a StateVector,
+    before: Option<&'a StateVector>,
 }
+
+/// The changes of the inputs and outputs of a contact point.
+type PointChange = ([f64; INPUTS], [f64; OUTPUTS]);
 
 /// The right-hand sides of a mechanical half-step.
 pub(super) struct Pushed {
@@ -282,6 +338,12 @@ pub(super) struct Pushed {
     pub defects: Vec<Local>,
     /// The prescribed velocities; zero where none is prescribed.
     pub held: Vec<f64>,
+}
+
+/// The components of values along prescribed degrees of freedom; zero along the others.
+fn held_values(space: &Space, mut values: Vec<f64>) -> Vec<f64> {
+    space.mask_free(&mut values);
+    values
 }
 
 /// True if a contact point faces something: it has a weight.
@@ -314,7 +376,9 @@ impl StepFactors {
         points: &[LinearPoint],
         pushed: &Pushed,
     ) -> Result<(Vec<f64>, Vec<Local>), SolveError> {
-        let (matrix, half) = (&self.matrix, &mut self.mechanics);
+        let Some(Factored { half, matrix, .. }) = &mut self.mechanics else {
+            return Ok((zeros(pushed.right.len()), Vec::new()));
+        };
         base.step(of.n, of.old, |step| {
             let given = data(step, of.at);
             let inverses: Vec<LocalTangent> = points.iter().map(|point| inverse(&near(&point.by_force()))).collect();
@@ -335,7 +399,7 @@ impl StepFactors {
                 let (product, reacting) = (matrix.apply(&v), on_degrees(step, points, &reacting));
                 let mut rest: Vec<f64> =
                     (0..v.len()).map(|i| pushed.right[i] - product[i] - forces[i] - reacting[i]).collect();
-                step.discrete.v.mask(&mut rest);
+                solvable(&step.discrete.v, &mut rest);
                 let more = half.system.linearised(&tangent, &rest)?;
                 for (i, (point, inverse)) in
                     points.iter().zip(&inverses).enumerate().filter(|(i, _)| is_faced(step, *i))
@@ -358,18 +422,13 @@ impl StepFactors {
         flux: &[Flux],
         [right, held]: &[Vec<f64>; 2],
     ) -> Result<Vec<f64>, SolveError> {
-        let Some((half, matrix)) = &mut self.heat else { return Ok(Vec::new()) };
+        let Some(factored) = &mut self.heat else { return Ok(Vec::new()) };
         base.step(of.n, of.old, |step| {
-            let tangent = heat_tangent(step, half, of, flux);
-            let mut theta = held.clone();
-            for _ in 0..REPETITIONS {
-                let (product, through) = (matrix.apply(&theta), passed(step, flux, &theta));
-                let mut rest: Vec<f64> = (0..right.len()).map(|i| right[i] - product[i] - through[i]).collect();
-                step.discrete.q.mask(&mut rest);
-                let more = half.system.linearised(&tangent, &rest)?;
-                theta.iter_mut().zip(&more).for_each(|(theta, more)| *theta += more);
-            }
-            Ok(theta)
+            let tangent = heat_tangent(step, &mut factored.half, of, flux);
+            let apply = |matrix: &BlockMatrix, theta: &[f64]| -> Vec<f64> {
+                matrix.apply(theta).iter().zip(passed(step, flux, theta)).map(|(a, b)| a + b).collect()
+            };
+            factored.solved(&step.discrete.q, &tangent, (held.clone(), right), apply)
         })
     }
 }

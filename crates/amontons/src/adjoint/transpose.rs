@@ -1,36 +1,19 @@
 //! The transposed systems of a step.
 
-use super::error::GradientError;
+use super::factors::{Factored, REPETITIONS, StepFactors, solvable};
 use super::instance::{ProblemInstance, SolvedStep, data, global, heat_step};
 use super::points::LinearPoint;
 use crate::contact::Flux;
-use crate::discretization::Discretization;
 use crate::equation::foundation::temperatures;
 use crate::equation::system::{HalfStep, Step};
-use crate::inclusion::{Chosen, Exchange, HeatStep, Local, LocalTangent};
+use crate::inclusion::{Exchange, HeatStep, Local, LocalTangent};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, zeros};
-use crate::problem::Problem;
 use crate::space::Space;
-use crate::state::State;
 use crate::tensor::{Point, dot};
-use crate::time::Rule;
 
 /// What is added to ∂(defect)/∂(force), which is singular where a point sticks or lies on a rigid foundation. Residuals
 /// of the equations themselves are solved for again, so the solution does not depend on it.
 const PROXIMAL: f64 = 1.0 / (1u64 << 24) as f64;
-/// Number of such solutions; each one leaves a fraction of the order of [`PROXIMAL`] of the residual.
-pub(super) const REPETITIONS: usize = 3;
-
-/// The matrices of both half-steps with their factors.
-pub(super) struct StepFactors {
-    pub rule: Rule,
-    /// The phase whose conditions the matrices have.
-    phase: usize,
-    pub mechanics: HalfStep,
-    pub matrix: BlockMatrix,
-    pub heat: Option<(HalfStep, BlockMatrix)>,
-}
-
 /// The solution of a transposed mechanical half-step.
 pub(super) struct Transposed {
     /// Per degree of freedom; zero where the velocity is prescribed.
@@ -41,49 +24,14 @@ pub(super) struct Transposed {
     pub prescribed: Vec<f64>,
 }
 
+impl Transposed {
+    /// The solution of a problem without mechanics.
+    fn none(degrees: usize) -> Transposed {
+        Transposed { y: zeros(degrees), points: Vec::new(), prescribed: zeros(degrees) }
+    }
+}
+
 impl StepFactors {
-    pub fn new(
-        problem: &Problem,
-        discrete: &Discretization,
-        rule: Rule,
-    ) -> Result<StepFactors, (&'static str, SolveError)> {
-        let half = |matrix: &BlockMatrix, space| HalfStep::new(matrix.clone(), discrete, space, &problem.backend);
-        let matrix = discrete.mechanical_matrix(rule);
-        let mechanics = half(&matrix, &discrete.v).map_err(|source| ("mechanics", source))?;
-        let heat = || {
-            let matrix = discrete.thermal_matrix(rule);
-            half(&matrix, &discrete.q).map(|half| (half, matrix))
-        };
-        let heat = problem.physics.has_heat().then(heat).transpose().map_err(|source| ("heat", source))?;
-        Ok(StepFactors { rule, phase: problem.phase(), mechanics, matrix, heat })
-    }
-
-    /// The factors of step n: those of another step, if it has the same rule.
-    pub fn kept_or_made(
-        factors: Option<StepFactors>,
-        base: &ProblemInstance,
-        (n, old): (usize, &State),
-    ) -> Result<StepFactors, GradientError> {
-        let rule = base.rule(n, old);
-        let is_same = |factors: &StepFactors| {
-            factors.rule == rule && base.problem.has_same_conditions([factors.phase, base.problem.phase()])
-        };
-        if let Some(factors) = factors.filter(is_same) {
-            return Ok(factors);
-        }
-        let made = StepFactors::new(&base.problem, &base.discrete, rule);
-        made.map_err(|(part, source)| GradientError::Linear { step: n, part, source })
-    }
-
-    /// What the iteration on Γ_C chooses in the step.
-    pub fn chosen(&self, base: &ProblemInstance, n: usize, [old, new]: [&State; 2]) -> Chosen {
-        base.step(n, old, |step| {
-            let given = data(step, new);
-            let term = given.term(step, &self.mechanics.system, &self.mechanics.on_contact);
-            term.map_or_else(Chosen::default, |term| term.chosen())
-        })
-    }
-
     /// Jᵀ of the mechanical half-step: solves
     ///
     /// K y + Σ ω Nᵀ G_vᵀ μ = `right`,  N y + G_fᵀ μ = `force` at each point, with y = 0 where w is prescribed,
@@ -96,7 +44,7 @@ impl StepFactors {
         points: &[LinearPoint],
         (right, force): (&[f64], &[Local]),
     ) -> Result<Transposed, SolveError> {
-        let (matrix, half) = (&self.matrix, &mut self.mechanics);
+        let Some(Factored { half, matrix, .. }) = &mut self.mechanics else { return Ok(Transposed::none(right.len())) };
         base.step(of.n, of.old, |step| {
             let space = &step.discrete.v;
             let given = data(step, of.at);
@@ -112,13 +60,13 @@ impl StepFactors {
                 Transposed { y: zeros(right.len()), points: vec![[0.0; 3]; points.len()], prescribed: Vec::new() };
             for _ in 0..REPETITIONS {
                 let (mut rest, of_points) = remaining(step, matrix, points, &found, (right, force));
-                space.mask(&mut rest);
                 let back = |((point, inverse), r): ((&LinearPoint, &LocalTangent), &Local)| {
                     times(&transposed(&point.by_velocity()), &times(&transposed(inverse), r))
                 };
                 let reacting: Vec<Local> = points.iter().zip(&inverses).zip(&of_points).map(back).collect();
                 let pushed = on_degrees(step, points, &reacting);
                 rest.iter_mut().zip(&pushed).for_each(|(rest, pushed)| *rest -= pushed);
+                solvable(space, &mut rest);
                 let more = half.system.linearised(&tangent, &rest)?;
                 for (i, (point, inverse)) in points.iter().zip(&inverses).enumerate() {
                     let seen = jump(step, i, point, &more);
@@ -129,7 +77,7 @@ impl StepFactors {
                 found.y.iter_mut().zip(&more).for_each(|(y, more)| *y += more);
             }
             let (rest, _) = remaining(step, matrix, points, &found, (right, force));
-            found.prescribed = only_held(space, rest);
+            found.prescribed = held_forces(space, rest);
             Ok(found)
         })
     }
@@ -142,21 +90,15 @@ impl StepFactors {
         flux: &[Flux],
         right: &[f64],
     ) -> Result<[Vec<f64>; 2], SolveError> {
-        let Some((half, matrix)) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
+        let Some(factored) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
         base.step(of.n, of.old, |step| {
-            let tangent = heat_tangent(step, half, of, flux).transposed();
-            let left = |y: &[f64]| -> Vec<f64> {
-                let (product, through) = (matrix.apply(y), exchanged(step, flux, y));
-                (0..right.len()).map(|i| right[i] - product[i] - through[i]).collect()
+            let tangent = heat_tangent(step, &mut factored.half, of, flux).transposed();
+            let apply = |matrix: &BlockMatrix, y: &[f64]| -> Vec<f64> {
+                matrix.apply_transposed(y).iter().zip(exchanged(step, flux, y)).map(|(a, b)| a + b).collect()
             };
-            let mut y = zeros(right.len());
-            for _ in 0..REPETITIONS {
-                let mut rest = left(&y);
-                step.discrete.q.mask(&mut rest);
-                let more = half.system.linearised(&tangent, &rest)?;
-                y.iter_mut().zip(&more).for_each(|(y, more)| *y += more);
-            }
-            let held = only_held(&step.discrete.q, left(&y));
+            let y = factored.solved(&step.discrete.q, &tangent, (zeros(right.len()), right), apply)?;
+            let left = right.iter().zip(apply(&factored.matrix, &y)).map(|(right, product)| right - product).collect();
+            let held = held_forces(&step.discrete.q, left);
             Ok([y, held])
         })
     }
@@ -201,10 +143,10 @@ pub(super) fn jump(step: &Step, i: usize, point: &LinearPoint, y: &[f64]) -> Loc
     point.basis.map(|axis| dot(&axis, &v))
 }
 
-/// The components along held degrees of freedom; zero along the others.
-pub(super) fn only_held(space: &Space, mut values: Vec<f64>) -> Vec<f64> {
-    space.mask_free(&mut values);
-    values
+/// The components of forces along prescribed degrees of freedom; zero along the others.
+fn held_forces(space: &Space, mut forces: Vec<f64>) -> Vec<f64> {
+    space.gather(&mut forces);
+    space.nodal(&space.prescribed_of(&forces))
 }
 
 /// By point, Σ N y over the nodes of the side that bears it and over the others.

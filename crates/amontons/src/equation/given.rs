@@ -114,9 +114,9 @@ impl Given {
         Some(Mechanical::new(self.on_boundary(step, unknown)?, None).frozen(chosen))
     }
 
-    /// The data on Γ_C, or `None` without contact.
+    /// The data on Γ_C, or `None` without contact or mechanics.
     fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
-        if step.problem.contacts.is_empty() {
+        if step.problem.contacts.is_empty() || !step.problem.physics.has_mechanics() {
             return None;
         }
         Some(MechanicalStep {

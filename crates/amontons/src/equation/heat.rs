@@ -308,7 +308,7 @@ fn through(step: &Step, exchange: &Exchange) -> (f64, f64) {
 
 impl Step<'_> {
     /// The stored heat and d(θ, ·) at the time of the equations.
-    fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
+    pub fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
         self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
     }
 

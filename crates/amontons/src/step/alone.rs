@@ -43,7 +43,7 @@ fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
 }
 
 /// The contact points of bodies at rest: r = −g, and no traction.
-fn across_gaps(step: &Step) -> Vec<PointState> {
+pub(crate) fn across_gaps(step: &Step) -> Vec<PointState> {
     let frames = frames(step.problem, step.boundary, &step.old.u, (&[], [&[]; 2]), step.interval());
     let at_rest = |frame: &Frame| PointState {
         normal: frame.normal,

@@ -12,6 +12,7 @@ mod march;
 mod steady;
 
 pub use crate::equation::{Kept, KeptRule};
+pub(crate) use alone::across_gaps;
 pub(crate) use initial::state as initial_state;
 pub use march::March;
 
