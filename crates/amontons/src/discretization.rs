@@ -21,6 +21,7 @@ use crate::tensor::{Sym, SymMap, safe_scale};
 use crate::time::Rule;
 pub use relaxation::Relaxation;
 pub(crate) use relaxation::Relaxed;
+use same::SameForms;
 use weight::Weight;
 
 /// The discrete problem without its state: spaces, matrices, loads and contact boundary.
@@ -127,12 +128,28 @@ impl Discretization {
     /// Assembles the forms of a problem.
     #[must_use]
     pub fn new(problem: &Problem) -> Discretization {
+        Discretization::made(problem, &SameForms::default())
+    }
+
+    /// Assembles the forms of a problem that differs from another one in few data; forms are shared where the data of
+    /// both show that they are the same.
+    #[must_use]
+    pub fn beside(problem: &Problem, other: (&Problem, &Discretization)) -> Discretization {
+        Discretization::made(problem, &SameForms::new(problem, other))
+    }
+
+    fn made(problem: &Problem, same: &SameForms) -> Discretization {
         let mesh = Arc::clone(&problem.mesh);
-        let cells = Graph::of_mesh(&mesh);
         // The check of the problem has found that the mass can be moved.
         let massless = Some(problem.massless_nodes()).filter(|nodes| !nodes.is_empty());
-        let map = massless.and_then(|nodes| means(&cells, nodes).ok());
-        let graph = Arc::new(map.as_ref().map(|map| map.joined(&cells)).unwrap_or(cells));
+        let (graph, map) = same.graph().map_or_else(
+            || {
+                let cells = Graph::of_mesh(&mesh);
+                let map = massless.and_then(|nodes| means(&cells, nodes).ok());
+                (Arc::new(map.as_ref().map(|map| map.joined(&cells)).unwrap_or(cells)), map)
+            },
+            |graph| (graph, None),
+        );
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
@@ -144,13 +161,15 @@ impl Discretization {
         };
         let boundary = Arc::new(problem.contact_boundary());
         // Loads take one thread each.
-        let loads = || rayon::join(|| forms::mechanical_load(problem), || forms::thermal_load(problem));
+        let loads = || same.loads(|| rayon::join(|| forms::mechanical_load(problem), || forms::thermal_load(problem)));
         let matrices = || {
-            let mass = forms::inner_h(&mesh, &graph).repeated();
-            let (a, b) = (form(|m| &m.elasticity), form(|m| &m.viscosity));
-            let d = forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated();
-            let m = forms::m(&mesh, &graph, &tensors(|m| &m.expansion), &problem.dilatation()).repeated();
-            let e = forms::e(&mesh, &graph, &tensors(|m| &m.coupling), &problem.dilatation()).repeated();
+            let mass = same.mass(|| forms::inner_h(&mesh, &graph).repeated());
+            let a = same.a(|| form(|m| &m.elasticity));
+            let b = same.b(|| form(|m| &m.viscosity));
+            let d = same.d(|| forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated());
+            let dilatation = problem.dilatation();
+            let m = same.m(|| forms::m(&mesh, &graph, &tensors(|m| &m.expansion), &dilatation).repeated());
+            let e = same.e(|| forms::e(&mesh, &graph, &tensors(|m| &m.coupling), &dilatation).repeated());
             (mass, [a, b], d, [m, e])
         };
         let ((mass, [a, b], d, [m, e]), (f, q_h)) = rayon::join(matrices, loads);

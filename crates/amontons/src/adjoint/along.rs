@@ -19,6 +19,8 @@ pub(super) struct StateChange<'a> {
     pub points: &'a [LinearPoint],
     /// The nodes that are read, ascending; `None` if these are contact points.
     pub nodes: Option<Vec<u32>>,
+    /// True if stresses or strains are read.
+    pub is_of_strains: bool,
     pub dim: usize,
 }
 
@@ -82,6 +84,11 @@ impl ChangedPart {
         }
     }
 
+    /// True if the numbers are of displacements or velocities of nodes, whose differences strain the body.
+    fn strains(self) -> bool {
+        matches!(self, ChangedPart::Displacement | ChangedPart::Velocity | ChangedPart::Branches)
+    }
+
     /// The places among (p, q), penetration and slip of a contact point.
     fn of_point(self) -> std::ops::Range<usize> {
         match self {
@@ -104,17 +111,13 @@ impl ChangedPart {
 }
 
 impl StateChange<'_> {
-    /// How often the change of a part is contained in it; `None` if nothing of it changes. Of the displacements of
-    /// several nodes their differences count, which strain the body.
+    /// How often the change of a part is contained in it; `None` if nothing of it changes.
     pub fn scale(&self, part: ChangedPart) -> Option<f64> {
         let (state, report) = self.base;
         let (all, changes) = (part.of(state), part.of_change(self.change.0));
         let reads = |i: usize| self.reads(part, i);
         let over = |lists: &[&[f64]], reads: &dyn Fn(usize) -> bool| -> f64 {
             lists.iter().fold(0.0, |most: f64, list| most.max(largest(list, reads)))
-        };
-        let apart = |lists: &[&[f64]]| {
-            lists.iter().fold(0.0, |most: f64, list| most.max(spread(list, self.components(part), reads)))
         };
         let of_points =
             self.change.1.iter().fold(0.0, |most: f64, all| most.max(largest(&all[part.of_point()], |_| true)));
@@ -124,11 +127,14 @@ impl StateChange<'_> {
         }
         let states = report.map_or(&[][..], |report| &report.contact.states);
         let at_points = states.iter().fold(0.0, |most: f64, state| most.max(part.size(state)));
-        let (size, strained) = (apart(&all), apart(&changes).max(RIGID * change));
-        if self.nodes.is_some() && self.components(part) == self.dim && size > 0.0 {
-            return Some(size / strained);
+        let size = over(&all, &reads).max(at_points);
+        if self.is_of_strains && part.strains() {
+            let apart =
+                |lists: &[&[f64]]| lists.iter().fold(0.0, |most: f64, list| most.max(spread(list, self.dim, reads)));
+            let strained = apart(&changes).max(RIGID * change);
+            return Some(strain_scale(size, apart(&all)) / strained);
         }
-        let sizes = [over(&all, &reads).max(at_points), over(&all, &|_| true), 1.0];
+        let sizes = [size, over(&all, &|_| true), 1.0];
         sizes.into_iter().find(|size| *size > 0.0).map(|size| size / change)
     }
 
@@ -158,21 +164,21 @@ impl StateChange<'_> {
         }
     }
 
-    fn components(&self, part: ChangedPart) -> usize {
-        match part {
-            ChangedPart::Displacement | ChangedPart::Velocity | ChangedPart::Branches => self.dim,
-            _ => 1,
-        }
-    }
-
     fn reads(&self, part: ChangedPart, i: usize) -> bool {
-        let components = self.components(part);
+        let components = if part.strains() { self.dim } else { 1 };
         self.nodes.as_ref().is_none_or(|nodes| nodes.binary_search(&((i / components) as u32)).is_ok())
     }
 }
 
 /// Part of a change that strains the body which is told from its rigid motion.
 const RIGID: f64 = 1e-3;
+
+/// The scale of displacements for differences of stresses, by their size and the largest difference between nodes: with
+/// steps of 2^−10 of it the fourth order and the round-off of the displacements are about the same.
+pub(super) fn strain_scale(size: f64, spread: f64) -> f64 {
+    let size = if size > 0.0 { size } else { 1.0 };
+    if spread > 0.0 { (spread * (0.1 * size / spread).powf(0.2).max(1.0)).min(size.max(spread)) } else { size }
+}
 
 /// The largest difference of a component at two nodes that are read.
 pub(super) fn spread(values: &[f64], components: usize, reads: impl Fn(usize) -> bool) -> f64 {

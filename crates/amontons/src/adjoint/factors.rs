@@ -5,14 +5,16 @@ use super::instance::{ProblemInstance, data, deformation, driving, is_coupled};
 use crate::discretization::Discretization;
 use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::Chosen;
-use crate::linalg::{BlockMatrix, SolveError, Tangent, gmres, zeros};
+use crate::linalg::{BlockMatrix, SolveError, Tangent, gmres, max_abs, zeros};
 use crate::space::Space;
 use crate::state::State;
 use crate::time::{Rule, Start};
 
-/// Number of solutions for what is left of the equations. Each leaves a fraction of it that is at most of the order of
-/// what is added to the equations of contact points.
+/// Largest number of solutions for what is left of the equations. Each leaves a fraction of it that is at most of the
+/// order of what is added to the equations of contact points.
 pub(super) const REPETITIONS: usize = 3;
+/// What is left of equations, relative to their largest term, that is round-off, and the same of a correction.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
 /// What is left of equations after the iterations with the factor of the symmetric part of a matrix, and their number.
 const LEFT: f64 = 1e-10;
 const PRODUCTS: usize = 200;
@@ -50,29 +52,62 @@ pub(super) struct BodySlopes {
 }
 
 impl Factored {
-    /// The solution of equations with a contact term, from a first value with the prescribed ones; `apply` is the
-    /// product with the matrix and the term.
+    /// The solution of equations with a contact term, from a first value with the prescribed ones, and what is left of
+    /// them; `apply` is the product with the matrix and the term.
     pub fn solved(
         &mut self,
         space: &Space,
         tangent: &Tangent,
         (mut x, right): (Vec<f64>, &[f64]),
         apply: impl Fn(&BlockMatrix, &[f64]) -> Vec<f64>,
-    ) -> Result<Vec<f64>, SolveError> {
+    ) -> Result<[Vec<f64>; 2], SolveError> {
         let Factored { half, matrix, is_symmetric } = self;
         let mut nearly = |mut forces: Vec<f64>| {
             solvable(space, &mut forces);
             half.system.linearised(tangent, &forces)
         };
+        let left = |product: Vec<f64>| -> Vec<f64> {
+            right.iter().zip(product).map(|(right, product)| right - product).collect()
+        };
+        let mut rest = left(apply(matrix, &x));
         for _ in 0..REPETITIONS {
-            let rest = right.iter().zip(apply(matrix, &x)).map(|(right, product)| right - product).collect();
-            let mut more = nearly(rest)?;
+            let mut more = nearly(rest.clone())?;
             if !*is_symmetric {
                 more = gmres(|v: &[f64]| nearly(apply(matrix, v)), &more, LEFT, PRODUCTS)?.x;
             }
             x.iter_mut().zip(&more).for_each(|(x, more)| *x += more);
+            let product = apply(matrix, &x);
+            let largest = max_abs(right).max(max_abs(&product));
+            rest = left(product);
+            let mut unmet = rest.clone();
+            solvable(space, &mut unmet);
+            if max_abs(&unmet) <= ROUNDED * largest {
+                break;
+            }
         }
-        Ok(x)
+        Ok([x, rest])
+    }
+}
+
+/// The sizes of the corrections that solutions for what is left of equations bring.
+#[derive(Default)]
+pub(super) struct Corrections {
+    number: usize,
+    last: f64,
+    has_ended: bool,
+}
+
+impl Corrections {
+    pub fn go_on(&self) -> bool {
+        self.number < REPETITIONS && !self.has_ended
+    }
+
+    /// Notes a correction of a value. The next one would be smaller by as much as this one is than the last one.
+    pub fn add(&mut self, correction: &[f64], value: &[f64]) {
+        let (size, last) = (max_abs(correction), std::mem::replace(&mut self.last, max_abs(correction)));
+        let next = if last > 0.0 { size * (size / last) } else { 0.0 };
+        self.has_ended = self.number > 0 && next <= ROUNDED * max_abs(value);
+        self.number += 1;
     }
 }
 

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::forms::FormSlopes;
 use crate::contact::Status;
 use crate::discretization::Discretization;
 use crate::equation::StepInputs;
@@ -18,14 +19,16 @@ use crate::space::Space;
 use crate::state::State;
 use crate::step::across_gaps;
 use crate::tensor::{Point, dot, length};
-use crate::time::{Rule, Start};
+use crate::time::{Instant, Rule, Start};
 
 /// A problem with its forms.
 pub(super) struct ProblemInstance {
     pub problem: Problem,
     pub discrete: Arc<Discretization>,
-    /// True if the forms of (4.1) and of (4.2) are those of the instance beside which it was made.
+    /// True if the residual of (4.1) and of (4.2) has the forms of the instance beside which it was made.
     alike: [bool; 2],
+    /// True if its only step leads to the equilibrium at t = 0, and takes no time.
+    is_at_start: bool,
     /// What the step that was asked for last adds to.
     begun: Mutex<Option<Arc<StepStart>>>,
 }
@@ -56,32 +59,75 @@ pub(super) struct PhasedInstance {
 impl PhasedInstance {
     /// The problem as it is in its first phase, and in the later ones; forms are shared where conditions are the same.
     pub fn new(problem: &Problem) -> PhasedInstance {
-        let first = ProblemInstance::new(&problem.in_phase(0));
+        let first = problem.in_phase(0);
+        let discrete = Arc::new(Discretization::new(&first));
+        PhasedInstance::with(problem, ProblemInstance::with(&first, &discrete))
+    }
+
+    fn with(problem: &Problem, first: ProblemInstance) -> PhasedInstance {
         let made = |phase: usize| {
             let of_phase = problem.in_phase(phase);
-            if problem.has_same_conditions([0, phase]) {
-                return ProblemInstance::with(&of_phase, &first.discrete);
-            }
-            ProblemInstance::new(&of_phase)
+            let discrete = if problem.has_same_conditions([0, phase]) {
+                Arc::clone(&first.discrete)
+            } else {
+                Arc::new(Discretization::beside(&of_phase, (&first.problem, &first.discrete)))
+            };
+            ProblemInstance::with(&of_phase, &discrete)
         };
         let later = (1..problem.timeline.phases().len()).map(made).collect();
         PhasedInstance { first, later }
     }
 
+    /// The problem whose step leads to the equilibrium at t = 0.
+    pub fn at_start(still: &Problem) -> PhasedInstance {
+        let mut made = PhasedInstance::new(still);
+        made.first.is_at_start = true;
+        made
+    }
+
     /// The same of a problem that differs from another one by a parameter. Parts of its residuals that the parameter
     /// does not change are then taken from those of the other one.
     pub fn beside(problem: &Problem, other: &PhasedInstance) -> PhasedInstance {
-        let mut made = PhasedInstance::new(problem);
+        let first = problem.in_phase(0);
+        let discrete = Arc::new(Discretization::beside(&first, (&other.first.problem, &other.first.discrete)));
+        let mut made = PhasedInstance::with(problem, ProblemInstance::with(&first, &discrete));
         if made.later.len() == other.later.len() {
             made.first.compare(&other.first);
+            made.first.is_at_start = other.first.is_at_start;
             made.later.iter_mut().zip(&other.later).for_each(|(own, other)| own.compare(other));
         }
         made
     }
 
+    /// The derivatives of the forms by a parameter, from problems at −2h, −h, h and 2h, which leave their forms to this
+    /// one; per phase, `None` where the residuals of the bodies themselves are needed.
+    pub fn form_slopes(&self, h: f64, around: &mut [PhasedInstance; 4]) -> Vec<Option<FormSlopes>> {
+        let of = |(phase, here): (usize, &ProblemInstance)| {
+            if here.problem.physics == Physics::Warmed {
+                return None;
+            }
+            let [a, b, c, d] = around.each_ref().map(|of| &of.in_phase(phase).discrete);
+            FormSlopes::new(h, &here.discrete, [a, b, c, d])
+        };
+        let found: Vec<Option<FormSlopes>> = self.all().enumerate().map(of).collect();
+        for (phase, _) in found.iter().enumerate().filter(|(_, slopes)| slopes.is_some()) {
+            for variant in around.iter_mut() {
+                let own = match phase.checked_sub(1) {
+                    None => Some(&mut variant.first),
+                    Some(later) => variant.later.get_mut(later),
+                };
+                own.into_iter().for_each(|own| own.leave_forms(self.in_phase(phase)));
+            }
+        }
+        found
+    }
+
     /// The problem in the phase of step n.
     pub fn of(&self, n: usize) -> &ProblemInstance {
-        let phase = self.first.problem.timeline.instant(n).phase;
+        self.in_phase(self.first.problem.timeline.instant(n).phase)
+    }
+
+    fn in_phase(&self, phase: usize) -> &ProblemInstance {
         phase.checked_sub(1).and_then(|later| self.later.get(later)).unwrap_or(&self.first)
     }
 
@@ -171,19 +217,24 @@ pub(super) struct StepResidual {
 }
 
 impl ProblemInstance {
-    pub fn new(problem: &Problem) -> ProblemInstance {
-        ProblemInstance::with(problem, &Arc::new(Discretization::new(problem)))
-    }
-
     fn with(problem: &Problem, discrete: &Arc<Discretization>) -> ProblemInstance {
         let discrete = Arc::clone(discrete);
-        ProblemInstance { problem: problem.clone(), discrete, alike: [false; 2], begun: Mutex::default() }
+        let problem = problem.clone();
+        ProblemInstance { problem, discrete, alike: [false; 2], is_at_start: false, begun: Mutex::default() }
     }
 
     /// Notes which forms are those of another instance.
     fn compare(&mut self, other: &ProblemInstance) {
         let is_warmed = self.problem.physics == Physics::Warmed;
         self.alike = self.discrete.has_same_forms(&other.discrete).map(|is_same| is_same && !is_warmed);
+    }
+
+    /// Leaves the forms of the bodies to the instance beside which it was made, whose derivatives are known.
+    fn leave_forms(&mut self, other: &ProblemInstance) {
+        self.alike = [true; 2];
+        if let Some(discrete) = Arc::get_mut(&mut self.discrete) {
+            discrete.take_forms(&other.discrete);
+        }
     }
 
     /// What step n from a state adds to.
@@ -205,9 +256,15 @@ impl ProblemInstance {
         made
     }
 
+    /// The end of step n.
+    fn instant(&self, n: usize) -> Instant {
+        let now = self.problem.timeline.instant(n.max(1));
+        if self.is_at_start { Instant { n, t: 0.0, ..now } } else { now }
+    }
+
     /// The rule of step n from a state: one without a state before it starts anew.
     pub fn rule(&self, n: usize, old: &State) -> Rule {
-        let now = self.problem.timeline.instant(n);
+        let now = self.instant(n);
         match old.earlier {
             Some(_) => self.problem.rule(now.analysis, now.k),
             None => self.problem.starting_rule(now.analysis, now.k),
@@ -216,10 +273,14 @@ impl ProblemInstance {
 
     /// Something of a step that starts from a state.
     pub fn step<T>(&self, n: usize, old: &State, of: impl FnOnce(&Step) -> T) -> T {
-        let (now, rule) = (self.problem.timeline.instant(n), self.rule(n, old));
-        let begun = self.begun(n, old, rule);
+        let begun = self.begun(n, old, self.rule(n, old));
+        self.step_from(&begun, (n, old), of)
+    }
+
+    fn step_from<T>(&self, begun: &StepStart, (n, old): (usize, &State), of: impl FnOnce(&Step) -> T) -> T {
+        let (now, rule) = (self.instant(n), self.rule(n, old));
         // The times of a run are data too.
-        let start = now.t - now.k;
+        let start = if self.is_at_start { 0.0 } else { now.t - now.k };
         let old = &*if (old.t - start).abs() <= 1e-12 * now.t {
             Cow::Borrowed(old)
         } else {
@@ -254,9 +315,12 @@ impl ProblemInstance {
     /// value of a parameter `beside` those of the problem itself.
     pub fn residual(&self, of: &SolvedStep, forces: &[Local], beside: Option<BaseResidual>) -> StepResidual {
         let same_rule = |(other, _): &BaseResidual| other.rule(of.n, of.old) == self.rule(of.n, of.old);
-        let known = beside.filter(same_rule).map(|(_, here)| &here.bodies);
+        let beside = beside.filter(same_rule);
+        let known = beside.map(|(_, here)| &here.bodies);
         let [of_mechanics, of_heat] = self.alike.map(|is_alike| known.filter(|_| is_alike));
-        self.step(of.n, of.old, |step| {
+        let other = beside.filter(|_| self.alike == [true; 2]).map(|(other, _)| other);
+        let begun = other.unwrap_or(self).begun(of.n, of.old, self.rule(of.n, of.old));
+        self.step_from(&begun, (of.n, of.old), |step| {
             let given = data(step, of.at);
             let term = given.frozen(step, of.unknown, of.chosen);
             let inputs = term.as_ref().map_or_else(Vec::new, |term| inputs(step, &given, term, of.at, forces));
@@ -363,6 +427,11 @@ pub(super) fn deformation(step: &Step, w: &[f64]) -> Vec<f64> {
     step.bar.u.iter().zip(w).map(|(u, w)| u + step.rule.gamma * w).collect()
 }
 
+/// The displacement in e(u, ·).
+pub(super) fn heated_by<'a>(step: &Step<'a>, w: &[f64]) -> Cow<'a, [f64]> {
+    if is_coupled(step) { Cow::Owned(deformation(step, w)) } else { Cow::Borrowed(&step.old.u) }
+}
+
 /// What in (4.1) is of the bodies, and the largest term.
 fn of_bodies(step: &Step, at: &State) -> (Vec<f64>, f64) {
     if !step.problem.physics.has_mechanics() {
@@ -402,8 +471,7 @@ fn of_conduction(step: &Step, at: &State) -> (Vec<f64>, f64) {
     }
     let discrete = step.discrete;
     let [stored, conducted] = step.thermal_products(&at.theta);
-    let heating =
-        if is_coupled(step) { discrete.e.apply(&deformation(step, &at.w)) } else { discrete.e.apply(&step.old.u) };
+    let heating = discrete.e.apply(&heated_by(step, &at.w));
     let storage = discrete.storage().0 / step.rule.delta;
     let largest = max_abs(&conducted).max(max_abs(&heating));
     let largest = largest.max(storage * max_abs(&stored).max(max_abs(step.bar.mass_theta)));
@@ -481,7 +549,7 @@ impl StepResidual {
         let work = sum(&old.friction_work, &mut self.work.iter().copied());
         // Where all points stick, their slip and its work are round-off.
         let q = self.states.iter().fold(0.0, |most: f64, state| most.max(length(&state.q)));
-        let rubbed = base.problem.timeline.instant(of.n).k * q * max_abs(&of.at.w);
+        let rubbed = base.instant(of.n).k * q * max_abs(&of.at.w);
         match () {
             () if largest(&discrete.v, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
             () if !self.heat.is_empty() && largest(&discrete.q, &self.heat) > MET * self.sizes[1] => {

@@ -27,6 +27,7 @@
 mod along;
 mod error;
 mod factors;
+mod forms;
 mod history;
 mod instance;
 mod outputs;
@@ -45,7 +46,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use error::{GradientError, RefusedGradient};
 use factors::StepFactors;
-use history::{RunHistory, started};
+use history::{KeptStep, RunHistory, started};
 use instance::{PhasedInstance, ProblemInstance, SolvedStep, StepResidual, at_level};
 use outputs::{GradientOutput, OutputReader};
 pub use parameter::Parameter;
@@ -57,9 +58,9 @@ use sweep::{Around, LinearStep, Multiplied, OfPoints, StateVector};
 
 use crate::inclusion::Local;
 use crate::output::Probe;
-use crate::problem::{Fault, Problem};
+use crate::problem::{Fault, Problem, StartState};
 use crate::state::{State, StepReport};
-use crate::step::initial_state;
+use crate::step::{EquilibriumStep, March, initial_state};
 
 /// Memory granted to the states of a run, bytes.
 const GRANTED: usize = 1 << 30;
@@ -123,7 +124,10 @@ pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientErro
     let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
     let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
     let mut history = RunHistory::new(&base, request.memory.unwrap_or(GRANTED), &go_on)?;
-    let mut whole = WholeSweep { request, base: &base, outputs: &outputs, history: &mut history, go_on: &go_on };
+    let equilibrium = Equilibrium::of(&base)?;
+    let equilibrium = equilibrium.as_ref();
+    let mut whole =
+        WholeSweep { request, base: &base, outputs: &outputs, history: &mut history, equilibrium, go_on: &go_on };
     let (derivatives, near) = whole.derivatives(None)?;
     let ties: Vec<PointMargin> = near.iter().copied().filter(|near| near.value <= TOUCHES).collect();
     let nearest = near.iter().min_by(|a, b| a.value.total_cmp(&b.value)).copied();
@@ -165,6 +169,7 @@ struct WholeSweep<'a> {
     base: &'a PhasedInstance,
     outputs: &'a [GradientOutput],
     history: &'a mut RunHistory,
+    equilibrium: Option<&'a Equilibrium>,
     go_on: &'a dyn Fn() -> bool,
 }
 
@@ -217,17 +222,24 @@ impl WholeSweep<'_> {
         Ok(())
     }
 
-    /// One sweep from the last step to the first one.
+    /// One sweep from the last step to the first one, and to the equilibrium from which the run starts.
     fn sweep(
         &mut self,
         forced: Option<&Forced>,
         sizes: &[i32],
     ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
         let (phased, request, outputs) = (self.base, self.request, self.outputs);
-        let (mut sums, mut near) = (vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()], Vec::new());
-        let mut ended: Vec<OutputWeights> = Vec::new();
-        let (mut variants, mut factors): (Vec<Variants>, _) = (Vec::new(), None);
         let (last, steps) = (self.last()?, self.history.steps);
+        let mut back = BackSweep {
+            outputs,
+            sizes,
+            forced,
+            ended: Vec::new(),
+            variants: Vec::new(),
+            factors: None,
+            sums: vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()],
+            near: Vec::new(),
+        };
         for n in (1..=steps).rev() {
             if !(self.go_on)() {
                 return Err(GradientError::Interrupted);
@@ -235,47 +247,96 @@ impl WholeSweep<'_> {
             let [old, new] = self.history.around(n)?;
             let (base, start) = (phased.of(n), phased.start(n));
             let old = &*started(&old.state, &new.state, start);
-            let at = &*at_level(&base.rule(n, old), old, &new.state);
-            let mut made = StepFactors::kept_or_made(factors.take(), base, (n, old, at))?;
-            let (chosen, unknown) = (made.chosen(base, n, [old, at]), made.on_contact());
-            let (states, flux) = (&new.states, &new.flux);
-            let solved = SolvedStep { n, old, new: &new.state, at, states, chosen: &chosen, unknown: &unknown };
-            let (points, forces, here) = at_solution(base, &solved, forced)?;
-            keep_least(&mut near, margins(&solved, &points, &made.rule));
-            if n == steps {
-                let parameters = request.parameters.iter().zip(sizes);
-                let all = parameters.map(|(of, size)| of.variants(phased, (&solved, &forces), *size));
-                variants = all.collect::<Result<_, _>>()?;
-                ended = at_end(base, outputs, &last, &points)?;
-            }
-            let step = LinearStep { base, solved, points: &points, flux };
-            let of_outputs = ended.iter_mut().map(|OutputWeights { state, before, direct }| {
-                step.back(&mut made, (state, before), direct.take().as_ref())
-            });
-            let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
+            let begins = (n == steps).then_some((phased, request.parameters));
+            back.visit(base, (n, old, new), begins, Some(&last).filter(|_| n == steps))?;
             if start.rests {
-                for weighted in &mut ended {
-                    weighted.state.w.fill(0.0);
-                }
+                back.ended.iter_mut().for_each(|weighted| weighted.state.w.fill(0.0));
             }
-            for (variants, sums) in variants.iter().zip(&mut sums) {
-                let all = variants
-                    .all
-                    .each_ref()
-                    .map(|variant| variant.of(n).residual(&solved, &forces, Some((base, &here))));
-                if n == steps {
-                    add_outputs(outputs, variants, (base, &here), &all, (&last, sums))?;
-                }
-                let [a, b, c, d] = all.each_ref();
-                let around = Around { h: variants.h, all: [a, b, &here, c, d] };
-                for (sum, multiplied) in sums.iter_mut().zip(&multiplied) {
-                    add(sum, multiplied.by_parameter(&around));
-                }
-            }
-            factors = Some(made);
         }
-        add_start(&phased.first, &variants, &ended, &mut sums)?;
-        Ok((sums, near))
+        if let Some(Equilibrium { instance, start, kept }) = self.equilibrium {
+            let others = back.without_displacement();
+            add_start(&phased.first, &back.variants, &others, &mut back.sums)?;
+            let still: Vec<Parameter> = request.parameters.iter().map(Parameter::at_equilibrium).collect();
+            back.factors = None;
+            back.visit(&instance.first, (0, start, kept), Some((instance, &still)), None)?;
+        } else {
+            add_start(&phased.first, &back.variants, &back.ended, &mut back.sums)?;
+        }
+        Ok((back.sums, back.near))
+    }
+}
+
+/// A sweep backward, as far as it has come.
+struct BackSweep<'a> {
+    outputs: &'a [GradientOutput],
+    /// The sizes of the steps of the parameters.
+    sizes: &'a [i32],
+    forced: Option<&'a Forced>,
+    ended: Vec<OutputWeights>,
+    variants: Vec<Variants>,
+    factors: Option<StepFactors>,
+    sums: Vec<Sums>,
+    near: Vec<PointMargin>,
+}
+
+impl BackSweep<'_> {
+    /// Takes the weights to the start of a step, and adds what its equations have of the parameters. A sweep, and the
+    /// step to an equilibrium, `begins` with the problem and the parameters; `last` is the end of the run.
+    fn visit(
+        &mut self,
+        base: &ProblemInstance,
+        (n, old, new): (usize, &State, &KeptStep),
+        begins: Option<(&PhasedInstance, &[Parameter])>,
+        last: Option<&(State, StepReport)>,
+    ) -> Result<(), GradientError> {
+        let at = &*at_level(&base.rule(n, old), old, &new.state);
+        let mut made = StepFactors::kept_or_made(self.factors.take(), base, (n, old, at))?;
+        let (chosen, unknown) = (made.chosen(base, n, [old, at]), made.on_contact());
+        let (states, flux) = (&new.states, &new.flux);
+        let solved = SolvedStep { n, old, new: &new.state, at, states, chosen: &chosen, unknown: &unknown };
+        let (points, forces, here) = at_solution(base, &solved, self.forced)?;
+        keep_least(&mut self.near, margins(&solved, &points, &made.rule));
+        if let Some((phased, parameters)) = begins {
+            let parameters = parameters.iter().zip(self.sizes);
+            let all = parameters.map(|(of, size)| of.variants(phased, (&solved, &forces), *size));
+            self.variants = all.collect::<Result<_, _>>()?;
+        }
+        if let Some(last) = last {
+            self.ended = at_end(base, self.outputs, last, &points)?;
+        }
+        let step = LinearStep { base, solved, points: &points, flux };
+        let of_outputs = self.ended.iter_mut().map(|OutputWeights { state, before, direct }| {
+            step.back(&mut made, (state, before), direct.take().as_ref())
+        });
+        let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
+        for (variants, sums) in self.variants.iter().zip(&mut self.sums) {
+            let residual =
+                |variant: &PhasedInstance| variant.of(n.max(1)).residual(&solved, &forces, Some((base, &here)));
+            let all = variants.all.each_ref().map(residual);
+            if let Some(last) = last {
+                add_outputs(self.outputs, variants, (base, &here), &all, (last, sums))?;
+            }
+            let [a, b, c, d] = all.each_ref();
+            let around = Around { h: variants.h, all: [a, b, &here, c, d] };
+            let through = variants.through_forms(base, &solved);
+            for (sum, multiplied) in sums.iter_mut().zip(&multiplied) {
+                add(sum, multiplied.by_parameter(&around, &through));
+            }
+        }
+        self.factors = Some(made);
+        Ok(())
+    }
+
+    /// The weights of the initial state but for its displacement, which become those of the equilibrium: of the
+    /// displacement alone.
+    fn without_displacement(&mut self) -> Vec<OutputWeights> {
+        let of_equilibrium = |OutputWeights { state, .. }: &mut OutputWeights| {
+            let none = StateVector { u: state.u.clone(), ..state.zeros() };
+            let mut others = std::mem::replace(state, none);
+            others.u.fill(0.0);
+            OutputWeights { state: others, before: None, direct: None }
+        };
+        self.ended.iter_mut().map(of_equilibrium).collect()
     }
 }
 
@@ -377,6 +438,27 @@ fn add_outputs(
         add(sum, [slope, bent, NOTHING * middle[0].abs() / variants.h]);
     }
     Ok(())
+}
+
+/// The equilibrium from which a run starts, as the step of a problem of its own.
+struct Equilibrium {
+    instance: PhasedInstance,
+    /// The reference state, and the equilibrium.
+    start: State,
+    kept: KeptStep,
+}
+
+impl Equilibrium {
+    /// The equilibrium of a run that starts so.
+    fn of(base: &PhasedInstance) -> Result<Option<Equilibrium>, GradientError> {
+        let ProblemInstance { problem, discrete, .. } = &base.first;
+        if problem.initial.state != StartState::Equilibrium {
+            return Ok(None);
+        }
+        let EquilibriumStep { start, end, report } = March::on(problem, discrete, &problem.backend)?.equilibrium()?;
+        let kept = KeptStep::of(&end, &report);
+        Ok(Some(Equilibrium { instance: PhasedInstance::at_start(&problem.at_equilibrium()), start, kept }))
+    }
 }
 
 /// Adds the derivatives through the initial state.

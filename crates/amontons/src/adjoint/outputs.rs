@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::along::{ChangedPart, Scratch, StateChange, spread};
+use super::along::{ChangedPart, Scratch, StateChange, spread, strain_scale};
 use super::error::GradientError;
 use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
 use super::stencil::derivative;
 use super::sweep::{OfPoints, StateVector};
 use crate::inclusion::PointState;
-use crate::output::{OF_WHOLE, Probe, ProbeError, ProbeSet, Snapshot, Work};
+use crate::output::{Base, OF_WHOLE, Probe, ProbeError, ProbeSet, Snapshot, Work};
 use crate::problem::{Fault, Problem};
 use crate::state::{State, StepReport};
 
@@ -77,6 +77,15 @@ impl GradientOutput {
                 Err(GradientError::refused(fault.hint("add a [[probe]] to the case")))
             }
         }
+    }
+}
+
+impl GradientOutput {
+    /// True if it is one of stresses or strains, which rigid motions do not change.
+    fn is_of_strains(&self) -> bool {
+        let OutputKind::Probe(probe, _) = &self.kind else { return false };
+        let bases = [Base::Stress, Base::Strain, Base::VonMises, Base::MeanStress, Base::Principal, Base::Hoop];
+        bases.contains(&probe.quantity.base)
     }
 }
 
@@ -165,7 +174,9 @@ impl<'a> OutputReader<'a> {
         let nodes = self.set.as_ref().and_then(|set| set.nodes(mesh));
         let nodes: Option<Vec<u32>> = nodes.map(|nodes| nodes.into_iter().collect());
         let parts: &[ChangedPart] = if nodes.is_some() { &ChangedPart::OF_BODY } else { &ChangedPart::OF_CONTACT };
-        let along = StateChange { base: (state, report), change: (change, of_points), points, nodes, dim: mesh.dim };
+        let (is_of_strains, dim) = (self.output.is_of_strains(), mesh.dim);
+        let along =
+            StateChange { base: (state, report), change: (change, of_points), points, nodes, is_of_strains, dim };
         let mut sum = 0.0;
         for part in parts {
             let Some(scale) = along.scale(*part) else { continue };
@@ -200,8 +211,10 @@ impl<'a> OutputReader<'a> {
         let bases: Vec<_> = points.iter().map(|point| point.basis).collect();
         if let Some(nodes) = nodes {
             let of = |values: &[f64]| {
-                let apart = spread(values, dim, |i| nodes.contains(&((i / dim) as u32)));
-                if apart > 0.0 { apart } else { or(scale(values)) }
+                if !self.output.is_of_strains() {
+                    return or(scale(values));
+                }
+                strain_scale(scale(values), spread(values, dim, |i| nodes.contains(&((i / dim) as u32))))
             };
             let (u, w, theta) = (of(&state.u), of(&state.w), or(scale(&state.theta)));
             for node in nodes.into_iter().map(|node| node as usize) {

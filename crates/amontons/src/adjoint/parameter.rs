@@ -1,6 +1,7 @@
 //! The parameters, and the problems at values around theirs.
 
 use super::error::GradientError;
+use super::forms::FormSlopes;
 use super::instance::{PhasedInstance, ProblemInstance, SolvedStep};
 use super::stencil::STEP;
 use crate::inclusion::Local;
@@ -29,9 +30,26 @@ const DECADES: i32 = 13;
 pub(super) struct Variants {
     pub h: f64,
     pub all: [PhasedInstance; 4],
+    /// The derivatives of the forms per phase, where the problems have the forms of the base.
+    forms: Vec<Option<FormSlopes>>,
+}
+
+impl Variants {
+    /// The derivatives of the equations of a step through the forms of the bodies; `None` where there is none, or where
+    /// the problems have forms of their own.
+    pub fn through_forms(&self, base: &ProblemInstance, of: &SolvedStep) -> [Option<Vec<f64>>; 2] {
+        let phase = base.problem.timeline.instant(of.n).phase;
+        self.forms.get(phase).and_then(Option::as_ref).map_or([None, None], |forms| forms.at(base, of))
+    }
 }
 
 impl Parameter<'_> {
+    /// The parameter of the problem whose step leads to the equilibrium at t = 0.
+    pub(super) fn at_equilibrium(&self) -> Parameter<'_> {
+        let problem = |value: f64| (self.problem)(value).map(|problem| problem.in_phase(0).at_equilibrium());
+        Parameter { name: self.name.clone(), value: self.value, problem: Box::new(problem) }
+    }
+
     /// The problems around the value at a step of the `shrunk`-th size. A parameter that is zero has the largest scale
     /// of the decades from 1 on that leaves all contact points of the last step on their branches.
     pub(super) fn variants(
@@ -69,7 +87,9 @@ impl Parameter<'_> {
             base.all().zip(instance.all()).try_for_each(|(base, other)| self.compare(base, other))?;
             Ok::<PhasedInstance, GradientError>(instance)
         };
-        Ok(Variants { h, all: [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?] })
+        let mut all = [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?];
+        let forms = base.form_slopes(h, &mut all);
+        Ok(Variants { h, all, forms })
     }
 
     /// Checks that a problem has the steps, nodes and contact points of another one.

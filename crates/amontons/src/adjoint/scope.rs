@@ -4,7 +4,7 @@ use super::error::GradientError;
 use super::instance::PhasedInstance;
 use crate::contact::{Contact, GraphKind};
 use crate::discretization::Discretization;
-use crate::problem::{Coupling, Fault, Physics, Problem, StartState};
+use crate::problem::{Coupling, Fault, Physics, Problem};
 use crate::time::{Analysis, FrictionRule, Start};
 
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
@@ -33,9 +33,6 @@ fn of_time(problem: &Problem) -> Option<OutOfScope> {
         () if timeline.is_automatic() => told("time.steps", "chosen steps", "equal steps"),
         () if timeline.has_phases() && problem.contacts.iter().any(is_bilateral) => {
             told("phase", "phases with bilateral contact", "a run of one phase")
-        }
-        () if problem.initial.state == StartState::Equilibrium => {
-            told("initial.state", "a start in equilibrium", "given initial data")
         }
         () => of_scheme(problem),
     }

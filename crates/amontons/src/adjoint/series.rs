@@ -22,7 +22,7 @@ use super::points::{LinearPoint, PointMargin, TOUCHES, margins};
 use super::stencil;
 use super::sweep::{Around, LinearStep, OfPoints, StateVector};
 use super::tangent::ResidualSlope;
-use super::{KINK, NOTHING, ROUNDINGS, SIZES, at_solution, keep_least, scope};
+use super::{Equilibrium, KINK, NOTHING, ROUNDINGS, SIZES, at_solution, keep_least, scope};
 use crate::inclusion::Local;
 use crate::output::{Probe, ProbeSet};
 use crate::problem::{Fault, Problem};
@@ -206,6 +206,33 @@ impl ForwardSweep<'_> {
                 bent_points,
             });
         }
+        match Equilibrium::of(base)? {
+            Some(equilibrium) => self.begin_at(&equilibrium),
+            None => Ok(()),
+        }
+    }
+
+    /// Gives the columns the derivatives of the equilibrium from which the run starts.
+    fn begin_at(&mut self, Equilibrium { instance, start, kept }: &Equilibrium) -> Result<(), GradientError> {
+        let base = &instance.first;
+        let at = &*at_level(&base.rule(0, start), start, &kept.state);
+        let mut factors = StepFactors::kept_or_made(None, base, (0, start, at))?;
+        let (chosen, unknown) = (factors.chosen(base, 0, [start, at]), factors.on_contact());
+        let (states, new) = (&kept.states, &kept.state);
+        let solved = SolvedStep { n: 0, old: start, new, at, states, chosen: &chosen, unknown: &unknown };
+        let (points, forces, here) = at_solution(base, &solved, None)?;
+        let step = LinearStep { base, solved, points: &points, flux: &kept.flux };
+        let none = StateVector::zero(start);
+        for (column, parameter) in self.columns.iter_mut().zip(self.request.parameters) {
+            let of_start = parameter.at_equilibrium();
+            let variants = of_start.variants(instance, (&step.solved, &forces), 0)?;
+            let found = variants.slopes(&step, (&forces, &here)).ok_or_else(|| parameter.kink())?;
+            column.state.u = step.forward(&mut factors, (&none, None), &found.slope)?.0.u;
+            if let Some(kink) = found.kink {
+                let u = step.forward(&mut factors, (&none, None), &kink)?.0.u;
+                column.kink.get_or_insert_with(|| none.clone()).u = u;
+            }
+        }
         Ok(())
     }
 
@@ -244,7 +271,7 @@ impl ForwardSweep<'_> {
         here: (&[Local], &StepResidual),
     ) -> Result<StepSlopes, GradientError> {
         let parameter = &self.request.parameters[j];
-        let mut found = self.columns[j].slopes(step, here);
+        let mut found = self.columns[j].variants.slopes(step, here);
         while self.columns[j].shrunk + 1 < SIZES {
             let is_bent = self.columns[j].is_bent;
             if found.as_ref().is_some_and(|found| is_bent || found.kink.is_none()) {
@@ -255,7 +282,7 @@ impl ForwardSweep<'_> {
             let sets = self.prepared(&variants)?;
             let column = &mut self.columns[j];
             let before = (std::mem::replace(&mut column.variants, variants), std::mem::replace(&mut column.sets, sets));
-            let finer = column.slopes(step, here);
+            let finer = column.variants.slopes(step, here);
             if found.as_ref().is_some_and(|found| !finer.as_ref().is_some_and(|finer| finer.is_less_bent(found))) {
                 // A kink of the data themselves, which is followed.
                 ((column.variants, column.sets), column.is_bent) = (before, true);
@@ -361,19 +388,22 @@ fn no_slope(output: &GradientOutput) -> GradientError {
     GradientError::refused(fault)
 }
 
-impl ParameterColumn {
+impl Variants {
     /// The derivatives of the equations of a step; `None` if a difference leaves the branch of a point on both sides.
     fn slopes(&self, step: &LinearStep, (forces, here): (&[Local], &StepResidual)) -> Option<StepSlopes> {
         let of = |variant: &PhasedInstance| {
-            variant.of(step.solved.n).residual(&step.solved, forces, Some((step.base, here)))
+            variant.of(step.solved.n.max(1)).residual(&step.solved, forces, Some((step.base, here)))
         };
-        let all = self.variants.all.each_ref().map(of);
+        let all = self.all.each_ref().map(of);
         let [a, b, c, d] = all.each_ref();
-        let around = Around { h: self.variants.h, all: [a, b, here, c, d] };
-        let (slope, kink) = ResidualSlope::of(&around, step.points)?;
+        let around = Around { h: self.h, all: [a, b, here, c, d] };
+        let (mut slope, kink) = ResidualSlope::of(&around, step.points)?;
+        slope.add(self.through_forms(step.base, &step.solved));
         Some(StepSlopes { all, slope, kink })
     }
+}
 
+impl ParameterColumn {
     /// Makes the derivatives those of a state at rest.
     fn rest(&mut self) {
         self.state.w.fill(0.0);

@@ -29,10 +29,23 @@ pub(super) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) 
     ]
 }
 
+/// The derivative of the sum of products of weights and numbers, and its kink, by [`central`].
+pub(super) fn product(h: f64, weights: &[f64], [a, b, at, c, d]: [&[f64]; 5]) -> [f64; 2] {
+    let numbers = a.iter().zip(b).zip(at.iter().zip(c.iter().zip(d)));
+    let mut sum = [0.0; 2];
+    for (weight, ((a, b), (at, (c, d)))) in weights.iter().zip(numbers) {
+        if weight.abs() > 0.0 {
+            let [[slope], [bent]] = central(h, [&[*a], &[*b], &[*at], &[*c], &[*d]]);
+            sum = [sum[0] + weight * slope, sum[1] + weight * bent];
+        }
+    }
+    sum
+}
+
 /// Kink relative to the largest derivative of a list that is followed through the steps.
 const FOLLOWED: f64 = 1e-7;
 /// Roundings of the numbers of a list that are no kink.
-const OF_LISTS: f64 = 256.0;
+pub(super) const OF_LISTS: f64 = 256.0;
 
 /// [`central`] of lists of numbers whose terms have this size, the kinks without round-off.
 pub(super) fn of_lists(h: f64, all: [&[f64]; 5], size: f64) -> [Vec<f64>; 2] {

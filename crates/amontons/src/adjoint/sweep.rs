@@ -41,6 +41,18 @@ impl StateVector {
         }
     }
 
+    /// A vector of this size without numbers other than zero.
+    pub fn zeros(&self) -> StateVector {
+        StateVector {
+            u: zeros(self.u.len()),
+            w: zeros(self.w.len()),
+            theta: zeros(self.theta.len()),
+            branches: self.branches.iter().map(|branch| zeros(branch.len())).collect(),
+            wear: zeros(self.wear.len()),
+            work: zeros(self.work.len()),
+        }
+    }
+
     /// (4 v₀ − v₋₁)/3 of the vectors of two states, to which a step adds; of wear and work of friction v₀.
     pub fn mixed(start: &StateVector, before: &StateVector) -> StateVector {
         let mix = |now: &[f64], then: &[f64]| -> Vec<f64> {
@@ -400,12 +412,14 @@ pub(super) struct Around<'a> {
 
 impl Multiplied {
     /// The derivative of the output by a parameter through this step, how much of a kink there is, as
-    /// [`stencil::central`] has it, and the round-off of both.
-    pub fn by_parameter(&self, around: &Around) -> [f64; 3] {
-        let values = around.all.map(|residual| [self.product(residual)]);
-        let [[slope], [kink]] = stencil::central(around.h, values.each_ref());
+    /// [`stencil::central`] has it, and the round-off of both; `through` are the derivatives of (4.1) and (4.2) that
+    /// are known.
+    pub fn by_parameter(&self, around: &Around, through: &[Option<Vec<f64>>; 2]) -> [f64; 3] {
+        let [slope, kink] = self.product(around);
         let of_points = self.of_defects(around);
-        [slope - of_points[0], kink - of_points[1], f64::EPSILON * self.size(around.all[2]) / around.h]
+        let known = through.iter().zip([&self.transposed.y, &self.heat[0]]);
+        let known: f64 = known.filter_map(|(of, y)| of.as_ref().map(|of| dot(y, of))).sum();
+        [slope - known - of_points[0], kink - of_points[1], f64::EPSILON * self.size(around.all[2]) / around.h]
     }
 
     /// The sizes of the numbers whose sum [`Multiplied::product`] is.
@@ -424,20 +438,32 @@ impl Multiplied {
             + product(&after.work, &of.work)
     }
 
-    /// The sum of all equations but those of the contact points, and of what follows from the unknowns.
-    fn product(&self, of: &StepResidual) -> f64 {
+    /// The derivative and the kink of the sum of all equations but those of the contact points, and of what follows from
+    /// the unknowns. Differences are taken of each number, so that those that do not change add no round-off.
+    fn product(&self, around: &Around) -> [f64; 2] {
         let Multiplied { transposed, heat: [heat, held], after, .. } = self;
-        let worn = after.wear.iter().zip(&of.points).map(|(weight, point)| weight * point.worn).sum::<f64>();
-        let branches = after.branches.iter().zip(&of.branches).map(|(a, b)| dot(a, b)).sum::<f64>();
-        let warmed = if heat.is_empty() { dot(&after.theta[..of.temperatures.len()], &of.temperatures) } else { 0.0 };
-        dot(&transposed.prescribed, &of.rates) + dot(held, &of.temperatures[..held.len()]) + warmed
-            // The multipliers have no components along held degrees of freedom.
-            - dot(&transposed.y, &of.mechanics)
-            - dot(heat, &of.heat[..heat.len()])
-            + dot(&after.u, &of.u)
-            + branches
-            + worn
-            + dot(&after.work, &of.work)
+        let (h, all) = (around.h, &around.all);
+        let mut sum = [0.0; 2];
+        let mut add = |factor: f64, weights: &[f64], of: &dyn Fn(&StepResidual) -> &[f64]| {
+            let more = stencil::product(h, weights, all.map(|residual| of(residual)));
+            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += factor * more);
+        };
+        add(1.0, &transposed.prescribed, &|of| &of.rates);
+        add(1.0, held, &|of| &of.temperatures);
+        // The multipliers have no components along held degrees of freedom.
+        add(-1.0, &transposed.y, &|of| &of.mechanics);
+        add(-1.0, heat, &|of| &of.heat);
+        add(1.0, &after.u, &|of| &of.u);
+        add(1.0, &after.work, &|of| &of.work);
+        if heat.is_empty() {
+            add(1.0, &after.theta, &|of| &of.temperatures);
+        }
+        for (i, weights) in after.branches.iter().enumerate() {
+            add(1.0, weights, &|of| of.branches.get(i).map_or(&[], |branch| branch));
+        }
+        let worn = all.map(|residual| residual.points.iter().map(|point| point.worn).collect::<Vec<f64>>());
+        let of_wear = stencil::product(h, &after.wear, worn.each_ref().map(|worn| &worn[..]));
+        [sum[0] + of_wear[0], sum[1] + of_wear[1]]
     }
 
     /// The same of the equations of the contact points, on the branch of the solution; NaN if a difference of this step

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::error::GradientError;
-use super::factors::{BodySlopes, Factored, REPETITIONS, StepFactors, coupled, solvable};
+use super::factors::{BodySlopes, Corrections, Factored, StepFactors, coupled, solvable};
 use super::instance::{ProblemInstance, SolvedStep, StepResidual, data};
 use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
@@ -64,6 +64,13 @@ impl ResidualSlope {
             branches: branches.iter().map(|both| both[k].clone()).collect(),
         };
         Some((made(0), Some(made(1)).filter(|kink| !kink.is_zero())))
+    }
+
+    /// Adds derivatives of (4.1) and of (4.2) that are known.
+    pub fn add(&mut self, known: [Option<Vec<f64>>; 2]) {
+        for (to, from) in [&mut self.mechanics, &mut self.heat].into_iter().zip(known) {
+            to.iter_mut().zip(from.into_iter().flatten()).for_each(|(to, from)| *to += from);
+        }
     }
 
     fn is_zero(&self) -> bool {
@@ -390,25 +397,27 @@ impl StepFactors {
             let condensed = half.system.condensed_mut();
             let tangent = term.map_or_else(Tangent::new, |term| term.sum_of_slopes(condensed, &slopes));
             let (mut v, mut f) = (pushed.held.clone(), vec![[0.0; 3]; points.len()]);
-            for _ in 0..REPETITIONS {
-                let forces = on_degrees(step, points, &f);
-                let left: Vec<Local> =
-                    (0..points.len()).map(|i| left(step, (i, &points[i]), (&v, &f[i]), pushed)).collect();
+            let mut left = left(step, matrix, points, (&v, &f), pushed);
+            let mut progress = Corrections::default();
+            while progress.go_on() {
                 let reacting: Vec<Local> =
-                    inverses.iter().zip(&left).map(|(inverse, left)| times(inverse, left)).collect();
-                let (product, reacting) = (matrix.apply(&v), on_degrees(step, points, &reacting));
-                let mut rest: Vec<f64> =
-                    (0..v.len()).map(|i| pushed.right[i] - product[i] - forces[i] - reacting[i]).collect();
+                    inverses.iter().zip(&left.1).map(|(inverse, left)| times(inverse, left)).collect();
+                let reacting = on_degrees(step, points, &reacting);
+                let mut rest: Vec<f64> = left.0.iter().zip(&reacting).map(|(rest, reacting)| rest - reacting).collect();
                 solvable(&step.discrete.v, &mut rest);
                 let more = half.system.linearised(&tangent, &rest)?;
                 for (i, (point, inverse)) in
                     points.iter().zip(&inverses).enumerate().filter(|(i, _)| is_faced(step, *i))
                 {
                     let seen = times(&point.by_velocity(), &jump(step, i, point, &more));
-                    let change = times(inverse, &std::array::from_fn(|a| left[i][a] - seen[a]));
+                    let change = times(inverse, &std::array::from_fn(|a| left.1[i][a] - seen[a]));
                     (0..3).for_each(|a| f[i][a] += change[a]);
                 }
                 v.iter_mut().zip(&more).for_each(|(v, more)| *v += more);
+                progress.add(&more, &v);
+                if progress.go_on() {
+                    left = self::left(step, matrix, points, (&v, &f), pushed);
+                }
             }
             Ok((v, f))
         })
@@ -428,18 +437,30 @@ impl StepFactors {
             let apply = |matrix: &BlockMatrix, theta: &[f64]| -> Vec<f64> {
                 matrix.apply(theta).iter().zip(passed(step, flux, theta)).map(|(a, b)| a + b).collect()
             };
-            factored.solved(&step.discrete.q, &tangent, (held.clone(), right), apply)
+            let [theta, _] = factored.solved(&step.discrete.q, &tangent, (held.clone(), right), apply)?;
+            Ok(theta)
         })
     }
 }
 
-/// What is left of the equations of a contact point.
-fn left(step: &Step, (i, point): (usize, &LinearPoint), (v, f): (&[f64], &Local), pushed: &Pushed) -> Local {
-    if !is_faced(step, i) {
-        return [0.0; 3];
-    }
-    let (seen, acting) = (times(&point.by_velocity(), &jump(step, i, point, v)), times(&point.by_force(), f));
-    std::array::from_fn(|a| pushed.defects[i][a] - seen[a] - acting[a])
+/// What is left of the equations of the half-step and of its contact points, at values of both unknowns.
+fn left(
+    step: &Step,
+    matrix: &BlockMatrix,
+    points: &[LinearPoint],
+    (v, f): (&[f64], &[Local]),
+    pushed: &Pushed,
+) -> (Vec<f64>, Vec<Local>) {
+    let (product, forces) = (matrix.apply(v), on_degrees(step, points, f));
+    let rest = (0..v.len()).map(|i| pushed.right[i] - product[i] - forces[i]).collect();
+    let of_point = |(i, point): (usize, &LinearPoint)| -> Local {
+        if !is_faced(step, i) {
+            return [0.0; 3];
+        }
+        let (seen, acting) = (times(&point.by_velocity(), &jump(step, i, point, v)), times(&point.by_force(), &f[i]));
+        std::array::from_fn(|a| pushed.defects[i][a] - seen[a] - acting[a])
+    };
+    (rest, points.iter().enumerate().map(of_point).collect())
 }
 
 /// The derivative of Σ ω Nᵀ q·ν in θ times `theta`.

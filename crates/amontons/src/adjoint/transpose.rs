@@ -1,6 +1,6 @@
 //! The transposed systems of a step.
 
-use super::factors::{Factored, REPETITIONS, StepFactors, solvable};
+use super::factors::{Corrections, Factored, StepFactors, solvable};
 use super::instance::{ProblemInstance, SolvedStep, data, global, heat_step};
 use super::points::LinearPoint;
 use crate::contact::Flux;
@@ -58,26 +58,28 @@ impl StepFactors {
             let tangent = term.map_or_else(Tangent::new, |term| term.sum_of_slopes(condensed, &slopes));
             let mut found =
                 Transposed { y: zeros(right.len()), points: vec![[0.0; 3]; points.len()], prescribed: Vec::new() };
-            for _ in 0..REPETITIONS {
-                let (mut rest, of_points) = remaining(step, matrix, points, &found, (right, force));
+            let mut left = (right.to_vec(), force.to_vec());
+            let mut progress = Corrections::default();
+            while progress.go_on() {
                 let back = |((point, inverse), r): ((&LinearPoint, &LocalTangent), &Local)| {
                     times(&transposed(&point.by_velocity()), &times(&transposed(inverse), r))
                 };
-                let reacting: Vec<Local> = points.iter().zip(&inverses).zip(&of_points).map(back).collect();
+                let reacting: Vec<Local> = points.iter().zip(&inverses).zip(&left.1).map(back).collect();
                 let pushed = on_degrees(step, points, &reacting);
-                rest.iter_mut().zip(&pushed).for_each(|(rest, pushed)| *rest -= pushed);
+                let mut rest: Vec<f64> = left.0.iter().zip(&pushed).map(|(rest, pushed)| rest - pushed).collect();
                 solvable(space, &mut rest);
                 let more = half.system.linearised(&tangent, &rest)?;
                 for (i, (point, inverse)) in points.iter().zip(&inverses).enumerate() {
                     let seen = jump(step, i, point, &more);
-                    let left = std::array::from_fn(|a| of_points[i][a] - seen[a]);
+                    let left = std::array::from_fn(|a| left.1[i][a] - seen[a]);
                     let change = times(&transposed(inverse), &left);
                     (0..3).for_each(|a| found.points[i][a] += change[a]);
                 }
                 found.y.iter_mut().zip(&more).for_each(|(y, more)| *y += more);
+                left = remaining(step, matrix, points, &found, (right, force));
+                progress.add(&more, &found.y);
             }
-            let (rest, _) = remaining(step, matrix, points, &found, (right, force));
-            found.prescribed = held_forces(space, rest);
+            found.prescribed = held_forces(space, left.0);
             Ok(found)
         })
     }
@@ -93,13 +95,13 @@ impl StepFactors {
         let Some(factored) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
         base.step(of.n, of.old, |step| {
             let tangent = heat_tangent(step, &mut factored.half, of, flux).transposed();
+            let is_symmetric = factored.is_symmetric;
             let apply = |matrix: &BlockMatrix, y: &[f64]| -> Vec<f64> {
-                matrix.apply_transposed(y).iter().zip(exchanged(step, flux, y)).map(|(a, b)| a + b).collect()
+                let product = if is_symmetric { matrix.apply(y) } else { matrix.apply_transposed(y) };
+                product.iter().zip(exchanged(step, flux, y)).map(|(a, b)| a + b).collect()
             };
-            let y = factored.solved(&step.discrete.q, &tangent, (zeros(right.len()), right), apply)?;
-            let left = right.iter().zip(apply(&factored.matrix, &y)).map(|(right, product)| right - product).collect();
-            let held = held_forces(&step.discrete.q, left);
-            Ok([y, held])
+            let [y, left] = factored.solved(&step.discrete.q, &tangent, (zeros(right.len()), right), apply)?;
+            Ok([y, held_forces(&step.discrete.q, left)])
         })
     }
 }

@@ -1,7 +1,157 @@
-//! Whether two problems have the same forms.
+//! The forms that two problems have in common: by their data, before one of them is assembled, and by their matrices.
 
-use super::Discretization;
-use crate::linalg::BlockMatrix;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{Discretization, is_fixed};
+use crate::field::{Coefficient, Law};
+use crate::forms::Load;
+use crate::linalg::{BlockMatrix, Graph};
+use crate::material::{Material, TensorLaw};
+use crate::mesh::{FacetBlock, FacetSet, Mesh};
+use crate::problem::Problem;
+use crate::tensor::Sym;
+
+/// The forms that a problem has in common with another one, as far as their data show it: laws that vary in space or
+/// with the temperature do not.
+#[derive(Default)]
+pub(super) struct SameForms<'a> {
+    /// The other one, if both have the same mesh.
+    of: Option<&'a Discretization>,
+    a: bool,
+    b: bool,
+    d: bool,
+    m: bool,
+    e: bool,
+    loads: bool,
+}
+
+impl<'a> SameForms<'a> {
+    pub fn new(problem: &Problem, (other, of): (&Problem, &'a Discretization)) -> SameForms<'a> {
+        let is_plain = |problem: &Problem| problem.massless_nodes().is_empty();
+        if !is_plain(problem) || !is_plain(other) || !is_same_mesh(&problem.mesh, &other.mesh) {
+            return SameForms::default();
+        }
+        let materials = || problem.materials.iter().zip(&other.materials);
+        let has_same_strain = problem.dilatation() == other.dilatation();
+        let laws = |law: fn(&Material) -> &Law<dyn TensorLaw>| {
+            has_same_strain && materials().all(|(a, b)| is_same_law(law(a), law(b)))
+        };
+        let coefficients = |of: fn(&Material) -> &Coefficient<Sym>| {
+            materials()
+                .all(|(a, b)| of(a).constant().is_some_and(|a| of(b).constant().is_some_and(|b| same_bits(&a, &b))))
+        };
+        SameForms {
+            of: Some(of).filter(|_| problem.materials.len() == other.materials.len()),
+            a: laws(|m| &m.elasticity),
+            b: laws(|m| &m.viscosity),
+            d: coefficients(|m| &m.conductivity),
+            m: has_same_strain && coefficients(|m| &m.expansion),
+            e: has_same_strain && coefficients(|m| &m.coupling),
+            loads: has_same_loads(problem, other),
+        }
+    }
+
+    /// The graph of both.
+    pub fn graph(&self) -> Option<Arc<Graph>> {
+        self.of.map(|of| Arc::clone(of.mass.graph()))
+    }
+
+    /// The loads of mechanics and heat.
+    pub fn loads(&self, make: impl FnOnce() -> (Load, Load)) -> (Load, Load) {
+        self.of.filter(|_| self.loads).map_or_else(make, |of| (of.f.shared(), of.q_h.shared()))
+    }
+
+    fn form(
+        &self,
+        is_same: bool,
+        form: fn(&Discretization) -> &BlockMatrix,
+        make: impl FnOnce() -> BlockMatrix,
+    ) -> BlockMatrix {
+        self.of.filter(|_| is_same).map_or_else(make, |of| form(of).clone())
+    }
+
+    pub fn mass(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.form(true, |of| &of.mass, make)
+    }
+
+    pub fn a(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.form(self.a, |of| &of.a, make)
+    }
+
+    pub fn b(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.form(self.b, |of| &of.b, make)
+    }
+
+    pub fn d(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.form(self.d, |of| &of.d, make)
+    }
+
+    pub fn m(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.form(self.m, |of| &of.m, make)
+    }
+
+    pub fn e(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.form(self.e, |of| &of.e, make)
+    }
+}
+
+fn is_same_mesh(a: &Arc<Mesh>, b: &Arc<Mesh>) -> bool {
+    let same_points = || {
+        let coordinates = |mesh: &Mesh| mesh.points.iter().flatten().map(|c| c.to_bits()).collect::<Vec<u64>>();
+        coordinates(a) == coordinates(b)
+    };
+    let same_cells = || {
+        a.blocks.len() == b.blocks.len()
+            && a.blocks
+                .iter()
+                .zip(&b.blocks)
+                .all(|(a, b)| std::ptr::eq(a.element, b.element) && a.region == b.region && a.nodes == b.nodes)
+    };
+    let same_sides = || are_same_sets(&a.facets, &b.facets) && are_same_sets(&a.edges, &b.edges);
+    let bits = |mesh: &Mesh| mesh.thickness.map(f64::to_bits);
+    Arc::ptr_eq(a, b)
+        || (same_sides()
+            && (a.dim, a.axisymmetric, bits(a)) == (b.dim, b.axisymmetric, bits(b))
+            && same_cells()
+            && same_points())
+}
+
+/// True if the loads of two problems on one mesh have the same data. Of loads of regions and rigid parts this is not
+/// told.
+fn has_same_loads(a: &Problem, b: &Problem) -> bool {
+    let is_plain = |problem: &Problem| problem.region_loads.is_empty() && problem.rigid.is_empty();
+    is_plain(a)
+        && is_plain(b)
+        && (&a.body_force, &a.heat_source, &a.boundary) == (&b.body_force, &b.heat_source, &b.boundary)
+}
+
+fn are_same_sets(a: &BTreeMap<String, FacetSet>, b: &BTreeMap<String, FacetSet>) -> bool {
+    let is_same = |(a, b): (&FacetBlock, &FacetBlock)| std::ptr::eq(a.element, b.element) && a.nodes == b.nodes;
+    a.len() == b.len()
+        && a.iter().zip(b).all(|((name, a), (other, b))| {
+            name == other && a.blocks.len() == b.blocks.len() && a.blocks.iter().zip(&b.blocks).all(is_same)
+        })
+}
+
+/// True if two laws are linear, do not vary, and have the same values, or if neither has a constant matrix.
+fn is_same_law(a: &Law<dyn TensorLaw>, b: &Law<dyn TensorLaw>) -> bool {
+    if !is_fixed(a) && !is_fixed(b) {
+        return true;
+    }
+    let strains = (0..6).map(|i| Sym(std::array::from_fn(|j| f64::from(u8::from(i == j)))));
+    let x = [0.0; 3];
+    let (of_a, of_b) = (a.at(&x), b.at(&x));
+    is_fixed(a)
+        && is_fixed(b)
+        && a.graded().is_none()
+        && b.graded().is_none()
+        && strains.into_iter().all(|strain| same_bits(&of_a.value(&x, &strain), &of_b.value(&x, &strain)))
+}
+
+fn same_bits(a: &Sym, b: &Sym) -> bool {
+    a.0.iter().zip(&b.0).all(|(a, b)| a.to_bits() == b.to_bits())
+}
 
 impl Discretization {
     /// True if the forms of (4.1) and of (4.2) are to the bit those of another discretization; false for laws that are
@@ -20,6 +170,21 @@ impl Discretization {
             && [(&self.d, &other.d), (&self.e, &other.e)].iter().all(|(a, b)| a.is_same(b))
             && are_same(self.convection.as_ref(), other.convection.as_ref());
         [mechanics, heat]
+    }
+}
+
+impl Discretization {
+    /// Takes the forms of another one with constant forms in the place of its own.
+    pub(crate) fn take_forms(&mut self, other: &Discretization) {
+        let forms = [&mut self.a, &mut self.b, &mut self.m, &mut self.e, &mut self.d, &mut self.mass];
+        let others = [&other.a, &other.b, &other.m, &other.e, &other.d, &other.mass];
+        forms.into_iter().zip(others).for_each(|(form, other)| form.clone_from(other));
+        let on_boundary = [&mut self.springs, &mut self.dashpots, &mut self.convection];
+        let others = [&other.springs, &other.dashpots, &other.convection];
+        on_boundary.into_iter().zip(others).for_each(|(form, other)| form.clone_from(other));
+        self.moved.clone_from(&other.moved);
+        self.density.clone_from(&other.density);
+        self.capacity.clone_from(&other.capacity);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::linalg::{BlockMatrix, Graph};
 use crate::mesh::Mesh;
 
 /// Weight of (·, ·)_{L²}: one number if it is uniform, otherwise a weighted form of its own.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Weight {
     Same(f64),
     Varying(BlockMatrix),

@@ -21,12 +21,12 @@ const POINTS: usize = 4096;
 #[derive(Debug, Default)]
 pub struct Load {
     constant: Arc<Vec<f64>>,
-    varying: Vec<Varying>,
+    varying: Arc<Vec<Varying>>,
     /// The last load made; its memory is reused.
     last: Mutex<Arc<Vec<f64>>>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Varying {
     field: Field,
     points: Vec<Point>,
@@ -38,6 +38,12 @@ struct Varying {
 impl Load {
     fn new(size: usize) -> Load {
         Load { constant: Arc::new(vec![0.0; size]), ..Load::default() }
+    }
+
+    /// The same load, whose terms are shared.
+    #[must_use]
+    pub fn shared(&self) -> Load {
+        Load { constant: Arc::clone(&self.constant), varying: Arc::clone(&self.varying), last: Mutex::default() }
     }
 
     /// The load vector at time t in N or W, one entry per degree of freedom; shared if no term varies.
@@ -63,7 +69,7 @@ impl Load {
         }
         let term = Varying { field: field.clone(), points, entries, per_point };
         if field.depends_on_time() {
-            self.varying.push(term);
+            Arc::make_mut(&mut self.varying).push(term);
         } else {
             let constant = Arc::make_mut(&mut self.constant);
             term.add(0.0, constant);

@@ -24,9 +24,10 @@ pub struct BlockMatrix {
     graph: Arc<Graph>,
     rows: usize,
     cols: usize,
-    values: PagedNumbers,
+    /// Shared with copies until one of them changes.
+    values: Arc<PagedNumbers>,
     /// Values that products read in place of `values`, if rows repeat.
-    repeated: Option<Repeated>,
+    repeated: Option<Arc<Repeated>>,
     /// True if A x = 0 for every x that is the same at all nodes.
     of_differences: bool,
 }
@@ -48,7 +49,8 @@ impl BlockMatrix {
         let shape = |of: &BlockMatrix| (of.rows, of.cols, of.values.len(), of.of_differences);
         shape(self) == shape(other)
             && (Arc::ptr_eq(&self.graph, &other.graph) || self.graph == other.graph)
-            && self.values.iter().zip(other.values.iter()).all(|(a, b)| a.to_bits() == b.to_bits())
+            && (Arc::ptr_eq(&self.values, &other.values)
+                || self.values.iter().zip(other.values.iter()).all(|(a, b)| a.to_bits() == b.to_bits()))
     }
 
     /// The zero matrix of `rows` × `cols` blocks.
@@ -58,7 +60,7 @@ impl BlockMatrix {
             graph: Arc::clone(graph),
             rows,
             cols,
-            values: PagedNumbers::of(graph.columns.len() * rows * cols, |_| {}),
+            values: Arc::new(PagedNumbers::of(graph.columns.len() * rows * cols, |_| {})),
             repeated: None,
             of_differences: false,
         }
@@ -77,7 +79,7 @@ impl BlockMatrix {
     #[must_use]
     pub fn repeated(mut self) -> BlockMatrix {
         let rows = repeats::rows(self.graph.len(), |i| self.row_values(i));
-        self.repeated = rows.map(|(start, values)| Repeated { start, values });
+        self.repeated = rows.map(|(start, values)| Arc::new(Repeated { start, values }));
         self
     }
 
@@ -102,11 +104,11 @@ impl BlockMatrix {
     /// Adds the matrix of a cell, row-major over (node, component), to the blocks of its nodes.
     pub fn add(&mut self, nodes: &[u32], cell: &[f64]) {
         self.repeated = None;
-        let width = nodes.len() * self.cols;
+        let (width, values) = (nodes.len() * self.cols, Arc::make_mut(&mut self.values));
         for (a, &i) in nodes.iter().enumerate() {
             for (b, &j) in nodes.iter().enumerate() {
                 let Some(slot) = self.graph.slot(i as usize, j) else { continue };
-                let block = &mut self.values[slot * self.rows * self.cols..][..self.rows * self.cols];
+                let block = &mut values[slot * self.rows * self.cols..][..self.rows * self.cols];
                 for r in 0..self.rows {
                     for c in 0..self.cols {
                         block[r * self.cols + c] += cell[(a * self.rows + r) * width + b * self.cols + c];
@@ -119,9 +121,10 @@ impl BlockMatrix {
     /// Adds a multiple of values, by column, to the row of node `i` of a form on scalars.
     pub(super) fn add_to_row(&mut self, i: usize, factor: f64, row: impl Iterator<Item = (u32, f64)>) {
         self.repeated = None;
+        let values = Arc::make_mut(&mut self.values);
         for (j, value) in row {
             if let Some(slot) = self.graph.slot(i, j) {
-                self.values[slot] += factor * value;
+                values[slot] += factor * value;
             }
         }
     }
@@ -129,9 +132,9 @@ impl BlockMatrix {
     /// Multiplies the values of the row of node `i` of a form on scalars, by column.
     pub fn scale_row(&mut self, i: usize, factor: impl Fn(u32) -> f64) {
         self.repeated = None;
-        let (graph, first) = (Arc::clone(&self.graph), self.graph.start[i]);
-        for (k, &j) in graph.row(i).iter().enumerate() {
-            self.values[first + k] *= factor(j);
+        let (values, first) = (Arc::make_mut(&mut self.values), self.graph.start[i]);
+        for (k, &j) in self.graph.row(i).iter().enumerate() {
+            values[first + k] *= factor(j);
         }
     }
 
@@ -160,7 +163,7 @@ impl BlockMatrix {
         let (Some(&least), Some(&most)) = (nodes.iter().min(), nodes.iter().max()) else { return };
         let (mut first, end, parts) = (least as usize, most as usize + 1, rayon::current_num_threads());
         let (from, to) = (graph.start[first], graph.start[end]);
-        let mut rest = &mut self.values[from * size..to * size];
+        let mut rest = &mut Arc::make_mut(&mut self.values)[from * size..to * size];
         rayon::scope(|scope| {
             for part in 1..=parts {
                 // Rows are divided so that every part has about as many entries.
@@ -178,6 +181,20 @@ impl BlockMatrix {
         });
     }
 
+    /// A multiple of the matrix.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> BlockMatrix {
+        let mut scaled = BlockMatrix { repeated: None, ..self.clone() };
+        Arc::make_mut(&mut scaled.values).iter_mut().for_each(|value| *value *= factor);
+        scaled
+    }
+
+    /// The largest magnitude of an entry.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        max_abs(&self.values)
+    }
+
     /// Adds `factor` times a matrix on the same graph: of the same block shape, or of 1 × 1 blocks,
     /// which then act on each component.
     pub fn add_scaled(&mut self, factor: f64, other: &BlockMatrix) {
@@ -187,11 +204,11 @@ impl BlockMatrix {
         (self.repeated, self.of_differences) = (None, self.of_differences && other.of_differences);
         let size = self.rows * self.cols;
         if other.rows * other.cols == size {
-            for (a, b) in self.values.iter_mut().zip(other.values.iter()) {
+            for (a, b) in Arc::make_mut(&mut self.values).iter_mut().zip(other.values.iter()) {
                 *a += factor * b;
             }
         } else {
-            for (block, b) in self.values.chunks_exact_mut(size).zip(other.values.iter()) {
+            for (block, b) in Arc::make_mut(&mut self.values).chunks_exact_mut(size).zip(other.values.iter()) {
                 for r in 0..self.rows {
                     block[r * self.cols + r] += factor * b;
                 }
@@ -208,16 +225,17 @@ impl BlockMatrix {
         }
         let (mut turned, n) =
             (BlockMatrix { repeated: None, of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
+        let values = Arc::make_mut(&mut turned.values);
         for NodeFrame { node, axes } in frames {
             let own = self.graph.start[*node as usize];
             for (k, &j) in self.graph.row(*node as usize).iter().enumerate() {
-                let block = &mut turned.values[(own + k) * n * n..][..n * n];
+                let block = &mut values[(own + k) * n * n..][..n * n];
                 let old = block.to_vec();
                 for (at, value) in block.iter_mut().enumerate() {
                     *value = (0..n).map(|d| axes[at / n][d] * old[d * n + at % n]).sum();
                 }
                 let Some(other) = self.graph.slot(j as usize, *node) else { continue };
-                let block = &mut turned.values[other * n * n..][..n * n];
+                let block = &mut values[other * n * n..][..n * n];
                 let old = block.to_vec();
                 for (at, value) in block.iter_mut().enumerate() {
                     *value = (0..n).map(|d| axes[at % n][d] * old[at / n * n + d]).sum();
@@ -236,17 +254,17 @@ impl BlockMatrix {
         }
         let leaders = leaders(self.graph.len(), links);
         let mut joined = BlockMatrix::zero(&Arc::new(self.graph.linked(links)), self.rows, self.cols);
-        let size = self.rows * self.cols;
+        let (size, values) = (self.rows * self.cols, Arc::make_mut(&mut joined.values));
         for (i, &to) in leaders.iter().enumerate() {
             for (j, block) in self.row(i) {
                 if let Some(slot) = joined.graph.slot(to as usize, leaders[j]) {
-                    joined.values[slot * size..][..size].iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
+                    values[slot * size..][..size].iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
                 }
                 if i == j
                     && to as usize != i
                     && let Some(slot) = joined.graph.slot(i, i as u32)
                 {
-                    joined.values[slot * size..][..size].copy_from_slice(block);
+                    values[slot * size..][..size].copy_from_slice(block);
                 }
             }
         }
@@ -274,13 +292,14 @@ impl BlockMatrix {
                 None => (0..n).map(|c| (node * n + c, std::array::from_fn(|d| f64::from(u8::from(c == d))))).collect(),
             }
         };
+        let values = Arc::make_mut(&mut joined.values);
         for i in 0..self.graph.len() {
             let is_slot = |body: u32| rigid[body as usize].slots().contains(&(i as u32));
             let rows = of_node(i);
             for (j, block) in self.row(i) {
                 if body_of[i].is_none() && body_of[j].is_none() {
                     if let Some(slot) = joined.graph.slot(i, j as u32) {
-                        joined.values[slot * n * n..][..n * n].copy_from_slice(block);
+                        values[slot * n * n..][..n * n].copy_from_slice(block);
                     }
                     continue;
                 }
@@ -288,14 +307,14 @@ impl BlockMatrix {
                     && body_of[i].is_some_and(|body| !is_slot(body))
                     && let Some(slot) = joined.graph.slot(i, i as u32)
                 {
-                    joined.values[slot * n * n..][..n * n].copy_from_slice(block);
+                    values[slot * n * n..][..n * n].copy_from_slice(block);
                 }
                 let columns = of_node(j);
                 for (row, left) in &rows {
                     let along: Vec<f64> = (0..n).map(|c| (0..n).map(|r| left[r] * block[r * n + c]).sum()).collect();
                     for (column, right) in &columns {
                         let Some(slot) = joined.graph.slot(row / n, (column / n) as u32) else { continue };
-                        joined.values[slot * n * n + row % n * n + column % n] +=
+                        values[slot * n * n + row % n * n + column % n] +=
                             along.iter().zip(right).map(|(a, b)| a * b).sum::<f64>();
                     }
                 }
@@ -305,7 +324,7 @@ impl BlockMatrix {
             for (node, c) in (body.motions.len()..body.slots().len() * n).map(|j| (body.slots()[j / n] as usize, j % n))
             {
                 if let Some(slot) = joined.graph.slot(node, node as u32) {
-                    joined.values[(slot * n + c) * n + c] = self.get(node, c, node, c);
+                    values[(slot * n + c) * n + c] = self.get(node, c, node, c);
                 }
             }
         }
@@ -335,7 +354,7 @@ impl BlockMatrix {
     pub(super) fn row_read(&self, i: usize) -> &[f64] {
         let size = (self.graph.start[i + 1] - self.graph.start[i]) * self.rows * self.cols;
         match &self.repeated {
-            Some(Repeated { start, values }) => &values[start[i] as usize..][..size],
+            Some(repeated) => &repeated.values[repeated.start[i] as usize..][..size],
             None => &self.values[self.graph.start[i] * self.rows * self.cols..][..size],
         }
     }

@@ -400,6 +400,14 @@ impl March {
     }
 }
 
+/// The step to an equilibrium at t = 0.
+pub(crate) struct EquilibriumStep {
+    /// The reference state.
+    pub start: State,
+    pub end: State,
+    pub report: StepReport,
+}
+
 /// (4 c₀ − c₋₁)/3 of the parts of the displacement, which may not yet have been split one step before.
 fn mixed_parts(bodies: &Bodies, discrete: &Discretization, old: &State, earlier: &Earlier) -> Carried {
     if earlier.carried.rigid.is_empty() {
@@ -422,7 +430,7 @@ impl Scheme for March {
     fn initial(&self) -> Result<State, SetupError> {
         let found = match self.problem.initial.state {
             StartState::Given => None,
-            StartState::Equilibrium => Some(self.equilibrium()?),
+            StartState::Equilibrium => Some(self.equilibrium()?.end),
         };
         initial::state(&self.problem, &self.discrete, found.as_ref())
     }
@@ -483,8 +491,9 @@ impl Scheme for March {
 }
 
 impl March {
-    /// The state in equilibrium at t = 0: one static step that takes no time, so that all data are those at t = 0.
-    fn equilibrium(&self) -> Result<State, SetupError> {
+    /// The step to the state in equilibrium at t = 0: a static one that takes no time, so that all data are those at t =
+    /// 0.
+    pub(crate) fn equilibrium(&self) -> Result<EquilibriumStep, SetupError> {
         let still = self.problem.at_equilibrium();
         let mut march = March::new(&still)?;
         march.pulse = self.pulse.clone();
@@ -495,7 +504,8 @@ impl March {
             made => made,
         };
         let found = made.map_err(|error| datum::named(&still, &start, error));
-        found.map(|(state, _)| state).map_err(|source| SetupError::Equilibrium { source: Box::new(source) })
+        let (end, report) = found.map_err(|source| SetupError::Equilibrium { source: Box::new(source) })?;
+        Ok(EquilibriumStep { start, end, report })
     }
 
     /// What the next step of the length `k` in s adds to besides `state`, if it adds to two states: that from which

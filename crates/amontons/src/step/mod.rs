@@ -14,6 +14,7 @@ mod steady;
 pub use crate::equation::{Kept, KeptRule};
 pub(crate) use alone::across_gaps;
 pub(crate) use initial::state as initial_state;
+pub(crate) use march::EquilibriumStep;
 pub use march::March;
 
 use std::fmt;

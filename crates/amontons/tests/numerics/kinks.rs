@@ -4,7 +4,7 @@ use amontons::adjoint::{GradientRequest, GradientTable, Parameter, SeriesRequest
 use amontons::case::{Case, Source};
 
 use super::gradient::{Overrides, parameter, parsed, source};
-use super::series::{check_within, series_by_keys};
+use super::series::check_within;
 
 /// The derivatives of a text by parameters with their values, by both methods.
 fn by_both(text: &str, outputs: &[&str], parameters: &[(&str, f64, Overrides)]) -> (GradientTable, SeriesTable) {
@@ -213,20 +213,5 @@ at = [1.5, 0.0]
                 assert!((found - expected).abs() <= 2e-3 * expected.abs(), "{i} by {j}: {found:e} {expected:e}");
             }
         }
-    }
-}
-
-/// What depends on the temperature has other derivatives than those of constant data, and is refused.
-#[test]
-fn materials_over_the_temperature_are_refused() {
-    let table = "{ temperature = [0.0, 4.0, 9.0], value = [0.002, 0.005, 0.012] }";
-    let text = super::gradient::TURNED;
-    for (from, to) in [
-        ("expansion = 1.5", format!("expansion_coefficient = {table}")),
-        ("conductivity = 0.8", format!("conductivity = {table}")),
-        ("heat_capacity = 2.0", format!("heat_capacity = {table}")),
-    ] {
-        let told = series_by_keys(&text.replace(from, &to), &["corner_x"], &["contact.gap"]).unwrap_err().to_string();
-        assert!(told.contains("material: found a nonlinear law, or one that depends on temperature"), "{told}");
     }
 }

@@ -295,3 +295,15 @@ fn steady_hot_sliding_has_the_derivatives_of_its_closed_form() {
     }
     check_by_runs(HOT_ROD, &["pressure", "warm"], &keys[..2]);
 }
+
+/// A body that starts in its static equilibrium, on a layer and on a rigid foundation.
+#[test]
+fn runs_from_an_equilibrium_have_the_slopes_of_differences() {
+    let text = TURNED.replace("velocity = [0.01, -0.02]", "state = \"equilibrium\"");
+    let text = text.replace("traction = [\"0.4*sin(2*t)\", 0.3]", "traction = [\"0.4*sin(2*t) - 0.7\", 0.3]");
+    let keys = ["material.elasticity.young", "material.expansion", "initial.temperature", "load.body_force[1]"];
+    check_by_runs(&text, &OUTPUTS, &keys);
+    let layer = "law = \"damped\", stiffness = 4000.0, damping = 7.0";
+    assert!(text.contains(layer));
+    check_by_runs(&text.replace(layer, "law = \"signorini\""), &OUTPUTS, &keys[..2]);
+}
