@@ -87,7 +87,7 @@ impl ModesFolder {
             for ModesOf { values, modes } in all {
                 for (number, mode) in modes.modes.iter().enumerate() {
                     let values = values.iter().map(|(_, value)| quoted(value) + ",").collect::<String>();
-                    writeln!(out, "{values}{}", join(&row(number + 1, mode)))?;
+                    writeln!(out, "{values}{}{}", join(&row(number + 1, mode)), slopes(mode))?;
                 }
             }
             Ok(())
@@ -110,7 +110,18 @@ fn columns(problem: &Problem, all: &[ModesOf]) -> Vec<String> {
     let contacts = names(&problem.contacts).into_iter().map(|name| quoted(&format!("growth_{name}")));
     let bodies = all.first().map_or(&[][..], |first| &first.modes.bodies);
     let bodies = bodies.iter().map(|name| quoted(&format!("share_{name}")));
-    keys.chain(own).chain(contacts).chain(bodies).collect()
+    let parameters = all.first().map_or(&[][..], |first| &first.modes.parameters);
+    let slopes = parameters.iter().flat_map(|(name, _)| [format!("frequency_by_{name}"), format!("growth_by_{name}")]);
+    keys.chain(own).chain(contacts).chain(bodies).chain(slopes.map(|name| quoted(&name))).collect()
+}
+
+/// The derivatives of a mode, each after a comma; empty fields where it has none.
+fn slopes(mode: &Mode) -> String {
+    let of = |k: usize| match mode.slope(k) {
+        Some([growth, frequency]) => format!(",{}", join(&[frequency, growth])),
+        None => ",,".to_owned(),
+    };
+    (0..mode.slopes.len()).map(of).collect()
 }
 
 /// The numbers of a mode.
@@ -137,6 +148,14 @@ pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
             });
             if let Some((waves, object)) = mode.waves.zip(one.as_object_mut()) {
                 object.insert("waves".to_owned(), waves.into());
+            }
+            if !modes.parameters.is_empty() {
+                let of = |(k, (name, _)): (usize, &(String, f64))| {
+                    let slope = mode.slope(k);
+                    let [growth, frequency] = [0, 1].map(|part| slope.map(|slope| slope[part]));
+                    (name.clone(), serde_json::json!({ "frequency": frequency, "growth": growth }))
+                };
+                one["by"] = modes.parameters.iter().enumerate().map(of).collect();
             }
             one
         };
@@ -170,6 +189,10 @@ pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
             "points": { "open": open, "stick": stick, "slip": slip },
             "unsteady": modes.unsteady,
         });
+        if !modes.parameters.is_empty() {
+            let value = |(name, value): &(String, f64)| (name.clone(), serde_json::Value::from(*value));
+            one["parameters"] = modes.parameters.iter().map(value).collect();
+        }
         if let (Some(all), serde_json::Value::Object(found)) = (one.as_object_mut(), found) {
             all.extend(found);
         }

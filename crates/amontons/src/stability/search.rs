@@ -40,6 +40,8 @@ pub(super) struct FoundPair {
 /// What was found.
 pub(super) struct FoundPairs {
     pub pencil: Polynomial,
+    /// The shift about which they were found.
+    pub shift: c64,
     pub pairs: Vec<FoundPair>,
     pub region: ModeRegion,
     pub missing: isize,
@@ -195,6 +197,6 @@ pub(super) fn find(
             FoundPair { lambda, residual: pencil.residual(lambda, &x), x }
         });
         let (pairs, dimension) = (pairs.collect(), space.dimension());
-        return Ok(FoundPairs { pencil, pairs, region, missing, factorizations, dimension });
+        return Ok(FoundPairs { pencil, shift, pairs, region, missing, factorizations, dimension });
     }
 }

@@ -34,6 +34,7 @@ mod refinement;
 mod revolution;
 mod series;
 mod stabilised;
+mod slopes;
 mod stability;
 mod steady;
 mod theta;
