@@ -221,7 +221,8 @@ mod tests {
             held(&[(2, 1.0), (3, -0.5), (0, 0.3)], &[(3, 1.0), (1, 0.5), (5, 2.0)]),
             held(&[(2, 2.0), (3, -1.0), (0, 0.6)], &[(3, 1.0), (1, 0.4)]),
         ];
-        let Elimination { left, trial: z, test: w, pivots } = eliminate(6, &all, |unknown| unknown < 5, None).ok_or("no basis")?;
+        let Elimination { left, trial: z, test: w, pivots } =
+            eliminate(6, &all, |unknown| unknown < 5, None).ok_or("no basis")?;
         assert_eq!(left.len(), 4);
         // The same rows with the same pivots have the same basis; other pivots are refused.
         let again = eliminate(6, &all, |unknown| unknown < 5, Some(&pivots)).ok_or("no basis")?;

@@ -7,6 +7,7 @@
 //! ```text
 //! λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
 //! λC θ′ + D θ′ − E u′ + Σ ω Nᵀ(q·ν)′ = 0
+//! W_p p′ + λ p′/(∂p/∂r) − λ(ν − W_v e)·u′ + W_θ θ′ = 0      at a point that wears
 //! λC_F θ_F′ + H θ_F′ − Σ ω (q·ν + q·w_τ)′ = 0      of a foundation with a heat capacity
 //! ```
 //!
@@ -127,6 +128,17 @@ impl Assembly<'_> {
                 self.product(0, factor, &temperatures[side], temperature);
             }
         }
+        if let Some((wearing, pressure)) = term.wearing.as_ref().zip(unknowns.pressure(number)) {
+            for (power, factor) in [wearing.by_pressure, wearing.compliance].into_iter().enumerate() {
+                self.product(power, point.weight * factor, &pressure, &pressure);
+            }
+            self.product(1, -point.weight, &pressure, &along(&wearing.approach));
+            for (on, temperature) in temperatures.iter().enumerate() {
+                self.product(0, point.weight * wearing.by_temperature[on], &pressure, temperature);
+                self.product(0, tests[on] * wearing.heat[on], temperature, &pressure);
+            }
+            self.product(0, point.weight, &along(&wearing.force), &pressure);
+        }
         let held = |held: &super::contact::HeldComponent| {
             let mut reaction = along(&held.force);
             for side in 0..2 {
@@ -164,8 +176,7 @@ impl Polynomial {
         let [trial, test] = [trial, test].map(|basis| basis.renumbered(&number));
         let rates = forms.branches.iter().map(|(rate, _)| *rate).collect();
         let (pattern, terms) = condensed(size, entries, [&test, &trial]);
-        let mut made =
-            Polynomial { pattern, terms, rates, unknowns, trial, scale: vec![1.0; size], pivots, number };
+        let mut made = Polynomial { pattern, terms, rates, unknowns, trial, scale: vec![1.0; size], pivots, number };
         if let Some(beside) = beside {
             made.scale_with(beside.scale.clone());
         }
@@ -293,6 +304,20 @@ impl Polynomial {
             self.add_product(term, *weight, x, &mut sum);
         }
         sum
+    }
+
+    /// The size of the sum of the terms with some factors, times x, without cancellation: all factors, entries and
+    /// values by their sizes.
+    pub fn absolute(&self, weights: &[c64], x: &[c64]) -> f64 {
+        let mut sum = vec![0.0f64; x.len()];
+        for (j, x) in x.iter().enumerate() {
+            for k in self.range(j) {
+                let entry = |(weight, term): (&c64, &Vec<c64>)| (weight * term[k]).norm();
+                let size: f64 = weights.iter().zip(&self.terms).map(entry).sum();
+                sum[self.pattern.rows[k] as usize] += size * x.norm();
+            }
+        }
+        sum.iter().map(|size| size * size).sum::<f64>().sqrt()
     }
 
     /// The adjoint of the sum of the terms with some factors, times y.

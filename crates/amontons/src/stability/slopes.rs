@@ -223,19 +223,13 @@ fn space(found: &FoundPairs, pattern: &Pattern, pairs: Vec<usize>) -> Result<Eig
 /// Yᴴ T_λ X where X and Y are all vectors of an eigenvalue and it is not singular, and the size of the terms of Yᴴ T X.
 fn weighed(pencil: &Polynomial, lambda: c64, [right, left]: [&[Vec<c64>]; 2]) -> (Option<Mat<c64>>, f64) {
     let (weights, slope) = (pencil.weights(lambda), pencil.slope_weights(lambda));
-    let term = |weights: &[c64], number: usize, x: &[c64]| -> Vec<c64> {
-        let only: Vec<c64> =
-            weights.iter().enumerate().map(|(k, w)| if k == number { *w } else { c64::default() }).collect();
-        pencil.combined(&only, x)
-    };
-    let sum = |weights: &[c64], x: &[c64]| (0..weights.len()).map(|number| norm(&term(weights, number, x))).sum();
-    let size = right.iter().map(|x| sum(&weights, x)).fold(0.0, f64::max);
+    let size = right.iter().map(|x| pencil.absolute(&weights, x)).fold(0.0, f64::max);
     let is_found = right.iter().all(|x| norm(&pencil.combined(&weights, x)) <= TRUE * size)
         && left.iter().all(|y| norm(&pencil.combined_adjoint(&weights, y)) <= TRUE * size);
     let k = right.len();
     let products: Vec<Vec<c64>> = right.iter().map(|x| pencil.combined(&slope, x)).collect();
     let weight = Mat::from_fn(k, k, |i, j| inner(&left[i], &products[j]));
-    let largest = right.iter().map(|x| sum(&slope, x)).fold(0.0, f64::max);
+    let largest = right.iter().map(|x| pencil.absolute(&slope, x)).fold(0.0, f64::max);
     let least = weight.singular_values().ok().and_then(|all| all.into_iter().reduce(f64::min)).unwrap_or(0.0);
     (Some(weight).filter(|_| is_found && least > DEFECTIVE * largest), size)
 }

@@ -58,7 +58,13 @@ impl<'a> LinearisedState<'a> {
 
     /// The unknowns of perturbations with some waves around the body.
     pub fn unknowns(&self, waves: WaveNumber) -> PerturbedUnknowns {
-        PerturbedUnknowns::new((self.at.discrete, &self.contacts), self.what, waves)
+        let node = |i: usize| {
+            let (node, _) = self.boundary.points.get(i)?.nodes.first()?;
+            self.boundary.nodes.get(*node).copied()
+        };
+        let wearing = |(i, point): (usize, &PointTerm)| point.wearing.as_ref().and_then(|_| node(i));
+        let wearing: Vec<Option<u32>> = self.points.iter().enumerate().map(wearing).collect();
+        PerturbedUnknowns::new((self.at.discrete, &self.contacts), (self.what, &wearing), waves)
     }
 
     /// The pencil on these unknowns, with the basis of one `beside` it; `None` if that does not suit.
@@ -96,9 +102,11 @@ fn check(problem: &Problem, discrete: &Discretization, wanted: &Wanted) -> Resul
         Err(StabilityError::Problem(Fault::new(path, found, expected).hint(hint)))
     };
     let of = |contact: &Contact| {
+        let damps = contact.normal.lipschitz_in_rate().is_none_or(|slope| slope > 0.0);
         let load = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
         let all = [
-            (contact.wear.is_some(), "wear", "wear, which never ends"),
+            (contact.wear.is_some() && contact.pair.is_some(), "wear", "wear of a pair"),
+            (contact.wear.is_some() && damps, "wear", "wear of a layer that damps"),
             (contact.preload.is_some(), "preload", "a preload, whose section is drawn together"),
             (contact.fluid.is_some(), "fluid", "a fluid"),
             (load, "obstacle.load", "an obstacle under a force"),

@@ -72,8 +72,11 @@ fn pencil(text: String) -> Polynomial {
     let (discrete, report) = (seen.discretization, seen.report.expect("a report"));
     let what = unknowns::Perturbed { displacement: true, temperature: false };
     let points = contact::linearised(&seen.problem.contacts, &discrete.boundary, report, false).expect("points");
-    let unknowns =
-        unknowns::PerturbedUnknowns::new((discrete, &seen.problem.contacts), what, super::Sectors::WHOLE.waves(0));
+    let unknowns = unknowns::PerturbedUnknowns::new(
+        (discrete, &seen.problem.contacts),
+        (what, &[]),
+        super::Sectors::WHOLE.waves(0),
+    );
     let forms = forms(discrete, seen.state, what, ModeKind::Squeal);
     Polynomial::new(unknowns, &forms, (&discrete.boundary, &points), &discrete.mesh, None).expect("a pencil")
 }
@@ -217,7 +220,8 @@ fn the_growth_of_a_block_on_a_belt_rises_as_its_formula_says() {
     let found = slopes_of_two((stiffness(0.6), damping), ([[0.0; 2]; 2], [1.0, 0.0]));
     let errors = [0.04, 0.02, 0.01].map(|h| {
         let [low, high] = [-h, h].map(|h| of_two_degrees(stiffness(0.6), [damping[0] + h, damping[1]]));
-        let near = |all: &[c64], at: c64| all.iter().copied().min_by(|a, b| (a - at).norm().total_cmp(&(b - at).norm()));
+        let near =
+            |all: &[c64], at: c64| all.iter().copied().min_by(|a, b| (a - at).norm().total_cmp(&(b - at).norm()));
         let off = |(lambda, slopes): &(c64, Vec<c64>)| {
             let [low, high] = [&low, &high].map(|all| near(all, *lambda).expect("a mode"));
             ((high - low) / (2.0 * h) - slopes[0]).norm()

@@ -414,7 +414,11 @@ fn a_sector_squeals_in_two_waves_as_elsewhere() {
 #[test]
 fn modes_of_a_ring_are_of_fourth_order() {
     let path = crate::common::file("crates/amontons/benchmarks/squeal-ring.toml");
-    let exact = [c64::new(0.085_054_91, 2.061_272_5), c64::new(0.214_977_63, 3.064_465_19), c64::new(0.200_064_46, 4.209_486_89)];
+    let exact = [
+        c64::new(0.085_054_91, 2.061_272_5),
+        c64::new(0.214_977_63, 3.064_465_19),
+        c64::new(0.200_064_46, 4.209_486_89),
+    ];
     let all = [8usize, 16, 32].map(|n| {
         let overrides = [
             format!("mesh.angle={:?}", TAU / (4 * n) as f64),
