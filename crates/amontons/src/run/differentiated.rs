@@ -149,11 +149,21 @@ impl AroundParameter<'_> {
         } else {
             (0..DECADES).map(|decade| STEP * 10f64.powi(-decade)).collect()
         };
-        let mut failed = None;
+        let (mut failed, mut first, mut bends) = (None, None, 0);
         for h in sizes {
             match self.at_step(h) {
-                Ok(Ok(slopes)) => return Ok(slopes),
-                Ok(Err(fault)) => failed = Some(ModeSlopesError::Modes(StabilityError::Problem(fault))),
+                Ok(Some(found)) => {
+                    let largest = *first.get_or_insert(h);
+                    if !self.is_bent(&found, largest) {
+                        return Ok(found.into_iter().map(|[slope, _]| slope).collect());
+                    }
+                    failed = Some(self.refusal("at which data or laws have a kink"));
+                    bends += 1;
+                    if bends == TRIES {
+                        break;
+                    }
+                }
+                Ok(None) => failed = Some(self.refusal("at which contact points change between open, stick and slip")),
                 Err(error) if self.is_interrupted() => return Err(error),
                 Err(error) => failed = Some(error),
             }
@@ -161,24 +171,38 @@ impl AroundParameter<'_> {
         Err(failed.unwrap_or(ModeSlopesError::Modes(StabilityError::State(Reason::NoStep))))
     }
 
+    /// The refusal of a value at which there are no derivatives.
+    fn refusal(&self, why: &str) -> ModeSlopesError {
+        let Parameter { name, value, .. } = self.parameter;
+        let expected = "a value around which the modes are differentiable";
+        let fault = Fault::new(name.clone(), format!("{value}, {why}"), expected);
+        let hint = "move it a little, or take differences of `modes --each` to one side";
+        ModeSlopesError::Modes(StabilityError::Problem(fault.hint(hint)))
+    }
+
+    /// True if derivatives have kinks beyond the round-off of the `largest` step: that of a smaller one might hide them.
+    fn is_bent(&self, found: &[[f64; 2]], largest: f64) -> bool {
+        let sizes = self.modes.sizes();
+        let of = |([slope, _], size): (&[f64; 2], &f64)| slope.abs() / size;
+        let most = found.iter().zip(&sizes).map(of).fold(0.0, f64::max);
+        let limit = KINK * most + ROUND_OFF / largest;
+        found.iter().zip(&sizes).any(|([_, bent], size)| bent.abs() > size * limit)
+    }
+
     fn is_interrupted(&self) -> bool {
         let flag = self.settings.interrupt.as_ref();
         flag.is_some_and(|flag| flag.load(std::sync::atomic::Ordering::Relaxed))
     }
 
-    /// The derivatives with a step, or why it is too large.
-    fn at_step(&self, h: f64) -> Result<Result<Vec<f64>, Fault>, ModeSlopesError> {
-        let Parameter { name, value, problem } = self.parameter;
+    /// The derivatives with a step, each with its kink; `None` if contact points change their status within it.
+    fn at_step(&self, h: f64) -> Result<Option<Vec<[f64; 2]>>, ModeSlopesError> {
+        let Parameter { value, problem, .. } = self.parameter;
         let mut all = Vec::with_capacity(4);
         for j in [-2.0, 2.0, -1.0, 1.0] {
             let other = problem(value + j * h).map_err(StabilityError::Problem)?;
             let wanted = self.search.wanted(&other, self.settings.interrupt.as_deref());
             let numbers = at_end(&other, self.settings, &mut |at| self.modes.projected(at, &wanted), None)?;
-            let Some(numbers) = numbers.filter(|numbers| numbers.len() == self.here.len()) else {
-                let found = format!("{value}, at which contact points change between open, stick and slip");
-                let fault = Fault::new(name.clone(), found, "a value around which the contact keeps its pattern");
-                return Ok(Err(fault.hint("move it a little, or take differences of `modes --each`")));
-            };
+            let Some(numbers) = numbers.filter(|numbers| numbers.len() == self.here.len()) else { return Ok(None) };
             all.push(numbers);
         }
         let slope = |i: usize| {
@@ -186,19 +210,6 @@ impl AroundParameter<'_> {
             let [[slope], [bent]] = central(h, [&at(0), &at(2), &[self.here[i]], &at(3), &at(1)]);
             [slope, bent]
         };
-        let found: Vec<[f64; 2]> = (0..self.here.len()).map(slope).collect();
-        let sizes = self.modes.sizes();
-        // An eigenvalue of several vectors is bent only if its largest number is.
-        let largest = found.iter().zip(&sizes).fold(0.0, |most: f64, ([slope, _], size)| most.max(slope.abs() / size));
-        let is_bent = |([_, bent], size): (&[f64; 2], &f64)| bent.abs() > size * (KINK * largest + ROUND_OFF / h);
-        if found.iter().zip(&sizes).any(is_bent) {
-            let fault = Fault::new(
-                name.clone(),
-                format!("{value}, at which data or laws have a kink"),
-                "a value at which the modes are differentiable",
-            );
-            return Ok(Err(fault.hint("take differences of `modes --each` to one side")));
-        }
-        Ok(Ok(found.into_iter().map(|[slope, _]| slope).collect()))
+        Ok(Some((0..self.here.len()).map(slope).collect()))
     }
 }

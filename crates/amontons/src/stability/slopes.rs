@@ -22,8 +22,10 @@ use crate::contact::Status;
 use crate::linalg::{Pattern, Pivots, SolveError};
 
 /// Distance of the shift of inverse iteration to the eigenvalue, relative to the rates of the search, and the number of
-/// iterations: an eigenvalue ten thousand times as far is damped by as much in each.
+/// iterations. Eigenvalues that are not `APART` times as far from each other are one, since it does not tell their
+/// vectors apart.
 const OFFSET: f64 = 1e-11;
+const APART: f64 = 1e3;
 const ITERATIONS: usize = 4;
 /// Residual of a vector that is one, and part of its size that yᴴ T_λ x has at least.
 const TRUE: f64 = 1e-7;
@@ -184,7 +186,8 @@ fn spaces(found: &FoundPairs, wanted: &Wanted) -> Result<Vec<EigenSpace>, Stabil
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let lambda = |pair: usize| found.pairs[pair].lambda;
     for pair in 0..found.pairs.len() {
-        let is_same = |other: &usize| (lambda(*other) - lambda(pair)).norm() <= SAME * lambda(pair).norm();
+        let near = (SAME * lambda(pair).norm()).max(APART * OFFSET * found.shift.norm());
+        let is_same = |other: &usize| (lambda(*other) - lambda(pair)).norm() <= near;
         match groups.iter_mut().find(|group| group.iter().any(is_same)) {
             Some(group) => group.push(pair),
             None => groups.push(vec![pair]),

@@ -1,7 +1,7 @@
 //! Derivatives of eigenvalues by keys of a case against central differences of whole searches, each with its own steady
 //! state, and the derivatives of critical speeds.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use amontons::adjoint::Parameter;
 use amontons::case::{self, Case, Source};
@@ -113,14 +113,14 @@ fn a_sector_of_a_ring_has_the_slopes_of_its_differences() {
         "cyclic=[{ sides = [\"start\", \"end\"] }]",
     ];
     let ring = "crates/amontons/benchmarks/squeal-ring.toml";
-    let sector = KeyedCase::shipped(ring, &overrides, within([0.01, 1.0], [0.0, 4.0], Some(vec![0, 1, 2])));
+    let sector = KeyedCase::shipped(ring, &overrides, within([0.01, 1.0], [0.0, 5.0], Some(vec![0, 1, 2])));
     let keys = ["contact.friction.coefficient", "material.viscosity.second", "mesh.radii[0]", "material.density"];
     let found = sector.assert_slopes(&keys, 0.01);
     let runs = |sign: i64| found.modes.iter().any(|mode| mode.waves.is_some_and(|waves| sign * waves > 0));
     assert!(found.modes.len() >= 4 && runs(1) && runs(-1), "{:?}", found.counts);
     // The whole ring has each mode twice or as pairs of both senses, with the same derivatives.
     let whole =
-        KeyedCase::shipped(ring, &["mesh.n=[3, 18]", "mesh.elements=\"Q1\""], within([0.01, 1.0], [0.0, 4.0], None));
+        KeyedCase::shipped(ring, &["mesh.n=[3, 18]", "mesh.elements=\"Q1\""], within([0.01, 1.0], [0.0, 5.0], None));
     let of_whole = whole.with(&keys).unwrap_or_else(|error| panic!("{error}"));
     for mode in &found.modes {
         let off = |other: &&Mode| (other.growth - mode.growth).hypot(other.frequency - mode.frequency);
@@ -238,6 +238,35 @@ fn hot_spots_have_the_slopes_of_their_differences() {
     assert!(found.modes.iter().all(|mode| mode.slopes.iter().flatten().all(|slope| slope[1].abs() <= 0.0)));
 }
 
+/// A key at whose value contact points close or data have a kink is refused with its name; where points close within the
+/// step, the step is reduced.
+#[test]
+fn keys_at_a_change_of_the_contact_are_refused() {
+    let path = "crates/amontons/tests/reference/stability/block-a-compliance.toml";
+    let block = |more: &[&str]| {
+        let first = ["time.analysis=\"steady\"", "time.steps=1"];
+        KeyedCase::shipped(path, &[&first[..], more].concat(), search(ModeKind::Squeal, 4))
+    };
+    let press = "boundary[0].displacement=[0, \"-press\"]";
+    let kink = "material.density=\"1 + max(bump, 0)\"";
+    for (more, key, told) in [
+        ([press, "constants.press=0.0"], "constants.press", "contact points change between open, stick and slip"),
+        ([kink, "constants.bump=0.0"], "constants.bump", "have a kink"),
+    ] {
+        let error = block(&more).with(&[key]).expect_err("a refusal").to_string();
+        assert!(error.starts_with(key) && error.contains(told), "{error}");
+    }
+    // From this friction on a corner opens (squeal.json); a little below it all points are closed.
+    let [opens, below] = [0.800_776_423_971_016_7, 0.800_676];
+    assert_eq!(block(&[]).at("contact.friction.coefficient", opens - 1e-9).points[0], 0);
+    assert!(block(&[]).at("contact.friction.coefficient", opens + 1e-9).points[0] > 0);
+    let near = block(&[&format!("contact.friction.coefficient={below:?}")]);
+    let found = near.with(&["contact.friction.coefficient"]).unwrap_or_else(|error| panic!("{error}"));
+    let h = 2e-5;
+    let [low, high] = [-h, h].map(|h| near.at("contact.friction.coefficient", below + h));
+    assert!(worst(&found, 0, [&low, &high], h, 1.0) < 1e-5);
+}
+
 /// A half-plane (S21), as a layer three wave lengths of two cosine halves deep: cosine hot spots of wave number
 /// m = π/width between insulated symmetric sides, on a foundation that slides out of the plane.
 fn half_plane(cells: usize) -> KeyedCase {
@@ -310,7 +339,7 @@ fn critical_speed(of: &KeyedCase, mut at: [f64; 2]) -> f64 {
 /// the width at a fixed depth, −1 of m, with the order of the mesh.
 #[test]
 fn critical_speeds_of_hot_spots_scale_as_their_formula_says() {
-    let exact = 2.0 * 1.3 * std::f64::consts::PI * 0.7 / (0.4 * 0.7 * 2.0);
+    let exact = 2.0 * 1.3 * PI * 0.7 / (0.4 * 0.7 * 2.0);
     let errors = [4, 8, 16].map(|cells| {
         let of = half_plane(cells);
         let speed = critical_speed(&of, [0.98 * exact, 1.01 * exact]);
@@ -350,15 +379,15 @@ fn critical_speeds_of_hot_spots_scale_as_their_formula_says() {
 /// ```
 #[test]
 fn wear_slows_hot_spots_as_its_formula_says() {
-    let (m, k, wear) = (std::f64::consts::PI, 1.3, 0.02);
-    let speed = 4.0 * 2.0 * k * m * 0.7 / (0.4 * 0.7 * 2.0);
+    let (m, k, wear) = (PI, 1.3, 0.02);
+    let speed = 2.0 * 2.0 * k * m * 0.7 / (0.4 * 0.7 * 2.0);
     let residual = |b: f64| {
         let z = (m * m + b / k).sqrt();
         let shear = 2.0 / 2.6;
         k * z * (z + m) * (b + shear * m * wear * speed / 0.7) - 0.4 * speed * 2.0 * 0.7 * m / 0.7 * b
     };
     // Without wear b is the root of the same equation with b divided out; with it two roots are positive.
-    let (mut low, mut high) = (20.0, 200.0);
+    let (mut low, mut high) = (10.0, 40.0);
     assert!(residual(low) < 0.0 && residual(high) > 0.0);
     while high - low > 1e-13 * high {
         let middle = 0.5 * (low + high);
@@ -370,12 +399,12 @@ fn wear_slows_hot_spots_as_its_formula_says() {
             vec![format!("{SPEED}={speed:?}"), format!("contact.wear={{ law = \"archard\", coefficient = {wear} }}")];
         let found = KeyedCase { overrides, ..of }.with(&["contact.wear.coefficient"]).unwrap_or_else(|e| panic!("{e}"));
         let mode = cosine(&found);
-        assert!(mode.slope(0).expect("a slope")[0] < 0.0);
+        assert!(mode.slope(0).expect("a slope")[0] < 0.0 && found.missing() == 0);
         (mode.growth - low).abs() / low
     });
     let orders = [0, 1].map(|k| (errors[k] / errors[k + 1]).log2());
     println!("{low}: {errors:?}, {orders:?}");
-    assert!(errors[2] < 1e-4 && orders[1] > 2.5, "{low}: {errors:?}, {orders:?}");
+    assert!(errors[2] < 1e-4 && (orders[1] - 4.0).abs() < 0.3, "{low}: {errors:?}, {orders:?}");
 }
 
 /// A bar that is clamped at one end and pressed on a foundation that slides across it and wears it off: the foundation
@@ -389,7 +418,7 @@ fn a_bar_that_wears_off_is_damped_as_its_formula_says() {
         let residual = |l: c64| l.tanh() + one * wear + l * compliance;
         let root = |mut l: c64| {
             for _ in 0..60 {
-                l -= residual(l) * 2e-6 / (residual(l + 1e-6) - residual(l - 1e-6));
+                l -= residual(l) / (one - l.tanh() * l.tanh() + compliance);
             }
             assert!(residual(l).norm() < 1e-9, "{l}");
             l
@@ -430,11 +459,12 @@ displacement = ["free", 0]
             );
             let of = KeyedCase::new(text, &[], search(ModeKind::Squeal, 4));
             let found = of.with(&["contact.wear.coefficient"]).unwrap_or_else(|error| panic!("{error}"));
-            let off = |mode: &Mode| {
-                let lambda = c64::new(mode.growth, mode.frequency);
-                (lambda - root(lambda)).norm() / lambda.norm()
+            // Sides that move apart along the face relax too, at a frequency of 0.
+            let off = |exact: c64| {
+                let off = |mode: &Mode| (c64::new(mode.growth, mode.frequency) - exact).norm() / exact.norm();
+                found.modes.iter().map(off).fold(f64::INFINITY, f64::min)
             };
-            found.modes.iter().take(4).map(off).fold(0.0, f64::max)
+            (0..3).map(|k| off(root(c64::new(-wear, PI * f64::from(k))))).fold(0.0, f64::max)
         });
         let order = (errors[0] / errors[1]).log2();
         assert!(errors[1] < 1e-2 && (order - 2.0).abs() < 0.1, "{normal}: {errors:?}, order {order}");
