@@ -63,7 +63,6 @@ impl KeyedCase {
             let order = (errors[0] / errors[1]).log2();
             let is_round_off = errors[1] < 1e-8;
             assert!(is_round_off || (order - 2.0).abs() < 0.1 && errors[1] < 0.1, "{key}: {errors:?}, order {order}");
-            println!("{key}: {errors:?}, order {order}");
         }
         found
     }
@@ -363,10 +362,8 @@ fn critical_speeds_of_hot_spots_scale_as_their_formula_says() {
         assert!((both + 1.0).abs() < 1e-9, "lengths: {both}");
         [(speed / exact - 1.0).abs(), (relative(5) + 1.0).abs()]
     });
-    println!("{errors:?}");
     for error in 0..2 {
         let orders = [0, 1].map(|k| (errors[k][error] / errors[k + 1][error]).log2());
-        println!("{orders:?}");
         assert!(orders[1] > 3.5, "{errors:?}: {orders:?}");
     }
 }
@@ -403,7 +400,6 @@ fn wear_slows_hot_spots_as_its_formula_says() {
         (mode.growth - low).abs() / low
     });
     let orders = [0, 1].map(|k| (errors[k] / errors[k + 1]).log2());
-    println!("{low}: {errors:?}, {orders:?}");
     assert!(errors[2] < 1e-4 && (orders[1] - 4.0).abs() < 0.3, "{low}: {errors:?}, {orders:?}");
 }
 

@@ -436,7 +436,6 @@ fn modes_of_a_ring_are_of_fourth_order() {
         let errors = [0, 1, 2].map(|level| (all[level][k] - exact).norm() / exact.norm());
         let richardson = (16.0 * all[2][k] - all[1][k]) / 15.0;
         let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
-        println!("{exact}: {errors:?}, {orders:?}, {:e}", (richardson - exact).norm() / exact.norm());
         assert!(orders.iter().all(|order| (order - 4.0).abs() < 0.3), "{exact}: {errors:?}, {orders:?}");
         assert!((richardson - exact).norm() < 1e-6 * exact.norm(), "{exact}: {richardson}");
     }
