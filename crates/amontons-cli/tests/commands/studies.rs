@@ -162,7 +162,7 @@ fn modes_give_the_derivatives_of_a_critical_value() {
         let search = ["time.analysis=\"steady\"", "time.steps=1", "stability.count=6"];
         let range = "contact.friction.coefficient=0.3,0.5";
         let mut all = vec!["modes", &case, "--set", &set, "--out", &out, "--force", "--format", "json"];
-        search.iter().for_each(|set| all.extend(["--set", set]));
+        all.extend(search.iter().flat_map(|set| ["--set", set]));
         all.extend(["--critical", range]);
         all.extend(with);
         let done = amontons(&all);

@@ -131,34 +131,37 @@ fn row(number: usize, mode: &Mode) -> Vec<f64> {
     first.chain(own).chain(mode.by_contact.iter().copied()).chain(mode.by_body.iter().copied()).collect()
 }
 
+/// A mode as `modes.json` has it.
+fn mode_json(contacts: &[String], modes: &Modes, mode: &Mode) -> serde_json::Value {
+    let mut one = serde_json::json!({
+        "frequency": mode.hertz(),
+        "growth": mode.growth,
+        "damping_ratio": mode.damping_ratio(),
+        "residual": mode.residual,
+        "growth_by_contact": contacts.iter().zip(&mode.by_contact).collect::<std::collections::BTreeMap<_, _>>(),
+        "share_by_body": modes.bodies.iter().zip(&mode.by_body).collect::<std::collections::BTreeMap<_, _>>(),
+    });
+    if let Some((waves, object)) = mode.waves.zip(one.as_object_mut()) {
+        object.insert("waves".to_owned(), waves.into());
+    }
+    if !modes.parameters.is_empty() {
+        let of = |(k, (name, _)): (usize, &(String, f64))| {
+            let slope = mode.slope(k);
+            let [growth, frequency] = [0, 1].map(|part| slope.map(|slope| slope[part]));
+            (name.clone(), serde_json::json!({ "frequency": frequency, "growth": growth }))
+        };
+        one["by"] = modes.parameters.iter().enumerate().map(of).collect();
+    }
+    one
+}
+
 /// The searches as `modes.json` has them: modes with their shares, regions, counts.
 #[must_use]
 pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
     let hertz = |range: [f64; 2]| range.map(|rate| rate / std::f64::consts::TAU);
     let contacts = names(&problem.contacts);
     let one = |ModesOf { values, modes }: &ModesOf| {
-        let of = |mode: &Mode| {
-            let mut one = serde_json::json!({
-                "frequency": mode.hertz(),
-                "growth": mode.growth,
-                "damping_ratio": mode.damping_ratio(),
-                "residual": mode.residual,
-                "growth_by_contact": contacts.iter().zip(&mode.by_contact).collect::<std::collections::BTreeMap<_, _>>(),
-                "share_by_body": modes.bodies.iter().zip(&mode.by_body).collect::<std::collections::BTreeMap<_, _>>(),
-            });
-            if let Some((waves, object)) = mode.waves.zip(one.as_object_mut()) {
-                object.insert("waves".to_owned(), waves.into());
-            }
-            if !modes.parameters.is_empty() {
-                let of = |(k, (name, _)): (usize, &(String, f64))| {
-                    let slope = mode.slope(k);
-                    let [growth, frequency] = [0, 1].map(|part| slope.map(|slope| slope[part]));
-                    (name.clone(), serde_json::json!({ "frequency": frequency, "growth": growth }))
-                };
-                one["by"] = modes.parameters.iter().enumerate().map(of).collect();
-            }
-            one
-        };
+        let of = |mode: &Mode| mode_json(&contacts, modes, mode);
         let region =
             |region: &ModeRegion| serde_json::json!({ "frequency": hertz(region.frequency), "growth": region.growth });
         let mut found = serde_json::json!({

@@ -209,18 +209,25 @@ impl PointAtState<'_> {
         flux.across(if self.contact.rubs() { dot(&self.state.q, &self.state.slip) } else { 0.0 })
     }
 
-    /// The rate of wear at a closed point, as its slopes W_p, W_v e and W_θ; `None` where nothing is worn off.
-    fn wear(&self) -> Option<(f64, Point, f64)> {
+    /// The wear at a closed point whose pressure follows the penetration, without what the normal law and friction add;
+    /// `None` where nothing is worn off.
+    fn wear(&self, slope: &Slope) -> Option<WearingNormal> {
         let (law, state) = (self.contact.wear.as_ref()?, self.state);
         let speed = length(&state.slip);
-        if state.pressure <= 0.0 || state.status != Status::Slip || speed <= 0.0 {
+        let yields = matches!(slope, Slope::Of { by_penetration, .. } if *by_penetration <= 0.0);
+        if state.pressure <= 0.0 || state.status != Status::Slip || speed <= 0.0 || yields {
             return None;
         }
         let seen = self.seen();
         let coefficient = law.coefficient(&seen);
         let by_slip = scaled(coefficient * state.pressure / speed, &state.slip);
-        let rate = (coefficient * speed, by_slip, law.by_temperature(&seen) * state.pressure * speed);
-        (coefficient > 0.0).then_some(rate)
+        let mut wear = WearingNormal {
+            by_pressure: coefficient * speed,
+            approach: std::array::from_fn(|c| state.normal[c] - by_slip[c]),
+            ..WearingNormal::default()
+        };
+        wear.by_temperature[self.on()] = law.by_temperature(&seen) * state.pressure * speed;
+        (coefficient > 0.0).then_some(wear)
     }
 
     /// The linearised laws. `has_heat` is false if no temperature is perturbed.
@@ -250,11 +257,9 @@ impl PointAtState<'_> {
         let powers = [flux.by_friction_power, flux.by_friction_power + rubs];
         let slip = &state.slip;
         let heat_of = |force: &Point| powers.map(|power| power * dot(force, slip));
-        // A pressure that does not follow the penetration is not changed by wear.
-        let yields = matches!(slope, Slope::Of { by_penetration, .. } if by_penetration <= 0.0);
-        let wear = self.wear().filter(|_| closed && !yields);
+        let wear = self.wear(&slope).filter(|_| closed);
         match (slope, wear) {
-            (slope, Some((rate, by_slip, by_temperature))) => {
+            (slope, Some(wear)) => {
                 // The bound and the flux by the penetration r′ − h′ = C p′.
                 let compliance = match slope {
                     Slope::Rigid => 0.0,
@@ -264,18 +269,8 @@ impl PointAtState<'_> {
                 let force: Point = std::array::from_fn(|c| with_pressure[c] + of_bound[c]);
                 let through = by_pressure + compliance * flux.by_penetration;
                 let heat = if has_heat { heat_of(&force).map(|heat| heat + through) } else { [0.0; 2] };
-                let approach = std::array::from_fn(|c| nu[c] - by_slip[c]);
-                let mut temperatures = [0.0; 2];
-                temperatures[self.on()] = by_temperature;
                 term.force_by_jump = SpaceMap::default();
-                term.wearing = Some(WearingNormal {
-                    by_pressure: rate,
-                    compliance,
-                    approach,
-                    by_temperature: temperatures,
-                    force,
-                    heat,
-                });
+                term.wearing = Some(WearingNormal { compliance, force, heat, ..wear });
             }
             (Slope::Rigid, None) => {
                 let heat = heat_of(&with_pressure).map(|heat| heat + by_pressure);

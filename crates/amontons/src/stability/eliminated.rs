@@ -150,15 +150,14 @@ pub(super) fn eliminate(
     let (mut conditions, mut reactions) = (ReducedRows::default(), ReducedRows::default());
     let mut pivots = ChosenPivots::with_capacity(held.len());
     for (i, HeldRow { condition, reaction }) in held.iter().enumerate() {
-        let own = match given {
+        let own = given.map(|given| given.get(i).copied());
+        if own == Some(Some(None)) {
+            pivots.push(None);
+            continue;
+        }
+        let own = match own {
             None => [None; 2],
-            Some(given) => match given.get(i)? {
-                Some(own) => own.map(Some),
-                None => {
-                    pivots.push(None);
-                    continue;
-                }
-            },
+            Some(own) => own.flatten()?.map(Some),
         };
         let rests = (conditions.rest(condition, &may, own[0]), reactions.rest(reaction, &may, own[1]));
         let (Some(condition), Some(reaction)) = rests else {

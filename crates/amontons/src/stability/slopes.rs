@@ -158,7 +158,9 @@ impl EigenSpace {
         };
         found.sort_by(|a, b| b.re.total_cmp(&a.re));
         if self.is_real {
-            found.iter_mut().for_each(|slope| slope.im = 0.0);
+            for slope in &mut found {
+                slope.im = 0.0;
+            }
         }
         Ok(found)
     }
@@ -253,14 +255,19 @@ fn orthonormalize(vectors: &mut [Vec<c64>]) {
         let (before, rest) = vectors.split_at_mut(i);
         let Some(own) = rest.first_mut() else { return };
         for _ in 0..2 {
-            let size = norm(own);
-            own.iter_mut().for_each(|value| *value /= size);
+            normalize(own);
             for other in before.iter() {
                 let along = inner(other, own);
                 own.iter_mut().zip(other).for_each(|(value, other)| *value -= along * other);
             }
         }
-        let size = norm(own);
-        own.iter_mut().for_each(|value| *value /= size);
+        normalize(own);
+    }
+}
+
+fn normalize(vector: &mut [c64]) {
+    let size = norm(vector);
+    for value in vector {
+        *value /= size;
     }
 }
