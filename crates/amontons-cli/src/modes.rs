@@ -137,7 +137,7 @@ impl Seeker<'_> {
             watch: Some(self.progress.watch()),
             ..Settings::default()
         };
-        let mut seen = Steps { progress: self.progress };
+        let mut seen = ToldSteps { progress: self.progress };
         let found = run::modes_with(&case.problem, &case.stability, &parameters, &settings, Some(&mut seen));
         found.map_err(|error| match error {
             ModeSlopesError::Run(error) => {
@@ -150,11 +150,11 @@ impl Seeker<'_> {
 }
 
 /// Tells the progress of a run.
-struct Steps<'a> {
+struct ToldSteps<'a> {
     progress: &'a Progress,
 }
 
-impl Sink for Steps<'_> {
+impl Sink for ToldSteps<'_> {
     fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
         Ok(())
     }

@@ -148,8 +148,8 @@ fn gradient_writes_a_table_and_refuses_what_has_no_derivative() {
     }
 }
 
-/// The coefficient of friction at which two modes of a block meet (squeal.json of the references), with its derivatives.
-/// By dimensions it depends on the ratio of the stiffnesses of layer and block alone.
+/// The coefficient of friction at which two modes of a block meet (squeal.json of the references), with its
+/// derivatives. By dimensions it depends on the ratio of the stiffnesses of layer and block alone.
 #[test]
 fn modes_give_the_derivatives_of_a_critical_value() {
     let folder = tempfile::tempdir().expect("a folder");

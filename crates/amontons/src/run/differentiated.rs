@@ -97,7 +97,8 @@ fn at_end<T>(
 /// run of the problem itself.
 ///
 /// # Errors
-/// If a run fails, the modes are not found, or contact points change their status however small the step of a parameter.
+/// If a run fails, the modes are not found, or contact points change their status however small the step of a
+/// parameter.
 pub fn modes_with(
     problem: &Problem,
     search: &Search,
@@ -180,7 +181,8 @@ impl AroundParameter<'_> {
         ModeSlopesError::Modes(StabilityError::Problem(fault.hint(hint)))
     }
 
-    /// True if derivatives have kinks beyond the round-off of the `largest` step: that of a smaller one might hide them.
+    /// True if derivatives have kinks beyond the round-off of the `largest` step: that of a smaller one might hide
+    /// them.
     fn is_bent(&self, found: &[[f64; 2]], largest: f64) -> bool {
         let sizes = self.modes.sizes();
         let of = |([slope, _], size): (&[f64; 2], &f64)| slope.abs() / size;

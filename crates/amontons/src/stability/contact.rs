@@ -45,7 +45,8 @@ pub(super) struct HeldComponent {
 }
 
 /// The normal law of a closed point that wears, with p′ as an unknown: the depth h that is worn off grows with
-/// λh′ = W_p p′ + W_v e·u̇′ + W_θ θ′ of W = κ p ‖w_τ‖, and the layer or the rigid foundation bears r′ − h′ = C p′, so that
+/// λh′ = W_p p′ + W_v e·u̇′ + W_θ θ′ of W = κ p ‖w_τ‖, and the layer or the rigid foundation bears r′ − h′ = C p′, so
+/// that
 ///
 /// ```text
 /// W_p p′ + λ C p′ − λ (ν − W_v e)·u′ + W_θ θ′ = 0

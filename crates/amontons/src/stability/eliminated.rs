@@ -138,9 +138,9 @@ pub(super) struct Elimination {
 }
 
 /// Z and W for held components: `may` tells the unknowns that may be eliminated. A component that others hold already,
-/// or whose reaction does no work, is left out. Unknown and test of the same number belong to the same degree of freedom
-/// wherever that is possible. With `given` pivots the basis is that of a state nearby, and follows from it without a
-/// jump; `None` if they do not suit.
+/// or whose reaction does no work, is left out. Unknown and test of the same number belong to the same degree of
+/// freedom wherever that is possible. With `given` pivots the basis is that of a state nearby, and follows from it
+/// without a jump; `None` if they do not suit.
 pub(super) fn eliminate(
     size: usize,
     held: &[HeldRow],

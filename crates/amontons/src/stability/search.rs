@@ -154,15 +154,15 @@ fn shift(wanted: &Wanted, slow: f64) -> c64 {
     }
 }
 
-/// Shifts at which faster growth is looked for than that of slow motions, each so many times the one before, the dimension
-/// of their spaces, and what a shift exceeds the fastest growth by.
+/// Shifts at which faster growth is looked for than that of slow motions, each so many times the one before, the
+/// dimension of their spaces, and what a shift exceeds the fastest growth by.
 const PROBES: i32 = 4;
 const WIDER: f64 = 8.0;
 const PROBED: usize = 20;
 const BEYOND: f64 = 1.25;
 
-/// A shift to the right of the eigenvalues of hot spots that shifts further to the right find first: modes are wanted by
-/// growth, and the nearest ones are found.
+/// A shift to the right of the eigenvalues of hot spots that shifts further to the right find first: modes are wanted
+/// by growth, and the nearest ones are found.
 fn right_of_growth(pencil: &Polynomial, pattern: &Pattern, wanted: &Wanted, shift: c64) -> Result<c64, StabilityError> {
     let mut fastest = shift.re / BEYOND;
     for power in 1..=PROBES {

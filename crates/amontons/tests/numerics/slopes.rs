@@ -132,8 +132,8 @@ fn a_sector_of_a_ring_has_the_slopes_of_its_differences() {
     }
 }
 
-/// A ring without friction has its modes in pairs. Poisson's ratio keeps them; a density that grows along one axis parts
-/// those of one wave, each by as much.
+/// A ring without friction has its modes in pairs. Poisson's ratio keeps them; a density that grows along one axis
+/// parts those of one wave, each by as much.
 #[test]
 fn pairs_of_a_ring_have_the_slopes_of_their_differences() {
     let overrides = [
@@ -237,8 +237,8 @@ fn hot_spots_have_the_slopes_of_their_differences() {
     assert!(found.modes.iter().all(|mode| mode.slopes.iter().flatten().all(|slope| slope[1].abs() <= 0.0)));
 }
 
-/// A key at whose value contact points close or data have a kink is refused with its name; where points close within the
-/// step, the step is reduced.
+/// A key at whose value contact points close or data have a kink is refused with its name; where points close within
+/// the step, the step is reduced.
 #[test]
 fn keys_at_a_change_of_the_contact_are_refused() {
     let path = "crates/amontons/tests/reference/stability/block-a-compliance.toml";
@@ -333,9 +333,9 @@ fn critical_speed(of: &KeyedCase, mut at: [f64; 2]) -> f64 {
     at[1]
 }
 
-/// The relative derivatives of the critical speed of hot spots (S21, Burton): V_c = 2 k m (1 − ν)/(f α E), so −1 by f, α
-/// and E and +1 by k and m. The discrete problem has the first four exactly, and −1 by all lengths together; the one by
-/// the width at a fixed depth, −1 of m, with the order of the mesh.
+/// The relative derivatives of the critical speed of hot spots (S21, Burton): V_c = 2 k m (1 − ν)/(f α E), so −1 by f,
+/// α and E and +1 by k and m. The discrete problem has the first four exactly, and −1 by all lengths together; the one
+/// by the width at a fixed depth, −1 of m, with the order of the mesh.
 #[test]
 fn critical_speeds_of_hot_spots_scale_as_their_formula_says() {
     let exact = 2.0 * 1.3 * PI * 0.7 / (0.4 * 0.7 * 2.0);
