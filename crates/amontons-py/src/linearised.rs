@@ -99,11 +99,13 @@ pub fn fit(
 #[pyfunction]
 pub fn modes(py: Python<'_>, case: &Bound<'_, Case>, wrt: Vec<String>, threads: Option<usize>) -> PyResult<String> {
     let Case { read, source, overrides } = case.get();
-    let parameter = |key: &String| case::parameter(source, overrides, key);
-    let parameters = wrt.iter().map(parameter).collect::<Result<Vec<Parameter>, Fault>>();
-    let parameters = parameters.map_err(|fault| errors::request(py, &fault.to_string()))?;
     let flag = Arc::new(AtomicBool::new(false));
     let work = || -> Result<Result<Modes, StabilityError>, RunError> {
+        let parameter = |key: &String| case::parameter(source, overrides, key);
+        let parameters = match wrt.iter().map(parameter).collect::<Result<Vec<Parameter>, Fault>>() {
+            Ok(parameters) => parameters,
+            Err(fault) => return Ok(Err(StabilityError::Problem(fault))),
+        };
         let settings = Settings { interrupt: Some(Arc::clone(&flag)), certificate: false, ..Settings::default() };
         match modes_with(&read.problem, &read.stability, &parameters, &settings, None) {
             Ok(found) => Ok(Ok(found.modes)),
