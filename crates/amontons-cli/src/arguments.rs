@@ -306,6 +306,10 @@ pub struct ModesArguments {
     /// Find the value of a key between two numbers at which a mode begins to grow
     #[arg(long, value_name = "KEY=FROM,TO")]
     pub critical: Option<String>,
+    /// Derivatives of growth and frequency by keys with numbers, as for `--set`; with `--critical` also those of the
+    /// value found
+    #[arg(long, value_delimiter = ',', value_name = "KEY,KEY,…")]
+    pub with: Vec<String>,
     /// Write an animation of a mode (GIF), by its number in the table
     #[arg(long, value_name = "N")]
     pub animate: Option<NonZeroUsize>,

@@ -1,16 +1,15 @@
 //! `modes`: the modes of the state at the end of a run, over values of keys, and the value at which one begins to grow.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
+use amontons::adjoint::Parameter;
 use amontons::case::{self, Case, Source};
 use amontons::contact::names;
 use amontons::output::{ModesFolder, ModesOf, OutputError, RunStart, Sink, Snapshot, Summary, modes_json};
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::problem::Problem;
-use amontons::run::{self, Settings};
-use amontons::stability::{self, Mode, ModeCount, Modes, StabilityError, Wanted};
-use amontons::state::State;
+use amontons::run::{self, FoundModes, ModeSlopesError, Settings};
+use amontons::stability::{Mode, ModeCount, Modes, StabilityError};
 
 use crate::arguments::{Common, ModesArguments, OutputFormat};
 use crate::print;
@@ -29,7 +28,7 @@ pub fn execute(file: &Path, arguments: &ModesArguments, common: &Common) -> Resu
     let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-modes")));
     let progress = Progress::new(common);
-    let seeker = Seeker { source: &source, common, progress: &progress };
+    let seeker = Seeker { source: &source, common, progress: &progress, with: &arguments.with };
     // Faults of all cases are reported before the first run begins.
     let variants = variants(&arguments.each)?;
     let cases = variants.iter().map(|variant| seeker.case(variant)).collect::<Result<Vec<Case>, _>>()?;
@@ -84,13 +83,8 @@ pub struct Seeker<'a> {
     source: &'a Source,
     common: &'a Common,
     progress: &'a Progress,
-}
-
-/// The modes of a case with its last state.
-pub struct FoundModes {
-    pub problem: Arc<Problem>,
-    pub state: State,
-    pub modes: Modes,
+    /// The keys by which the modes are differentiated.
+    with: &'a [String],
 }
 
 /// A search with the state that it was made of.
@@ -105,7 +99,7 @@ impl Seeker<'_> {
         folder: &'v ModesFolder,
     ) -> impl Iterator<Item = Result<SearchedVariant, CommandFailure>> + 'v {
         variants.iter().zip(cases).enumerate().map(move |(number, (variant, case))| {
-            let found = self.find(case, &format!("{} of {}", number + 1, variants.len()))?;
+            let found = self.find((variant, case), &format!("{} of {}", number + 1, variants.len()), self.with)?;
             let shapes = if variant.folder.is_empty() { "mode" } else { &variant.folder };
             folder.shapes(shapes, &found.problem, &found.modes)?;
             let of = ModesOf { values: variant.values.clone(), modes: found.modes.clone() };
@@ -113,41 +107,54 @@ impl Seeker<'_> {
         })
     }
 
-    /// The case with the values of a variant.
-    pub fn case(&self, variant: &Variant) -> Result<Case, CommandFailure> {
-        let overrides: Vec<String> = self.common.set.iter().cloned().chain(variant.overrides()).collect();
-        Ok(case::parse(self.source, &overrides)?)
+    /// The overrides with the values of a variant.
+    fn overrides(&self, variant: &Variant) -> Vec<String> {
+        self.common.set.iter().cloned().chain(variant.overrides()).collect()
     }
 
-    /// Runs a case and finds the modes of its last state.
-    pub fn find(&self, case: &Case, part: &str) -> Result<FoundModes, CommandFailure> {
+    /// The case with the values of a variant.
+    pub fn case(&self, variant: &Variant) -> Result<Case, CommandFailure> {
+        Ok(case::parse(self.source, &self.overrides(variant))?)
+    }
+
+    /// Runs a case and finds the modes of its last state, with their derivatives by some keys.
+    pub fn find(
+        &self,
+        (variant, case): (&Variant, &Case),
+        part: &str,
+        keys: &[String],
+    ) -> Result<FoundModes, CommandFailure> {
+        let overrides = self.overrides(variant);
+        let parameter = |key: &String| {
+            case::parameter(self.source, &overrides, key).map_err(|fault| CommandFailure::Request(fault.to_string()))
+        };
+        let parameters = keys.iter().map(parameter).collect::<Result<Vec<Parameter>, CommandFailure>>()?;
         self.progress.part(part, case.problem.timeline.steps());
         self.progress.begin_steps();
-        let flag = self.progress.interrupt_flag();
         let settings = Settings {
-            interrupt: Some(Arc::clone(&flag)),
+            interrupt: Some(self.progress.interrupt_flag()),
             certificate: false,
             watch: Some(self.progress.watch()),
             ..Settings::default()
         };
-        let wanted = case.stability.wanted(&case.problem, Some(&flag));
-        let mut seen = AtEnd { wanted: &wanted, progress: self.progress, found: None };
-        run::run(&case.problem, &settings, &mut [&mut seen]).map_err(|error| {
-            let hint = Some("modes need a state at the end of the run".to_owned());
-            CommandFailure::Run { error, hint }
-        })?;
-        seen.found.unwrap_or(Err(StabilityError::State(stability::Reason::NoStep))).map_err(CommandFailure::Modes)
+        let mut seen = ToldSteps { progress: self.progress };
+        let found = run::modes_with(&case.problem, &case.stability, &parameters, &settings, Some(&mut seen));
+        found.map_err(|error| match error {
+            ModeSlopesError::Run(error) => {
+                let hint = Some("modes need a state at the end of the run".to_owned());
+                CommandFailure::Run { error, hint }
+            }
+            ModeSlopesError::Modes(error) => CommandFailure::Modes(error),
+        })
     }
 }
 
-/// Finds the modes of the last state of a run.
-struct AtEnd<'a> {
-    wanted: &'a Wanted<'a>,
+/// Tells the progress of a run.
+struct ToldSteps<'a> {
     progress: &'a Progress,
-    found: Option<Result<FoundModes, StabilityError>>,
 }
 
-impl Sink for AtEnd<'_> {
+impl Sink for ToldSteps<'_> {
     fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
         Ok(())
     }
@@ -157,13 +164,7 @@ impl Sink for AtEnd<'_> {
         Ok(())
     }
 
-    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
-        let Snapshot { problem, discretization, state, report: Some(report), .. } = *last else { return Ok(()) };
-        if state.is_last(&problem.timeline) {
-            let modes = stability::modes(problem, discretization, state, report, self.wanted);
-            let of = |modes| FoundModes { problem: Arc::new(problem.clone()), state: state.clone(), modes };
-            self.found = Some(modes.map(of));
-        }
+    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
         Ok(())
     }
 
@@ -248,8 +249,27 @@ fn told(name: &str, problem: &Problem, ModesOf { values, modes }: &ModesOf) -> S
             by.concat()
         ));
     }
+    lines.extend(differentiated(modes));
     lines.extend(counted(modes));
     lines.join("\n") + "\n"
+}
+
+/// The derivatives by parameter.
+fn differentiated(modes: &Modes) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (k, (name, value)) in modes.parameters.iter().enumerate() {
+        lines.push(format!("  derivatives by m = {name} at {value:?}"));
+        lines.push(format!("  {:>4} {:>16} {:>16}", "mode", "d frequency/dm", "d growth/dm"));
+        for (number, mode) in (1..).zip(&modes.modes) {
+            let of = |slope: Option<f64>| slope.map_or_else(|| "none".to_owned(), |slope| format!("{slope:.7e}"));
+            let [growth, hertz] = mode.slope(k).map_or([None; 2], |slope| slope.map(Some));
+            lines.push(format!("  {number:>4} {:>16} {:>16}", of(hertz), of(growth)));
+        }
+    }
+    if modes.modes.iter().any(|mode| mode.slopes.iter().any(Option::is_none)) {
+        lines.push("  none: there the mode meets another one, and its derivative is infinite".to_owned());
+    }
+    lines
 }
 
 /// How many grow, and what the counts say.

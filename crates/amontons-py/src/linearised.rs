@@ -7,10 +7,10 @@ use std::sync::atomic::AtomicBool;
 use amontons::adjoint::{GradientError, GradientRequest, GradientTable, Parameter, gradient as derivatives};
 use amontons::case;
 use amontons::identification::{IdentificationRequest, Identified, MeasuredTable, identify};
-use amontons::output::{ModesOf, OutputError, RunStart, Sink, Snapshot, Summary, modes_json};
+use amontons::output::{ModesOf, modes_json};
 use amontons::problem::Fault;
-use amontons::run::{self, RunError, Settings, with_threads};
-use amontons::stability::{self, Modes, Reason, StabilityError, Wanted};
+use amontons::run::{ModeSlopesError, RunError, Settings, modes_with, with_threads};
+use amontons::stability::{Modes, StabilityError};
 use pyo3::prelude::*;
 
 use crate::attend::attend;
@@ -94,44 +94,24 @@ pub fn fit(
     text(&table)
 }
 
-/// Finds the modes of the last state of a run.
-struct ModesOfLast<'a> {
-    wanted: &'a Wanted<'a>,
-    found: Result<Modes, StabilityError>,
-}
-
-impl Sink for ModesOfLast<'_> {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn step(&mut self, _now: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
-        if let (Some(report), true) = (last.report, last.state.is_last(&last.problem.timeline)) {
-            self.found = stability::modes(last.problem, last.discretization, last.state, report, self.wanted);
-        }
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
-        Ok(())
-    }
-}
-
-/// The modes of the state at the end of a run, as `[stability]` asks for them; the table is that of `modes.json`.
+/// The modes of the state at the end of a run, as `[stability]` asks for them, with their derivatives by keys; the table
+/// is that of `modes.json`.
 #[pyfunction]
-pub fn modes(py: Python<'_>, case: &Bound<'_, Case>, threads: Option<usize>) -> PyResult<String> {
-    let Case { read, .. } = case.get();
+pub fn modes(py: Python<'_>, case: &Bound<'_, Case>, wrt: Vec<String>, threads: Option<usize>) -> PyResult<String> {
+    let Case { read, source, overrides } = case.get();
     let flag = Arc::new(AtomicBool::new(false));
     let work = || -> Result<Result<Modes, StabilityError>, RunError> {
+        let parameter = |key: &String| case::parameter(source, overrides, key);
+        let parameters = match wrt.iter().map(parameter).collect::<Result<Vec<Parameter>, Fault>>() {
+            Ok(parameters) => parameters,
+            Err(fault) => return Ok(Err(StabilityError::Problem(fault))),
+        };
         let settings = Settings { interrupt: Some(Arc::clone(&flag)), certificate: false, ..Settings::default() };
-        let wanted = read.stability.wanted(&read.problem, Some(&flag));
-        let mut seen = ModesOfLast { wanted: &wanted, found: Err(StabilityError::State(Reason::NoStep)) };
-        run::run(&read.problem, &settings, &mut [&mut seen])?;
-        Ok(seen.found)
+        match modes_with(&read.problem, &read.stability, &parameters, &settings, None) {
+            Ok(found) => Ok(Ok(found.modes)),
+            Err(ModeSlopesError::Modes(error)) => Ok(Err(error)),
+            Err(ModeSlopesError::Run(error)) => Err(error),
+        }
     };
     let (made, raised) = attend(py, &flag, |_| with_threads(threads, work))?;
     if let Some(raised) = raised {

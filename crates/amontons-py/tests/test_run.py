@@ -278,3 +278,18 @@ def test_modes_are_those_of_a_benchmark():
     assert found["missing"] == 0 and found["points"]["slip"] == 5
     growth = [mode["growth"] for mode in found["modes"]]
     assert max(growth) == pytest.approx(0.0421632414935, rel=1e-8)
+
+
+def test_modes_have_derivatives():
+    block, key = ROOT / "crates/amontons/benchmarks/squeal-block.toml", "contact.friction.coefficient"
+
+    def growth(found):
+        return max(mode["growth"] for mode in found["modes"])
+
+    found = amontons.Case(block).modes(wrt=[key])
+    mu = found["parameters"][key]
+    low, high = (growth(amontons.Case(block, {key: mu + h}).modes()) for h in (-1e-4, 1e-4))
+    mode = max(found["modes"], key=lambda mode: mode["growth"])
+    assert mode["by"][key]["growth"] == pytest.approx((high - low) / 2e-4, rel=1e-5)
+    with pytest.raises(amontons.RequestError, match="contact.friction.coeff"):
+        amontons.Case(block).modes(wrt=["contact.friction.coeff"])

@@ -3,6 +3,7 @@
 //! A run ends with a [`Summary`], or with a [`RunError`] that gives the reason. A failed step is never a result; the
 //! results of the steps before it are kept.
 
+mod differentiated;
 mod stepping;
 
 use std::fmt;
@@ -23,6 +24,7 @@ use crate::problem::Problem;
 use crate::pulse::Pulse;
 use crate::state::{State, StepReport};
 use crate::step::{Kept, MakeScheme, March, Scheme};
+pub use differentiated::{FoundModes, ModeSlopesError, modes_with};
 pub use stepping::{Stepping, SteppingError};
 
 /// Settings of a run. Only the scheme changes results.

@@ -148,6 +148,49 @@ fn gradient_writes_a_table_and_refuses_what_has_no_derivative() {
     }
 }
 
+/// The coefficient of friction at which two modes of a block meet (squeal.json of the references), with its
+/// derivatives. By dimensions it depends on the ratio of the stiffnesses of layer and block alone.
+#[test]
+fn modes_give_the_derivatives_of_a_critical_value() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let case = root.join("crates/amontons/tests/reference/stability/block-a-compliance.toml").display().to_string();
+    let out = folder.path().join("modes");
+    let keys = "material.elasticity.young,contact.normal.stiffness,material.density";
+    let critical = |young: f64, with: &[&str]| -> serde_json::Value {
+        let (set, out) = (format!("material.elasticity.young={young:?}"), out.display().to_string());
+        let search = ["time.analysis=\"steady\"", "time.steps=1", "stability.count=6"];
+        let range = "contact.friction.coefficient=0.3,0.5";
+        let mut all = vec!["modes", &case, "--set", &set, "--out", &out, "--force", "--format", "json"];
+        all.extend(search.iter().flat_map(|set| ["--set", set]));
+        all.extend(["--critical", range]);
+        all.extend(with);
+        let done = amontons(&all);
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+        serde_json::from_slice(&done.stdout).expect("a table")
+    };
+    let found = critical(1.0, &["--with", keys]);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
+    let value = number(&found["critical"]["value"]);
+    assert!((value - 0.403_689_391_152_555).abs() < 1e-8, "{value}");
+    let by = |key: &str| number(&found["critical"]["by"][key]["relative"]);
+    let [young, layer, density] =
+        [by("material.elasticity.young"), by("contact.normal.stiffness"), by("material.density")];
+    assert!((young + layer).abs() < 1e-6 && young.abs() > 0.1 && density.abs() < 1e-6, "{young}, {layer}, {density}");
+    let h = 0.01;
+    let [low, high] = [1.0 - h, 1.0 + h].map(|young| number(&critical(young, &[])["critical"]["value"]));
+    let slope = (high - low) / (2.0 * h) / value;
+    assert!((slope - young).abs() < 1e-3 * young.abs(), "{slope} and {young}");
+    // The table has the derivatives of each mode; where the key is no number, none.
+    let table = text(&out.join("modes.csv"));
+    assert!(!table.lines().next().unwrap_or_default().contains("_by_"), "{table}");
+    let bad =
+        ["modes", &case, "--with", "contact.friction.law", "--out", &folder.path().join("no").display().to_string()];
+    let refused = amontons(&bad);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("expected a key with a number"));
+    assert_ne!(refused.status.code(), Some(0));
+}
+
 #[test]
 fn levels_that_do_not_fit_are_bad_usage() {
     let case = paper();

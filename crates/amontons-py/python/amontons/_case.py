@@ -127,9 +127,12 @@ class Case:
         found.__setstate__((self._name, self._text, self._folder, self._overrides + table.pop("overrides")))
         return {**table, "case": found}
 
-    def modes(self, *, threads: Optional[int] = None) -> dict[str, Any]:
-        """The modes of the state at the end of the run, as `[stability]` asks for them: `modes.json` as a dict."""
-        return json.loads(_amontons.modes(self._checked, threads))["modes"][0]
+    def modes(self, *, wrt: Sequence[str] = (), threads: Optional[int] = None) -> dict[str, Any]:
+        """The modes of the state at the end of the run, as `[stability]` asks for them: `modes.json` as a dict.
+
+        With keys in `wrt` each mode has `by`: the derivatives of its `frequency` in Hz and of its `growth` by each key.
+        """
+        return json.loads(_amontons.modes(self._checked, list(wrt), threads))["modes"][0]
 
     def __repr__(self) -> str:
         return f"<amontons.Case {self.name!r}, {self.steps or 'automatic'} steps>"

@@ -35,7 +35,7 @@ mod parameter;
 mod points;
 mod scope;
 mod series;
-mod stencil;
+pub(crate) mod stencil;
 mod sweep;
 mod tangent;
 #[cfg(all(test, feature = "case"))]

@@ -7,7 +7,7 @@
 use crate::linalg::max_abs;
 
 /// Step relative to the scale of the argument.
-pub(super) const STEP: f64 = 1.0 / 1024.0;
+pub(crate) const STEP: f64 = 1.0 / 1024.0;
 /// Number of times that the step is divided by [`SHRINK`] to stay on one branch.
 const TRIES: i32 = 4;
 const SHRINK: f64 = 8.0;
@@ -17,7 +17,7 @@ const ROUNDINGS: f64 = 64.0;
 
 /// Values at −2h, −h, 0, h and 2h to the derivative, and to a number that is far below it where the function is smooth
 /// and of its size where it has a kink.
-pub(super) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) -> [[f64; N]; 2] {
+pub(crate) fn central<const N: usize>(h: f64, [a, b, at, c, d]: [&[f64; N]; 5]) -> [[f64; N]; 2] {
     [
         std::array::from_fn(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * h)),
         // Second differences over h and 2h: of a smooth function the latter is twice the former, at a kink both are its

@@ -57,6 +57,13 @@ impl ComplexMatrix {
             self.column(j).for_each(|(row, value)| y[row] += value * x);
         }
     }
+
+    /// y ← y − Aᵀ x.
+    fn subtract_transposed(&self, x: &[c64], y: &mut [c64]) {
+        for (j, y) in y.iter_mut().enumerate() {
+            *y -= self.column(j).map(|(row, value)| value * x[row]).sum::<c64>();
+        }
+    }
 }
 
 /// The pattern of the factor of matrices with a symmetric pattern.
@@ -289,6 +296,52 @@ impl<'a> Pivots<'a> {
         x
     }
 
+    /// Solves Aᴴ x = r, with one correction by the residual.
+    #[must_use]
+    pub fn solve_adjoint(&self, r: &[c64]) -> Vec<c64> {
+        let mut x: Vec<c64> = r.iter().map(c64::conj).collect();
+        self.sweep_transposed(&mut x);
+        let mut rest: Vec<c64> = r.iter().map(c64::conj).collect();
+        self.matrix.subtract_transposed(&x, &mut rest);
+        self.sweep_transposed(&mut rest);
+        x.iter().zip(&rest).map(|(x, change)| (x + change).conj()).collect()
+    }
+
+    /// A forward sweep with Uᵀ and a backward one with Lᵀ.
+    fn sweep_transposed(&self, x: &mut [c64]) {
+        let Some(nodes) = self.pattern.nodes() else { return };
+        let count = nodes.n_supernodes();
+        for s in 0..count {
+            let (own, below) = (columns(nodes, s), nodes.supernode(s).pattern());
+            let (width, leading) = (own.len(), own.len() + below.len());
+            let [l_at, u_at] = self.pattern.places[s];
+            let (l, u) = (&self.lower[l_at..][..leading * width], &self.upper[u_at..][..below.len() * width]);
+            for j in 0..width {
+                let column = &l[j * leading..][..width];
+                let known: c64 = column[..j].iter().zip(&x[own.start..]).map(|(u, x)| *u * *x).sum();
+                let now = (x[own.start + j] - known) / column[j];
+                x[own.start + j] = now;
+                let row = &u[j * below.len()..][..below.len()];
+                below.iter().zip(row).for_each(|(column, u)| x[*column as usize] -= *u * now);
+            }
+        }
+        for s in (0..count).rev() {
+            let (own, below) = (columns(nodes, s), nodes.supernode(s).pattern());
+            let (width, leading) = (own.len(), own.len() + below.len());
+            let l = &self.lower[self.pattern.places[s][0]..][..leading * width];
+            let mut y = x[own.clone()].to_vec();
+            for j in (0..width).rev() {
+                let column = &l[j * leading..][..leading];
+                let inside: c64 = column[j + 1..width].iter().zip(&y[j + 1..]).map(|(l, y)| *l * *y).sum();
+                let outside: c64 = below.iter().zip(&column[width..]).map(|(row, l)| *l * x[*row as usize]).sum();
+                y[j] -= inside + outside;
+            }
+            for (row, y) in self.exchanged[own.clone()].iter().zip(y) {
+                x[own.start + *row as usize] = y;
+            }
+        }
+    }
+
     /// A forward and a backward sweep.
     fn sweep(&self, x: &mut [c64]) {
         let Some(nodes) = self.pattern.nodes() else { return };
@@ -393,6 +446,10 @@ mod tests {
             matrix.add_product(ONE, &x, &mut r);
             let error = made.solve(&r).iter().zip(&x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
             assert!(error < 1e-11, "{n}: {error:e}");
+            let adjoint = |j: usize| matrix.column(j).map(|(i, value)| value.conj() * x[i]).sum::<c64>();
+            let r: Vec<c64> = (0..size).map(adjoint).collect();
+            let error = made.solve_adjoint(&r).iter().zip(&x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            assert!(error < 1e-11, "{n}: adjoint {error:e}");
             let mut dense = faer::Mat::<c64>::zeros(size, size);
             for j in 0..size {
                 matrix.column(j).for_each(|(i, value)| dense[(i, j)] = value);

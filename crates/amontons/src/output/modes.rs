@@ -87,7 +87,7 @@ impl ModesFolder {
             for ModesOf { values, modes } in all {
                 for (number, mode) in modes.modes.iter().enumerate() {
                     let values = values.iter().map(|(_, value)| quoted(value) + ",").collect::<String>();
-                    writeln!(out, "{values}{}", join(&row(number + 1, mode)))?;
+                    writeln!(out, "{values}{}{}", join(&row(number + 1, mode)), slopes(mode))?;
                 }
             }
             Ok(())
@@ -110,7 +110,18 @@ fn columns(problem: &Problem, all: &[ModesOf]) -> Vec<String> {
     let contacts = names(&problem.contacts).into_iter().map(|name| quoted(&format!("growth_{name}")));
     let bodies = all.first().map_or(&[][..], |first| &first.modes.bodies);
     let bodies = bodies.iter().map(|name| quoted(&format!("share_{name}")));
-    keys.chain(own).chain(contacts).chain(bodies).collect()
+    let parameters = all.first().map_or(&[][..], |first| &first.modes.parameters);
+    let slopes = parameters.iter().flat_map(|(name, _)| [format!("frequency_by_{name}"), format!("growth_by_{name}")]);
+    keys.chain(own).chain(contacts).chain(bodies).chain(slopes.map(|name| quoted(&name))).collect()
+}
+
+/// The derivatives of a mode, each after a comma; empty fields where it has none.
+fn slopes(mode: &Mode) -> String {
+    let of = |k: usize| match mode.slope(k) {
+        Some([growth, frequency]) => format!(",{}", join(&[frequency, growth])),
+        None => ",,".to_owned(),
+    };
+    (0..mode.slopes.len()).map(of).collect()
 }
 
 /// The numbers of a mode.
@@ -120,26 +131,37 @@ fn row(number: usize, mode: &Mode) -> Vec<f64> {
     first.chain(own).chain(mode.by_contact.iter().copied()).chain(mode.by_body.iter().copied()).collect()
 }
 
+/// A mode as `modes.json` has it.
+fn mode_json(contacts: &[String], modes: &Modes, mode: &Mode) -> serde_json::Value {
+    let mut one = serde_json::json!({
+        "frequency": mode.hertz(),
+        "growth": mode.growth,
+        "damping_ratio": mode.damping_ratio(),
+        "residual": mode.residual,
+        "growth_by_contact": contacts.iter().zip(&mode.by_contact).collect::<std::collections::BTreeMap<_, _>>(),
+        "share_by_body": modes.bodies.iter().zip(&mode.by_body).collect::<std::collections::BTreeMap<_, _>>(),
+    });
+    if let Some((waves, object)) = mode.waves.zip(one.as_object_mut()) {
+        object.insert("waves".to_owned(), waves.into());
+    }
+    if !modes.parameters.is_empty() {
+        let of = |(k, (name, _)): (usize, &(String, f64))| {
+            let slope = mode.slope(k);
+            let [growth, frequency] = [0, 1].map(|part| slope.map(|slope| slope[part]));
+            (name.clone(), serde_json::json!({ "frequency": frequency, "growth": growth }))
+        };
+        one["by"] = modes.parameters.iter().enumerate().map(of).collect();
+    }
+    one
+}
+
 /// The searches as `modes.json` has them: modes with their shares, regions, counts.
 #[must_use]
 pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
     let hertz = |range: [f64; 2]| range.map(|rate| rate / std::f64::consts::TAU);
     let contacts = names(&problem.contacts);
     let one = |ModesOf { values, modes }: &ModesOf| {
-        let of = |mode: &Mode| {
-            let mut one = serde_json::json!({
-                "frequency": mode.hertz(),
-                "growth": mode.growth,
-                "damping_ratio": mode.damping_ratio(),
-                "residual": mode.residual,
-                "growth_by_contact": contacts.iter().zip(&mode.by_contact).collect::<std::collections::BTreeMap<_, _>>(),
-                "share_by_body": modes.bodies.iter().zip(&mode.by_body).collect::<std::collections::BTreeMap<_, _>>(),
-            });
-            if let Some((waves, object)) = mode.waves.zip(one.as_object_mut()) {
-                object.insert("waves".to_owned(), waves.into());
-            }
-            one
-        };
+        let of = |mode: &Mode| mode_json(&contacts, modes, mode);
         let region =
             |region: &ModeRegion| serde_json::json!({ "frequency": hertz(region.frequency), "growth": region.growth });
         let mut found = serde_json::json!({
@@ -170,6 +192,10 @@ pub fn modes_json(problem: &Problem, all: &[ModesOf]) -> serde_json::Value {
             "points": { "open": open, "stick": stick, "slip": slip },
             "unsteady": modes.unsteady,
         });
+        if !modes.parameters.is_empty() {
+            let value = |(name, value): &(String, f64)| (name.clone(), serde_json::Value::from(*value));
+            one["parameters"] = modes.parameters.iter().map(value).collect();
+        }
         if let (Some(all), serde_json::Value::Object(found)) = (one.as_object_mut(), found) {
             all.extend(found);
         }

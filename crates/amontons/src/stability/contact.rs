@@ -10,6 +10,8 @@
 //! | slides | | q′ = (∂s/∂p p′ + ∂s/∂r r′ + ∂s/∂‖w_τ‖ e·s′ + ∂s/∂θ θ′) n + (s/‖w_τ‖) (s′ − (n·s′) n) |
 //! | sticks | | s′ = 0, q′ the reaction |
 //!
+//! | wears | p′ unknown, [`WearingNormal`] | |
+//!
 //! with the bound s, the slip velocity w_τ of the state, e = w_τ/‖w_τ‖ and n = e, or the normal of the cone where it is
 //! not round. The last term of sliding, the drag, exists only across the direction of sliding: in space, or where the
 //! foundation slides in a direction in which the body does not move.
@@ -42,11 +44,33 @@ pub(super) struct HeldComponent {
     pub heat: [f64; 2],
 }
 
+/// The normal law of a closed point that wears, with p′ as an unknown: the depth h that is worn off grows with
+/// λh′ = W_p p′ + W_v e·u̇′ + W_θ θ′ of W = κ p ‖w_τ‖, and the layer or the rigid foundation bears r′ − h′ = C p′, so
+/// that
+///
+/// ```text
+/// W_p p′ + λ C p′ − λ (ν − W_v e)·u′ + W_θ θ′ = 0
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WearingNormal {
+    /// W_p in m/(Pa s), and C = 1/(∂p/∂r) in m/Pa, 0 of a rigid foundation.
+    pub by_pressure: f64,
+    pub compliance: f64,
+    /// ν − W_v e.
+    pub approach: Point,
+    /// W_θ by the temperatures of both sides, m/(s K).
+    pub by_temperature: [f64; 2],
+    /// Force on the foundation and heat out of one side and into the other per p′.
+    pub force: Point,
+    pub heat: [f64; 2],
+}
+
 /// The linearised laws of one contact point: the force p′ν + q′ and the heat out of the side of the point and into the
 /// other one by the jump of u′, by that of u̇′, and by the temperatures of both sides.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointTerm {
     pub held: Vec<HeldComponent>,
+    pub wearing: Option<WearingNormal>,
     pub force_by_jump: SpaceMap,
     pub force_by_rate: SpaceMap,
     pub force_by_temperature: [Point; 2],
@@ -186,6 +210,27 @@ impl PointAtState<'_> {
         flux.across(if self.contact.rubs() { dot(&self.state.q, &self.state.slip) } else { 0.0 })
     }
 
+    /// The wear at a closed point whose pressure follows the penetration, without what the normal law and friction add;
+    /// `None` where nothing is worn off.
+    fn wear(&self, slope: &Slope) -> Option<WearingNormal> {
+        let (law, state) = (self.contact.wear.as_ref()?, self.state);
+        let speed = length(&state.slip);
+        let yields = matches!(slope, Slope::Of { by_penetration, .. } if *by_penetration <= 0.0);
+        if state.pressure <= 0.0 || state.status != Status::Slip || speed <= 0.0 || yields {
+            return None;
+        }
+        let seen = self.seen();
+        let coefficient = law.coefficient(&seen);
+        let by_slip = scaled(coefficient * state.pressure / speed, &state.slip);
+        let mut wear = WearingNormal {
+            by_pressure: coefficient * speed,
+            approach: std::array::from_fn(|c| state.normal[c] - by_slip[c]),
+            ..WearingNormal::default()
+        };
+        wear.by_temperature[self.on()] = law.by_temperature(&seen) * state.pressure * speed;
+        (coefficient > 0.0).then_some(wear)
+    }
+
     /// The linearised laws. `has_heat` is false if no temperature is perturbed.
     fn linearised(&self, has_heat: bool) -> PointTerm {
         let (state, nu) = (self.state, &self.state.normal);
@@ -213,12 +258,26 @@ impl PointAtState<'_> {
         let powers = [flux.by_friction_power, flux.by_friction_power + rubs];
         let slip = &state.slip;
         let heat_of = |force: &Point| powers.map(|power| power * dot(force, slip));
-        match slope {
-            Slope::Rigid => {
+        let wear = self.wear(&slope).filter(|_| closed);
+        match (slope, wear) {
+            (slope, Some(wear)) => {
+                // The bound and the flux by the penetration r′ − h′ = C p′.
+                let compliance = match slope {
+                    Slope::Rigid => 0.0,
+                    Slope::Of { by_penetration, .. } => by_penetration.recip(),
+                };
+                let of_bound = sliding.as_ref().map_or([0.0; 3], |s| scaled(compliance * s.bound.by_penetration, &s.n));
+                let force: Point = std::array::from_fn(|c| with_pressure[c] + of_bound[c]);
+                let through = by_pressure + compliance * flux.by_penetration;
+                let heat = if has_heat { heat_of(&force).map(|heat| heat + through) } else { [0.0; 2] };
+                term.force_by_jump = SpaceMap::default();
+                term.wearing = Some(WearingNormal { compliance, force, heat, ..wear });
+            }
+            (Slope::Rigid, None) => {
                 let heat = heat_of(&with_pressure).map(|heat| heat + by_pressure);
                 term.held.push(HeldComponent { direction: *nu, force: with_pressure, heat });
             }
-            Slope::Of { by_penetration, by_rate } => {
+            (Slope::Of { by_penetration, by_rate }, None) => {
                 add(&mut term.force_by_jump, &outer(by_penetration, &with_pressure, nu));
                 add(&mut term.force_by_rate, &outer(by_rate, &with_pressure, nu));
                 for side in 0..2 {
@@ -243,10 +302,12 @@ impl PointAtState<'_> {
         let (slip, q, nu) = (&self.state.slip, &self.state.q, &self.state.normal);
         let speed = length(slip);
         let e = if speed > 0.0 { scaled(1.0 / speed, slip) } else { [0.0; 3] };
+        // At a point that wears, penetration follows the pressure.
+        let through = if term.wearing.is_some() { 0.0 } else { flux.by_penetration };
         for (side, power) in powers.into_iter().enumerate() {
             let [by_jump, by_rate] = [&term.force_by_jump, &term.force_by_rate].map(|map| transposed(map, slip));
             for c in 0..3 {
-                term.heat_by_jump[side][c] += power * by_jump[c] + flux.by_penetration * nu[c];
+                term.heat_by_jump[side][c] += power * by_jump[c] + through * nu[c];
                 term.heat_by_rate[side][c] += power * (by_rate[c] + q[c]) + flux.by_slip_speed * e[c];
             }
             let of_force = term.force_by_temperature.map(|force| power * dot(&force, slip));

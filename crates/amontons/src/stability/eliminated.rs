@@ -25,7 +25,7 @@ pub(super) struct HeldRow {
 }
 
 /// A basis of the vectors on which some functionals vanish: each unknown as a combination of those that are left.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Basis(Vec<Functional>);
 
 impl Basis {
@@ -62,9 +62,14 @@ struct ReducedRows {
 type ReducedRow = BTreeMap<u32, c64>;
 
 impl ReducedRows {
-    /// A functional without the unknowns of the rows, and its largest entry among those that may be eliminated; `None`
-    /// if nothing is left of it.
-    fn rest(&self, functional: &Functional, may: &impl Fn(u32) -> bool) -> Option<(ReducedRow, u32)> {
+    /// A functional without the unknowns of the rows, and its largest entry among those that may be eliminated, or the
+    /// one that is `given`; `None` if nothing is left of it.
+    fn rest(
+        &self,
+        functional: &Functional,
+        may: &impl Fn(u32) -> bool,
+        given: Option<u32>,
+    ) -> Option<(ReducedRow, u32)> {
         let (mut rest, mut size) = (ReducedRow::new(), 0.0f64);
         for &(unknown, factor) in functional {
             *rest.entry(unknown).or_default() += factor;
@@ -84,7 +89,8 @@ impl ReducedRows {
         }
         let largest =
             rest.iter().filter(|(unknown, _)| may(**unknown)).max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
-        let (pivot, value) = largest.map(|(unknown, value)| (*unknown, *value))?;
+        let largest = largest.map(|(unknown, value)| (*unknown, *value));
+        let (pivot, value) = given.map_or(largest, |given| Some((given, *rest.get(&given)?)))?;
         if value.norm() <= NOTHING * size {
             return None;
         }
@@ -118,18 +124,60 @@ impl ReducedRows {
     }
 }
 
+/// The unknowns that the condition and the reaction of each held component eliminate; `None` of one that is left out.
+pub(super) type ChosenPivots = Vec<Option<[u32; 2]>>;
+
+/// What is left of the unknowns.
+pub(super) struct Elimination {
+    /// The unknowns that are left.
+    pub left: Vec<u32>,
+    /// Z and W.
+    pub trial: Basis,
+    pub test: Basis,
+    pub pivots: ChosenPivots,
+}
+
 /// Z and W for held components: `may` tells the unknowns that may be eliminated. A component that others hold already,
-/// or whose reaction does no work, is left out. Returns the unknowns that are left, Z and W; unknown and test
-/// of the same number belong to the same degree of freedom wherever that is possible.
-pub(super) fn eliminate(size: usize, held: &[HeldRow], may: impl Fn(u32) -> bool) -> (Vec<u32>, Basis, Basis) {
+/// or whose reaction does no work, is left out. Unknown and test of the same number belong to the same degree of
+/// freedom wherever that is possible. With `given` pivots the basis is that of a state nearby, and follows from it
+/// without a jump; `None` if they do not suit.
+pub(super) fn eliminate(
+    size: usize,
+    held: &[HeldRow],
+    may: impl Fn(u32) -> bool,
+    given: Option<&ChosenPivots>,
+) -> Option<Elimination> {
     let (mut conditions, mut reactions) = (ReducedRows::default(), ReducedRows::default());
-    for HeldRow { condition, reaction } in held {
-        if let (Some(condition), Some(reaction)) = (conditions.rest(condition, &may), reactions.rest(reaction, &may)) {
-            conditions.add(condition);
-            reactions.add(reaction);
+    let mut pivots = ChosenPivots::with_capacity(held.len());
+    for (i, HeldRow { condition, reaction }) in held.iter().enumerate() {
+        let own = given.map(|given| given.get(i).copied());
+        if own == Some(Some(None)) {
+            pivots.push(None);
+            continue;
         }
+        let own = match own {
+            None => [None; 2],
+            Some(own) => own.flatten()?.map(Some),
+        };
+        let rests = (conditions.rest(condition, &may, own[0]), reactions.rest(reaction, &may, own[1]));
+        let (Some(condition), Some(reaction)) = rests else {
+            if given.is_some() {
+                return None;
+            }
+            pivots.push(None);
+            continue;
+        };
+        pivots.push(Some([condition.1, reaction.1]));
+        conditions.add(condition);
+        reactions.add(reaction);
     }
-    let [gone, untested] = [&conditions, &reactions].map(|reduced| &reduced.pivots);
+    let (left, trial, test) = bases(size, [&conditions, &reactions]);
+    Some(Elimination { left, trial, test, pivots })
+}
+
+/// The unknowns that are left, Z and W.
+fn bases(size: usize, [conditions, reactions]: [&ReducedRows; 2]) -> (Vec<u32>, Basis, Basis) {
+    let [gone, untested] = [conditions, reactions].map(|reduced| &reduced.pivots);
     let left: Vec<u32> = (0..size as u32).filter(|unknown| !gone.contains_key(unknown)).collect();
     let mut number = vec![u32::MAX; size];
     left.iter().enumerate().for_each(|(k, unknown)| number[*unknown as usize] = k as u32);
@@ -149,7 +197,7 @@ pub(super) fn eliminate(size: usize, held: &[HeldRow], may: impl Fn(u32) -> bool
         };
         Basis((0..size as u32).map(of).collect())
     };
-    let (trial, test) = (basis(&conditions, &number), basis(&reactions, &tests));
+    let (trial, test) = (basis(conditions, &number), basis(reactions, &tests));
     (left, trial, test)
 }
 
@@ -159,7 +207,7 @@ mod tests {
 
     /// Conditions vanish on Z, reactions on W, also where a condition is given twice and where tests take other places.
     #[test]
-    fn conditions_and_reactions_vanish() {
+    fn conditions_and_reactions_vanish() -> Result<(), &'static str> {
         let of = |real: &[(u32, f64)]| {
             real.iter().map(|&(unknown, factor)| (unknown, c64::from_polar(factor, f64::from(unknown)))).collect()
         };
@@ -172,8 +220,13 @@ mod tests {
             held(&[(2, 1.0), (3, -0.5), (0, 0.3)], &[(3, 1.0), (1, 0.5), (5, 2.0)]),
             held(&[(2, 2.0), (3, -1.0), (0, 0.6)], &[(3, 1.0), (1, 0.4)]),
         ];
-        let (left, z, w) = eliminate(6, &all, |unknown| unknown < 5);
+        let Elimination { left, trial: z, test: w, pivots } =
+            eliminate(6, &all, |unknown| unknown < 5, None).ok_or("no basis")?;
         assert_eq!(left.len(), 4);
+        // The same rows with the same pivots have the same basis; other pivots are refused.
+        let again = eliminate(6, &all, |unknown| unknown < 5, Some(&pivots)).ok_or("no basis")?;
+        assert_eq!((again.left, again.trial, again.test), (left, z.clone(), w.clone()));
+        assert!(eliminate(6, &all, |unknown| unknown < 5, Some(&vec![Some([5, 5]); 3])).is_none());
         for k in 0..4 {
             let unit: Vec<c64> = (0..4).map(|j| c64::new(f64::from(u8::from(j == k)), 0.0)).collect();
             let [x, y] = [&z, &w].map(|basis| basis.expand(&unit));
@@ -183,5 +236,6 @@ mod tests {
             }
             assert!(x.iter().any(|x| x.norm() > 0.5) && y.iter().any(|y| y.norm() > 0.5));
         }
+        Ok(())
     }
 }

@@ -17,6 +17,8 @@ mod krylov;
 mod polynomial;
 mod search;
 mod shares;
+mod slopes;
+mod steady;
 #[cfg(all(test, feature = "case"))]
 mod tests;
 mod unknowns;
@@ -26,16 +28,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use faer::c64;
 
-use crate::contact::{Contact, Status};
 use crate::discretization::Discretization;
-use crate::equation::acting::contacts_at;
 use crate::linalg::SolveError;
 use crate::problem::{Fault, Problem};
 use crate::state::{State, StepReport};
-use crate::tensor::length;
-use polynomial::{Forms, Polynomial};
+use search::FoundPairs;
 use shares::ModeShares;
-use unknowns::{Perturbed, PerturbedUnknowns};
+pub use slopes::DifferentiableModes;
+use steady::LinearisedState;
+pub use steady::SteadyState;
 use waves::{Sectors, WaveNumber};
 
 /// Difference of two frequencies, relative to them, that is round-off.
@@ -251,6 +252,20 @@ pub struct Mode {
     pub displacement: Vec<[f64; 2]>,
     /// θ′ by node, K, in the scale of u′; of hot spots the largest temperature is 1 K.
     pub temperature: Vec<[f64; 2]>,
+    /// Derivatives of growth and of angular frequency by each parameter of [`Modes::parameters`]; `None` where the mode
+    /// has none, as where two modes meet.
+    pub slopes: Vec<Option<[f64; 2]>>,
+    /// The eigenpair that it is.
+    origin: ModeOrigin,
+}
+
+/// The eigenpair of a mode.
+#[derive(Clone, Copy, Debug, Default)]
+struct ModeOrigin {
+    /// Number of the search, and of the pair in it.
+    search: usize,
+    pair: usize,
+    is_conjugate: bool,
 }
 
 impl Mode {
@@ -261,8 +276,16 @@ impl Mode {
             frequency: -self.frequency,
             displacement: conjugate(&self.displacement),
             temperature: conjugate(&self.temperature),
+            origin: ModeOrigin { is_conjugate: true, ..self.origin },
             ..self.clone()
         }
+    }
+
+    /// Derivatives of growth and of the frequency in Hz by a parameter.
+    #[must_use]
+    pub fn slope(&self, parameter: usize) -> Option<[f64; 2]> {
+        let [growth, frequency] = self.slopes.get(parameter).copied().flatten()?;
+        Some([growth, frequency / std::f64::consts::TAU])
     }
 
     /// −Re λ/|λ|: negative for a mode that grows.
@@ -326,6 +349,8 @@ pub struct Modes {
     pub unsteady: f64,
     /// Names of the bodies of [`Mode::by_body`].
     pub bodies: Vec<String>,
+    /// Names and values of the parameters of [`Mode::slopes`].
+    pub parameters: Vec<(String, f64)>,
 }
 
 impl Modes {
@@ -336,11 +361,12 @@ impl Modes {
     }
 
     /// Adds the modes of a number of waves.
-    fn add(&mut self, found: &search::FoundPairs, shares: &ModeShares) {
+    fn add(&mut self, found: &FoundPairs, shares: &ModeShares, search: usize) {
         let waves = found.pencil.unknowns.waves();
         let before = self.modes.len();
-        for pair in &found.pairs {
-            let mode = shares.mode(&found.pencil, pair);
+        for (number, pair) in found.pairs.iter().enumerate() {
+            let origin = ModeOrigin { search, pair: number, is_conjugate: false };
+            let mode = Mode { origin, ..shares.mode(&found.pencil, pair) };
             if self.sectors == 1 {
                 self.modes.push(mode);
                 continue;
@@ -462,25 +488,16 @@ pub fn modes(
     report: &StepReport,
     wanted: &Wanted,
 ) -> Result<Modes, StabilityError> {
-    check(problem, discrete, wanted)?;
-    let sectors = Sectors::of(problem).map_err(StabilityError::Problem)?;
+    Ok(search(SteadyState { problem, discrete, state, report }, wanted)?.0)
+}
+
+/// The modes of a state with the pencils and eigenpairs of each search.
+fn search(at: SteadyState, wanted: &Wanted) -> Result<(Modes, Vec<FoundPairs>), StabilityError> {
+    let linearised = LinearisedState::new(at, wanted)?;
+    let sectors = Sectors::of(at.problem).map_err(StabilityError::Problem)?;
     wanted.check_waves(sectors)?;
-    let what = Perturbed {
-        displacement: problem.physics.has_mechanics(),
-        temperature: wanted.kind != ModeKind::Squeal && problem.physics.has_heat(),
-    };
-    let contacts = contacts_at(problem, state.t);
-    let boundary = report.contact.boundary.as_ref().unwrap_or(&discrete.boundary);
-    let points = contact::linearised(&contacts, boundary, report, what.temperature)?;
-    let mut forms = forms(discrete, state, what, wanted.kind);
-    let lumped = |contact: &Contact| contact.foundation_heat.as_ref().map(|heat| [heat.exchange, heat.capacity]);
-    forms.foundations = contacts.iter().map(lumped).collect();
-    let shares = ModeShares::new(discrete, boundary, &contacts, &forms, wanted.kind);
-    let statuses = report.contact.states.iter().map(|state| state.status);
-    let count = |status: Status| statuses.clone().filter(|own| *own == status).count();
-    let largest = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(0.0, f64::max);
-    let slip = largest(&mut report.contact.states.iter().map(|state| length(&state.slip)));
-    let velocity = largest(&mut state.w.chunks(discrete.mesh.dim).map(|w| w.iter().map(|c| c * c).sum::<f64>().sqrt()));
+    let LinearisedState { contacts, boundary, forms, .. } = &linearised;
+    let shares = ModeShares::new(at.discrete, boundary, contacts, forms, wanted.kind);
     let mut all = Modes {
         kind: wanted.kind,
         modes: Vec::new(),
@@ -489,88 +506,22 @@ pub fn modes(
         unknowns: 0,
         factorizations: 0,
         dimension: 0,
-        points: [Status::Open, Status::Stick, Status::Slip].map(count),
-        unsteady: if slip > 0.0 { velocity / slip } else { 0.0 },
+        points: linearised.points(),
+        unsteady: linearised.unsteady(),
         bodies: shares.names(),
+        parameters: Vec::new(),
     };
+    let mut parts = Vec::new();
     for (waves, coverage) in wanted.searches(sectors) {
-        let unknowns = PerturbedUnknowns::new((discrete, &contacts), what, waves);
+        let unknowns = linearised.unknowns(waves);
         if unknowns.size == 0 {
             return Err(StabilityError::State(Reason::NoUnknowns));
         }
-        let pencil = Polynomial::new(unknowns, &forms, boundary, &points, &discrete.mesh);
-        all.add(&search::find(pencil, wanted, coverage, discrete.mesh.dim)?, &shares);
+        let pencil = linearised.pencil(unknowns, None).ok_or(StabilityError::State(Reason::NoUnknowns))?;
+        let found = search::find(pencil, wanted, coverage, at.discrete.mesh.dim)?;
+        all.add(&found, &shares, parts.len());
+        parts.push(found);
     }
     all.sort();
-    Ok(all)
-}
-
-/// Checks that all parts of the problem are linearised.
-fn check(problem: &Problem, discrete: &Discretization, wanted: &Wanted) -> Result<(), StabilityError> {
-    let kind = wanted.kind;
-    let fault = |path: String, found: &str, expected: &str, hint: &str| {
-        Err(StabilityError::Problem(Fault::new(path, found, expected).hint(hint)))
-    };
-    let of = |contact: &Contact| {
-        let load = contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some());
-        let all = [
-            (contact.wear.is_some(), "wear", "wear, which never ends"),
-            (contact.preload.is_some(), "preload", "a preload, whose section is drawn together"),
-            (contact.fluid.is_some(), "fluid", "a fluid"),
-            (load, "obstacle.load", "an obstacle under a force"),
-        ];
-        all.into_iter().find(|(is, ..)| *is).map(|(_, key, found)| (key, found))
-    };
-    for (side, contact) in problem.contacts.iter().enumerate() {
-        if let Some((key, found)) = of(contact) {
-            let path = format!("{}.{key}", problem.contact_path(side));
-            return fault(path, found, "none in a search for modes", "remove it, or hold what it does fixed");
-        }
-    }
-    if discrete.branches.iter().any(|branches| branches.uniform().is_none()) {
-        let hint = "give regions of their own a number each";
-        return fault("material".to_owned(), "relaxation times that vary in space", "numbers per region", hint);
-    }
-    let region_holds_poles =
-        wanted.region.map_or(kind == ModeKind::Thermal, |region| region.frequency[0] <= 0.0 && region.growth[0] < 0.0);
-    if !discrete.branches.is_empty() && region_holds_poles {
-        let hint = "give stability.growth a lower bound of 0 or more, or stability.frequency one above 0";
-        let found =
-            "decaying modes of frequency 0 in a body with branches, which relax in as many modes as they have unknowns";
-        return fault("stability".to_owned(), found, "a region without them", hint);
-    }
-    if kind != ModeKind::Thermal && !problem.physics.has_mechanics()
-        || kind != ModeKind::Squeal && !problem.physics.has_heat()
-    {
-        let found = format!(
-            "\"{}\" in a problem without {}",
-            kind.name(),
-            if problem.physics.has_heat() { "mechanics" } else { "heat" }
-        );
-        return fault("stability.kind".to_owned(), &found, "a kind whose equations are solved", "take another kind");
-    }
-    Ok(())
-}
-
-/// The forms of the body at a state.
-fn forms(discrete: &Discretization, state: &State, what: Perturbed, kind: ModeKind) -> Forms {
-    let State { u, w, theta, .. } = state;
-    let mut forms = Forms::default();
-    if what.displacement {
-        let [damping, stiffness] = discrete.mechanical_forms(u, w, theta);
-        (forms.damping, forms.stiffness) = (Some(damping), Some(stiffness));
-        forms.inertia = (kind != ModeKind::Thermal).then(|| discrete.inertia_matrix(1.0));
-        let branches = discrete.branches.iter().filter_map(|branches| branches.uniform());
-        forms.branches = branches.map(|(time, form)| (time.recip(), form.clone())).collect();
-    }
-    if what.temperature {
-        let [storage, conduction] = discrete.thermal_forms(theta);
-        forms.storage = Some(storage);
-        forms.conduction = [Some(conduction), discrete.thermal_slope(theta)].into_iter().flatten().collect();
-    }
-    if what.displacement && what.temperature {
-        forms.force = Some(discrete.mechanical_slope(u, w, theta).unwrap_or_else(|| discrete.m.clone()));
-        forms.heat = Some(discrete.e.clone());
-    }
-    forms
+    Ok((all, parts))
 }

@@ -7,6 +7,7 @@
 //! ```text
 //! λ²M u′ + λB u′ + A u′ + Σ λ/(λ + 1/τ) A_τ u′ − G θ′ + Σ ω Nᵀ(p′ν + q′) = 0
 //! λC θ′ + D θ′ − E u′ + Σ ω Nᵀ(q·ν)′ = 0
+//! W_p p′ + λ p′/(∂p/∂r) − λ(ν − W_v e)·u′ + W_θ θ′ = 0      at a point that wears
 //! λC_F θ_F′ + H θ_F′ − Σ ω (q·ν + q·w_τ)′ = 0      of a foundation with a heat capacity
 //! ```
 //!
@@ -15,7 +16,7 @@
 use faer::c64;
 
 use super::contact::{PointTerm, SpaceMap};
-use super::eliminated::{Basis, Functional, HeldRow, eliminate};
+use super::eliminated::{Basis, ChosenPivots, Elimination, Functional, HeldRow, eliminate};
 use super::unknowns::{PerturbedUnknowns, add, merged};
 use crate::contact::ContactBoundary;
 use crate::linalg::{BlockMatrix, ComplexMatrix, Graph, nested_dissection};
@@ -53,6 +54,9 @@ pub(super) struct Polynomial {
     pub trial: Basis,
     /// Factor of each unknown: x = scale ξ makes entries of one size.
     pub scale: Vec<f64>,
+    /// The unknowns that the contact eliminates, and the number of each that is left.
+    pivots: ChosenPivots,
+    number: Vec<u32>,
 }
 
 /// Entries of one term: row, column, value.
@@ -124,6 +128,17 @@ impl Assembly<'_> {
                 self.product(0, factor, &temperatures[side], temperature);
             }
         }
+        if let Some((wearing, pressure)) = term.wearing.as_ref().zip(unknowns.pressure(number)) {
+            for (power, factor) in [wearing.by_pressure, wearing.compliance].into_iter().enumerate() {
+                self.product(power, point.weight * factor, &pressure, &pressure);
+            }
+            self.product(1, -point.weight, &pressure, &along(&wearing.approach));
+            for (on, temperature) in temperatures.iter().enumerate() {
+                self.product(0, point.weight * wearing.by_temperature[on], &pressure, temperature);
+                self.product(0, tests[on] * wearing.heat[on], temperature, &pressure);
+            }
+            self.product(0, point.weight, &along(&wearing.force), &pressure);
+        }
         let held = |held: &super::contact::HeldComponent| {
             let mut reaction = along(&held.force);
             for side in 0..2 {
@@ -136,17 +151,53 @@ impl Assembly<'_> {
 }
 
 impl Polynomial {
-    /// Assembles the pencil.
+    /// Assembles the pencil, with the basis, the order and the scale of one `beside` it, if that is given; `None` if
+    /// they do not suit.
     pub fn new(
         unknowns: PerturbedUnknowns,
         forms: &Forms,
-        boundary: &ContactBoundary,
-        points: &[PointTerm],
+        (boundary, points): (&ContactBoundary, &[PointTerm]),
         mesh: &Mesh,
-    ) -> Polynomial {
-        let dim = mesh.dim;
+        beside: Option<&Polynomial>,
+    ) -> Option<Polynomial> {
+        if beside.is_some_and(|beside| !beside.has_unknowns(&unknowns, forms)) {
+            return None;
+        }
+        let (held, entries) = Polynomial::assembled(&unknowns, forms, (boundary, points), mesh.dim);
+        let may = |unknown: u32| unknowns.moves[unknown as usize];
+        let Elimination { left, trial, test, pivots } =
+            eliminate(unknowns.size, &held, may, beside.map(|beside| &beside.pivots))?;
+        let size = left.len();
+        let number = match beside {
+            Some(beside) if beside.number.len() == size => beside.number.clone(),
+            Some(_) => return None,
+            None => order(&unknowns, mesh, &entries, (&left, [&test, &trial])),
+        };
+        let [trial, test] = [trial, test].map(|basis| basis.renumbered(&number));
+        let rates = forms.branches.iter().map(|(rate, _)| *rate).collect();
+        let (pattern, terms) = condensed(size, entries, [&test, &trial]);
+        let mut made = Polynomial { pattern, terms, rates, unknowns, trial, scale: vec![1.0; size], pivots, number };
+        if let Some(beside) = beside {
+            made.scale_with(beside.scale.clone());
+        }
+        Some(made)
+    }
+
+    /// True if other unknowns and forms have the same degrees of freedom and as many branches.
+    fn has_unknowns(&self, other: &PerturbedUnknowns, forms: &Forms) -> bool {
+        let own = &self.unknowns;
+        own.moves == other.moves && own.node_of == other.node_of && self.rates.len() == forms.branches.len()
+    }
+
+    /// The held components and the terms on all unknowns.
+    fn assembled(
+        unknowns: &PerturbedUnknowns,
+        forms: &Forms,
+        (boundary, points): (&ContactBoundary, &[PointTerm]),
+        dim: usize,
+    ) -> (Vec<HeldRow>, Vec<Entries>) {
         let terms = 3 + forms.branches.len();
-        let mut assembly = Assembly { unknowns: &unknowns, terms: vec![Vec::new(); terms] };
+        let mut assembly = Assembly { unknowns, terms: vec![Vec::new(); terms] };
         let (u, theta) = (&unknowns.u[..], &unknowns.theta[..]);
         let body = [(0, &forms.stiffness), (1, &forms.damping), (2, &forms.inertia)];
         for (term, form) in body {
@@ -167,27 +218,22 @@ impl Polynomial {
                 assembly.product(power, *value, theta, theta);
             }
         }
-        let held: Vec<HeldRow> =
-            points.iter().enumerate().flat_map(|(i, point)| assembly.add_point(boundary, i, point)).collect();
-        let entries = assembly.terms;
-        let (left, trial, test) = eliminate(unknowns.size, &held, |unknown| unknowns.moves[unknown as usize]);
-        let (size, number) = (left.len(), order(&unknowns, mesh, &entries, (&left, [&test, &trial])));
-        let [trial, test] = [trial, test].map(|basis| basis.renumbered(&number));
-        let rates = forms.branches.iter().map(|(rate, _)| *rate).collect();
-        let (pattern, terms) = condensed(size, entries, [&test, &trial]);
-        Polynomial { pattern, terms, rates, unknowns, trial, scale: vec![1.0; size] }
+        let held = points.iter().enumerate().flat_map(|(i, point)| assembly.add_point(boundary, i, point)).collect();
+        (held, assembly.terms)
     }
 
     /// λ²T₂ + λT₁ + T₀ by the entries of the terms: row, column, value.
     #[cfg(test)]
-    pub fn of_terms(size: usize, terms: [Vec<(u32, u32, f64)>; 3]) -> Polynomial {
-        let (_, trial, test) = eliminate(size, &[], |_| true);
+    pub fn of_terms(size: usize, terms: [Vec<(u32, u32, f64)>; 3]) -> Option<Polynomial> {
+        let Elimination { trial, test, pivots, .. } = eliminate(size, &[], |_| true, None)?;
         let complex = |entries: Vec<(u32, u32, f64)>| {
             entries.into_iter().map(|(i, j, value)| (i, j, c64::new(value, 0.0))).collect::<Entries>()
         };
         let (pattern, terms) = condensed(size, terms.map(complex).into_iter().collect(), [&test, &trial]);
         let unknowns = PerturbedUnknowns::plain(size);
-        Polynomial { pattern, terms, rates: Vec::new(), unknowns, trial, scale: vec![1.0; size] }
+        let number = (0..size as u32).collect();
+        let scale = vec![1.0; size];
+        Some(Polynomial { pattern, terms, rates: Vec::new(), unknowns, trial, scale, pivots, number })
     }
 
     /// True if T is real at real λ, so that eigenvalues come with their conjugates.
@@ -220,7 +266,13 @@ impl Polynomial {
         }
         let mean = largest.iter().filter(|d| **d > 0.0).map(|d| d.ln()).sum::<f64>();
         let mean = (mean / largest.iter().filter(|d| **d > 0.0).count().max(1) as f64).exp();
-        self.scale = largest.iter().map(|d| if *d > 0.0 { d.sqrt().recip() } else { mean.sqrt().recip() }).collect();
+        let scale = largest.iter().map(|d| if *d > 0.0 { d.sqrt().recip() } else { mean.sqrt().recip() }).collect();
+        self.scale_with(scale);
+    }
+
+    /// Scales the terms by the factors of the unknowns.
+    pub fn scale_with(&mut self, scale: Vec<f64>) {
+        self.scale = scale;
         for j in 0..self.size() {
             for k in self.range(j) {
                 let factor = self.scale[j] * self.scale[self.pattern.rows[k] as usize];
@@ -233,10 +285,53 @@ impl Polynomial {
         self.pattern.start[j] as usize..self.pattern.start[j + 1] as usize
     }
 
+    /// The factors of T₀, T₁, T₂ and A_τ in T(λ).
+    pub fn weights(&self, lambda: c64) -> Vec<c64> {
+        let branches = self.rates.iter().map(|rate| lambda / (lambda + rate));
+        [c64::new(1.0, 0.0), lambda, lambda * lambda].into_iter().chain(branches).collect()
+    }
+
+    /// Their derivatives in λ.
+    pub fn slope_weights(&self, lambda: c64) -> Vec<c64> {
+        let branches = self.rates.iter().map(|rate| *rate / ((lambda + rate) * (lambda + rate)));
+        [c64::default(), c64::new(1.0, 0.0), 2.0 * lambda].into_iter().chain(branches).collect()
+    }
+
+    /// The sum of the terms with some factors, times x.
+    pub fn combined(&self, weights: &[c64], x: &[c64]) -> Vec<c64> {
+        let mut sum = vec![c64::default(); x.len()];
+        for (term, weight) in weights.iter().enumerate() {
+            self.add_product(term, *weight, x, &mut sum);
+        }
+        sum
+    }
+
+    /// The size of the sum of the terms with some factors, times x, without cancellation: all factors, entries and
+    /// values by their sizes.
+    pub fn absolute(&self, weights: &[c64], x: &[c64]) -> f64 {
+        let mut sum = vec![0.0f64; x.len()];
+        for (j, x) in x.iter().enumerate() {
+            for k in self.range(j) {
+                let entry = |(weight, term): (&c64, &Vec<c64>)| (weight * term[k]).norm();
+                let size: f64 = weights.iter().zip(&self.terms).map(entry).sum();
+                sum[self.pattern.rows[k] as usize] += size * x.norm();
+            }
+        }
+        sum.iter().map(|size| size * size).sum::<f64>().sqrt()
+    }
+
+    /// The adjoint of the sum of the terms with some factors, times y.
+    pub fn combined_adjoint(&self, weights: &[c64], y: &[c64]) -> Vec<c64> {
+        let of = |j: usize| {
+            let own = |k: usize| weights.iter().zip(&self.terms).map(|(weight, term)| weight * term[k]).sum::<c64>();
+            self.range(j).map(|k| own(k).conj() * y[self.pattern.rows[k] as usize]).sum()
+        };
+        (0..self.size()).map(of).collect()
+    }
+
     /// T(λ).
     pub fn at(&self, lambda: c64) -> ComplexMatrix {
-        let mut weights = vec![c64::new(1.0, 0.0), lambda, lambda * lambda];
-        weights.extend(self.rates.iter().map(|rate| lambda / (lambda + rate)));
+        let weights = self.weights(lambda);
         let mut values = vec![c64::default(); self.pattern.rows.len()];
         for (term, weight) in self.terms.iter().zip(weights) {
             values.iter_mut().zip(term).for_each(|(value, entry)| *value += weight * *entry);
@@ -256,10 +351,8 @@ impl Polynomial {
 
     /// ‖T(λ)x‖ over the sum of the sizes of its terms.
     pub fn residual(&self, lambda: c64, x: &[c64]) -> f64 {
-        let mut weights = vec![c64::new(1.0, 0.0), lambda, lambda * lambda];
-        weights.extend(self.rates.iter().map(|rate| lambda / (lambda + rate)));
         let (mut sum, mut sizes) = (vec![c64::default(); x.len()], 0.0);
-        for (term, weight) in weights.into_iter().enumerate() {
+        for (term, weight) in self.weights(lambda).into_iter().enumerate() {
             let mut product = vec![c64::default(); x.len()];
             self.add_product(term, weight, x, &mut product);
             sizes += norm(&product);

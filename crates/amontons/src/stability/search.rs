@@ -40,6 +40,8 @@ pub(super) struct FoundPair {
 /// What was found.
 pub(super) struct FoundPairs {
     pub pencil: Polynomial,
+    /// The shift about which they were found.
+    pub shift: c64,
     pub pairs: Vec<FoundPair>,
     pub region: ModeRegion,
     pub missing: isize,
@@ -152,6 +154,31 @@ fn shift(wanted: &Wanted, slow: f64) -> c64 {
     }
 }
 
+/// Shifts at which faster growth is looked for than that of slow motions, each so many times the one before, the
+/// dimension of their spaces, and what a shift exceeds the fastest growth by.
+const PROBES: i32 = 4;
+const WIDER: f64 = 8.0;
+const PROBED: usize = 20;
+const BEYOND: f64 = 1.25;
+
+/// A shift to the right of the eigenvalues of hot spots that shifts further to the right find first: modes are wanted
+/// by growth, and the nearest ones are found.
+fn right_of_growth(pencil: &Polynomial, pattern: &Pattern, wanted: &Wanted, shift: c64) -> Result<c64, StabilityError> {
+    let mut fastest = shift.re / BEYOND;
+    for power in 1..=PROBES {
+        let probe = c64::new(shift.re * WIDER.powi(power), 0.0);
+        let matrix = pencil.at(probe);
+        let pivots = Pivots::new(pattern, &matrix)?;
+        let mut space = KrylovSpace::new(pencil, &pivots, probe);
+        space.extend(PROBED, wanted)?;
+        let found = space.ritz()?;
+        let faster = found.iter().filter(|ritz| ritz.error <= TRUE && ritz.lambda.re > fastest);
+        let is_true = |ritz: &&RitzPair| pencil.residual(ritz.lambda, &space.vector(ritz)) < TRUE;
+        fastest = faster.filter(is_true).map(|ritz| ritz.lambda.re).fold(fastest, f64::max);
+    }
+    Ok(c64::new(BEYOND * fastest, 0.0))
+}
+
 /// Finds the eigenpairs.
 pub(super) fn find(
     mut pencil: Polynomial,
@@ -159,15 +186,20 @@ pub(super) fn find(
     coverage: Coverage,
     dim: usize,
 ) -> Result<FoundPairs, StabilityError> {
-    let shift = shift(wanted, pencil.slow_rate(dim));
+    let mut shift = shift(wanted, pencil.slow_rate(dim));
     pencil.balance(shift.norm());
+    let pattern = Pattern::new(&pencil.at(shift))?;
+    let mut factorizations = 1;
+    if wanted.kind == ModeKind::Thermal && wanted.region.is_none() {
+        shift = right_of_growth(&pencil, &pattern, wanted, shift)?;
+        factorizations += PROBES as usize;
+    }
     let matrix = pencil.at(shift);
-    let pattern = Pattern::new(&matrix)?;
     let pivots = Pivots::new(&pattern, &matrix)?;
     let mut space = KrylovSpace::new(&pencil, &pivots, shift);
     let memory = machine::physical_memory().map_or(f64::INFINITY, |memory| MEMORY * memory.bytes);
     let most = ((memory / space.bytes() as f64) as usize).max(64);
-    let (mut by, mut factorizations) = (2 * wanted.count + 20, 1);
+    let mut by = 2 * wanted.count + 20;
     loop {
         space.extend(by, wanted)?;
         by = (space.dimension() / 4).max(10);
@@ -195,6 +227,6 @@ pub(super) fn find(
             FoundPair { lambda, residual: pencil.residual(lambda, &x), x }
         });
         let (pairs, dimension) = (pairs.collect(), space.dimension());
-        return Ok(FoundPairs { pencil, pairs, region, missing, factorizations, dimension });
+        return Ok(FoundPairs { pencil, shift, pairs, region, missing, factorizations, dimension });
     }
 }

@@ -11,7 +11,7 @@ use faer::c64;
 use super::eliminated::Functional;
 use super::polynomial::{Forms, Polynomial};
 use super::search::FoundPair;
-use super::{Mode, ModeKind};
+use super::{Mode, ModeKind, ModeOrigin};
 use crate::contact::{Contact, ContactBoundary};
 use crate::discretization::Discretization;
 use crate::linalg::BlockMatrix;
@@ -90,6 +90,8 @@ impl<'a> ModeShares<'a> {
             by_body,
             displacement: parts(&u),
             temperature: parts(&theta),
+            slopes: Vec::new(),
+            origin: ModeOrigin::default(),
         }
     }
 

@@ -5,7 +5,9 @@ use faer::{Mat, c64};
 
 use super::polynomial::Polynomial;
 use super::search::{FoundPairs, find};
-use super::{Coverage, ModeKind, ModeRegion, Wanted, contact, count, forms};
+use super::slopes::slopes_of;
+use super::steady::forms;
+use super::{Coverage, ModeKind, ModeRegion, Wanted, contact, count, unknowns};
 use crate::case::{self, Source};
 use crate::linalg::Pattern;
 use crate::run::{Settings, Stepping};
@@ -68,12 +70,15 @@ fn pencil(text: String) -> Polynomial {
     run.step().expect("a steady state");
     let seen = run.snapshot();
     let (discrete, report) = (seen.discretization, seen.report.expect("a report"));
-    let what = super::Perturbed { displacement: true, temperature: false };
+    let what = unknowns::Perturbed { displacement: true, temperature: false };
     let points = contact::linearised(&seen.problem.contacts, &discrete.boundary, report, false).expect("points");
-    let unknowns =
-        super::PerturbedUnknowns::new((discrete, &seen.problem.contacts), what, super::Sectors::WHOLE.waves(0));
+    let unknowns = unknowns::PerturbedUnknowns::new(
+        (discrete, &seen.problem.contacts),
+        (what, &[]),
+        super::Sectors::WHOLE.waves(0),
+    );
     let forms = forms(discrete, seen.state, what, ModeKind::Squeal);
-    Polynomial::new(unknowns, &forms, &discrete.boundary, &points, &discrete.mesh)
+    Polynomial::new(unknowns, &forms, (&discrete.boundary, &points), &discrete.mesh, None).expect("a pencil")
 }
 
 /// All eigenvalues of λ²T₂ + λT₁ + T₀, by those of a dense matrix of twice the size.
@@ -169,17 +174,84 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(with(1), with(3));
 }
 
-/// A block of two degrees of freedom: T₀ and T₁ by rows, unit masses. Its eigenvalues of positive frequency.
-fn of_two_degrees(stiffness: [[f64; 2]; 2], damping: [f64; 2]) -> Vec<c64> {
+/// The pencil of two degrees of freedom: T₀ by rows, diagonal T₁ and T₂.
+fn two_degrees(stiffness: [[f64; 2]; 2], damping: [f64; 2], mass: f64) -> Polynomial {
     let entry = |i: u32, j: u32| (i, j, stiffness[i as usize][j as usize]);
     let terms = [
         vec![entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)],
         vec![(0, 0, damping[0]), (1, 1, damping[1])],
-        vec![(0, 0, 1.0), (1, 1, 1.0)],
+        vec![(0, 0, mass), (1, 1, mass)],
     ];
-    let found = find(Polynomial::of_terms(2, terms), &wanted(2), Coverage::Folded, 1).expect("modes");
+    Polynomial::of_terms(2, terms).expect("a pencil")
+}
+
+/// The eigenvalues of positive frequency of two degrees of freedom with unit masses.
+fn of_two_degrees(stiffness: [[f64; 2]; 2], damping: [f64; 2]) -> Vec<c64> {
+    let found = find(two_degrees(stiffness, damping, 1.0), &wanted(2), Coverage::Folded, 1).expect("modes");
     assert_eq!((found.pairs.len(), found.missing), (2, 0));
     found.pairs.iter().map(|pair| pair.lambda).collect()
+}
+
+/// Derivatives of the eigenvalues of two degrees of freedom by the derivatives of stiffness and damping.
+fn slopes_of_two(
+    (stiffness, damping): ([[f64; 2]; 2], [f64; 2]),
+    (stiffening, damped): ([[f64; 2]; 2], [f64; 2]),
+) -> Vec<(c64, Vec<c64>)> {
+    let found = find(two_degrees(stiffness, damping, 1.0), &wanted(2), Coverage::Folded, 1).expect("modes");
+    slopes_of(&found, &wanted(2), two_degrees(stiffening, damped, 0.0)).expect("derivatives")
+}
+
+/// With λ² = −K the derivative is −(K_μ)/(2λ): of the block on a belt at μ = 0.6 that of the growth is 0.9952397.
+#[test]
+fn the_growth_of_a_block_on_a_belt_rises_as_its_formula_says() {
+    let off = -2.25 * 3.0f64.sqrt();
+    let stiffness = |mu: f64| [[23.25, off + 11.0 * mu], [off, 18.75]];
+    let found = slopes_of_two((stiffness(0.6), [0.0; 2]), ([[0.0, 11.0], [0.0, 0.0]], [0.0; 2]));
+    let growing = found.iter().find(|(lambda, _)| lambda.re > 0.0).expect("a mode that grows");
+    assert!((growing.1[0].re - 0.995_239_7).abs() < 1e-7, "{growing:?}");
+    for (lambda, slopes) in &found {
+        // Of λ² = −21 ± √d with d = 2.25² + off (off + 11 μ): 2 λ λ_μ = ± 5.5 off/√d.
+        let root = lambda * lambda + 21.0;
+        let exact = 5.5 * off / root / (2.0 * lambda);
+        assert!((slopes[0] - exact).norm() < 1e-10 * exact.norm(), "{slopes:?} for {exact}");
+    }
+    // Damping of the first degree of freedom, against differences of the eigenvalues: slope 2.
+    let damping = [0.3, 0.1];
+    let found = slopes_of_two((stiffness(0.6), damping), ([[0.0; 2]; 2], [1.0, 0.0]));
+    let errors = [0.04, 0.02, 0.01].map(|h| {
+        let [low, high] = [-h, h].map(|h| of_two_degrees(stiffness(0.6), [damping[0] + h, damping[1]]));
+        let near =
+            |all: &[c64], at: c64| all.iter().copied().min_by(|a, b| (a - at).norm().total_cmp(&(b - at).norm()));
+        let off = |(lambda, slopes): &(c64, Vec<c64>)| {
+            let [low, high] = [&low, &high].map(|all| near(all, *lambda).expect("a mode"));
+            ((high - low) / (2.0 * h) - slopes[0]).norm()
+        };
+        found.iter().map(off).fold(0.0, f64::max)
+    });
+    let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+    assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.05), "{errors:?}");
+}
+
+/// Of two equal springs, λ² = −k twice, the derivatives are −κ/(2λ) with the eigenvalues κ of the change of the
+/// stiffness, which need not be symmetric. Where two modes meet in one shape there is none.
+#[test]
+fn a_pair_has_the_derivatives_of_its_projection_and_a_meeting_none() {
+    for (change, kappa) in [
+        ([[1.0, 2.0], [2.0, 4.0]], [c64::new(5.0, 0.0), c64::new(0.0, 0.0)]),
+        ([[0.0, 1.0], [-1.0, 0.0]], [c64::new(0.0, 1.0), c64::new(0.0, -1.0)]),
+        ([[3.0, 0.0], [0.0, 3.0]], [c64::new(3.0, 0.0); 2]),
+    ] {
+        let found = slopes_of_two(([[7.0, 0.0], [0.0, 7.0]], [0.0; 2]), (change, [0.0; 2]));
+        let [(lambda, slopes)] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(slopes.len(), 2);
+        for kappa in kappa {
+            let exact = -kappa / (2.0 * lambda);
+            let off = slopes.iter().map(|slope| (slope - exact).norm()).fold(f64::INFINITY, f64::min);
+            assert!(off < 1e-10, "{slopes:?} without {exact}");
+        }
+    }
+    let meeting = slopes_of_two(([[2.0, 0.0], [1.0, 2.0]], [0.0; 2]), ([[0.0, 1.0], [0.0, 0.0]], [0.0; 2]));
+    assert!(meeting.iter().all(|(_, slopes)| slopes.is_empty()), "{meeting:?}");
 }
 
 /// A block on a belt with two inclined springs and a contact spring (after Hoffmann et al.): k = 20 at 150°, 11 at 30°,

@@ -29,6 +29,8 @@ pub(super) struct PerturbedUnknowns {
     /// Temperatures of the foundations with a heat capacity, by contact; empty where θ_F is given, or where waves
     /// around the body leave it as it is.
     foundations: Vec<Functional>,
+    /// Pressures of the points that wear, by contact point.
+    pressures: Vec<Option<u32>>,
     /// True for unknowns of the displacement.
     pub moves: Vec<bool>,
     /// Node of each unknown; those of foundations, the last ones, have none.
@@ -38,11 +40,12 @@ pub(super) struct PerturbedUnknowns {
 }
 
 impl PerturbedUnknowns {
-    /// The unknowns of a discrete problem, node by node, then those of foundations. In a sector nodes on its second
+    /// The unknowns of a discrete problem, node by node, then the pressures of the points that wear, each by its node,
+    /// then those of foundations. In a sector nodes on its second
     /// side follow those on the first one with the phase of the waves.
     pub fn new(
         (discrete, contacts): (&Discretization, &[Contact]),
-        what: Perturbed,
+        (what, wearing): (Perturbed, &[Option<u32>]),
         waves: WaveNumber,
     ) -> PerturbedUnknowns {
         let Discretization { mesh, v, q, .. } = discrete;
@@ -60,6 +63,13 @@ impl PerturbedUnknowns {
             }
             node_of.resize(moves.len(), node as u32);
         }
+        let mut pressure = |node: &Option<u32>| {
+            let node = (*node)?;
+            moves.push(false);
+            node_of.push(node);
+            Some(moves.len() as u32 - 1)
+        };
+        let pressures = wearing.iter().map(&mut pressure).collect();
         let mut foundation = |contact: &Contact| {
             let warms = what.temperature && contact.foundation_heat.is_some() && waves.waves == 0;
             let at = warms.then_some((moves.len() as u32, c64::new(1.0, 0.0)));
@@ -78,6 +88,7 @@ impl PerturbedUnknowns {
             u,
             theta: theta.map(|at| at.into_iter().collect()).collect(),
             foundations,
+            pressures,
             moves,
             node_of,
             dim,
@@ -94,6 +105,7 @@ impl PerturbedUnknowns {
             u,
             theta,
             foundations,
+            pressures: Vec::new(),
             moves,
             node_of: Vec::new(),
             dim: 1,
@@ -123,6 +135,11 @@ impl PerturbedUnknowns {
     /// The temperature of the foundation of a contact; empty if it is given.
     pub fn foundation(&self, contact: usize) -> &[(u32, c64)] {
         self.foundations.get(contact).map_or(&[], Vec::as_slice)
+    }
+
+    /// The pressure at a contact point that wears.
+    pub fn pressure(&self, point: usize) -> Option<Functional> {
+        self.pressures.get(point).copied().flatten().map(|at| vec![(at, c64::new(1.0, 0.0))])
     }
 
     /// The temperatures at a contact point on its own side and on the other one, which is empty at a foundation whose

@@ -35,6 +35,7 @@ mod redistributed;
 mod refinement;
 mod revolution;
 mod series;
+mod slopes;
 mod stabilised;
 mod stability;
 mod steady;

@@ -408,3 +408,35 @@ fn a_sector_squeals_in_two_waves_as_elsewhere() {
         assert_eq!(mode.waves, Some(waves), "{frequency} rad/s");
     }
 }
+
+/// The same on finer meshes, a sector of two cells around each: of fourth order, and with Richardson's extrapolation
+/// within 1e-6 of the modulus.
+#[test]
+fn modes_of_a_ring_are_of_fourth_order() {
+    let path = crate::common::file("crates/amontons/benchmarks/squeal-ring.toml");
+    let exact = [
+        c64::new(0.085_054_91, 2.061_272_5),
+        c64::new(0.214_977_63, 3.064_465_19),
+        c64::new(0.200_064_46, 4.209_486_89),
+    ];
+    let all = [8usize, 16, 32].map(|n| {
+        let overrides = [
+            format!("mesh.angle={:?}", TAU / (4 * n) as f64),
+            format!("mesh.n=[{n}, 2]"),
+            "cyclic=[{ sides = [\"start\", \"end\"] }]".to_owned(),
+        ];
+        let case = case::read(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
+        let region = Some(region([0.05, 1.0], [0.0, TAU * 0.8]));
+        let wanted = Wanted { kind: ModeKind::Squeal, count: 1, region, waves: Some(&[2]), interrupt: None };
+        let found = found(&case, &wanted).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((found.modes.len(), found.missing()), (3, 0), "{n}: {:?}", found.counts);
+        [0, 1, 2].map(|k| c64::new(found.modes[k].growth, found.modes[k].frequency))
+    });
+    for (k, exact) in exact.into_iter().enumerate() {
+        let errors = [0, 1, 2].map(|level| (all[level][k] - exact).norm() / exact.norm());
+        let richardson = (16.0 * all[2][k] - all[1][k]) / 15.0;
+        let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+        assert!(orders.iter().all(|order| (order - 4.0).abs() < 0.3), "{exact}: {errors:?}, {orders:?}");
+        assert!((richardson - exact).norm() < 1e-6 * exact.norm(), "{exact}: {richardson}");
+    }
+}
