@@ -21,7 +21,7 @@ use crate::tensor::{Sym, SymMap, safe_scale};
 use crate::time::Rule;
 pub use relaxation::Relaxation;
 pub(crate) use relaxation::Relaxed;
-use same::SameForms;
+use same::{BodyForm, SameForms};
 use weight::Weight;
 
 /// The discrete problem without its state: spaces, matrices, loads and contact boundary.
@@ -140,16 +140,7 @@ impl Discretization {
 
     fn made(problem: &Problem, same: &SameForms) -> Discretization {
         let mesh = Arc::clone(&problem.mesh);
-        // The check of the problem has found that the mass can be moved.
-        let massless = Some(problem.massless_nodes()).filter(|nodes| !nodes.is_empty());
-        let (graph, map) = same.graph().map_or_else(
-            || {
-                let cells = Graph::of_mesh(&mesh);
-                let map = massless.and_then(|nodes| means(&cells, nodes).ok());
-                (Arc::new(map.as_ref().map(|map| map.joined(&cells)).unwrap_or(cells)), map)
-            },
-            |graph| (graph, None),
-        );
+        let (graph, map) = graph(problem, same);
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
@@ -163,13 +154,15 @@ impl Discretization {
         // Loads take one thread each.
         let loads = || same.loads(|| rayon::join(|| forms::mechanical_load(problem), || forms::thermal_load(problem)));
         let matrices = || {
-            let mass = same.mass(|| forms::inner_h(&mesh, &graph).repeated());
-            let a = same.a(|| form(|m| &m.elasticity));
-            let b = same.b(|| form(|m| &m.viscosity));
-            let d = same.d(|| forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated());
+            let mass = same.form(BodyForm::Mass, || forms::inner_h(&mesh, &graph).repeated());
+            let a = same.form(BodyForm::A, || form(|m| &m.elasticity));
+            let b = same.form(BodyForm::B, || form(|m| &m.viscosity));
+            let d = same.form(BodyForm::D, || forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated());
             let dilatation = problem.dilatation();
-            let m = same.m(|| forms::m(&mesh, &graph, &tensors(|m| &m.expansion), &dilatation).repeated());
-            let e = same.e(|| forms::e(&mesh, &graph, &tensors(|m| &m.coupling), &dilatation).repeated());
+            let m =
+                same.form(BodyForm::M, || forms::m(&mesh, &graph, &tensors(|m| &m.expansion), &dilatation).repeated());
+            let e =
+                same.form(BodyForm::E, || forms::e(&mesh, &graph, &tensors(|m| &m.coupling), &dilatation).repeated());
             (mass, [a, b], d, [m, e])
         };
         let ((mass, [a, b], d, [m, e]), (f, q_h)) = rayon::join(matrices, loads);
@@ -528,6 +521,18 @@ impl Discretization {
         let scaled: Vec<f64> = v.iter().map(|v| scale * v).collect();
         dot(&scaled, &matrix.apply(&scaled)).max(0.0).sqrt() / scale
     }
+}
+
+/// The graph of the forms, with the map that moves the mass of nodes in contact, if the problem says so.
+fn graph(problem: &Problem, same: &SameForms) -> (Arc<Graph>, Option<NodalMap>) {
+    if let Some(graph) = same.graph() {
+        return (graph, None);
+    }
+    let cells = Graph::of_mesh(&problem.mesh);
+    // The check of the problem has found that the mass can be moved.
+    let massless = Some(problem.massless_nodes()).filter(|nodes| !nodes.is_empty());
+    let map = massless.and_then(|nodes| means(&cells, nodes).ok());
+    (Arc::new(map.as_ref().map(|map| map.joined(&cells)).unwrap_or(cells)), map)
 }
 
 /// Zero law, for regions that have no law of their own in a form.

@@ -174,7 +174,9 @@ impl BodySlopes {
                 sum
             }
         };
-        sum.iter_mut().for_each(|stored| *stored *= scale / step.rule.delta);
+        for stored in &mut sum {
+            *stored *= scale / step.rule.delta;
+        }
         sum
     }
 
@@ -297,6 +299,8 @@ fn heat(step: &Step, theta: &[f64]) -> Result<Factored, SolveError> {
     let symmetric = discrete.thermal_tangent_with(rule, [theta, &end]);
     let mut matrix = symmetric.clone();
     let slope = discrete.thermal_slope(theta);
-    slope.iter().for_each(|slope| matrix.add_scaled(1.0, slope));
+    if let Some(slope) = &slope {
+        matrix.add_scaled(1.0, slope);
+    }
     Ok(Factored { half: factored(symmetric)?, matrix, is_symmetric: slope.is_none() })
 }

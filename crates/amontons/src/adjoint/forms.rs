@@ -27,16 +27,18 @@ pub(super) struct FormSlopes {
 type OfForm = fn(&Discretization) -> (f64, &BlockMatrix, Option<&BlockMatrix>);
 
 impl FormSlopes {
-    /// The derivatives at a step h of the parameter, of the forms of the problem and of those at −2h, −h, h and 2h;
-    /// `None` if the bodies are not of constant forms alone, or if a form has a kink.
-    pub fn new(h: f64, here: &Discretization, around: [&Discretization; 4]) -> Option<FormSlopes> {
+    /// The derivatives at a step h of the parameter, of the forms of the problem and of those at −2h, −h, h and 2h.
+    ///
+    /// # Errors
+    /// If the bodies are not of constant forms alone, or if a form has a kink.
+    pub fn new(h: f64, here: &Discretization, around: [&Discretization; 4]) -> Result<FormSlopes, NoSlope> {
         let [a, b, c, d] = around;
         let all = [a, b, here, c, d];
         if !all.iter().all(|of| of.is_constant() && of.branches.is_empty()) {
-            return None;
+            return Err(NoSlope);
         }
         let slope = |of: OfForm| slope_of(h, all, of);
-        Some(FormSlopes {
+        Ok(FormSlopes {
             inertia: slope(|of| (of.inertia().0, of.inertia().1, None))?,
             a: slope(|of| (1.0, &of.a, of.springs.as_ref()))?,
             b: slope(|of| (1.0, &of.b, of.dashpots.as_ref()))?,
@@ -98,13 +100,16 @@ fn add(sum: &mut Option<Vec<f64>>, factor: f64, of: Vec<f64>) {
     sum.iter_mut().zip(of).for_each(|(sum, of)| *sum += factor * of);
 }
 
-/// The derivative of a form; `Some(None)` if it does not change, `None` at a kink. What is added at the boundary is
+/// The forms of a problem have no derivatives of their own.
+pub(super) struct NoSlope;
+
+/// The derivative of a form; `None` if it does not change. What is added at the boundary is
 /// differentiated apart, beside which the form of the body may be large.
-fn slope_of(h: f64, all: [&Discretization; 5], of: OfForm) -> Option<Option<BlockMatrix>> {
+fn slope_of(h: f64, all: [&Discretization; 5], of: OfForm) -> Result<Option<BlockMatrix>, NoSlope> {
     let forms = all.map(of);
     let body = slope(h, forms.map(|(factor, form, _)| Some((factor, form))))?;
     let boundary = slope(h, forms.map(|(_, _, boundary)| boundary.map(|form| (1.0, form))))?;
-    Some(match (body, boundary) {
+    Ok(match (body, boundary) {
         (Some(mut body), Some(boundary)) => {
             body.add_scaled(1.0, &boundary);
             Some(body)
@@ -113,13 +118,14 @@ fn slope_of(h: f64, all: [&Discretization; 5], of: OfForm) -> Option<Option<Bloc
     })
 }
 
-fn slope(h: f64, forms: [Option<(f64, &BlockMatrix)>; 5]) -> Option<Option<BlockMatrix>> {
+fn slope(h: f64, forms: [Option<(f64, &BlockMatrix)>; 5]) -> Result<Option<BlockMatrix>, NoSlope> {
     let [a, b, here, c, d] = forms;
-    let Some((scale, at)) = here else { return forms.iter().all(Option::is_none).then_some(None) };
-    let ([a, b], [c, d]) = ([a?, b?], [c?, d?]);
+    let (Some((scale, at)), Some(a), Some(b), Some(c), Some(d)) = (here, a, b, c, d) else {
+        return if forms.iter().all(Option::is_none) { Ok(None) } else { Err(NoSlope) };
+    };
     let same = |(factor, form): &(f64, &BlockMatrix)| factor.to_bits() == scale.to_bits() && form.is_same(at);
     if [a, b, c, d].iter().all(same) {
-        return Some(None);
+        return Ok(None);
     }
     let sum = |terms: [(f64, (f64, &BlockMatrix)); 4], of_here: f64| {
         let mut sum = at.scaled(of_here * scale / h);
@@ -131,5 +137,5 @@ fn slope(h: f64, forms: [Option<(f64, &BlockMatrix)>; 5]) -> Option<Option<Block
     let slope = sum([(-2.0 / 3.0, b), (2.0 / 3.0, c), (1.0 / 12.0, a), (-1.0 / 12.0, d)], 0.0);
     let kink = sum([(2.0, b), (2.0, c), (-0.5, a), (-0.5, d)], -3.0);
     let least = SMOOTH * slope.largest() + stencil::OF_LISTS * f64::EPSILON * (scale * at.largest() / h).abs();
-    (kink.largest() <= least).then_some(Some(slope))
+    if kink.largest() <= least { Ok(Some(slope)) } else { Err(NoSlope) }
 }

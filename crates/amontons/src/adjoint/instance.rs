@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::forms::FormSlopes;
-use crate::contact::Status;
+use crate::contact::{Flux, Status};
 use crate::discretization::Discretization;
 use crate::equation::StepInputs;
 use crate::equation::acting::{boundary_at, contacts_at};
@@ -15,10 +15,9 @@ use crate::inclusion::{Chosen, HeatStep, Local, Loose, Mechanical, PointInput, P
 use crate::linalg::{max_abs, zeros};
 use crate::problem::{Coupling, Physics, Problem};
 use crate::pulse::Pulse;
-use crate::space::Space;
 use crate::state::State;
 use crate::step::across_gaps;
-use crate::tensor::{Point, dot, length};
+use crate::tensor::{Point, dot};
 use crate::time::{Instant, Rule, Start};
 
 /// A problem with its forms.
@@ -107,7 +106,7 @@ impl PhasedInstance {
                 return None;
             }
             let [a, b, c, d] = around.each_ref().map(|of| &of.in_phase(phase).discrete);
-            FormSlopes::new(h, &here.discrete, [a, b, c, d])
+            FormSlopes::new(h, &here.discrete, [a, b, c, d]).ok()
         };
         let found: Vec<Option<FormSlopes>> = self.all().enumerate().map(of).collect();
         for (phase, _) in found.iter().enumerate().filter(|(_, slopes)| slopes.is_some()) {
@@ -116,7 +115,9 @@ impl PhasedInstance {
                     None => Some(&mut variant.first),
                     Some(later) => variant.later.get_mut(later),
                 };
-                own.into_iter().for_each(|own| own.leave_forms(self.in_phase(phase)));
+                if let Some(own) = own {
+                    own.leave_forms(self.in_phase(phase));
+                }
             }
         }
         found
@@ -172,6 +173,7 @@ pub(super) struct SolvedStep<'a> {
     /// The new state with the unknowns at the time of the equations, as [`at_level`] has it.
     pub at: &'a State,
     pub states: &'a [PointState],
+    pub flux: &'a [Flux],
     pub chosen: &'a Chosen,
     pub unknown: &'a [Option<u32>],
 }
@@ -257,7 +259,7 @@ impl ProblemInstance {
     }
 
     /// The end of step n.
-    fn instant(&self, n: usize) -> Instant {
+    pub fn instant(&self, n: usize) -> Instant {
         let now = self.problem.timeline.instant(n.max(1));
         if self.is_at_start { Instant { n, t: 0.0, ..now } } else { now }
     }
@@ -517,55 +519,5 @@ pub(super) fn heat_step<'a>(step: &Step<'a>, foundation: &'a [f64], states: &'a 
         foundation,
         lumped: &[],
         states,
-    }
-}
-
-/// Residual of an equation relative to its largest term above which the step does not obey it.
-const MET: f64 = 1e-6;
-/// Slip relative to the largest velocity up to which a point rests.
-const RESTS: f64 = 1e-9;
-
-impl StepResidual {
-    /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
-    pub fn unmet(&self, base: &ProblemInstance, of: &SolvedStep) -> Option<&'static str> {
-        let discrete = &base.discrete;
-        let largest = |space: &Space, rest: &[f64]| {
-            let mut rest = rest.to_vec();
-            space.gather(&mut rest);
-            space.mask(&mut rest);
-            max_abs(&rest)
-        };
-        let most = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        let apart = |a: &[f64], b: &[f64]| most(a, b) > MET * max_abs(a).max(max_abs(b));
-        let traction = self.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
-        let points = discrete.boundary.points.iter().zip(&self.points).filter(|(point, _)| point.weight > 0.0);
-        let defect = points.fold(0.0, |most: f64, (_, point)| most.max(max_abs(&point.defect)));
-        let sum = |old: &[f64], more: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
-            old.iter().zip(more).map(|(old, more)| old + more).collect()
-        };
-        let (old, new) = (&of.old.surface, &of.new.surface);
-        let theta = if base.problem.physics.has_heat() { &of.at.theta } else { &of.new.theta };
-        let worn = sum(&old.wear, &mut self.points.iter().map(|point| point.worn));
-        let work = sum(&old.friction_work, &mut self.work.iter().copied());
-        // Where all points stick, their slip and its work are round-off.
-        let q = self.states.iter().fold(0.0, |most: f64, state| most.max(length(&state.q)));
-        let rubbed = base.instant(of.n).k * q * max_abs(&of.at.w);
-        match () {
-            () if largest(&discrete.v, &self.mechanics) > MET * self.sizes[0] => Some("the balance of forces"),
-            () if !self.heat.is_empty() && largest(&discrete.q, &self.heat) > MET * self.sizes[1] => {
-                Some("the balance of heat")
-            }
-            () if apart(&self.rates, &of.at.w) => Some("the prescribed displacements"),
-            () if !self.temperatures.is_empty() && apart(&self.temperatures, theta) => {
-                Some("the prescribed temperatures")
-            }
-            () if defect > MET * traction => Some("the laws of contact"),
-            () if apart(&self.u, &of.new.u) => Some("the displacement at the end of the step"),
-            () if apart(&worn, &new.wear) => Some("the depth of wear"),
-            () if apart(&work, &new.friction_work) && most(&work, &new.friction_work) > RESTS * rubbed => {
-                Some("the work of friction")
-            }
-            () => None,
-        }
     }
 }

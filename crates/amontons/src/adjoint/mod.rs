@@ -30,6 +30,7 @@ mod factors;
 mod forms;
 mod history;
 mod instance;
+mod met;
 mod outputs;
 mod parameter;
 mod points;
@@ -293,7 +294,7 @@ impl BackSweep<'_> {
         let mut made = StepFactors::kept_or_made(self.factors.take(), base, (n, old, at))?;
         let (chosen, unknown) = (made.chosen(base, n, [old, at]), made.on_contact());
         let (states, flux) = (&new.states, &new.flux);
-        let solved = SolvedStep { n, old, new: &new.state, at, states, chosen: &chosen, unknown: &unknown };
+        let solved = SolvedStep { n, old, new: &new.state, at, states, flux, chosen: &chosen, unknown: &unknown };
         let (points, forces, here) = at_solution(base, &solved, self.forced)?;
         keep_least(&mut self.near, margins(&solved, &points, &made.rule));
         if let Some((phased, parameters)) = begins {
@@ -304,7 +305,7 @@ impl BackSweep<'_> {
         if let Some(last) = last {
             self.ended = at_end(base, self.outputs, last, &points)?;
         }
-        let step = LinearStep { base, solved, points: &points, flux };
+        let step = LinearStep { base, solved, points: &points };
         let of_outputs = self.ended.iter_mut().map(|OutputWeights { state, before, direct }| {
             step.back(&mut made, (state, before), direct.take().as_ref())
         });

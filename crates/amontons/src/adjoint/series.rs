@@ -156,12 +156,13 @@ impl ForwardSweep<'_> {
                 new: &new.state,
                 at,
                 states: &new.states,
+                flux: &new.flux,
                 chosen: &chosen,
                 unknown: &unknown,
             };
             let (points, forces, here) = at_solution(base, &solved, None)?;
             keep_least(&mut near, margins(&solved, &points, &factor.rule));
-            let step = LinearStep { base, solved, points: &points, flux: &new.flux };
+            let step = LinearStep { base, solved, points: &points };
             if n == 1 {
                 self.begin((&solved, &forces))?;
                 self.add_row(&mut table, (&old.state, None), &[], None)?;
@@ -218,10 +219,10 @@ impl ForwardSweep<'_> {
         let at = &*at_level(&base.rule(0, start), start, &kept.state);
         let mut factors = StepFactors::kept_or_made(None, base, (0, start, at))?;
         let (chosen, unknown) = (factors.chosen(base, 0, [start, at]), factors.on_contact());
-        let (states, new) = (&kept.states, &kept.state);
-        let solved = SolvedStep { n: 0, old: start, new, at, states, chosen: &chosen, unknown: &unknown };
+        let (states, flux, new) = (&kept.states, &kept.flux, &kept.state);
+        let solved = SolvedStep { n: 0, old: start, new, at, states, flux, chosen: &chosen, unknown: &unknown };
         let (points, forces, here) = at_solution(base, &solved, None)?;
-        let step = LinearStep { base, solved, points: &points, flux: &kept.flux };
+        let step = LinearStep { base, solved, points: &points };
         let none = StateVector::zero(start);
         for (column, parameter) in self.columns.iter_mut().zip(self.request.parameters) {
             let of_start = parameter.at_equilibrium();

@@ -8,7 +8,6 @@ use super::instance::{ProblemInstance, SolvedStep, StepResidual};
 use super::points::{INPUTS, LinearPoint};
 use super::stencil;
 use super::transpose::{Transposed, onto_sides, sides_of, unweighted};
-use crate::contact::Flux;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
 use crate::linalg::{SolveError, dot, max_abs, zeros};
@@ -138,7 +137,6 @@ pub(super) struct LinearStep<'a> {
     pub base: &'a ProblemInstance,
     pub solved: SolvedStep<'a>,
     pub points: &'a [LinearPoint],
-    pub flux: &'a [Flux],
 }
 
 impl LinearStep<'_> {
@@ -159,13 +157,13 @@ impl LinearStep<'_> {
         // Of the unknowns at the time of the equations, v₁ = v₀ + (v_ϑ − v₀)/ϑ.
         let share = factors.rule.level.recip();
         let mut of_heat: Vec<f64> = after.theta.iter().map(|theta| share * theta).collect();
-        let mut heat = factors.heat(base, solved, self.flux, &of_heat).map_err(failed("heat"))?;
+        let mut heat = factors.heat(base, solved, self.solved.flux, &of_heat).map_err(failed("heat"))?;
         if factors.is_coupled {
             let y = self.coupled_back(factors, (&after, direct), &heat[0]).map_err(failed("the coupling"))?;
             let of = self.mechanics_back(factors, Some((&after, direct)), &y).map_err(failed("mechanics"))?;
-            let more = base.step(n, solved.old, |step| self.of_temperature(step, factors, &of));
+            let more = base.step(n, solved.old, |step| of_temperature(step, factors, &of));
             of_heat.iter_mut().zip(&more).for_each(|(of, more)| *of += more);
-            heat = factors.heat(base, solved, self.flux, &of_heat).map_err(failed("heat"))?;
+            heat = factors.heat(base, solved, self.solved.flux, &of_heat).map_err(failed("heat"))?;
         }
         let of = self.mechanics_back(factors, Some((&after, direct)), &heat[0]).map_err(failed("mechanics"))?;
         let areas: Vec<f64> =
@@ -174,7 +172,7 @@ impl LinearStep<'_> {
             let mut bar = after.clone();
             let mut start = self.onto_start(step, factors, &mut bar, &heat, &of);
             let later = before.take();
-            let [_, of_start, of_before] = self.stored(step, factors, &heat[0]);
+            let [_, of_start, of_before] = stored(step, factors, &heat[0]);
             add_to(&mut start.theta, of_start.as_deref());
             match step.rule.start {
                 Start::TwoStates => {
@@ -205,8 +203,8 @@ impl LinearStep<'_> {
         let (n, old) = (self.solved.n, self.solved.old);
         let mut through = |weights: Option<EndWeights>, y: &[f64]| {
             let of = self.mechanics_back(factors, weights, y)?;
-            let right = self.base.step(n, old, |step| self.of_temperature(step, factors, &of));
-            let [more, _] = factors.heat(self.base, &self.solved, self.flux, &right)?;
+            let right = self.base.step(n, old, |step| of_temperature(step, factors, &of));
+            let [more, _] = factors.heat(self.base, &self.solved, self.solved.flux, &right)?;
             Ok::<Vec<f64>, SolveError>(more)
         };
         let of_mechanics = through(Some(weights), &zeros(first.len()))?;
@@ -249,22 +247,6 @@ impl LinearStep<'_> {
         Ok(MechanicsBack { transposed, known })
     }
 
-    /// The weights of the temperature that drives mechanics: in m, in the laws of the bodies and in those of contact.
-    fn of_temperature(&self, step: &Step, factors: &StepFactors, of: &MechanicsBack) -> Vec<f64> {
-        let mut sum = factors.slopes.force_transposed(step.discrete, &of.transposed.y);
-        let signs = step.boundary.points.iter().map(|point| step.contacts[point.contact].sign());
-        // The laws see the side `on`; the shares of the other side are negative in the jump.
-        let of_sides =
-            of.known.iter().zip(signs).map(|([_, of], sign)| if sign > 0.0 { [*of, 0.0] } else { [0.0, 0.0 - of] });
-        onto_sides(step, of_sides, &mut sum);
-        sum
-    }
-
-    /// The weights of θ̄, θ₀ and θ₋₁ in the stored heat.
-    fn stored(&self, step: &Step, factors: &StepFactors, heat: &[f64]) -> [Option<Vec<f64>>; 3] {
-        if heat.is_empty() { [None, None, None] } else { factors.slopes.stored_transposed(step, heat) }
-    }
-
     /// The derivatives by (p, q), penetration, slip, wear and penetration at the time of the equations of each point of
     /// what follows from them in the step.
     fn outputs(&self, after: &StateVector, heat: &[f64]) -> Vec<[f64; 8]> {
@@ -273,7 +255,7 @@ impl LinearStep<'_> {
             let of = |(i, point): (usize, &LinearPoint)| {
                 let ([_, q1, q2], [s1, s2], work) = (point.force, point.slip, point.rubbing * after.work[i]);
                 let mut all = [0.0, work * s1, work * s2, 0.0, work * q1, work * q2, after.wear[i], 0.0];
-                let (Some(flux), Some(at)) = (self.flux.get(i), step.boundary.points.get(i)) else { return all };
+                let (Some(flux), Some(at)) = (self.solved.flux.get(i), step.boundary.points.get(i)) else { return all };
                 let [own, other] = seen[i].map(|seen| 0.0 - at.weight * seen);
                 let through = own + other;
                 let rubs = step.contacts.get(at.contact).is_some_and(crate::contact::Contact::rubs);
@@ -341,7 +323,7 @@ impl LinearStep<'_> {
         let has_heat = step.problem.physics.has_heat();
         weights.theta.iter_mut().for_each(|theta| *theta *= if has_heat { kept_of } else { 0.0 });
         if has_heat {
-            add_to(&mut weights.theta, self.stored(step, factors, heat)[0].as_deref());
+            add_to(&mut weights.theta, stored(step, factors, heat)[0].as_deref());
             // A prescribed temperature is taken between that at the start and the datum.
             onto(&mut start.theta, held, 1.0 - rule.level);
         }
@@ -369,7 +351,7 @@ impl LinearStep<'_> {
                 onto(&mut weights.u, &heating, 1.0);
             } else {
                 onto(&mut start.u, &heating, 1.0);
-                onto(&mut start.theta, &self.of_temperature(step, factors, of), 1.0);
+                onto(&mut start.theta, &of_temperature(step, factors, of), 1.0);
             }
         }
         for (wear, [of, _]) in start.wear.iter_mut().zip(known) {
@@ -387,6 +369,22 @@ struct MechanicsBack {
     transposed: Transposed,
     /// The weights of ū_ν − g and of the temperature at each point.
     known: Vec<[f64; 2]>,
+}
+
+/// The weights of the temperature that drives mechanics: in m, in the laws of the bodies and in those of contact.
+fn of_temperature(step: &Step, factors: &StepFactors, of: &MechanicsBack) -> Vec<f64> {
+    let mut sum = factors.slopes.force_transposed(step.discrete, &of.transposed.y);
+    let signs = step.boundary.points.iter().map(|point| step.contacts[point.contact].sign());
+    // The laws see the side `on`; the shares of the other side are negative in the jump.
+    let of_sides =
+        of.known.iter().zip(signs).map(|([_, of], sign)| if sign > 0.0 { [*of, 0.0] } else { [0.0, 0.0 - of] });
+    onto_sides(step, of_sides, &mut sum);
+    sum
+}
+
+/// The weights of θ̄, θ₀ and θ₋₁ in the stored heat.
+fn stored(step: &Step, factors: &StepFactors, heat: &[f64]) -> [Option<Vec<f64>>; 3] {
+    if heat.is_empty() { [None, None, None] } else { factors.slopes.stored_transposed(step, heat) }
 }
 
 /// Adds numbers that may be none.
@@ -445,7 +443,7 @@ impl Multiplied {
         let (h, all) = (around.h, &around.all);
         let mut sum = [0.0; 2];
         let mut add = |factor: f64, weights: &[f64], of: &dyn Fn(&StepResidual) -> &[f64]| {
-            let more = stencil::product(h, weights, all.map(|residual| of(residual)));
+            let more = stencil::product(h, weights, all.map(of));
             sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += factor * more);
         };
         add(1.0, &transposed.prescribed, &|of| &of.rates);

@@ -183,7 +183,7 @@ impl LinearStep<'_> {
     ) -> Result<Option<Vec<f64>>, SolveError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
         let right = base.step(n, solved.old, |step| self.warmed(step, factors, start, by, (w, all)));
-        right.map(|right| factors.warmed(base, solved, self.flux, &right)).transpose()
+        right.map(|right| factors.warmed(base, solved, self.solved.flux, &right)).transpose()
     }
 
     /// The temperature at the time of the equations if both half-steps hold at once.
@@ -279,7 +279,9 @@ impl LinearStep<'_> {
         let heated = discrete.e.apply(&u);
         let mut right: Vec<f64> = stored.iter().zip(heated.iter().zip(&by.heat)).map(|(s, (e, r))| s + e - r).collect();
         let of = self.points.iter().zip(all).enumerate().map(|(i, (point, (input, output)))| {
-            let (Some(flux), Some(at)) = (self.flux.get(i), step.boundary.points.get(i)) else { return [0.0; 2] };
+            let (Some(flux), Some(at)) = (self.solved.flux.get(i), step.boundary.points.get(i)) else {
+                return [0.0; 2];
+            };
             let power = point.power([input[4], input[5]], [output[4], output[5]]);
             let [s1, s2] = point.slip;
             let speed = s1.hypot(s2);

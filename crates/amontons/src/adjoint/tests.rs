@@ -52,8 +52,8 @@ fn the_transposed_step_is_the_transposed_of_the_step() {
         let [old, new] = history.around(n).expect("a step");
         let mut factors = StepFactors::new(base, (n, &old.state, &new.state)).expect("factors");
         let (chosen, unknown) = (factors.chosen(base, n, [&old.state, &new.state]), factors.on_contact());
-        let (old, states, new) = (&old.state, &new.states, &new.state);
-        let solved = SolvedStep { n, old, new, at: new, states, chosen: &chosen, unknown: &unknown };
+        let (old, states, flux, new) = (&old.state, &new.states, &new.flux, &new.state);
+        let solved = SolvedStep { n, old, new, at: new, states, flux, chosen: &chosen, unknown: &unknown };
         let points = linearised(base, &solved, None).expect("points");
         let (right, force) = (numbers(new.w.len(), 7 + n as u64), locals(points.len(), 11 + n as u64));
         let found = factors.mechanics(base, &solved, &points, (&right, &force)).expect("a solution");
@@ -144,12 +144,12 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
             let at = &*at_level(&base.rule(n, old), old, new);
             let mut factors = StepFactors::new(base, (n, old, at)).expect("factors");
             let (chosen, unknown) = (factors.chosen(base, n, [old, at]), factors.on_contact());
-            let solved = SolvedStep { n, old, new, at, states, chosen: &chosen, unknown: &unknown };
+            let solved = SolvedStep { n, old, new, at, states, flux, chosen: &chosen, unknown: &unknown };
             let (points, forces, here) = at_solution(base, &solved, None).expect("points");
             let around = Around { h: 1.0, all: [&here; 5] };
             let (slope, kink) = ResidualSlope::of(&around, &points).expect("one branch");
             assert!(kink.is_none() && !forces.is_empty());
-            let step = LinearStep { base, solved, points: &points, flux };
+            let step = LinearStep { base, solved, points: &points };
             let [v, before] = [7, 507].map(|seed| random_vector(old, seed + n as u64));
             let weights = random_vector(new, 1007 + n as u64);
             let moved = step.forward(&mut factors, (&v, Some(&before)), &slope).expect("a solution").0;

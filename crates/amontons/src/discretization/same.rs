@@ -12,44 +12,72 @@ use crate::mesh::{FacetBlock, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::tensor::Sym;
 
-/// The forms that a problem has in common with another one, as far as their data show it: laws that vary in space or
-/// with the temperature do not.
+/// A form of the bodies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum BodyForm {
+    Mass,
+    A,
+    B,
+    D,
+    M,
+    E,
+}
+
+impl BodyForm {
+    const ALL: [BodyForm; 6] = [BodyForm::Mass, BodyForm::A, BodyForm::B, BodyForm::D, BodyForm::M, BodyForm::E];
+
+    fn of(self, discrete: &Discretization) -> &BlockMatrix {
+        match self {
+            BodyForm::Mass => &discrete.mass,
+            BodyForm::A => &discrete.a,
+            BodyForm::B => &discrete.b,
+            BodyForm::D => &discrete.d,
+            BodyForm::M => &discrete.m,
+            BodyForm::E => &discrete.e,
+        }
+    }
+
+    /// True if the materials of two problems on one mesh show that they have the same form: laws that vary in space or
+    /// with the temperature do not.
+    fn is_same(self, a: &Problem, b: &Problem) -> bool {
+        let materials = || a.materials.iter().zip(&b.materials);
+        let laws = |law: fn(&Material) -> &Law<dyn TensorLaw>| materials().all(|(a, b)| is_same_law(law(a), law(b)));
+        let coefficients = |of: fn(&Material) -> &Coefficient<Sym>| {
+            let are_same = |(a, b): (&Material, &Material)| {
+                of(a).constant().is_some_and(|a| of(b).constant().is_some_and(|b| same_bits(&a, &b)))
+            };
+            materials().all(are_same)
+        };
+        let has_same_strain = || a.dilatation() == b.dilatation();
+        match self {
+            BodyForm::Mass => true,
+            BodyForm::A => has_same_strain() && laws(|m| &m.elasticity),
+            BodyForm::B => has_same_strain() && laws(|m| &m.viscosity),
+            BodyForm::D => coefficients(|m| &m.conductivity),
+            BodyForm::M => has_same_strain() && coefficients(|m| &m.expansion),
+            BodyForm::E => has_same_strain() && coefficients(|m| &m.coupling),
+        }
+    }
+}
+
+/// The forms and loads that a problem has in common with another one on the same mesh, as far as their data show it.
 #[derive(Default)]
 pub(super) struct SameForms<'a> {
     /// The other one, if both have the same mesh.
     of: Option<&'a Discretization>,
-    a: bool,
-    b: bool,
-    d: bool,
-    m: bool,
-    e: bool,
+    forms: Vec<BodyForm>,
     loads: bool,
 }
 
 impl<'a> SameForms<'a> {
     pub fn new(problem: &Problem, (other, of): (&Problem, &'a Discretization)) -> SameForms<'a> {
         let is_plain = |problem: &Problem| problem.massless_nodes().is_empty();
-        if !is_plain(problem) || !is_plain(other) || !is_same_mesh(&problem.mesh, &other.mesh) {
+        let is_alike = problem.materials.len() == other.materials.len() && is_plain(problem) && is_plain(other);
+        if !is_alike || !is_same_mesh(&problem.mesh, &other.mesh) {
             return SameForms::default();
         }
-        let materials = || problem.materials.iter().zip(&other.materials);
-        let has_same_strain = problem.dilatation() == other.dilatation();
-        let laws = |law: fn(&Material) -> &Law<dyn TensorLaw>| {
-            has_same_strain && materials().all(|(a, b)| is_same_law(law(a), law(b)))
-        };
-        let coefficients = |of: fn(&Material) -> &Coefficient<Sym>| {
-            materials()
-                .all(|(a, b)| of(a).constant().is_some_and(|a| of(b).constant().is_some_and(|b| same_bits(&a, &b))))
-        };
-        SameForms {
-            of: Some(of).filter(|_| problem.materials.len() == other.materials.len()),
-            a: laws(|m| &m.elasticity),
-            b: laws(|m| &m.viscosity),
-            d: coefficients(|m| &m.conductivity),
-            m: has_same_strain && coefficients(|m| &m.expansion),
-            e: has_same_strain && coefficients(|m| &m.coupling),
-            loads: has_same_loads(problem, other),
-        }
+        let forms = BodyForm::ALL.into_iter().filter(|form| form.is_same(problem, other)).collect();
+        SameForms { of: Some(of), forms, loads: has_same_loads(problem, other) }
     }
 
     /// The graph of both.
@@ -57,42 +85,14 @@ impl<'a> SameForms<'a> {
         self.of.map(|of| Arc::clone(of.mass.graph()))
     }
 
+    /// The form of the other one, or a form that is made.
+    pub fn form(&self, form: BodyForm, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
+        self.of.filter(|_| self.forms.contains(&form)).map_or_else(make, |of| form.of(of).clone())
+    }
+
     /// The loads of mechanics and heat.
     pub fn loads(&self, make: impl FnOnce() -> (Load, Load)) -> (Load, Load) {
         self.of.filter(|_| self.loads).map_or_else(make, |of| (of.f.shared(), of.q_h.shared()))
-    }
-
-    fn form(
-        &self,
-        is_same: bool,
-        form: fn(&Discretization) -> &BlockMatrix,
-        make: impl FnOnce() -> BlockMatrix,
-    ) -> BlockMatrix {
-        self.of.filter(|_| is_same).map_or_else(make, |of| form(of).clone())
-    }
-
-    pub fn mass(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
-        self.form(true, |of| &of.mass, make)
-    }
-
-    pub fn a(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
-        self.form(self.a, |of| &of.a, make)
-    }
-
-    pub fn b(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
-        self.form(self.b, |of| &of.b, make)
-    }
-
-    pub fn d(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
-        self.form(self.d, |of| &of.d, make)
-    }
-
-    pub fn m(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
-        self.form(self.m, |of| &of.m, make)
-    }
-
-    pub fn e(&self, make: impl FnOnce() -> BlockMatrix) -> BlockMatrix {
-        self.form(self.e, |of| &of.e, make)
     }
 }
 

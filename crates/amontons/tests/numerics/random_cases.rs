@@ -175,7 +175,7 @@ fn varied(seed: u64) -> (String, Vec<String>, Vec<String>) {
             if line.starts_with("elasticity") { format!("{hencky}{}", end(line)) } else { (*line).to_owned() }
         };
         text = without_branches.iter().map(of).collect::<Vec<String>>().join("\n") + "\n";
-        keys[1] = "material.elasticity.shear".to_owned();
+        "material.elasticity.shear".clone_into(&mut keys[1]);
     }
     if has_heat {
         let table = |low: f64, high: f64| format!("{{ temperature = [-10.0, 20.0], value = [{low}, {high}] }}");
