@@ -194,8 +194,8 @@ impl BodySlopes {
     }
 }
 
-/// The derivatives of the stored heat H̄ that a step adds to, with the capacity at its start. In a step before whose end
-/// the equations hold, it is that of H₀ + ϑ (H₁ − H₀) − H₀ with θ₁ = θ₀ + (θ_ϑ − θ₀)/ϑ.
+/// The derivatives of the stored heat H̄ that a step adds to, with the capacity at its start. In a step before whose
+/// end the equations hold, it is that of H₀ + ϑ (H₁ − H₀) − H₀ with θ₁ = θ₀ + (θ_ϑ − θ₀)/ϑ.
 fn stored(step: &Step, rule: Rule, at: &[f64], start: BlockMatrix) -> [Option<BlockMatrix>; 2] {
     let discrete = step.discrete;
     let zero = || BlockMatrix::zero(start.graph(), 1, 1);

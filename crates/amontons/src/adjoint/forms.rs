@@ -1,11 +1,12 @@
 //! The derivatives of the forms of the bodies by a parameter.
 
 use super::KINK;
-use super::instance::{ProblemInstance, SolvedStep, deformation, driving, heated_by};
+use super::instance::{PhasedInstance, ProblemInstance, SolvedStep, deformation, driving, heated_by};
 use super::stencil;
 use crate::discretization::Discretization;
 use crate::equation::system::Step;
 use crate::linalg::BlockMatrix;
+use crate::problem::Physics;
 
 /// Kink of a form, relative to its derivative, up to which there is none.
 const SMOOTH: f64 = 1e-3 * KINK;
@@ -27,11 +28,30 @@ pub(super) struct FormSlopes {
 type OfForm = fn(&Discretization) -> (f64, &BlockMatrix, Option<&BlockMatrix>);
 
 impl FormSlopes {
+    /// The derivatives of the forms of a problem by a parameter, from problems at −2h, −h, h and 2h, which then leave
+    /// their forms to it; per phase, `None` where the residuals of the bodies themselves are needed.
+    pub fn of_phases(base: &PhasedInstance, h: f64, around: &mut [PhasedInstance; 4]) -> Vec<Option<FormSlopes>> {
+        let of = |(phase, here): (usize, &ProblemInstance)| {
+            if here.problem.physics == Physics::Warmed {
+                return None;
+            }
+            let around = around.each_ref().map(|of| &*of.in_phase(phase).discrete);
+            FormSlopes::new(h, &here.discrete, around).ok()
+        };
+        let found: Vec<Option<FormSlopes>> = base.all().enumerate().map(of).collect();
+        for (phase, _) in found.iter().enumerate().filter(|(_, slopes)| slopes.is_some()) {
+            for own in around.iter_mut().filter_map(|variant| variant.in_phase_mut(phase)) {
+                own.leave_forms(base.in_phase(phase));
+            }
+        }
+        found
+    }
+
     /// The derivatives at a step h of the parameter, of the forms of the problem and of those at −2h, −h, h and 2h.
     ///
     /// # Errors
     /// If the bodies are not of constant forms alone, or if a form has a kink.
-    pub fn new(h: f64, here: &Discretization, around: [&Discretization; 4]) -> Result<FormSlopes, NoSlope> {
+    fn new(h: f64, here: &Discretization, around: [&Discretization; 4]) -> Result<FormSlopes, NoSlope> {
         let [a, b, c, d] = around;
         let all = [a, b, here, c, d];
         if !all.iter().all(|of| of.is_constant() && of.branches.is_empty()) {
@@ -101,7 +121,7 @@ fn add(sum: &mut Option<Vec<f64>>, factor: f64, of: Vec<f64>) {
 }
 
 /// The forms of a problem have no derivatives of their own.
-pub(super) struct NoSlope;
+struct NoSlope;
 
 /// The derivative of a form; `None` if it does not change. What is added at the boundary is
 /// differentiated apart, beside which the form of the body may be large.

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::forms::FormSlopes;
 use crate::contact::{Flux, Status};
 use crate::discretization::Discretization;
 use crate::equation::StepInputs;
@@ -98,38 +97,22 @@ impl PhasedInstance {
         made
     }
 
-    /// The derivatives of the forms by a parameter, from problems at −2h, −h, h and 2h, which leave their forms to this
-    /// one; per phase, `None` where the residuals of the bodies themselves are needed.
-    pub fn form_slopes(&self, h: f64, around: &mut [PhasedInstance; 4]) -> Vec<Option<FormSlopes>> {
-        let of = |(phase, here): (usize, &ProblemInstance)| {
-            if here.problem.physics == Physics::Warmed {
-                return None;
-            }
-            let [a, b, c, d] = around.each_ref().map(|of| &of.in_phase(phase).discrete);
-            FormSlopes::new(h, &here.discrete, [a, b, c, d]).ok()
-        };
-        let found: Vec<Option<FormSlopes>> = self.all().enumerate().map(of).collect();
-        for (phase, _) in found.iter().enumerate().filter(|(_, slopes)| slopes.is_some()) {
-            for variant in around.iter_mut() {
-                let own = match phase.checked_sub(1) {
-                    None => Some(&mut variant.first),
-                    Some(later) => variant.later.get_mut(later),
-                };
-                if let Some(own) = own {
-                    own.leave_forms(self.in_phase(phase));
-                }
-            }
-        }
-        found
-    }
-
     /// The problem in the phase of step n.
     pub fn of(&self, n: usize) -> &ProblemInstance {
         self.in_phase(self.first.problem.timeline.instant(n).phase)
     }
 
-    fn in_phase(&self, phase: usize) -> &ProblemInstance {
+    /// The problem in a phase.
+    pub fn in_phase(&self, phase: usize) -> &ProblemInstance {
         phase.checked_sub(1).and_then(|later| self.later.get(later)).unwrap_or(&self.first)
+    }
+
+    /// The problem in a phase, which may be changed.
+    pub fn in_phase_mut(&mut self, phase: usize) -> Option<&mut ProblemInstance> {
+        match phase.checked_sub(1) {
+            None => Some(&mut self.first),
+            Some(later) => self.later.get_mut(later),
+        }
     }
 
     /// The problem in all phases.
@@ -232,7 +215,7 @@ impl ProblemInstance {
     }
 
     /// Leaves the forms of the bodies to the instance beside which it was made, whose derivatives are known.
-    fn leave_forms(&mut self, other: &ProblemInstance) {
+    pub fn leave_forms(&mut self, other: &ProblemInstance) {
         self.alike = [true; 2];
         if let Some(discrete) = Arc::get_mut(&mut self.discrete) {
             discrete.take_forms(&other.discrete);

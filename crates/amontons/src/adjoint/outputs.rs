@@ -9,7 +9,7 @@ use super::points::LinearPoint;
 use super::stencil::derivative;
 use super::sweep::{OfPoints, StateVector};
 use crate::inclusion::PointState;
-use crate::output::{Base, OF_WHOLE, Probe, ProbeError, ProbeSet, Snapshot, Work};
+use crate::output::{OF_WHOLE, Probe, ProbeError, ProbeSet, Snapshot, Work};
 use crate::problem::{Fault, Problem};
 use crate::state::{State, StepReport};
 
@@ -84,8 +84,7 @@ impl GradientOutput {
     /// True if it is one of stresses or strains, which rigid motions do not change.
     fn is_of_strains(&self) -> bool {
         let OutputKind::Probe(probe, _) = &self.kind else { return false };
-        let bases = [Base::Stress, Base::Strain, Base::VonMises, Base::MeanStress, Base::Principal, Base::Hoop];
-        bases.contains(&probe.quantity.base)
+        probe.quantity.base.is_of_strains()
     }
 }
 

@@ -88,7 +88,7 @@ impl Parameter<'_> {
             Ok::<PhasedInstance, GradientError>(instance)
         };
         let mut all = [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?];
-        let forms = base.form_slopes(h, &mut all);
+        let forms = FormSlopes::of_phases(base, h, &mut all);
         Ok(Variants { h, all, forms })
     }
 

@@ -436,8 +436,8 @@ impl Multiplied {
             + product(&after.work, &of.work)
     }
 
-    /// The derivative and the kink of the sum of all equations but those of the contact points, and of what follows from
-    /// the unknowns. Differences are taken of each number, so that those that do not change add no round-off.
+    /// The derivative and the kink of the sum of all equations but those of the contact points, and of what follows
+    /// from the unknowns. Differences are taken of each number, so that those that do not change add no round-off.
     fn product(&self, around: &Around) -> [f64; 2] {
         let Multiplied { transposed, heat: [heat, held], after, .. } = self;
         let (h, all) = (around.h, &around.all);

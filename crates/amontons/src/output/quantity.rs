@@ -45,6 +45,15 @@ pub enum Base {
     Contact(ContactQuantity),
 }
 
+impl Base {
+    /// True if the quantity follows from the strains, which rigid motions do not change.
+    #[must_use]
+    pub fn is_of_strains(self) -> bool {
+        let all = [Base::Stress, Base::Strain, Base::VonMises, Base::MeanStress, Base::Principal, Base::Hoop];
+        all.contains(&self)
+    }
+}
+
 /// A quantity at the contact points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactQuantity {

@@ -491,8 +491,8 @@ impl Scheme for March {
 }
 
 impl March {
-    /// The step to the state in equilibrium at t = 0: a static one that takes no time, so that all data are those at t =
-    /// 0.
+    /// The step to the state in equilibrium at t = 0: a static one that takes no time, so that all data are those of
+    /// the start.
     pub(crate) fn equilibrium(&self) -> Result<EquilibriumStep, SetupError> {
         let still = self.problem.at_equilibrium();
         let mut march = March::new(&still)?;

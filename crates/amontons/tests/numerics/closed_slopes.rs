@@ -126,8 +126,8 @@ fn the_turns_of_an_oscillator_with_dry_friction_have_their_derivatives() {
     assert!(turned.iter().zip(last).take(2).all(|(a, b)| is_near(*a, *b, 2e-2)), "{turned:?} {last:?}");
 }
 
-/// A force F = 0.1 pushes the end of a rod with EA = ρA = 1 and a dry friction of q = 1 per length. All stops at t = 0.2,
-/// with u(0) = F²/(q EA): ∂u/∂F = 0.2, ∂u/∂q = ∂u/∂EA = −0.01 and ∂u/∂ρA = 0.
+/// A force F = 0.1 pushes the end of a rod with EA = ρA = 1 and a dry friction of q = 1 per length. All stops at t =
+/// 0.2, with u(0) = F²/(q EA): ∂u/∂F = 0.2, ∂u/∂q = ∂u/∂EA = −0.01 and ∂u/∂ρA = 0.
 const WAVE: &str = r#"
 name = "wave"
 units = "dimensionless"
@@ -232,8 +232,8 @@ fn heated_rods_that_close_a_gap_have_the_derivatives_of_their_closed_form() {
 }
 
 /// A flux q₀(1 − t/t_s) into a half-space: the surface has T = 2q₀√t (1 − 2t/(3t_s))/(e√π) with e = √(kρc), largest at
-/// t_s/2: T = 79.426894, ∂/∂q₀ = 7.942689e-5, ∂/∂t_s = 9.928362 and ∂/∂k = −0.794269. The strip is far thicker than heat
-/// diffuses.
+/// t_s/2: T = 79.426894, ∂/∂q₀ = 7.942689e-5, ∂/∂t_s = 9.928362 and ∂/∂k = −0.794269. The strip is far thicker than
+/// heat diffuses.
 fn brake(cells: usize) -> String {
     format!(
         r#"
