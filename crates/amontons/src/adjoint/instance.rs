@@ -194,7 +194,8 @@ pub(super) struct StepResidual {
     pub states: Vec<PointState>,
     /// Largest terms of (4.1) and of (4.2), whose round-off the residuals contain.
     pub sizes: [f64; 2],
-    /// What follows from the unknowns: ū + γw, and the branches.
+    /// What follows from the unknowns: the mean rate of θ, ū + γw, and the branches.
+    pub theta_rate: Vec<f64>,
     pub u: Vec<f64>,
     pub branches: Vec<Vec<f64>>,
     /// Parts of the residuals.
@@ -334,10 +335,24 @@ impl ProblemInstance {
             step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
             let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states, &bodies);
             let sizes = [acting, flowing];
+            let theta_rate = step.theta_rate(&step.end(&step.old.theta, of.at.theta.clone()));
             let u = step.end(&step.old.u, u);
             let branches = step.old.branches.iter().zip(step.branches(&of.at.w));
             let branches = branches.map(|(old, branch)| step.end(old, branch)).collect();
-            StepResidual { mechanics, heat, rates, temperatures, points, work, states, sizes, u, branches, bodies }
+            StepResidual {
+                mechanics,
+                heat,
+                rates,
+                temperatures,
+                points,
+                work,
+                states,
+                sizes,
+                theta_rate,
+                u,
+                branches,
+                bodies,
+            }
         })
     }
 }
@@ -391,12 +406,13 @@ fn at_rest(step: &Step) -> Vec<PointState> {
     if step.problem.physics.has_mechanics() { Vec::new() } else { across_gaps(step) }
 }
 
-/// The temperature in m and in the laws of bodies and contact: the given one; θ_{n−1}; or that of the step, `at` the
-/// time of its equations.
+/// The temperature in m and in the laws of bodies and contact: the given one; θ_{n−1}, extrapolated or not; or that of
+/// the step, `at` the time of its equations.
 pub(super) fn driving(step: &Step, at: &[f64]) -> Vec<f64> {
     match step.problem.physics {
         Physics::Warmed => step.problem.given_temperature(step.level),
         Physics::Coupled if is_coupled(step) => at.to_vec(),
+        Physics::Coupled if step.coupling() == Coupling::Extrapolated => step.extrapolated(),
         Physics::Coupled | Physics::Heat => step.old.theta.clone(),
         Physics::Mechanics => zeros(step.old.theta.len()),
     }
@@ -404,7 +420,7 @@ pub(super) fn driving(step: &Step, at: &[f64]) -> Vec<f64> {
 
 /// True if each half-step has the solution of the other one: they are not staggered.
 pub(super) fn is_coupled(step: &Step) -> bool {
-    step.problem.physics == Physics::Coupled && step.coupling() != Coupling::Staggered
+    step.problem.physics == Physics::Coupled && matches!(step.coupling(), Coupling::FixedPoint | Coupling::Monolithic)
 }
 
 /// ū + γw.

@@ -4,13 +4,13 @@ use super::error::GradientError;
 use super::instance::PhasedInstance;
 use crate::contact::{Contact, GraphKind};
 use crate::discretization::Discretization;
-use crate::problem::{Coupling, Fault, Physics, Problem};
+use crate::problem::{Fault, Problem};
 use crate::time::{Analysis, FrictionRule, Start};
 
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
 pub(super) fn check(phased: &PhasedInstance) -> Result<(), GradientError> {
     let problem = &phased.first.problem;
-    let of_phases = || phased.all().find_map(|phase| of_body(&phase.problem, &phase.discrete));
+    let of_phases = || phased.all().find_map(|phase| of_body(&phase.discrete));
     let found = of_time(problem).or_else(of_phases);
     let of_contact = || {
         let mut sides = problem.contacts.iter().enumerate();
@@ -65,13 +65,9 @@ fn of_scheme(problem: &Problem) -> Option<OutOfScope> {
     }
 }
 
-fn of_body(problem: &Problem, discrete: &Discretization) -> Option<OutOfScope> {
+fn of_body(discrete: &Discretization) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
     match () {
-        () if problem.physics == Physics::Coupled && problem.coupling == Coupling::Extrapolated => {
-            let expected = "\"staggered\", \"fixed-point\" or \"monolithic\"";
-            told("solver.coupling", "an extrapolated temperature", expected)
-        }
         () if discrete.branches.iter().any(|branch| !branch.has_field()) => {
             told("material.prony", "relaxation times that vary in space", "uniform ones")
         }

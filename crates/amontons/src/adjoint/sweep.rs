@@ -11,6 +11,7 @@ use super::transpose::{Transposed, onto_sides, sides_of, unweighted};
 use crate::equation::system::Step;
 use crate::inclusion::Local;
 use crate::linalg::{SolveError, dot, max_abs, zeros};
+use crate::problem::Coupling;
 use crate::state::State;
 use crate::tensor::dot as inner;
 use crate::time::Start;
@@ -21,6 +22,8 @@ pub(super) struct StateVector {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     pub theta: Vec<f64>,
+    /// Of the mean rate of θ in the step that led to the state; empty if no step extrapolates it.
+    pub theta_rate: Vec<f64>,
     pub branches: Vec<Vec<f64>>,
     /// Of depth of wear and of work of friction per contact point.
     pub wear: Vec<f64>,
@@ -34,6 +37,7 @@ impl StateVector {
             u: zeros(state.u.len()),
             w: zeros(state.w.len()),
             theta: zeros(state.theta.len()),
+            theta_rate: zeros(state.theta_rate.len()),
             branches: state.branches.iter().map(|branch| zeros(branch.len())).collect(),
             wear: zeros(state.surface.wear.len()),
             work: zeros(state.surface.friction_work.len()),
@@ -46,6 +50,7 @@ impl StateVector {
             u: zeros(self.u.len()),
             w: zeros(self.w.len()),
             theta: zeros(self.theta.len()),
+            theta_rate: zeros(self.theta_rate.len()),
             branches: self.branches.iter().map(|branch| zeros(branch.len())).collect(),
             wear: zeros(self.wear.len()),
             work: zeros(self.work.len()),
@@ -61,13 +66,14 @@ impl StateVector {
             u: mix(&start.u, &before.u),
             w: mix(&start.w, &before.w),
             theta: mix(&start.theta, &before.theta),
+            theta_rate: start.theta_rate.clone(),
             branches: start.branches.iter().zip(&before.branches).map(|(now, then)| mix(now, then)).collect(),
             wear: start.wear.clone(),
             work: start.work.clone(),
         }
     }
 
-    /// Adds a multiple of the parts of another vector to which steps add: all but wear and work of friction.
+    /// Adds a multiple of the parts of another vector to which steps add: all but rates, wear and work of friction.
     fn add_bar(&mut self, factor: f64, bar: &StateVector) {
         let add = |to: &mut [f64], from: &[f64]| {
             to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
@@ -87,11 +93,13 @@ impl StateVector {
         };
         let [u, w, theta] = [of(&|s| &s.u), of(&|s| &s.w), of(&|s| &s.theta)];
         let [wear, work] = [of(&|s| &s.surface.wear), of(&|s| &s.surface.friction_work)];
+        let rate = of(&|s| &s.theta_rate);
         let branches: Vec<[Vec<f64>; 2]> = (0..all[2].branches.len()).map(|b| of(&|s| &s.branches[b])).collect();
         [0, 1].map(|k| StateVector {
             u: u[k].clone(),
             w: w[k].clone(),
             theta: theta[k].clone(),
+            theta_rate: rate[k].clone(),
             branches: branches.iter().map(|both| both[k].clone()).collect(),
             wear: wear[k].clone(),
             work: work[k].clone(),
@@ -100,8 +108,8 @@ impl StateVector {
 
     /// True if all numbers are zero.
     pub fn is_zero(&self) -> bool {
-        let StateVector { u, w, theta, branches, wear, work } = self;
-        let all = [u, w, theta, wear, work].into_iter().chain(branches);
+        let StateVector { u, w, theta, theta_rate, branches, wear, work } = self;
+        let all = [u, w, theta, theta_rate, wear, work].into_iter().chain(branches);
         all.flatten().all(|value| *value == 0.0)
     }
 
@@ -157,6 +165,9 @@ impl LinearStep<'_> {
         // Of the unknowns at the time of the equations, v₁ = v₀ + (v_ϑ − v₀)/ϑ.
         let share = factors.rule.level.recip();
         let mut of_heat: Vec<f64> = after.theta.iter().map(|theta| share * theta).collect();
+        // θ̇ = (θ₁ − θ₀)/k = (θ_ϑ − θ₀)/(ϑk).
+        let of_rate = share / factors.rule.k;
+        of_heat.iter_mut().zip(&after.theta_rate).for_each(|(of, rate)| *of += of_rate * rate);
         let mut heat = factors.heat(base, solved, self.solved.flux, &of_heat).map_err(failed("heat"))?;
         if factors.is_coupled {
             let y = self.coupled_back(factors, (&after, direct), &heat[0]).map_err(failed("the coupling"))?;
@@ -174,6 +185,7 @@ impl LinearStep<'_> {
             let later = before.take();
             let [_, of_start, of_before] = stored(step, factors, &heat[0]);
             add_to(&mut start.theta, of_start.as_deref());
+            start.theta.iter_mut().zip(&after.theta_rate).for_each(|(theta, rate)| *theta -= rate / step.rule.k);
             match step.rule.start {
                 Start::TwoStates => {
                     start.add_bar(4.0 / 3.0, &bar);
@@ -350,8 +362,10 @@ impl LinearStep<'_> {
             if factors.is_coupled {
                 onto(&mut weights.u, &heating, 1.0);
             } else {
+                let driving = of_temperature(step, factors, of);
                 onto(&mut start.u, &heating, 1.0);
-                onto(&mut start.theta, &of_temperature(step, factors, of), 1.0);
+                onto(&mut start.theta, &driving, 1.0);
+                onto(&mut start.theta_rate, &driving, ahead(step));
             }
         }
         for (wear, [of, _]) in start.wear.iter_mut().zip(known) {
@@ -385,6 +399,11 @@ fn of_temperature(step: &Step, factors: &StepFactors, of: &MechanicsBack) -> Vec
 /// The weights of θ̄, θ₀ and θ₋₁ in the stored heat.
 fn stored(step: &Step, factors: &StepFactors, heat: &[f64]) -> [Option<Vec<f64>>; 3] {
     if heat.is_empty() { [None, None, None] } else { factors.slopes.stored_transposed(step, heat) }
+}
+
+/// The time by which the temperature that drives mechanics is extrapolated, s.
+pub(super) fn ahead(step: &Step) -> f64 {
+    if step.coupling() == Coupling::Extrapolated { step.rule.level * step.rule.k } else { 0.0 }
 }
 
 /// Adds numbers that may be none.
@@ -453,6 +472,7 @@ impl Multiplied {
         add(-1.0, heat, &|of| &of.heat);
         add(1.0, &after.u, &|of| &of.u);
         add(1.0, &after.work, &|of| &of.work);
+        add(1.0, &after.theta_rate, &|of| &of.theta_rate);
         if heat.is_empty() {
             add(1.0, &after.theta, &|of| &of.temperatures);
         }

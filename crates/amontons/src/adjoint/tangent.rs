@@ -7,7 +7,7 @@ use super::factors::{BodySlopes, Corrections, Factored, StepFactors, coupled, so
 use super::instance::{ProblemInstance, SolvedStep, StepResidual, data};
 use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
-use super::sweep::{Around, LinearStep, OfPoints, StateVector};
+use super::sweep::{Around, LinearStep, OfPoints, StateVector, ahead};
 use super::transpose::{heat_tangent, inverse, jump, near, on_degrees, onto_sides, product, sides_of, times};
 use crate::contact::{Contact, Flux, PointOnBoundary};
 use crate::equation::system::Step;
@@ -25,6 +25,7 @@ pub(super) struct ResidualSlope {
     defects: Vec<Local>,
     worn: Vec<f64>,
     work: Vec<f64>,
+    theta_rate: Vec<f64>,
     u: Vec<f64>,
     branches: Vec<Vec<f64>>,
 }
@@ -40,7 +41,7 @@ impl ResidualSlope {
         };
         let [mechanics, heat] = [over(&|r| &r.mechanics, here.sizes[0]), over(&|r| &r.heat, here.sizes[1])];
         let [rates, temperatures] = [over(&|r| &r.rates, 0.0), over(&|r| &r.temperatures, 0.0)];
-        let [work, u] = [over(&|r| &r.work, 0.0), over(&|r| &r.u, 0.0)];
+        let [work, u, rate] = [over(&|r| &r.work, 0.0), over(&|r| &r.u, 0.0), over(&|r| &r.theta_rate, 0.0)];
         let worn: Vec<Vec<f64>> =
             around.all.iter().map(|r| r.points.iter().map(|point| point.worn).collect()).collect();
         let worn = stencil::of_lists(around.h, std::array::from_fn(|j| &worn[j][..]), max_abs(&worn[2]));
@@ -60,6 +61,7 @@ impl ResidualSlope {
             defects: defects[k].chunks_exact(3).map(|d| [d[0], d[1], d[2]]).collect(),
             worn: worn[k].clone(),
             work: work[k].clone(),
+            theta_rate: rate[k].clone(),
             u: u[k].clone(),
             branches: branches.iter().map(|both| both[k].clone()).collect(),
         };
@@ -78,8 +80,8 @@ impl ResidualSlope {
     }
 
     fn numbers(&self) -> impl Iterator<Item = &f64> {
-        let ResidualSlope { mechanics, heat, rates, temperatures, defects, worn, work, u, branches } = self;
-        let lists = [mechanics, heat, rates, temperatures, worn, work, u].into_iter().chain(branches);
+        let ResidualSlope { mechanics, heat, rates, temperatures, defects, worn, work, theta_rate, u, branches } = self;
+        let lists = [mechanics, heat, rates, temperatures, worn, work, theta_rate, u].into_iter().chain(branches);
         lists.flatten().chain(defects.iter().flatten())
     }
 
@@ -99,6 +101,7 @@ impl ResidualSlope {
             defects: vec![[0.0; 3]; of.defects.len()],
             worn: none(&of.worn),
             work: none(&of.work),
+            theta_rate: none(&of.theta_rate),
             u: none(&of.u),
             branches: of.branches.iter().map(|branch| none(branch)).collect(),
         }
@@ -126,7 +129,9 @@ impl LinearStep<'_> {
         let theta = if factors.is_coupled {
             self.coupled_forth(factors, &start, by).map_err(failed("the coupling"))?
         } else {
-            start.start.theta.clone()
+            let of_rate = start.start.theta_rate.iter().copied().chain(std::iter::repeat(0.0));
+            let ahead = base.step(n, solved.old, ahead);
+            start.start.theta.iter().zip(of_rate).map(|(theta, rate)| theta + ahead * rate).collect()
         };
         let (w, all) = self.mechanics_forth(factors, &start, by, &theta).map_err(failed("mechanics"))?;
         let theta = match self.heat_forth(factors, &start, by, (&w, &all)).map_err(failed("heat"))? {
@@ -146,7 +151,9 @@ impl LinearStep<'_> {
         end.u.iter_mut().zip(&w).for_each(|(u, w)| *u += rule.gamma / rule.level * w);
         let w = if rule.is_steady() { zeros(w.len()) } else { at_end(&start.start.w, &w) };
         let points = all.iter().map(|(input, output)| [input[3], input[4], input[5], output[3], output[4], output[5]]);
-        Ok((StateVector { w, theta, ..end }, points.collect()))
+        let theta_rate = by.theta_rate.iter().zip(theta.iter().zip(&start.start.theta));
+        let theta_rate = theta_rate.map(|(by, (end, start))| by + (end - start) / rule.k).collect();
+        Ok((StateVector { w, theta, theta_rate, ..end }, points.collect()))
     }
 
     /// The mechanical half-step, with the change `theta` of the temperature that drives it: w, and the changes of the
@@ -317,6 +324,7 @@ impl LinearStep<'_> {
             branches: by.branches.clone(),
             wear: sum(&start.wear, &by.worn),
             work: sum(&start.work, &by.work),
+            theta_rate: Vec::new(),
         };
         for (i, (point, (input, output))) in self.points.iter().zip(all).enumerate() {
             if is_faced(step, i) {

@@ -82,6 +82,7 @@ fn random_vector(like: &State, seed: u64) -> StateVector {
         u: numbers(like.u.len(), seed),
         w: numbers(like.w.len(), seed + 1),
         theta: numbers(like.theta.len(), seed + 2),
+        theta_rate: numbers(like.theta_rate.len(), seed + 99),
         branches: like.branches.iter().zip(3..).map(|(branch, i)| numbers(branch.len(), seed + i)).collect(),
         wear: numbers(like.surface.wear.len(), seed + 100),
         work: numbers(like.surface.friction_work.len(), seed + 101),
@@ -91,7 +92,12 @@ fn random_vector(like: &State, seed: u64) -> StateVector {
 /// The products of two vectors: their sum, and that of their absolute values.
 fn products(a: &StateVector, b: &StateVector) -> [f64; 2] {
     let all = |v: &StateVector| -> Vec<f64> {
-        [&v.u, &v.w, &v.theta, &v.wear, &v.work].into_iter().chain(&v.branches).flatten().copied().collect()
+        [&v.u, &v.w, &v.theta, &v.theta_rate, &v.wear, &v.work]
+            .into_iter()
+            .chain(&v.branches)
+            .flatten()
+            .copied()
+            .collect()
     };
     let (a, b) = (all(a), all(b));
     [dot(&a, &b), a.iter().zip(&b).map(|(a, b)| (a * b).abs()).sum()]
@@ -130,7 +136,8 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
     let (coupled, warm_theta) = (at_once(&tables), at_once(&with(&tables, "\"theta\"\ntheta = 0.6")));
     let warm_bdf2 = with(&tables, "\"bdf2\"");
     let cases = [("heat", warm), ("wear", wear), ("pair", &warm_pair), ("theta", &theta), ("bdf2", &bdf2)];
-    let of_tables = [("coupled", &*coupled), ("warm theta", &warm_theta), ("warm bdf2", &warm_bdf2)];
+    let ahead = warm_bdf2.clone() + "\n[scheme]\ncoupling = \"extrapolated\"\n";
+    let of_tables = [("coupled", &*coupled), ("ahead", &ahead), ("warm theta", &warm_theta), ("warm bdf2", &warm_bdf2)];
     let cases = cases.into_iter().chain(of_tables);
     for (name, text) in cases {
         let case = case::parse(&Source::new(name, text), &[]).unwrap_or_else(|error| panic!("{error}"));

@@ -68,6 +68,12 @@ fn runs_of_coupled_half_steps_have_the_slopes_of_differences() {
     check_by_runs(&coupled(TURNED, "monolithic"), &OUTPUTS, &keys);
     check_by_runs(&coupled(TURNED, "monolithic"), &OUTPUTS[2..], &["material.coupling"]);
     check_by_runs(&coupled(TURNED, "fixed-point"), &OUTPUTS, &keys[..2]);
+    // The temperature of the half-steps of mechanics is extrapolated by the rate of the step before.
+    let keys = ["material.expansion", "material.conductivity", "initial.temperature", "time.end"];
+    for scheme in ["\"euler\"", "\"theta\"\ntheta = 0.5"] {
+        let text = TURNED.replace("[time]", &format!("[time]\nscheme = {scheme}"));
+        check_by_runs(&coupled(&text, "extrapolated"), &OUTPUTS, &keys);
+    }
     let theta = warm().replace("[time]", "[time]\nscheme = \"theta\"\ntheta = 0.7");
     check_by_runs(&coupled(&theta, "monolithic"), &OUTPUTS, &OF_TABLES[1..4]);
     check_by_runs(&coupled(&warm(), "monolithic"), &OUTPUTS, &OF_TABLES[..3]);
