@@ -65,6 +65,13 @@ impl GradientOutput {
                 let fault = Fault::new(path, found, "a probe of the body or of contact points");
                 Err(GradientError::refused(fault.hint(format!("the force on contacts is {FORCE}0"))))
             }
+            Some(OutputKind::Probe(probe, _))
+                if probe.quantity.base.is_of_strains() && problem.varying_branches() > 0 =>
+            {
+                let found = format!("{} of a body with relaxation times that vary in space", probe.quantity.name());
+                let expected = "a displacement, a temperature or a quantity of contact";
+                Err(GradientError::refused(Fault::new(path, found, expected)))
+            }
             Some(kind) => Ok(GradientOutput { name: name.to_owned(), kind }),
             None => {
                 let mut known: Vec<String> = probes.iter().flat_map(columns).collect();
@@ -177,7 +184,8 @@ impl<'a> OutputReader<'a> {
         let along =
             StateChange { base: (state, report), change: (change, of_points), points, nodes, is_of_strains, dim };
         let mut sum = 0.0;
-        for part in parts {
+        let is_read = |part: &&ChangedPart| is_of_strains || **part != ChangedPart::Branches;
+        for part in parts.iter().filter(is_read) {
             let Some(scale) = along.scale(*part) else { continue };
             let with = std::cell::RefCell::new(&mut *scratch);
             let at = |h: f64| {
@@ -221,7 +229,9 @@ impl<'a> OutputReader<'a> {
                     found.0.u[i] = self.slope(&mut last, u, |(state, _), h| state.u[i] += h);
                     found.0.w[i] = self.slope(&mut last, w, |(state, _), h| state.w[i] += h);
                 }
-                for b in 0..state.branches.len() {
+                // Of quantities of the body only those of strains have a part of the branches.
+                let branches = if self.output.is_of_strains() { state.branches.len() } else { 0 };
+                for b in 0..branches {
                     for i in node * dim..(node + 1) * dim {
                         let slope = self.slope(&mut last, u, |(state, _), h| state.branches[b][i] += h);
                         found.0.branches[b][i] = slope;

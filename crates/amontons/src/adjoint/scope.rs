@@ -3,15 +3,13 @@
 use super::error::GradientError;
 use super::instance::PhasedInstance;
 use crate::contact::{Contact, GraphKind};
-use crate::discretization::Discretization;
 use crate::problem::{Fault, Problem};
 use crate::time::{Analysis, FrictionRule, Start};
 
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
 pub(super) fn check(phased: &PhasedInstance) -> Result<(), GradientError> {
     let problem = &phased.first.problem;
-    let of_phases = || phased.all().find_map(|phase| of_body(&phase.discrete));
-    let found = of_time(problem).or_else(of_phases);
+    let found = of_time(problem);
     let of_contact = || {
         let mut sides = problem.contacts.iter().enumerate();
         sides.find_map(|(side, contact)| {
@@ -55,21 +53,12 @@ fn of_scheme(problem: &Problem) -> Option<OutOfScope> {
         return told("time.mass", "\"redistributed\", with equations within a step", "\"consistent\"");
     }
     let rule = rule.contact?;
-    let has_graph = |contact: &Contact| contact.normal.graph() != GraphKind::Function;
+    // Bilateral contact holds in the whole step: nothing hits it.
+    let has_graph = |contact: &Contact| !matches!(contact.normal.graph(), GraphKind::Function | GraphKind::Bilateral);
     match () {
         () if rule.friction != FrictionRule::Mean => told("time.friction", "\"end\"", "\"mean\""),
         () if problem.contacts.iter().any(has_graph) => {
             told("time.scheme", "the ϑ-scheme with a rigid foundation", "\"euler\" or \"bdf2\", or a layer")
-        }
-        () => None,
-    }
-}
-
-fn of_body(discrete: &Discretization) -> Option<OutOfScope> {
-    let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
-    match () {
-        () if discrete.branches.iter().any(|branch| !branch.has_field()) => {
-            told("material.prony", "relaxation times that vary in space", "uniform ones")
         }
         () => None,
     }

@@ -304,7 +304,7 @@ impl LinearStep<'_> {
             *right += (after.w[i] + rule.gamma * after.u[i]) / rule.level;
         }
         for (branch, weights) in step.discrete.branches.iter().zip(&after.branches) {
-            let more = branch.step(rule, &zeros(weights.len()), weights);
+            let more = branch.step_transposed(rule, weights);
             right.iter_mut().zip(&more).for_each(|(right, more)| *right += more / rule.level);
         }
         let per_area = |(of, point): (&[f64; INPUTS], &crate::contact::PointOnBoundary)| {
@@ -351,8 +351,7 @@ impl LinearStep<'_> {
             *w = kept_of * *w + step.inertia() / rule.delta * m;
         }
         for (branch, weights) in discrete.branches.iter().zip(&mut weights.branches) {
-            let none = zeros(weights.len());
-            let (kept, force) = (branch.step(rule, weights, &none), branch.step(rule, &branch.force(&found.y), &none));
+            let (kept, force) = (branch.kept(rule, weights), branch.kept(rule, &branch.force_transposed(&found.y)));
             for (weights, (kept, force)) in weights.iter_mut().zip(kept.iter().zip(&force)) {
                 *weights = kept_of * *weights + kept / rule.level - force;
             }

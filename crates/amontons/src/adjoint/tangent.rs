@@ -241,7 +241,7 @@ impl LinearStep<'_> {
         let mut take = |force: &[f64]| right.iter_mut().zip(force).for_each(|(right, force)| *right -= force);
         take(&slopes.elastic(discrete, &bar.u));
         for (branch, z) in discrete.branches.iter().zip(&bar.branches) {
-            take(&branch.force(&branch.step(rule, z, &zeros(z.len()))));
+            take(&branch.force(&branch.kept(rule, z)));
         }
         take(&by.mechanics);
         let of_point = |((point, defect), [opening, temperature]): ((&LinearPoint, &Local), &[f64; 2])| -> Local {

@@ -120,6 +120,40 @@ impl Relaxation {
         }
     }
 
+    /// What a step keeps of a state, z̄/(1 + γ/τ): its derivative by z̄, which is symmetric, times a vector.
+    #[must_use]
+    pub fn kept(&self, rule: Rule, bar: &[f64]) -> Vec<f64> {
+        match &self.0 {
+            BranchKind::Same { time, .. } => bar.iter().map(|z| factor(rule, *time) * z).collect(),
+            BranchKind::Varying { mesh, dilatation, times, .. } => {
+                let count = StrainPoints { mesh, dilatation }.components();
+                bar.iter().enumerate().map(|(i, e)| factor(rule, times[i / count]) * e).collect()
+            }
+        }
+    }
+
+    /// The transposed of the derivative of [`Relaxation::step`] by w times a vector.
+    #[must_use]
+    pub fn step_transposed(&self, rule: Rule, state: &[f64]) -> Vec<f64> {
+        let mut kept = self.kept(rule, state);
+        kept.iter_mut().for_each(|number| *number *= rule.gamma);
+        match &self.0 {
+            BranchKind::Same { .. } => kept,
+            BranchKind::Varying { mesh, dilatation, .. } => StrainPoints { mesh, dilatation }.strains_transposed(&kept),
+        }
+    }
+
+    /// The transposed of [`Relaxation::force`] times a vector of nodes.
+    #[must_use]
+    pub fn force_transposed(&self, y: &[f64]) -> Vec<f64> {
+        match &self.0 {
+            BranchKind::Same { form, .. } => form.apply(y),
+            BranchKind::Varying { mesh, dilatation, springs, .. } => {
+                StrainPoints { mesh, dilatation }.force_transposed(&borrowed(springs), y)
+            }
+        }
+    }
+
     /// Nodal forces ∫ 𝓖e:ε(·) of a state.
     #[must_use]
     pub fn force(&self, state: &[f64]) -> Vec<f64> {

@@ -41,22 +41,40 @@ impl StrainPoints<'_> {
 
     /// A function of region and position at all points.
     pub fn values(&self, of: impl Fn(usize, &Point) -> f64 + Sync) -> Vec<f64> {
-        self.at_points(None, 1, |cell, out| out[0] = of(cell.region, &cell.map.position))
+        self.at_points(None, 1, |cell, _, out| out[0] = of(cell.region, &cell.map.position))
     }
 
     /// The strain of a displacement at all points.
     pub fn strains(&self, v: &[f64]) -> Vec<f64> {
-        self.at_points(Some(self.dilatation), self.components(), |cell, out| {
+        self.at_points(Some(self.dilatation), self.components(), |cell, _, out| {
             out.iter_mut().zip(strain(cell, v).0).for_each(|(out, component)| *out = component);
         })
     }
 
-    /// `size` numbers at each point.
+    /// The transposed of [`StrainPoints::strains`] times numbers at all points: a vector of nodes.
+    pub fn strains_transposed(&self, numbers: &[f64]) -> Vec<f64> {
+        let weights = self.at_points(None, 1, |_, weight, out| out[0] = weight);
+        let n = self.components();
+        let densities: Vec<f64> = numbers.iter().enumerate().map(|(i, number)| number / weights[i / n]).collect();
+        let of = |cell: &CellPoint| Some(self.kept(&densities, cell.point));
+        vector(self.mesh, self.dilatation, |e| self.mesh.gradient_products(e), of)
+    }
+
+    /// The transposed of [`StrainPoints::force`] times a vector of nodes: numbers at all points.
+    pub fn force_transposed(&self, laws: &[&Law<dyn TensorLaw>], y: &[f64]) -> Vec<f64> {
+        self.at_points(Some(self.dilatation), self.components(), |cell, weight, out| {
+            let Some(law) = of_region(laws, cell.region) else { return };
+            let stress = law.value(&cell.map.position, &strain(cell, y));
+            out.iter_mut().zip(stress.0).for_each(|(out, component)| *out = weight * component);
+        })
+    }
+
+    /// `size` numbers at each point, from its weight.
     fn at_points(
         &self,
         strains: Option<&[Dilatation]>,
         size: usize,
-        of: impl Fn(&CellPoint, &mut [f64]) + Sync,
+        of: impl Fn(&CellPoint, f64, &mut [f64]) + Sync,
     ) -> Vec<f64> {
         let mut all = Vec::with_capacity(size * self.count());
         by_cells(
@@ -66,7 +84,7 @@ impl StrainPoints<'_> {
             |e| size * rule(e.shape, self.mesh.gradient_products(e)).weights.len(),
             |cell, out| {
                 let mut room = out.chunks_exact_mut(size);
-                cell.integrate(|cell, _| room.next().into_iter().for_each(|out| of(cell, out)));
+                cell.integrate(|cell, weight| room.next().into_iter().for_each(|out| of(cell, weight, out)));
             },
             |_, _, values| all.extend_from_slice(values),
         );

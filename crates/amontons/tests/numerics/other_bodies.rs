@@ -79,6 +79,21 @@ fn runs_of_coupled_half_steps_have_the_slopes_of_differences() {
     check_by_runs(&coupled(&warm(), "monolithic"), &OUTPUTS, &OF_TABLES[..3]);
 }
 
+/// Bilateral contact in the whole step.
+#[test]
+fn runs_by_the_theta_scheme_with_bilateral_contact_have_the_slopes_of_differences() {
+    let layer = "law = \"damped\", stiffness = 4000.0, damping = 7.0";
+    assert!(TURNED.contains(layer));
+    let text =
+        TURNED.replace("[time]", "[time]\nscheme = \"theta\"\ntheta = 0.6").replace(layer, "law = \"bilateral\"");
+    let text = text.replace(
+        "law = \"static-kinetic\", static = 0.4, kinetic = 0.3, decay_speed = 0.2",
+        "law = \"tresca\", bound = 0.8",
+    );
+    let keys = ["material.elasticity.young", "contact.friction.bound", "material.density"];
+    check_by_runs(&text, &OUTPUTS, &keys);
+}
+
 /// A quarter of a ring that is pressed from inside into a bore that turns, with heat and Maxwell branches.
 const SECTOR: &str = r#"
 name = "sector"
@@ -312,4 +327,18 @@ fn runs_from_an_equilibrium_have_the_slopes_of_differences() {
     let layer = "law = \"damped\", stiffness = 4000.0, damping = 7.0";
     assert!(text.contains(layer));
     check_by_runs(&text.replace(layer, "law = \"signorini\""), &OUTPUTS, &keys[..2]);
+}
+
+/// Maxwell branches whose times vary in space: their springs have strains of their own.
+#[test]
+fn runs_with_relaxation_times_that_vary_have_the_slopes_of_differences() {
+    let varying = BRANCHES.replace("time = 0.3", "time = \"slow*(1 + x)\"");
+    let text = TURNED.replace(BRANCHES, &varying).replace("[mesh]", "[constants]\nslow = 0.3\n[mesh]");
+    let outputs = ["corner_x", "pressure", "warm", "final.contact.force.1"];
+    let keys = ["constants.slow", "material.elasticity.young", "contact.friction.static", "initial.velocity[1]"];
+    for scheme in ["\"euler\"", "\"theta\"\ntheta = 0.6"] {
+        check_by_runs(&text.replace("[time]", &format!("[time]\nscheme = {scheme}")), &outputs, &keys);
+    }
+    let refused = by_keys(&text, &["stress"], &keys[..1], None).unwrap_err().to_string();
+    assert!(refused.contains("output stress: found von_mises of a body with relaxation times that vary"), "{refused}");
 }
