@@ -1,7 +1,7 @@
 //! The matrices of a step at its solution.
 
 use super::error::GradientError;
-use super::instance::{ProblemInstance, data, deformation, driving, is_coupled};
+use super::instance::{ProblemInstance, data, deformation, driving, follows, is_coupled};
 use crate::discretization::Discretization;
 use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::Chosen;
@@ -35,7 +35,8 @@ pub(super) struct StepFactors {
     pub mechanics: Option<Factored>,
     pub heat: Option<Factored>,
     pub slopes: BodySlopes,
-    /// True if each half-step has the solution of the other one: they are not staggered.
+    /// True if heat follows the displacement of the step, and if mechanics has the temperature of the step, too.
+    pub follows: bool,
     pub is_coupled: bool,
 }
 
@@ -236,6 +237,7 @@ impl StepFactors {
                 mechanics: mechanics.map_err(|source| ("mechanics", source))?,
                 heat: heat.map_err(|source| ("heat", source))?,
                 slopes: if discrete.is_constant() { BodySlopes::default() } else { BodySlopes::new(step, at) },
+                follows: follows(step),
                 is_coupled: is_coupled(step),
             })
         })

@@ -418,7 +418,7 @@ pub(super) fn driving(step: &Step, at: &[f64]) -> Vec<f64> {
     }
 }
 
-/// True if each half-step has the solution of the other one: they are not staggered.
+/// True if each half-step has the solution of the other one.
 pub(super) fn is_coupled(step: &Step) -> bool {
     step.problem.physics == Physics::Coupled && matches!(step.coupling(), Coupling::FixedPoint | Coupling::Monolithic)
 }
@@ -428,9 +428,14 @@ pub(super) fn deformation(step: &Step, w: &[f64]) -> Vec<f64> {
     step.bar.u.iter().zip(w).map(|(u, w)| u + step.rule.gamma * w).collect()
 }
 
+/// True if the displacement in e(u, ·) is that of the step: its heat follows its mechanics.
+pub(super) fn follows(step: &Step) -> bool {
+    step.problem.physics == Physics::Coupled && step.coupling() != Coupling::Staggered
+}
+
 /// The displacement in e(u, ·).
 pub(super) fn heated_by<'a>(step: &Step<'a>, w: &[f64]) -> Cow<'a, [f64]> {
-    if is_coupled(step) { Cow::Owned(deformation(step, w)) } else { Cow::Borrowed(&step.old.u) }
+    if follows(step) { Cow::Owned(deformation(step, w)) } else { Cow::Borrowed(&step.old.u) }
 }
 
 /// What in (4.1) is of the bodies, and the largest term.

@@ -53,8 +53,7 @@ fn of_scheme(problem: &Problem) -> Option<OutOfScope> {
         return told("time.mass", "\"redistributed\", with equations within a step", "\"consistent\"");
     }
     let rule = rule.contact?;
-    // Bilateral contact holds in the whole step: nothing hits it.
-    let has_graph = |contact: &Contact| !matches!(contact.normal.graph(), GraphKind::Function | GraphKind::Bilateral);
+    let has_graph = |contact: &Contact| contact.normal.graph() != GraphKind::Function;
     match () {
         () if rule.friction != FrictionRule::Mean => told("time.friction", "\"end\"", "\"mean\""),
         () if problem.contacts.iter().any(has_graph) => {

@@ -244,7 +244,7 @@ impl LinearStep<'_> {
         let inputs: Vec<[f64; INPUTS]> =
             self.points.iter().zip(&by_point).map(|(point, all)| point.weighted(all)).collect();
         let (mut right, force) = base.step(n, solved.old, |step| self.right(step, &after, &inputs));
-        if factors.is_coupled {
+        if factors.follows {
             let heating = base.discrete.e.apply_transposed(heat);
             right.iter_mut().zip(&heating).for_each(|(right, more)| *right += factors.rule.gamma * more);
         }
@@ -358,11 +358,9 @@ impl LinearStep<'_> {
         }
         if has_heat {
             let heating = discrete.e.apply_transposed(heat);
-            if factors.is_coupled {
-                onto(&mut weights.u, &heating, 1.0);
-            } else {
+            onto(if factors.follows { &mut weights.u } else { &mut start.u }, &heating, 1.0);
+            if !factors.is_coupled {
                 let driving = of_temperature(step, factors, of);
-                onto(&mut start.u, &heating, 1.0);
                 onto(&mut start.theta, &driving, 1.0);
                 onto(&mut start.theta_rate, &driving, ahead(step));
             }

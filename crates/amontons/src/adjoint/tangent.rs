@@ -278,7 +278,7 @@ impl LinearStep<'_> {
         let discrete = step.discrete;
         let earlier = before.map_or(&[][..], |before| &before.theta);
         let stored = factors.slopes.stored(step, &bar.theta, [&start.theta, earlier]);
-        let u: Cow<[f64]> = if factors.is_coupled {
+        let u: Cow<[f64]> = if factors.follows {
             bar.u.iter().zip(w).map(|(u, w)| u + step.rule.gamma * w).collect()
         } else {
             Cow::Borrowed(&start.u)

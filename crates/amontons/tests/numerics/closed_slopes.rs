@@ -169,13 +169,10 @@ fn a_wave_that_friction_stops_has_the_derivatives_of_its_closed_form() {
     let keys = ["constants.force", "contact.friction.bound", "material.elasticity.young", "material.density"];
     // The rod has the height 0.005, over which friction is a stress.
     let known = [0.2, -0.01 / 0.005, -0.01, 0.0];
-    for (scheme, tolerance) in [("bdf2", 0.05), ("theta", 0.02)] {
-        let text = WAVE.replace("bdf2", scheme);
-        let found = by_keys(&text, &["end_x"], &keys, None).expect("a gradient");
-        println!("{scheme}: {:?} {:?}", found.outputs, found.derivatives);
-        for (found, known) in found.derivatives[0].iter().zip(known) {
-            assert!((found - known).abs() <= tolerance * known.abs().max(0.01), "{scheme}: {found:e} {known:e}");
-        }
+    let found = by_keys(WAVE, &["end_x"], &keys, None).expect("a gradient");
+    println!("{:?} {:?}", found.outputs, found.derivatives);
+    for (found, known) in found.derivatives[0].iter().zip(known) {
+        assert!((found - known).abs() <= 0.05 * known.abs().max(0.01), "{found:e} {known:e}");
     }
 }
 

@@ -79,21 +79,6 @@ fn runs_of_coupled_half_steps_have_the_slopes_of_differences() {
     check_by_runs(&coupled(&warm(), "monolithic"), &OUTPUTS, &OF_TABLES[..3]);
 }
 
-/// Bilateral contact in the whole step.
-#[test]
-fn runs_by_the_theta_scheme_with_bilateral_contact_have_the_slopes_of_differences() {
-    let layer = "law = \"damped\", stiffness = 4000.0, damping = 7.0";
-    assert!(TURNED.contains(layer));
-    let text =
-        TURNED.replace("[time]", "[time]\nscheme = \"theta\"\ntheta = 0.6").replace(layer, "law = \"bilateral\"");
-    let text = text.replace(
-        "law = \"static-kinetic\", static = 0.4, kinetic = 0.3, decay_speed = 0.2",
-        "law = \"tresca\", bound = 0.8",
-    );
-    let keys = ["material.elasticity.young", "contact.friction.bound", "material.density"];
-    check_by_runs(&text, &OUTPUTS, &keys);
-}
-
 /// A quarter of a ring that is pressed from inside into a bore that turns, with heat and Maxwell branches.
 const SECTOR: &str = r#"
 name = "sector"
