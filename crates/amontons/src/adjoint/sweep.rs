@@ -185,7 +185,7 @@ impl LinearStep<'_> {
             let later = before.take();
             let [_, of_start, of_before] = stored(step, factors, &heat[0]);
             add_to(&mut start.theta, of_start.as_deref());
-            start.theta.iter_mut().zip(&after.theta_rate).for_each(|(theta, rate)| *theta -= rate / step.rule.k);
+            start.theta.iter_mut().zip(&after.theta_rate).for_each(|(theta, rate)| *theta -= of_rate * rate);
             match step.rule.start {
                 Start::TwoStates => {
                     start.add_bar(4.0 / 3.0, &bar);

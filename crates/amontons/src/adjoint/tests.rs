@@ -136,7 +136,7 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
     let (coupled, warm_theta) = (at_once(&tables), at_once(&with(&tables, "\"theta\"\ntheta = 0.6")));
     let warm_bdf2 = with(&tables, "\"bdf2\"");
     let cases = [("heat", warm), ("wear", wear), ("pair", &warm_pair), ("theta", &theta), ("bdf2", &bdf2)];
-    let ahead = warm_bdf2.clone() + "\n[scheme]\ncoupling = \"extrapolated\"\n";
+    let ahead = with(&tables, "\"theta\"\ntheta = 0.6") + "\n[scheme]\ncoupling = \"extrapolated\"\n";
     let of_tables = [("coupled", &*coupled), ("ahead", &ahead), ("warm theta", &warm_theta), ("warm bdf2", &warm_bdf2)];
     let cases = cases.into_iter().chain(of_tables);
     for (name, text) in cases {
