@@ -136,7 +136,9 @@ impl Relaxation {
     #[must_use]
     pub fn step_transposed(&self, rule: Rule, state: &[f64]) -> Vec<f64> {
         let mut kept = self.kept(rule, state);
-        kept.iter_mut().for_each(|number| *number *= rule.gamma);
+        for number in &mut kept {
+            *number *= rule.gamma;
+        }
         match &self.0 {
             BranchKind::Same { .. } => kept,
             BranchKind::Varying { mesh, dilatation, .. } => StrainPoints { mesh, dilatation }.strains_transposed(&kept),
