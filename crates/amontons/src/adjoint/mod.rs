@@ -8,8 +8,9 @@
 //!     do/dm = ∂o/∂m − Σ y·∂R/∂m,       λ at the start = −(∂R/∂z₀)ᵀ y,
 //! ```
 //!
-//! summed from the last step to the first one. K is symmetric and has one factor; the contribution of contact to J is
-//! not symmetric, because pressure acts on friction and not the other way round, and is transposed.
+//! summed from the last step to the first one. The matrix of the bodies is symmetric and has one factor; what contact
+//! adds to J is not symmetric, because pressure acts on friction and not the other way round, and is transposed.
+//! Half-steps that hold at once are solved for together.
 //!
 //! | module | holds |
 //! |---|---|
@@ -17,6 +18,9 @@
 //! | `history` | the states of the run |
 //! | `instance` | the equations of a step at given unknowns |
 //! | `points` | the linearised contact points, and their distances to a change of state |
+//! | `met` | whether a step obeys the equations that are differentiated |
+//! | `factors` | the matrices of a step at its solution with their factors, and derivatives of forms in the state |
+//! | `forms` | derivatives of forms by a parameter |
 //! | `transpose`, `sweep` | Jᵀ, and a step backward |
 //! | `tangent`, `series` | J, and the steps forward along with a run, for outputs at all steps |
 //! | `outputs`, `along`, `parameter` | o with its derivatives, and the problems around a value of m |
