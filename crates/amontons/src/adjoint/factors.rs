@@ -5,7 +5,7 @@ use super::instance::{ProblemInstance, data, deformation, driving, follows, is_c
 use crate::discretization::Discretization;
 use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::Chosen;
-use crate::linalg::{BlockMatrix, SolveError, Tangent, gmres, max_abs, zeros};
+use crate::linalg::{BlockMatrix, Krylov, SolveError, Tangent, gmres, max_abs, zeros};
 use crate::space::Space;
 use crate::state::State;
 use crate::time::{Rule, Start};
@@ -15,8 +15,9 @@ use crate::time::{Rule, Start};
 pub(super) const REPETITIONS: usize = 3;
 /// What is left of equations, relative to their largest term, that is round-off, and the same of a correction.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
-/// What is left of equations after the iterations with the factor of the symmetric part of a matrix, and their number.
+/// What iterations leave of equations, the most that they may leave, and their number.
 const LEFT: f64 = 1e-10;
+const SOLVED: f64 = 1e-8;
 const PRODUCTS: usize = 200;
 
 /// A matrix with its factor. If the matrix is not symmetric, the factor is that of its symmetric part.
@@ -71,10 +72,10 @@ impl Factored {
             right.iter().zip(product).map(|(right, product)| right - product).collect()
         };
         let mut rest = left(apply(matrix, &x));
-        for _ in 0..REPETITIONS {
+        for repetition in 0..REPETITIONS {
             let mut more = nearly(rest.clone())?;
             if !*is_symmetric {
-                more = gmres(|v: &[f64]| nearly(apply(matrix, v)), &more, LEFT, PRODUCTS)?.x;
+                more = iterated(|v: &[f64]| nearly(apply(matrix, v)), &more, repetition)?;
             }
             x.iter_mut().zip(&more).for_each(|(x, more)| *x += more);
             let product = apply(matrix, &x);
@@ -112,6 +113,19 @@ impl Corrections {
     }
 }
 
+/// The solution of A x = b by products with A. What later repetitions are asked for is round-off, and may stay so.
+fn iterated(
+    apply: impl FnMut(&[f64]) -> Result<Vec<f64>, SolveError>,
+    b: &[f64],
+    repetition: usize,
+) -> Result<Vec<f64>, SolveError> {
+    let Krylov { x, iterations, residual, .. } = gmres(apply, b, LEFT, PRODUCTS)?;
+    if repetition == 0 && (residual.is_nan() || residual > SOLVED) {
+        return Err(SolveError::NotConverged { size: b.len(), iterations, residual });
+    }
+    Ok(x)
+}
+
 /// The solution of x = `right` + T x.
 pub(super) fn coupled(
     right: &[f64],
@@ -121,8 +135,8 @@ pub(super) fn coupled(
         Ok(x.iter().zip(through(x)?).map(|(x, through)| x - through).collect())
     };
     let (mut x, mut rest) = (zeros(right.len()), right.to_vec());
-    for _ in 0..REPETITIONS {
-        let more = gmres(&mut left, &rest, LEFT, PRODUCTS)?.x;
+    for repetition in 0..REPETITIONS {
+        let more = iterated(&mut left, &rest, repetition)?;
         x.iter_mut().zip(&more).for_each(|(x, more)| *x += more);
         rest = right.iter().zip(left(&x)?).map(|(right, product)| right - product).collect();
     }
@@ -199,20 +213,14 @@ impl BodySlopes {
 /// end the equations hold, it is that of H₀ + ϑ (H₁ − H₀) − H₀ with θ₁ = θ₀ + (θ_ϑ − θ₀)/ϑ.
 fn stored(step: &Step, rule: Rule, at: &[f64], start: BlockMatrix) -> [Option<BlockMatrix>; 2] {
     let discrete = step.discrete;
-    let zero = || BlockMatrix::zero(start.graph(), 1, 1);
-    let scaled = |factor: f64, of: &BlockMatrix| {
-        let mut matrix = zero();
-        matrix.add_scaled(factor, of);
-        matrix
-    };
     match (rule.start, &step.old.earlier) {
         (Start::TwoStates, Some(earlier)) => {
             let before = discrete.capacity_form(&earlier.theta);
-            [Some(scaled(4.0 / 3.0, &start)), before.map(|before| scaled(-1.0 / 3.0, &before))]
+            [Some(start.scaled(4.0 / 3.0)), before.map(|before| before.scaled(-1.0 / 3.0))]
         }
         _ if rule.is_at_end() => [Some(start), None],
         _ => {
-            let mut matrix = scaled(rule.level, &start);
+            let mut matrix = start.scaled(rule.level);
             if let Some(end) = discrete.capacity_form(&step.end(&step.old.theta, at.to_vec())) {
                 matrix.add_scaled(1.0 - rule.level, &end);
             }

@@ -116,9 +116,10 @@ fn the_turns_of_an_oscillator_with_dry_friction_have_their_derivatives() {
         // K = EH/L.
         let known = [-2e-3 * sign * n, sign, 2e-8 * sign * n * 0.01];
         println!("turn {turn}: {row:?} {known:?}");
-        let scales = [2e-3, 1.0, 2e-10];
+        // Of the two nodes at the end one rubs: their motion apart is a phase, which K changes most.
+        let scales = [2e-3 * 2e-3, 2e-3, 0.02 * 2e-10];
         for ((found, known), scale) in row.iter().zip(known).zip(scales) {
-            assert!((found - known).abs() <= 0.02 * n * scale, "turn {turn}: {row:?} {known:?}");
+            assert!((found - known).abs() <= n * scale, "turn {turn}: {row:?} {known:?}");
         }
         turned = row;
     }

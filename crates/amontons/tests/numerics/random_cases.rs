@@ -309,15 +309,14 @@ fn wrong(
 fn check(seeds: std::ops::Range<u64>, of: fn(u64) -> (String, Vec<String>, Vec<String>), least: usize) {
     let mut counts = Counts::default();
     let told = |seed: u64, error: GradientError| vec![format!("{seed}: {error}")];
-    let count = seeds.end - seeds.start;
     let all = seeds.flat_map(|seed| wrong(seed, of(seed), &mut counts).unwrap_or_else(|error| told(seed, error)));
     let wrong: Vec<String> = all.collect();
     let Counts { checked, changed, seen } = counts;
     println!("checked {checked}, changed {changed}, open, stick, slip {seen:?}");
     assert!(wrong.is_empty(), "{wrong:#?}");
     let all: usize = seen.iter().sum();
-    let is_mixed = seen.iter().all(|seen| 10 * seen > all);
-    assert!(checked > least && (changed as u64) < count / 2 && is_mixed, "{checked} {changed} {seen:?}");
+    let is_mixed = seen.iter().all(|seen| 8 * seen > all);
+    assert!(checked > least && changed < 8 && is_mixed, "{checked} {changed} {seen:?}");
 }
 
 #[test]
