@@ -13,8 +13,8 @@ use crate::time::{Rule, Start};
 /// Largest number of solutions for what is left of the equations. Each leaves a fraction of it that is at most of the
 /// order of what is added to the equations of contact points.
 pub(super) const REPETITIONS: usize = 3;
-/// What is left of equations, relative to their largest term, that is round-off, and the same of a correction.
-const ROUNDED: f64 = 64.0 * f64::EPSILON;
+/// What is left of equations, relative to their largest term, that is round-off.
+pub(super) const ROUNDED: f64 = 64.0 * f64::EPSILON;
 /// What iterations leave of equations, the most that they may leave, and their number.
 const LEFT: f64 = 1e-10;
 const SOLVED: f64 = 1e-8;
@@ -25,6 +25,8 @@ pub(super) struct Factored {
     pub half: HalfStep,
     pub matrix: BlockMatrix,
     pub is_symmetric: bool,
+    /// The largest magnitude of an entry.
+    pub largest: f64,
 }
 
 /// The matrices of both half-steps with their factors.
@@ -54,6 +56,11 @@ pub(super) struct BodySlopes {
 }
 
 impl Factored {
+    fn new(half: HalfStep, matrix: BlockMatrix, is_symmetric: bool) -> Factored {
+        let largest = matrix.largest();
+        Factored { half, matrix, is_symmetric, largest }
+    }
+
     /// The solution of equations with a contact term, from a first value with the prescribed ones, and what is left of
     /// them; `apply` is the product with the matrix and the term.
     pub fn solved(
@@ -63,7 +70,7 @@ impl Factored {
         (mut x, right): (Vec<f64>, &[f64]),
         apply: impl Fn(&BlockMatrix, &[f64]) -> Vec<f64>,
     ) -> Result<[Vec<f64>; 2], SolveError> {
-        let Factored { half, matrix, is_symmetric } = self;
+        let Factored { half, matrix, is_symmetric, largest } = self;
         let mut nearly = |mut forces: Vec<f64>| {
             solvable(space, &mut forces);
             half.system.linearised(tangent, &forces)
@@ -78,38 +85,14 @@ impl Factored {
                 more = iterated(|v: &[f64]| nearly(apply(matrix, v)), &more, repetition)?;
             }
             x.iter_mut().zip(&more).for_each(|(x, more)| *x += more);
-            let product = apply(matrix, &x);
-            let largest = max_abs(right).max(max_abs(&product));
-            rest = left(product);
+            rest = left(apply(matrix, &x));
             let mut unmet = rest.clone();
             solvable(space, &mut unmet);
-            if max_abs(&unmet) <= ROUNDED * largest {
+            if max_abs(&unmet) <= ROUNDED * *largest * max_abs(&x) {
                 break;
             }
         }
         Ok([x, rest])
-    }
-}
-
-/// The sizes of the corrections that solutions for what is left of equations bring.
-#[derive(Default)]
-pub(super) struct Corrections {
-    number: usize,
-    last: f64,
-    has_ended: bool,
-}
-
-impl Corrections {
-    pub fn go_on(&self) -> bool {
-        self.number < REPETITIONS && !self.has_ended
-    }
-
-    /// Notes a correction of a value. The next one would be smaller by as much as this one is than the last one.
-    pub fn add(&mut self, correction: &[f64], value: &[f64]) {
-        let (size, last) = (max_abs(correction), std::mem::replace(&mut self.last, max_abs(correction)));
-        let next = if last > 0.0 { size * (size / last) } else { 0.0 };
-        self.has_ended = self.number > 0 && next <= ROUNDED * max_abs(value);
-        self.number += 1;
     }
 }
 
@@ -294,7 +277,7 @@ fn mechanics(step: &Step, at: &State) -> Result<Factored, SolveError> {
         discrete.mechanical_tangent(step.rule, &u, &step.rates(&at.w), &discrete.warmed(&theta))
     };
     let half = HalfStep::new(matrix.clone(), discrete, &discrete.v, &step.problem.backend)?;
-    Ok(Factored { half, matrix, is_symmetric: true })
+    Ok(Factored::new(half, matrix, true))
 }
 
 /// The derivative of (4.2) in the temperature at the time of its equations.
@@ -303,7 +286,7 @@ fn heat(step: &Step, theta: &[f64]) -> Result<Factored, SolveError> {
     let factored = |matrix: BlockMatrix| HalfStep::new(matrix, discrete, &discrete.q, &step.problem.backend);
     if discrete.conducts_linearly() {
         let matrix = discrete.thermal_matrix(rule);
-        return Ok(Factored { half: factored(matrix.clone())?, matrix, is_symmetric: true });
+        return Ok(Factored::new(factored(matrix.clone())?, matrix, true));
     }
     let end = step.end(&step.old.theta, theta.to_vec());
     let symmetric = discrete.thermal_tangent_with(rule, [theta, &end]);
@@ -312,5 +295,5 @@ fn heat(step: &Step, theta: &[f64]) -> Result<Factored, SolveError> {
     if let Some(slope) = &slope {
         matrix.add_scaled(1.0, slope);
     }
-    Ok(Factored { half: factored(symmetric)?, matrix, is_symmetric: slope.is_none() })
+    Ok(Factored::new(factored(symmetric)?, matrix, slope.is_none()))
 }

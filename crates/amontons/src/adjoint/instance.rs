@@ -23,8 +23,10 @@ use crate::time::{Instant, Rule, Start};
 pub(super) struct ProblemInstance {
     pub problem: Problem,
     pub discrete: Arc<Discretization>,
-    /// True if the residual of (4.1) and of (4.2) has the forms of the instance beside which it was made.
+    /// True if the residual of (4.1) and of (4.2) has the forms of the instance beside which it was made, and if loads
+    /// and prescribed values are those of this instance.
     alike: [bool; 2],
+    has_same_loads: bool,
     /// True if its only step leads to the equilibrium at t = 0, and takes no time.
     is_at_start: bool,
     /// What the step that was asked for last adds to.
@@ -37,12 +39,6 @@ struct StepStart {
     key: [usize; 3],
     products: Products,
     mixed: Option<Mixed>,
-}
-
-/// The parts of (4.1) and of (4.2) that the bodies have in themselves, each with its largest term.
-pub(super) struct BodyParts {
-    mechanics: (Vec<f64>, f64),
-    heat: (Vec<f64>, f64),
 }
 
 /// A residual at other values of a parameter is sought beside that of the problem itself.
@@ -180,12 +176,11 @@ pub(super) fn at_level<'a>(rule: &Rule, old: &State, new: &'a State) -> Cow<'a, 
 
 /// The equations of a step at given unknowns.
 pub(super) struct StepResidual {
-    /// (4.1) per degree of freedom, N, and (4.2) per node, W.
-    pub mechanics: Vec<f64>,
-    pub heat: Vec<f64>,
-    /// The velocities and temperatures, those that are prescribed by their data.
-    pub rates: Vec<f64>,
-    pub temperatures: Vec<f64>,
+    /// What contact points have no share in; the same one where a parameter does not change it.
+    pub body: Arc<BodyResidual>,
+    /// Forces and heat fluxes of contact that the nodes of Γ_C lose, N and W.
+    pub exerted: Vec<f64>,
+    pub passed: Vec<f64>,
     /// The contact points.
     pub points: Vec<PointOutput>,
     /// Work of friction in the step at each point, J/m².
@@ -194,24 +189,50 @@ pub(super) struct StepResidual {
     pub states: Vec<PointState>,
     /// Largest terms of (4.1) and of (4.2), whose round-off the residuals contain.
     pub sizes: [f64; 2],
+}
+
+/// The equations of the bodies in a step at given unknowns, without contact.
+pub(super) struct BodyResidual {
+    /// (4.1) per degree of freedom, N, and (4.2) per node, W.
+    pub mechanics: Vec<f64>,
+    pub heat: Vec<f64>,
+    /// The velocities and temperatures, those that are prescribed by their data.
+    pub rates: Vec<f64>,
+    pub temperatures: Vec<f64>,
     /// What follows from the unknowns: the mean rate of θ, ū + γw, and the branches.
     pub theta_rate: Vec<f64>,
     pub u: Vec<f64>,
     pub branches: Vec<Vec<f64>>,
-    /// Parts of the residuals.
-    bodies: BodyParts,
+    /// Parts of the residuals, and the largest terms.
+    parts: BodyParts,
+    sizes: [f64; 2],
+}
+
+/// The parts of (4.1) and of (4.2) without loads, each with its largest term.
+#[derive(Clone)]
+struct BodyParts {
+    mechanics: Arc<(Vec<f64>, f64)>,
+    heat: Arc<(Vec<f64>, f64)>,
 }
 
 impl ProblemInstance {
     fn with(problem: &Problem, discrete: &Arc<Discretization>) -> ProblemInstance {
         let discrete = Arc::clone(discrete);
         let problem = problem.clone();
-        ProblemInstance { problem, discrete, alike: [false; 2], is_at_start: false, begun: Mutex::default() }
+        ProblemInstance {
+            problem,
+            discrete,
+            alike: [false; 2],
+            has_same_loads: false,
+            is_at_start: false,
+            begun: Mutex::default(),
+        }
     }
 
-    /// Notes which forms are those of another instance.
+    /// Notes which forms are those of another instance, and whether the loads are.
     fn compare(&mut self, other: &ProblemInstance) {
         let is_warmed = self.problem.physics == Physics::Warmed;
+        self.has_same_loads = self.discrete.shares_loads(&other.discrete) && !is_warmed;
         self.alike = self.discrete.has_same_forms(&other.discrete).map(|is_same| is_same && !is_warmed);
     }
 
@@ -302,8 +323,6 @@ impl ProblemInstance {
     pub fn residual(&self, of: &SolvedStep, forces: &[Local], beside: Option<BaseResidual>) -> StepResidual {
         let same_rule = |(other, _): &BaseResidual| other.rule(of.n, of.old) == self.rule(of.n, of.old);
         let beside = beside.filter(same_rule);
-        let known = beside.map(|(_, here)| &here.bodies);
-        let [of_mechanics, of_heat] = self.alike.map(|is_alike| known.filter(|_| is_alike));
         let other = beside.filter(|_| self.alike == [true; 2]).map(|(other, _)| other);
         let begun = other.unwrap_or(self).begun(of.n, of.old, self.rule(of.n, of.old));
         self.step_from(&begun, (of.n, of.old), |step| {
@@ -325,36 +344,82 @@ impl ProblemInstance {
                 step.rubbing(frame) * dot(&state.q, &state.slip)
             };
             let work = states.iter().zip(&given.frames).map(rubbed).collect();
-            let bodies = BodyParts {
-                mechanics: of_mechanics.map_or_else(|| of_bodies(step, of.at), |known| known.mechanics.clone()),
-                heat: of_heat.map_or_else(|| of_conduction(step, of.at), |known| known.heat.clone()),
+            let body = match beside {
+                Some((other, here)) if self.has_body_of(other, of.n) => Arc::clone(&here.body),
+                _ => Arc::new(BodyResidual::new(step, of, beside.map(|(_, here)| &*here.body), self.alike)),
             };
-            let (mechanics, u, acting) = balance(step, &of.at.w, &states, &bodies);
-            let mut rates = of.at.w.clone();
-            let free = step.replacing(|inputs| &inputs.displacements);
-            step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
-            let (heat, temperatures, flowing) = warming(step, &of.at.theta, &states, &bodies);
-            let sizes = [acting, flowing];
-            let theta_rate = step.theta_rate(&step.end(&step.old.theta, of.at.theta.clone()));
-            let u = step.end(&step.old.u, u);
-            let branches = step.old.branches.iter().zip(step.branches(&of.at.w));
-            let branches = branches.map(|(old, branch)| step.end(old, branch)).collect();
-            StepResidual {
-                mechanics,
-                heat,
-                rates,
-                temperatures,
-                points,
-                work,
-                states,
-                sizes,
-                theta_rate,
-                u,
-                branches,
-                bodies,
-            }
+            let (exerted, passed) = (exerted(step, &states), passed(step, &of.at.theta, &states));
+            let sizes = [body.sizes[0].max(max_abs(&exerted)), body.sizes[1].max(max_abs(&passed))];
+            StepResidual { body, exerted, passed, points, work, states, sizes }
         })
     }
+
+    /// True if the equations of the bodies in a step are those of another instance.
+    fn has_body_of(&self, other: &ProblemInstance, n: usize) -> bool {
+        self.alike == [true; 2] && self.has_same_loads && self.instant(n) == other.instant(n)
+    }
+}
+
+impl StepResidual {
+    /// (4.1) per degree of freedom, N.
+    pub fn mechanics(&self, discrete: &Discretization) -> Vec<f64> {
+        let mut sum = self.body.mechanics.clone();
+        discrete.boundary.add_restricted(discrete.v.components, &self.exerted, &mut sum);
+        sum
+    }
+
+    /// (4.2) per node, W.
+    pub fn heat(&self, discrete: &Discretization) -> Vec<f64> {
+        let mut sum = self.body.heat.clone();
+        discrete.boundary.add_restricted(1, &self.passed, &mut sum);
+        sum
+    }
+}
+
+impl BodyResidual {
+    /// The equations at the unknowns of a step; forms that are `alike` those beside which they are made are not
+    /// multiplied again.
+    fn new(step: &Step, of: &SolvedStep, beside: Option<&BodyResidual>, alike: [bool; 2]) -> BodyResidual {
+        let [of_mechanics, of_heat] = alike.map(|is_alike| beside.filter(|_| is_alike).map(|known| &known.parts));
+        let parts = BodyParts {
+            mechanics: of_mechanics
+                .map_or_else(|| Arc::new(of_bodies(step, of.at)), |known| Arc::clone(&known.mechanics)),
+            heat: of_heat.map_or_else(|| Arc::new(of_conduction(step, of.at)), |known| Arc::clone(&known.heat)),
+        };
+        let (mechanics, u, acting) = balance(step, &of.at.w, &parts);
+        let mut rates = of.at.w.clone();
+        let free = step.replacing(|inputs| &inputs.displacements);
+        step.discrete.v.prescribe_rates([step.t, step.rule.span], &free, step.bar.u, &mut rates);
+        let (heat, temperatures, flowing) = warming(step, &of.at.theta, &parts);
+        let theta_rate = step.theta_rate(&step.end(&step.old.theta, of.at.theta.clone()));
+        let u = step.end(&step.old.u, u);
+        let branches = step.old.branches.iter().zip(step.branches(&of.at.w));
+        let branches = branches.map(|(old, branch)| step.end(old, branch)).collect();
+        let sizes = [acting, flowing];
+        BodyResidual { mechanics, heat, rates, temperatures, theta_rate, u, branches, parts, sizes }
+    }
+}
+
+/// The forces of contact points that the nodes of Γ_C lose.
+fn exerted(step: &Step, states: &[PointState]) -> Vec<f64> {
+    if !step.problem.physics.has_mechanics() {
+        return Vec::new();
+    }
+    let mut sum = zeros(step.discrete.v.free.len());
+    let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
+    step.boundary.scatter(step.discrete.v.components, states.iter().map(force), &mut sum);
+    step.boundary.restricted(step.discrete.v.components, &sum)
+}
+
+/// The heat that the nodes of Γ_C lose by contact.
+fn passed(step: &Step, theta: &[f64], states: &[PointState]) -> Vec<f64> {
+    if !step.problem.physics.has_heat() {
+        return Vec::new();
+    }
+    let (mut sum, foundation) = (zeros(theta.len()), temperatures(step));
+    let on_boundary = heat_step(step, &foundation, states);
+    step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut sum);
+    step.boundary.restricted(1, &sum)
 }
 
 /// The data of the contact points of a step, with its unknowns at the time of its equations.
@@ -454,20 +519,14 @@ fn of_bodies(step: &Step, at: &State) -> (Vec<f64>, f64) {
     (sum, largest)
 }
 
-/// The residual of (4.1) at a velocity and forces of contact, ū + γw, and the largest term.
-fn balance(step: &Step, w: &[f64], states: &[PointState], bodies: &BodyParts) -> (Vec<f64>, Vec<f64>, f64) {
+/// The residual of (4.1) at a velocity without contact, ū + γw, and the largest term.
+fn balance(step: &Step, w: &[f64], parts: &BodyParts) -> (Vec<f64>, Vec<f64>, f64) {
     if !step.problem.physics.has_mechanics() {
         return (Vec::new(), step.old.u.clone(), 0.0);
     }
-    let (discrete, load) = (step.discrete, step.load());
-    let mut rest = zeros(w.len());
-    let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
-    step.boundary.scatter(discrete.v.components, states.iter().map(force), &mut rest);
-    let largest = bodies.mechanics.1.max(max_abs(&load)).max(max_abs(&rest));
-    for (i, rest) in rest.iter_mut().enumerate() {
-        *rest += bodies.mechanics.0[i] - load[i];
-    }
-    (rest, deformation(step, w), largest)
+    let (load, (of_bodies, largest)) = (step.load(), &*parts.mechanics);
+    let rest = of_bodies.iter().zip(load.iter()).map(|(of_bodies, load)| of_bodies - load).collect();
+    (rest, deformation(step, w), largest.max(max_abs(&load)))
 }
 
 /// What in (4.2) is of the bodies, and the largest term; nothing without heat.
@@ -485,23 +544,16 @@ fn of_conduction(step: &Step, at: &State) -> (Vec<f64>, f64) {
     ((0..at.theta.len()).map(of).collect(), largest)
 }
 
-/// The residual of (4.2) at a temperature and states of the contact points, and the temperature with its prescribed
-/// values, both empty without heat, and the largest term.
-fn warming(step: &Step, theta: &[f64], states: &[PointState], bodies: &BodyParts) -> (Vec<f64>, Vec<f64>, f64) {
+/// The residual of (4.2) at a temperature without contact, and the temperature with its prescribed values, both empty
+/// without heat, and the largest term.
+fn warming(step: &Step, theta: &[f64], parts: &BodyParts) -> (Vec<f64>, Vec<f64>, f64) {
     if !step.problem.physics.has_heat() {
         let given =
             if step.problem.physics == Physics::Warmed { step.problem.given_temperature(step.t) } else { Vec::new() };
         return (Vec::new(), given, 0.0);
     }
-    let (discrete, supply) = (step.discrete, step.supply());
-    let mut rest = zeros(theta.len());
-    let foundation = temperatures(step);
-    let on_boundary = heat_step(step, &foundation, states);
-    step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut rest);
-    let largest = bodies.heat.1.max(max_abs(&supply)).max(max_abs(&rest));
-    for (i, rest) in rest.iter_mut().enumerate() {
-        *rest += bodies.heat.0[i] - supply[i];
-    }
+    let (discrete, supply, (of_bodies, largest)) = (step.discrete, step.supply(), &*parts.heat);
+    let rest = of_bodies.iter().zip(supply.iter()).map(|(of_bodies, supply)| of_bodies - supply).collect();
     let mut prescribed = step.old.theta.clone();
     discrete.q.prescribe_with(step.t, &step.replacing(|inputs| &inputs.temperatures), &mut prescribed);
     step.put_at_level(&mut prescribed);
@@ -510,7 +562,7 @@ fn warming(step: &Step, theta: &[f64], states: &[PointState], bodies: &BodyParts
     discrete.q.mask(&mut masked);
     prescribed.iter_mut().zip(&masked).for_each(|(prescribed, free)| *prescribed += free);
     discrete.q.follow(&mut prescribed);
-    (rest, prescribed, largest)
+    (rest, prescribed, largest.max(max_abs(&supply)))
 }
 
 /// The heat exchange of a step on Γ_C at states of the contact points, to evaluate its laws.

@@ -51,7 +51,7 @@ const RESTS: f64 = 1e-9;
 impl StepResidual {
     /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
     pub fn unmet(&self, base: &ProblemInstance, of: &SolvedStep) -> Option<&'static str> {
-        let discrete = &base.discrete;
+        let (discrete, body) = (&base.discrete, &self.body);
         let largest = |space: &Space, rest: &[f64]| {
             let mut rest = rest.to_vec();
             space.gather(&mut rest);
@@ -77,18 +77,20 @@ impl StepResidual {
         let [of_forces, of_heat] =
             [&|| round_off_of_forces(base, of), &|| round_off_of_heat(base, of)] as [&dyn Fn() -> f64; 2];
         match () {
-            () if !rounded(largest(&discrete.v, &self.mechanics), self.sizes[0], of_forces) => {
+            () if !rounded(largest(&discrete.v, &self.mechanics(discrete)), self.sizes[0], of_forces) => {
                 Some("the balance of forces")
             }
-            () if !self.heat.is_empty() && !rounded(largest(&discrete.q, &self.heat), self.sizes[1], of_heat) => {
+            () if !body.heat.is_empty()
+                && !rounded(largest(&discrete.q, &self.heat(discrete)), self.sizes[1], of_heat) =>
+            {
                 Some("the balance of heat")
             }
-            () if apart(&self.rates, &of.at.w) => Some("the prescribed displacements"),
-            () if !self.temperatures.is_empty() && apart(&self.temperatures, theta) => {
+            () if apart(&body.rates, &of.at.w) => Some("the prescribed displacements"),
+            () if !body.temperatures.is_empty() && apart(&body.temperatures, theta) => {
                 Some("the prescribed temperatures")
             }
             () if !rounded(defect, traction, &|| round_off_of_laws(base, of)) => Some("the laws of contact"),
-            () if apart(&self.u, &of.new.u) => Some("the displacement at the end of the step"),
+            () if apart(&body.u, &of.new.u) => Some("the displacement at the end of the step"),
             () if apart(&worn, &new.wear) => Some("the depth of wear"),
             () if apart(&work, &new.friction_work) && most(&work, &new.friction_work) > RESTS * rubbed => {
                 Some("the work of friction")

@@ -21,6 +21,7 @@
 //! | `met` | whether a step obeys the equations that are differentiated |
 //! | `factors` | the matrices of a step at its solution with their factors, and derivatives of forms in the state |
 //! | `forms` | derivatives of forms by a parameter |
+//! | `bordered` | a linearised half-step with the equations of its contact points |
 //! | `transpose`, `sweep` | Jᵀ, and a step backward |
 //! | `tangent`, `series` | J, and the steps forward along with a run, for outputs at all steps |
 //! | `outputs`, `along`, `parameter` | o with its derivatives, and the problems around a value of m |
@@ -29,6 +30,7 @@
 //! ∂R/∂m is a difference of equations at fixed unknowns, never of runs: any number of a case is a parameter.
 
 mod along;
+mod bordered;
 mod error;
 mod factors;
 mod forms;
@@ -314,6 +316,7 @@ impl BackSweep<'_> {
             step.back(&mut made, (state, before), direct.take().as_ref())
         });
         let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
+        let sizes: Vec<f64> = multiplied.iter().map(|multiplied| multiplied.size(&here)).collect();
         for (variants, sums) in self.variants.iter().zip(&mut self.sums) {
             let residual =
                 |variant: &PhasedInstance| variant.of(n.max(1)).residual(&solved, &forces, Some((base, &here)));
@@ -324,8 +327,8 @@ impl BackSweep<'_> {
             let [a, b, c, d] = all.each_ref();
             let around = Around { h: variants.h, all: [a, b, &here, c, d] };
             let through = variants.through_forms(base, &solved);
-            for (sum, multiplied) in sums.iter_mut().zip(&multiplied) {
-                add(sum, multiplied.by_parameter(&around, &through));
+            for (sum, (multiplied, size)) in sums.iter_mut().zip(multiplied.iter().zip(&sizes)) {
+                add(sum, multiplied.by_parameter(&around, &through, *size));
             }
         }
         self.factors = Some(made);

@@ -115,6 +115,9 @@ impl Parameter<'_> {
                 format!("a key on which the number of {what} does not depend"),
             );
         }
+        if base.discrete.boundary.nodes != other.discrete.boundary.nodes {
+            return told("a key that changes the nodes of contacts".into(), "a key of a value".into());
+        }
         if base.problem.scheme != other.problem.scheme {
             return told("a key of the scheme in time".into(), "a key on which the scheme does not depend".into());
         }

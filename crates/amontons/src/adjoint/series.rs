@@ -398,7 +398,7 @@ impl Variants {
         let all = self.all.each_ref().map(of);
         let [a, b, c, d] = all.each_ref();
         let around = Around { h: self.h, all: [a, b, here, c, d] };
-        let (mut slope, kink) = ResidualSlope::of(&around, step.points)?;
+        let (mut slope, kink) = ResidualSlope::of(&around, &step.base.discrete, step.points)?;
         slope.add(self.through_forms(step.base, &step.solved));
         Some(StepSlopes { all, slope, kink })
     }

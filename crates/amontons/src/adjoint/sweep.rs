@@ -1,10 +1,11 @@
 //! One step of the sweep from the end of a run to its start.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::error::GradientError;
 use super::factors::{StepFactors, coupled};
-use super::instance::{ProblemInstance, SolvedStep, StepResidual};
+use super::instance::{BodyResidual, ProblemInstance, SolvedStep, StepResidual};
 use super::points::{INPUTS, LinearPoint};
 use super::stencil;
 use super::transpose::{Transposed, onto_sides, sides_of, unweighted};
@@ -135,6 +136,8 @@ pub(super) struct Multiplied {
     heat: [Vec<f64>; 2],
     /// The weights of the state at the end of the step.
     after: StateVector,
+    /// The multipliers at the nodes of Γ_C.
+    on_contact: [Vec<f64>; 2],
     /// ω of the contact points, and the branches on which they are taken.
     areas: Vec<f64>,
     branches: Vec<[bool; 2]>,
@@ -201,7 +204,12 @@ impl LinearStep<'_> {
             start
         });
         let branches = self.points.iter().map(|point| point.branch).collect();
-        Ok(Multiplied { transposed: of.transposed, heat, after, areas, branches })
+        let boundary = &base.discrete.boundary;
+        let restricted = |values: &[f64], components| {
+            if values.is_empty() { Vec::new() } else { boundary.restricted(components, values) }
+        };
+        let on_contact = [restricted(&of.transposed.y, base.discrete.v.components), restricted(&heat[0], 1)];
+        Ok(Multiplied { transposed: of.transposed, heat, on_contact, after, areas, branches })
     }
 
     /// The multipliers y of (4.2) if both half-steps hold at once: y = y₀ + T y, with `first` those of the temperature
@@ -427,17 +435,17 @@ pub(super) struct Around<'a> {
 impl Multiplied {
     /// The derivative of the output by a parameter through this step, how much of a kink there is, as
     /// [`stencil::central`] has it, and the round-off of both; `through` are the derivatives of (4.1) and (4.2) that
-    /// are known.
-    pub fn by_parameter(&self, around: &Around, through: &[Option<Vec<f64>>; 2]) -> [f64; 3] {
+    /// are known, and `size` that of the numbers whose sum it is.
+    pub fn by_parameter(&self, around: &Around, through: &[Option<Vec<f64>>; 2], size: f64) -> [f64; 3] {
         let [slope, kink] = self.product(around);
         let of_points = self.of_defects(around);
         let known = through.iter().zip([&self.transposed.y, &self.heat[0]]);
         let known: f64 = known.filter_map(|(of, y)| of.as_ref().map(|of| dot(y, of))).sum();
-        [slope - known - of_points[0], kink - of_points[1], f64::EPSILON * self.size(around.all[2]) / around.h]
+        [slope - known - of_points[0], kink - of_points[1], f64::EPSILON * size / around.h]
     }
 
     /// The sizes of the numbers whose sum [`Multiplied::product`] is.
-    fn size(&self, of: &StepResidual) -> f64 {
+    pub fn size(&self, of: &StepResidual) -> f64 {
         let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
         let Multiplied { transposed, heat: [heat, held], after, areas, .. } = self;
@@ -446,29 +454,36 @@ impl Multiplied {
         of.sizes[0] * sum(&transposed.y)
             + of.sizes[1] * sum(heat)
             + traction * mu
-            + product(&transposed.prescribed, &of.rates)
-            + product(held, &of.temperatures)
-            + product(&after.u, &of.u)
+            + product(&transposed.prescribed, &of.body.rates)
+            + product(held, &of.body.temperatures)
+            + product(&after.u, &of.body.u)
             + product(&after.work, &of.work)
     }
 
     /// The derivative and the kink of the sum of all equations but those of the contact points, and of what follows
     /// from the unknowns. Differences are taken of each number, so that those that do not change add no round-off.
     fn product(&self, around: &Around) -> [f64; 2] {
-        let Multiplied { transposed, heat: [heat, held], after, .. } = self;
+        let Multiplied { transposed, heat: [heat, held], on_contact: [y, y_heat], after, .. } = self;
         let (h, all) = (around.h, &around.all);
         let mut sum = [0.0; 2];
-        let mut add = |factor: f64, weights: &[f64], of: &dyn Fn(&StepResidual) -> &[f64]| {
-            let more = stencil::product(h, weights, all.map(of));
-            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += factor * more);
+        let mut take = |factor: f64, [slope, kink]: [f64; 2]| sum = [sum[0] + factor * slope, sum[1] + factor * kink];
+        // The multipliers have no components along held degrees of freedom.
+        take(-1.0, stencil::product(h, y, all.map(|of| &of.exerted[..])));
+        take(-1.0, stencil::product(h, y_heat, all.map(|of| &of.passed[..])));
+        take(1.0, stencil::product(h, &after.work, all.map(|of| &of.work[..])));
+        let worn = all.map(|residual| residual.points.iter().map(|point| point.worn).collect::<Vec<f64>>());
+        take(1.0, stencil::product(h, &after.wear, worn.each_ref().map(|worn| &worn[..])));
+        if around.have_same_body() {
+            return sum;
+        }
+        let mut add = |factor: f64, weights: &[f64], of: &dyn Fn(&BodyResidual) -> &[f64]| {
+            take(factor, stencil::product(h, weights, all.map(|all| of(&all.body))));
         };
         add(1.0, &transposed.prescribed, &|of| &of.rates);
         add(1.0, held, &|of| &of.temperatures);
-        // The multipliers have no components along held degrees of freedom.
         add(-1.0, &transposed.y, &|of| &of.mechanics);
         add(-1.0, heat, &|of| &of.heat);
         add(1.0, &after.u, &|of| &of.u);
-        add(1.0, &after.work, &|of| &of.work);
         add(1.0, &after.theta_rate, &|of| &of.theta_rate);
         if heat.is_empty() {
             add(1.0, &after.theta, &|of| &of.temperatures);
@@ -476,9 +491,7 @@ impl Multiplied {
         for (i, weights) in after.branches.iter().enumerate() {
             add(1.0, weights, &|of| of.branches.get(i).map_or(&[], |branch| branch));
         }
-        let worn = all.map(|residual| residual.points.iter().map(|point| point.worn).collect::<Vec<f64>>());
-        let of_wear = stencil::product(h, &after.wear, worn.each_ref().map(|worn| &worn[..]));
-        [sum[0] + of_wear[0], sum[1] + of_wear[1]]
+        sum
     }
 
     /// The same of the equations of the contact points, on the branch of the solution; NaN if a difference of this step
@@ -496,6 +509,11 @@ impl Multiplied {
 }
 
 impl Around<'_> {
+    /// True if the parameter changes nothing but contact.
+    pub fn have_same_body(&self) -> bool {
+        self.all.iter().all(|residual| Arc::ptr_eq(&residual.body, &self.all[2].body))
+    }
+
     /// The derivative of the defect of a point on a branch, and how much of a kink it has.
     pub fn slopes(&self, i: usize, branch: [bool; 2]) -> [Local; 2] {
         let (values, h) = (self.all.map(|residual| residual.points[i]), self.h);

@@ -2,17 +2,19 @@
 
 use std::borrow::Cow;
 
+use super::bordered::{Bordered, BorderedPoint, BorderedRight, IDENTITY, bears, jump};
 use super::error::GradientError;
-use super::factors::{BodySlopes, Corrections, Factored, StepFactors, coupled, solvable};
-use super::instance::{ProblemInstance, SolvedStep, StepResidual, data};
+use super::factors::{BodySlopes, StepFactors, coupled};
+use super::instance::{BodyResidual, ProblemInstance, SolvedStep, StepResidual};
 use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
 use super::sweep::{Around, LinearStep, OfPoints, StateVector, ahead};
-use super::transpose::{heat_tangent, inverse, jump, near, on_degrees, onto_sides, product, sides_of, times};
+use super::transpose::{heat_tangent, onto_sides, sides_of};
 use crate::contact::{Contact, Flux, PointOnBoundary};
+use crate::discretization::Discretization;
 use crate::equation::system::Step;
-use crate::inclusion::{Local, LocalTangent};
-use crate::linalg::{BlockMatrix, SolveError, Tangent, max_abs, zeros};
+use crate::inclusion::Local;
+use crate::linalg::{BlockMatrix, SolveError, max_abs, zeros};
 use crate::space::Space;
 use crate::time::Start;
 
@@ -33,19 +35,37 @@ pub(super) struct ResidualSlope {
 impl ResidualSlope {
     /// The derivative, and how much of a kink there is, as [`stencil::central`] has it, without round-off; `None` if a
     /// difference leaves the branch of a contact point on both sides.
-    pub fn of(around: &Around, points: &[LinearPoint]) -> Option<(ResidualSlope, Option<ResidualSlope>)> {
+    pub fn of(
+        around: &Around,
+        discrete: &Discretization,
+        points: &[LinearPoint],
+    ) -> Option<(ResidualSlope, Option<ResidualSlope>)> {
         let here = around.all[2];
         let traction = here.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
-        let over = |of: &dyn Fn(&StepResidual) -> &[f64], size: f64| {
+        let lists = |of: &dyn Fn(&StepResidual) -> &[f64], size: f64| {
             stencil::of_lists(around.h, around.all.map(of), size.max(max_abs(of(here))))
         };
-        let [mechanics, heat] = [over(&|r| &r.mechanics, here.sizes[0]), over(&|r| &r.heat, here.sizes[1])];
+        let is_same = around.have_same_body();
+        let over = |of: &dyn Fn(&BodyResidual) -> &[f64], size: f64| {
+            if is_same {
+                return [zeros(of(&here.body).len()), zeros(of(&here.body).len())];
+            }
+            lists(&|residual| of(&residual.body), size)
+        };
+        let [mut mechanics, mut heat] = [over(&|r| &r.mechanics, here.sizes[0]), over(&|r| &r.heat, here.sizes[1])];
+        let [exerted, passed] = [lists(&|r| &r.exerted, here.sizes[0]), lists(&|r| &r.passed, here.sizes[1])];
+        for k in [0, 1] {
+            discrete.boundary.add_restricted(discrete.v.components, &exerted[k], &mut mechanics[k]);
+            discrete.boundary.add_restricted(1, &passed[k], &mut heat[k]);
+        }
         let [rates, temperatures] = [over(&|r| &r.rates, 0.0), over(&|r| &r.temperatures, 0.0)];
-        let [work, u, rate] = [over(&|r| &r.work, 0.0), over(&|r| &r.u, 0.0), over(&|r| &r.theta_rate, 0.0)];
+        let [u, rate] = [over(&|r| &r.u, 0.0), over(&|r| &r.theta_rate, 0.0)];
+        let work = lists(&|r| &r.work, 0.0);
         let worn: Vec<Vec<f64>> =
             around.all.iter().map(|r| r.points.iter().map(|point| point.worn).collect()).collect();
         let worn = stencil::of_lists(around.h, std::array::from_fn(|j| &worn[j][..]), max_abs(&worn[2]));
-        let branches: Vec<[Vec<f64>; 2]> = (0..here.branches.len()).map(|b| over(&|r| &r.branches[b], 0.0)).collect();
+        let branches: Vec<[Vec<f64>; 2]> =
+            (0..here.body.branches.len()).map(|b| over(&|r| &r.branches[b], 0.0)).collect();
         let slopes: Vec<[Local; 2]> =
             points.iter().enumerate().map(|(i, point)| around.slopes(i, point.branch)).collect();
         if slopes.iter().any(|[slope, _]| slope.iter().any(|slope| slope.is_nan())) {
@@ -327,7 +347,7 @@ impl LinearStep<'_> {
             theta_rate: Vec::new(),
         };
         for (i, (point, (input, output))) in self.points.iter().zip(all).enumerate() {
-            if is_faced(step, i) {
+            if bears(step, i) {
                 end.wear[i] += output[6];
                 end.work[i] += point.rubbing * point.power([input[4], input[5]], [output[4], output[5]]);
             }
@@ -363,11 +383,6 @@ fn held_values(space: &Space, mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// True if a contact point faces something: it has a weight.
-fn is_faced(step: &Step, i: usize) -> bool {
-    step.boundary.points.get(i).is_some_and(|point| point.weight != 0.0)
-}
-
 impl LinearPoint {
     /// The change of the outputs with that of the inputs.
     fn forth(&self, inputs: &[f64; INPUTS]) -> [f64; OUTPUTS] {
@@ -393,44 +408,13 @@ impl StepFactors {
         points: &[LinearPoint],
         pushed: &Pushed,
     ) -> Result<(Vec<f64>, Vec<Local>), SolveError> {
-        let Some(Factored { half, matrix, .. }) = &mut self.mechanics else {
-            return Ok((zeros(pushed.right.len()), Vec::new()));
-        };
-        base.step(of.n, of.old, |step| {
-            let given = data(step, of.at);
-            let inverses: Vec<LocalTangent> = points.iter().map(|point| inverse(&near(&point.by_force()))).collect();
-            let slope = |(point, inverse): (&LinearPoint, &LocalTangent)| {
-                product(inverse, &point.by_velocity()).map(|row| row.map(|entry| 0.0 - entry))
-            };
-            let slopes: Vec<LocalTangent> = points.iter().zip(&inverses).map(slope).collect();
-            let term = given.frozen(step, of.unknown, of.chosen);
-            let condensed = half.system.condensed_mut();
-            let tangent = term.map_or_else(Tangent::new, |term| term.sum_of_slopes(condensed, &slopes));
-            let (mut v, mut f) = (pushed.held.clone(), vec![[0.0; 3]; points.len()]);
-            let mut left = left(step, matrix, points, (&v, &f), pushed);
-            let mut progress = Corrections::default();
-            while progress.go_on() {
-                let reacting: Vec<Local> =
-                    inverses.iter().zip(&left.1).map(|(inverse, left)| times(inverse, left)).collect();
-                let reacting = on_degrees(step, points, &reacting);
-                let mut rest: Vec<f64> = left.0.iter().zip(&reacting).map(|(rest, reacting)| rest - reacting).collect();
-                solvable(&step.discrete.v, &mut rest);
-                let more = half.system.linearised(&tangent, &rest)?;
-                for (i, (point, inverse)) in
-                    points.iter().zip(&inverses).enumerate().filter(|(i, _)| is_faced(step, *i))
-                {
-                    let seen = times(&point.by_velocity(), &jump(step, i, point, &more));
-                    let change = times(inverse, &std::array::from_fn(|a| left.1[i][a] - seen[a]));
-                    (0..3).for_each(|a| f[i][a] += change[a]);
-                }
-                v.iter_mut().zip(&more).for_each(|(v, more)| *v += more);
-                progress.add(&more, &v);
-                if progress.go_on() {
-                    left = self::left(step, matrix, points, (&v, &f), pushed);
-                }
-            }
-            Ok((v, f))
-        })
+        let block =
+            |point: &LinearPoint| BorderedPoint { onto: IDENTITY, seen: point.by_velocity(), own: point.by_force() };
+        let blocks: Vec<BorderedPoint> = points.iter().map(block).collect();
+        let Pushed { right, defects, held } = pushed;
+        let right = BorderedRight { body: right, points: defects, held: Some(held) };
+        let Bordered { x, forces, .. } = self.bordered(base, of, points, (&blocks, &right))?;
+        Ok((x, forces))
     }
 
     /// J of the heat half-step: the temperatures of a right-hand side and of prescribed temperatures.
@@ -451,26 +435,6 @@ impl StepFactors {
             Ok(theta)
         })
     }
-}
-
-/// What is left of the equations of the half-step and of its contact points, at values of both unknowns.
-fn left(
-    step: &Step,
-    matrix: &BlockMatrix,
-    points: &[LinearPoint],
-    (v, f): (&[f64], &[Local]),
-    pushed: &Pushed,
-) -> (Vec<f64>, Vec<Local>) {
-    let (product, forces) = (matrix.apply(v), on_degrees(step, points, f));
-    let rest = (0..v.len()).map(|i| pushed.right[i] - product[i] - forces[i]).collect();
-    let of_point = |(i, point): (usize, &LinearPoint)| -> Local {
-        if !is_faced(step, i) {
-            return [0.0; 3];
-        }
-        let (seen, acting) = (times(&point.by_velocity(), &jump(step, i, point, v)), times(&point.by_force(), &f[i]));
-        std::array::from_fn(|a| pushed.defects[i][a] - seen[a] - acting[a])
-    };
-    (rest, points.iter().enumerate().map(of_point).collect())
 }
 
 /// The derivative of Σ ω Nᵀ q·ν in θ times `theta`.

@@ -1,13 +1,13 @@
 //! Jᵀ of the half-steps is the transposed of J.
 
 use super::at_solution;
+use super::bordered::jump;
 use super::factors::StepFactors;
 use super::history::{RunHistory, started};
 use super::instance::{PhasedInstance, SolvedStep, at_level, data, global};
 use super::points::{LinearPoint, linearised};
 use super::sweep::{Around, LinearStep, StateVector};
 use super::tangent::ResidualSlope;
-use super::transpose::jump;
 use crate::case::{self, Source};
 use crate::equation::system::Step;
 use crate::inclusion::Local;
@@ -154,7 +154,7 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
             let solved = SolvedStep { n, old, new, at, states, flux, chosen: &chosen, unknown: &unknown };
             let (points, forces, here) = at_solution(base, &solved, None).expect("points");
             let around = Around { h: 1.0, all: [&here; 5] };
-            let (slope, kink) = ResidualSlope::of(&around, &points).expect("one branch");
+            let (slope, kink) = ResidualSlope::of(&around, &base.discrete, &points).expect("one branch");
             assert!(kink.is_none() && !forces.is_empty());
             let step = LinearStep { base, solved, points: &points };
             let [v, before] = [7, 507].map(|seed| random_vector(old, seed + n as u64));

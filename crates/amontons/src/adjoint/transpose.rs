@@ -1,19 +1,17 @@
 //! The transposed systems of a step.
 
-use super::factors::{Corrections, Factored, StepFactors, solvable};
-use super::instance::{ProblemInstance, SolvedStep, data, global, heat_step};
+use super::bordered::{Bordered, BorderedPoint, BorderedRight, IDENTITY, transposed};
+use super::factors::StepFactors;
+use super::instance::{ProblemInstance, SolvedStep, heat_step};
 use super::points::LinearPoint;
 use crate::contact::Flux;
 use crate::equation::foundation::temperatures;
 use crate::equation::system::{HalfStep, Step};
-use crate::inclusion::{Exchange, HeatStep, Local, LocalTangent};
+use crate::inclusion::{Exchange, HeatStep, Local};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, zeros};
 use crate::space::Space;
-use crate::tensor::{Point, dot};
+use crate::tensor::Point;
 
-/// What is added to ∂(defect)/∂(force), which is singular where a point sticks or lies on a rigid foundation. Residuals
-/// of the equations themselves are solved for again, so the solution does not depend on it.
-const PROXIMAL: f64 = 1.0 / (1u64 << 24) as f64;
 /// The solution of a transposed mechanical half-step.
 pub(super) struct Transposed {
     /// Per degree of freedom; zero where the velocity is prescribed.
@@ -22,13 +20,6 @@ pub(super) struct Transposed {
     pub points: Vec<Local>,
     /// Per degree of freedom, of a prescribed velocity; zero elsewhere.
     pub prescribed: Vec<f64>,
-}
-
-impl Transposed {
-    /// The solution of a problem without mechanics.
-    fn none(degrees: usize) -> Transposed {
-        Transposed { y: zeros(degrees), points: Vec::new(), prescribed: zeros(degrees) }
-    }
 }
 
 impl StepFactors {
@@ -44,44 +35,15 @@ impl StepFactors {
         points: &[LinearPoint],
         (right, force): (&[f64], &[Local]),
     ) -> Result<Transposed, SolveError> {
-        let Some(Factored { half, matrix, .. }) = &mut self.mechanics else { return Ok(Transposed::none(right.len())) };
-        base.step(of.n, of.old, |step| {
-            let space = &step.discrete.v;
-            let given = data(step, of.at);
-            let inverses: Vec<LocalTangent> = points.iter().map(|point| inverse(&near(&point.by_force()))).collect();
-            let slope = |(point, inverse): (&LinearPoint, &LocalTangent)| {
-                product(inverse, &point.by_velocity()).map(|row| row.map(|entry| 0.0 - entry))
-            };
-            let slopes: Vec<LocalTangent> = points.iter().zip(&inverses).map(slope).map(|t| transposed(&t)).collect();
-            let term = given.frozen(step, of.unknown, of.chosen);
-            let condensed = half.system.condensed_mut();
-            let tangent = term.map_or_else(Tangent::new, |term| term.sum_of_slopes(condensed, &slopes));
-            let mut found =
-                Transposed { y: zeros(right.len()), points: vec![[0.0; 3]; points.len()], prescribed: Vec::new() };
-            let mut left = (right.to_vec(), force.to_vec());
-            let mut progress = Corrections::default();
-            while progress.go_on() {
-                let back = |((point, inverse), r): ((&LinearPoint, &LocalTangent), &Local)| {
-                    times(&transposed(&point.by_velocity()), &times(&transposed(inverse), r))
-                };
-                let reacting: Vec<Local> = points.iter().zip(&inverses).zip(&left.1).map(back).collect();
-                let pushed = on_degrees(step, points, &reacting);
-                let mut rest: Vec<f64> = left.0.iter().zip(&pushed).map(|(rest, pushed)| rest - pushed).collect();
-                solvable(space, &mut rest);
-                let more = half.system.linearised(&tangent, &rest)?;
-                for (i, (point, inverse)) in points.iter().zip(&inverses).enumerate() {
-                    let seen = jump(step, i, point, &more);
-                    let left = std::array::from_fn(|a| left.1[i][a] - seen[a]);
-                    let change = times(&transposed(inverse), &left);
-                    (0..3).for_each(|a| found.points[i][a] += change[a]);
-                }
-                found.y.iter_mut().zip(&more).for_each(|(y, more)| *y += more);
-                left = remaining(step, matrix, points, &found, (right, force));
-                progress.add(&more, &found.y);
-            }
-            found.prescribed = held_forces(space, left.0);
-            Ok(found)
-        })
+        let block = |point: &LinearPoint| BorderedPoint {
+            onto: transposed(&point.by_velocity()),
+            seen: IDENTITY,
+            own: transposed(&point.by_force()),
+        };
+        let blocks: Vec<BorderedPoint> = points.iter().map(block).collect();
+        let right = BorderedRight { body: right, points: force, held: None };
+        let Bordered { x, forces, left } = self.bordered(base, of, points, (&blocks, &right))?;
+        Ok(Transposed { y: x, points: forces, prescribed: held_forces(&base.discrete.v, left) })
     }
 
     /// Jᵀ of the heat half-step: y with y = 0 where θ is prescribed, and the multipliers of prescribed temperatures.
@@ -104,45 +66,6 @@ impl StepFactors {
             Ok([y, held_forces(&step.discrete.q, left)])
         })
     }
-}
-
-/// What is left of the transposed equations.
-fn remaining(
-    step: &Step,
-    matrix: &BlockMatrix,
-    points: &[LinearPoint],
-    found: &Transposed,
-    (right, force): (&[f64], &[Local]),
-) -> (Vec<f64>, Vec<Local>) {
-    let reacting: Vec<Local> =
-        points.iter().zip(&found.points).map(|(point, mu)| times(&transposed(&point.by_velocity()), mu)).collect();
-    let (product, pushed) = (matrix.apply(&found.y), on_degrees(step, points, &reacting));
-    let rest = (0..right.len()).map(|i| right[i] - product[i] - pushed[i]).collect();
-    let of_point = |(i, point): (usize, &LinearPoint)| {
-        // A point without weight faces nothing and exerts nothing.
-        if step.boundary.points.get(i).is_none_or(|point| point.weight == 0.0) {
-            return [0.0; 3];
-        }
-        let (seen, reacting) =
-            (jump(step, i, point, &found.y), times(&transposed(&point.by_force()), &found.points[i]));
-        std::array::from_fn(|a| force[i][a] - seen[a] - reacting[a])
-    };
-    (rest, points.iter().enumerate().map(of_point).collect())
-}
-
-/// Σ ω Nᵀ of vectors in the bases of the points.
-pub(super) fn on_degrees(step: &Step, points: &[LinearPoint], of: &[Local]) -> Vec<f64> {
-    let mut sum = zeros(step.discrete.v.free.len());
-    let vectors = points.iter().zip(of).map(|(point, v)| global(&point.basis, v));
-    step.boundary.scatter(step.discrete.v.components, vectors, &mut sum);
-    sum
-}
-
-/// N y at a point in its basis.
-pub(super) fn jump(step: &Step, i: usize, point: &LinearPoint, y: &[f64]) -> Local {
-    let Some(on) = step.boundary.points.get(i) else { return [0.0; 3] };
-    let v = step.boundary.vector_at(on, step.discrete.mesh.dim, y);
-    point.basis.map(|axis| dot(&axis, &v))
 }
 
 /// The components of forces along prescribed degrees of freedom; zero along the others.
@@ -194,32 +117,6 @@ pub(super) fn unweighted(step: &Step, vectors: impl Iterator<Item = Point>) -> V
     let of = by_weight.map(|(point, v)| if point.weight == 0.0 { [0.0; 3] } else { v.map(|v| v / point.weight) });
     step.boundary.scatter(step.discrete.v.components, of, &mut sum);
     sum
-}
-
-pub(super) fn near(g: &LocalTangent) -> LocalTangent {
-    std::array::from_fn(|a| std::array::from_fn(|b| g[a][b] + if a == b { PROXIMAL } else { 0.0 }))
-}
-
-fn transposed(g: &LocalTangent) -> LocalTangent {
-    std::array::from_fn(|a| std::array::from_fn(|b| g[b][a]))
-}
-
-pub(super) fn times(g: &LocalTangent, v: &Local) -> Local {
-    g.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-pub(super) fn product(g: &LocalTangent, h: &LocalTangent) -> LocalTangent {
-    std::array::from_fn(|a| std::array::from_fn(|b| (0..3).map(|c| g[a][c] * h[c][b]).sum()))
-}
-
-/// The inverse, by Cramer's rule.
-pub(super) fn inverse(g: &LocalTangent) -> LocalTangent {
-    let cofactor = |a: usize, b: usize| {
-        let [a1, a2, b1, b2] = [(a + 1) % 3, (a + 2) % 3, (b + 1) % 3, (b + 2) % 3];
-        g[a1][b1] * g[a2][b2] - g[a1][b2] * g[a2][b1]
-    };
-    let determinant: f64 = (0..3).map(|b| g[0][b] * cofactor(0, b)).sum();
-    std::array::from_fn(|a| std::array::from_fn(|b| cofactor(b, a) / determinant))
 }
 
 /// The derivative of the heat that contact takes in the temperatures of a step, and the system made ready for it.

@@ -330,6 +330,15 @@ impl ContactBoundary {
         restricted
     }
 
+    /// Adds values at the nodes of Γ_C to those of a field at all nodes: the transposed of
+    /// [`ContactBoundary::restricted`].
+    pub fn add_restricted(&self, components: usize, values: &[f64], sum: &mut [f64]) {
+        for (&node, values) in self.nodes.iter().zip(values.chunks_exact(components)) {
+            let first = node as usize * components;
+            sum[first..first + components].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        }
+    }
+
     /// N v at a contact point: the value of a vector field over all nodes.
     #[must_use]
     pub fn vector_at(&self, point: &PointOnBoundary, dim: usize, values: &[f64]) -> Point {

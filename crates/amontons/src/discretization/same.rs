@@ -173,6 +173,11 @@ impl Discretization {
 }
 
 impl Discretization {
+    /// True if the loads were shared with another discretization: the prescribed values are then the same, too.
+    pub(crate) fn shares_loads(&self, other: &Discretization) -> bool {
+        self.f.is_shared(&other.f) && self.q_h.is_shared(&other.q_h)
+    }
+
     /// Takes the forms of another one with constant forms in the place of its own.
     pub(crate) fn take_forms(&mut self, other: &Discretization) {
         let forms = [&mut self.a, &mut self.b, &mut self.m, &mut self.e, &mut self.d, &mut self.mass];

@@ -46,6 +46,12 @@ impl Load {
         Load { constant: Arc::clone(&self.constant), varying: Arc::clone(&self.varying), last: Mutex::default() }
     }
 
+    /// True if the terms are those of another load, shared with it.
+    #[must_use]
+    pub fn is_shared(&self, other: &Load) -> bool {
+        Arc::ptr_eq(&self.constant, &other.constant) && Arc::ptr_eq(&self.varying, &other.varying)
+    }
+
     /// The load vector at time t in N or W, one entry per degree of freedom; shared if no term varies.
     #[must_use]
     pub fn at(&self, t: f64) -> Arc<Vec<f64>> {

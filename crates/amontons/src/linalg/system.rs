@@ -142,23 +142,50 @@ impl System {
     /// # Errors
     /// When the system with the tangent is singular, or cannot be solved.
     pub fn linearised(&mut self, tangent: &Tangent, right: &[f64]) -> Result<Vec<f64>, SolveError> {
+        self.linearised_again(tangent, right, |_| None)
+    }
+
+    /// The same for right-hand sides on the kept unknowns that follow from solutions: `again` has each change of the
+    /// kept unknowns, over all degrees of freedom, and returns the next right-hand side. The others are solved for once.
+    ///
+    /// # Errors
+    /// Those of [`System::linearised`].
+    pub fn linearised_again(
+        &mut self,
+        tangent: &Tangent,
+        right: &[f64],
+        mut again: impl FnMut(&[f64]) -> Option<Vec<f64>>,
+    ) -> Result<Vec<f64>, SolveError> {
+        let interior = self.unknowns.interior;
         let mut x = self.reduce(right)?;
-        let (_, kept) = x.split_at_mut(self.unknowns.interior);
-        if !kept.is_empty() {
-            // The tangent is in the bases of the contact points.
-            let turns = self.condensed.turns().to_vec();
-            for turn in &turns {
-                turn.forward(kept);
-            }
-            self.condensed.solve(tangent, kept, EXACT)?;
-            for turn in &turns {
-                turn.back(kept);
+        if x.len() > interior {
+            self.solve_turned(tangent, &mut x[interior..])?;
+            let mut change = zeros(interior);
+            change.extend_from_slice(&x[interior..]);
+            while let Some(more) = again(&self.unknowns.sum(&change, &zeros(right.len()))) {
+                let mut kept = self.unknowns.gather(&more).split_off(interior);
+                self.solve_turned(tangent, &mut kept)?;
+                x[interior..].iter_mut().zip(&kept).for_each(|(x, more)| *x += more);
+                change[interior..].copy_from_slice(&kept);
             }
         }
         self.factor.backward(&mut x)?;
         let mut values = zeros(right.len());
         self.unknowns.add(&x, &mut values);
         Ok(values)
+    }
+
+    /// Solves the system on the kept unknowns in place, with a tangent in the bases of the contact points.
+    fn solve_turned(&mut self, tangent: &Tangent, kept: &mut [f64]) -> Result<(), SolveError> {
+        let turns = self.condensed.turns().to_vec();
+        for turn in &turns {
+            turn.forward(kept);
+        }
+        self.condensed.solve(tangent, kept, EXACT)?;
+        for turn in &turns {
+            turn.back(kept);
+        }
+        Ok(())
     }
 
     /// Solves S x = r in place on the kept unknowns, until the residual is at most `enough` times that of zero.
