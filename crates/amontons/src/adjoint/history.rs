@@ -112,7 +112,10 @@ pub(super) fn made(march: &mut March, state: &State) -> Result<(State, StepRepor
     let (state, report) = march.step(state)?;
     let place = format!("step {}", state.step);
     let fault = if report.parts > 1 {
-        Some(Fault::new(place, "a step that was made in halves", "whole steps").hint("use more steps (time.steps)"))
+        Some(
+            Fault::new(place, "a step that was made in halves", "whole steps")
+                .hint("use more steps, or a smaller accuracy"),
+        )
     } else if !state.released.is_empty() {
         Some(Fault::new(place, "supports that give up their forces in a phase", "supports that end at once"))
     } else if !state.carried.rigid.is_empty() {

@@ -14,7 +14,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `scope` | the problems that have derivatives |
+//! | `scope`, `chosen` | the problems that have derivatives, and the steps of runs that choose them |
 //! | `history` | the states of the run |
 //! | `instance` | the equations of a step at given unknowns |
 //! | `points` | the linearised contact points, and their distances to a change of state |
@@ -31,6 +31,7 @@
 
 mod along;
 mod bordered;
+pub(crate) mod chosen;
 mod error;
 mod factors;
 mod forms;
@@ -125,6 +126,15 @@ pub struct GradientTable {
 /// If the problem has a feature whose derivative is not there, if a name is unknown, if a parameter changes the number
 /// of steps, nodes or contact points, or if a step fails.
 pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientError> {
+    let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+    let Some(made) = chosen::made_steps(request.problem, &go_on)? else { return gradient_of(request) };
+    let problem = &chosen::with_steps(request.problem, &made);
+    let parameters = request.parameters.iter().map(|parameter| parameter.with_steps(request.problem, &made));
+    gradient_of(&GradientRequest { problem, parameters: &parameters.collect::<Vec<_>>(), ..*request })
+}
+
+/// The derivatives of a run whose steps are given.
+fn gradient_of(request: &GradientRequest) -> Result<GradientTable, GradientError> {
     let base = PhasedInstance::new(request.problem);
     scope::check(&base)?;
     let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);

@@ -28,7 +28,6 @@ fn of_time(problem: &Problem) -> Option<OutOfScope> {
     let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
     let timeline = &problem.timeline;
     match () {
-        () if timeline.is_automatic() => told("time.steps", "chosen steps", "equal steps"),
         () if timeline.has_phases() && problem.contacts.iter().any(is_bilateral) => {
             told("phase", "phases with bilateral contact", "a run of one phase")
         }

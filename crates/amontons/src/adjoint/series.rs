@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::along::Scratch;
+use super::chosen::{made_steps, with_steps};
 use super::error::GradientError;
 use super::factors::StepFactors;
 use super::history::{KeptStep, made, started};
@@ -65,6 +66,15 @@ pub struct SeriesTable {
 /// # Errors
 /// Those of [`gradient`](super::gradient).
 pub fn series(request: &SeriesRequest) -> Result<SeriesTable, GradientError> {
+    let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+    let Some(made) = made_steps(request.problem, &go_on)? else { return series_of(request) };
+    let problem = &with_steps(request.problem, &made);
+    let parameters = request.parameters.iter().map(|parameter| parameter.with_steps(request.problem, &made));
+    series_of(&SeriesRequest { problem, parameters: &parameters.collect::<Vec<_>>(), ..*request })
+}
+
+/// The derivatives along with a run whose steps are given.
+fn series_of(request: &SeriesRequest) -> Result<SeriesTable, GradientError> {
     let base = PhasedInstance::new(request.problem);
     scope::check(&base)?;
     let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);

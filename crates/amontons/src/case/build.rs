@@ -96,11 +96,8 @@ fn timeline(raw: &raw::Case) -> Timeline {
     };
     if raw.phase.is_empty() {
         let end = raw.time.end.unwrap_or(1.0);
-        let equal = match steps(raw.time.steps, raw.time.accuracy) {
-            Steps::Equal(steps) => Timeline::equal(end, steps),
-            Steps::Automatic { accuracy } => Timeline::automatic(end, accuracy),
-        };
-        return equal.with_analysis(analysis(raw.time.analysis.unwrap_or_default()));
+        let single = Timeline::single(end, steps(raw.time.steps, raw.time.accuracy));
+        return single.with_analysis(analysis(raw.time.analysis.unwrap_or_default()));
     }
     let all = raw.time.accuracy;
     let of = |raw: &raw::RunPhase| TimePhase {

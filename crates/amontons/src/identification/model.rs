@@ -1,10 +1,14 @@
 //! The outputs of a run at the times of the data, with their derivatives.
 
+use std::sync::atomic::Ordering;
+
 use super::error::IdentificationError;
 use super::least_squares::LinearModel;
 use super::{IdentificationRequest, MeasuredTable};
+use crate::adjoint::chosen::{made_steps, with_steps};
 use crate::adjoint::{GradientError, Parameter, SeriesRequest, SeriesTable, series};
 use crate::problem::{Fault, Problem};
+use crate::time::MadeSteps;
 
 /// The problems over values of several numbers of a case.
 pub struct ParameterFamily<'a> {
@@ -44,6 +48,8 @@ pub(super) struct Evaluated {
 pub(super) struct OutputModel<'a> {
     request: &'a IdentificationRequest<'a>,
     outputs: Vec<String>,
+    /// The steps that the run from the start chooses, in which all runs are made.
+    made: Option<MadeSteps>,
 }
 
 impl<'a> OutputModel<'a> {
@@ -88,7 +94,11 @@ impl<'a> OutputModel<'a> {
             let known = HISTORY.iter().find(|(title, _)| title == name);
             known.map_or_else(|| name.clone(), |(_, name)| (*name).to_owned())
         };
-        Ok(OutputModel { request, outputs: measured.series.iter().map(|of| output(&of.name)).collect() })
+        let start = (family.problem)(&family.values);
+        let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+        let made = start.map_err(GradientError::refused).and_then(|start| made_steps(&start, &go_on));
+        let outputs = measured.series.iter().map(|of| output(&of.name)).collect();
+        Ok(OutputModel { request, outputs, made: made.map_err(of_run)? })
     }
 
     /// What relative changes of the parameters are relative to: their values, or what the bounds leave for a zero.
@@ -115,14 +125,20 @@ impl<'a> OutputModel<'a> {
     /// Runs with the parameters.
     pub fn at(&self, values: &[f64]) -> Result<Evaluated, IdentificationError> {
         let family = self.request.family;
-        let problem =
-            (family.problem)(values).map_err(|fault| IdentificationError::Run(GradientError::refused(fault)))?;
+        let at = |values: &[f64]| {
+            let problem = (family.problem)(values)?;
+            Ok::<Problem, Fault>(match &self.made {
+                Some(made) => with_steps(&problem, made),
+                None => problem,
+            })
+        };
+        let problem = at(values).map_err(|fault| IdentificationError::Run(GradientError::refused(fault)))?;
         let one = |j: usize| {
             let others = values.to_vec();
             let of = move |value: f64| {
                 let mut values = others.clone();
                 values[j] = value;
-                (family.problem)(&values)
+                at(&values)
             };
             Parameter { name: family.names[j].clone(), value: values[j], problem: Box::new(of) }
         };
@@ -134,11 +150,7 @@ impl<'a> OutputModel<'a> {
             parameters: &parameters,
             interrupt: self.request.interrupt,
         });
-        let table = made.map_err(|error| match error {
-            GradientError::Interrupted => IdentificationError::Interrupted,
-            error => IdentificationError::Run(error),
-        })?;
-        at_times(&table, self.request.measured, values.len())
+        at_times(&made.map_err(of_run)?, self.request.measured, values.len())
     }
 
     /// r and J in relative changes of the parameters.
@@ -152,6 +164,13 @@ impl<'a> OutputModel<'a> {
                 .map(|(slopes, scale)| slopes.iter().zip(&deviations).map(|pair| over(pair, scale)).collect())
                 .collect(),
         }
+    }
+}
+
+fn of_run(error: GradientError) -> IdentificationError {
+    match error {
+        GradientError::Interrupted => IdentificationError::Interrupted,
+        error => IdentificationError::Run(error),
     }
 }
 

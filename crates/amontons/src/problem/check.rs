@@ -101,9 +101,9 @@ impl ProblemData {
                     Fault::new(path, format!("{:?}", phase.end), expected).hint(hint)
                 });
             }
-            match phase.steps {
+            match &phase.steps {
                 Steps::Equal(0) => faults.push(Fault::new(format!("{path}.steps"), "0", "at least one step")),
-                Steps::Automatic { accuracy } if !(accuracy > 0.0 && accuracy <= Steps::COARSEST) => {
+                Steps::Automatic { accuracy } if !(*accuracy > 0.0 && *accuracy <= Steps::COARSEST) => {
                     let expected = "a number above 0 and at most 0.1";
                     faults.push(Fault::new(format!("{path}.accuracy"), format!("{accuracy:?}"), expected));
                 }
@@ -112,7 +112,7 @@ impl ProblemData {
                     let fault = Fault::new(format!("{path}.steps"), found, expected);
                     faults.push(fault.hint("remove it: a steady state has no error in time, and 1 step finds it"));
                 }
-                Steps::Equal(_) | Steps::Automatic { .. } => {}
+                Steps::Equal(_) | Steps::Automatic { .. } | Steps::Made(_) => {}
             }
             start = phase.end;
         }

@@ -100,6 +100,7 @@ impl ProblemData {
                 Steps::Automatic { accuracy } => {
                     format!("{name}: {analysis} steps for an accuracy of {accuracy:?} to {until}")
                 }
+                Steps::Made(ends) => format!("{name}: {} {analysis} steps of several lengths to {until}", ends.len()),
             }
         };
         let names: Vec<&str> = timeline.phases().map(|phase| phase.name.as_str()).collect();

@@ -216,6 +216,12 @@ impl Problem {
         Problem(own.into_data(self.0.clone()), Schedule { phase, ..self.1.clone() })
     }
 
+    /// The problem with other steps of its phases.
+    #[must_use]
+    pub(crate) fn with_timeline(&self, timeline: Timeline) -> Problem {
+        Problem(ProblemData { timeline, ..self.0.clone() }, self.1.clone())
+    }
+
     /// The contacts of the run, with the phases in which they act.
     #[must_use]
     pub fn contacts_of_run(&self) -> &[Contact] {

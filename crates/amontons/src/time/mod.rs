@@ -2,6 +2,7 @@
 
 mod analysis;
 mod during;
+mod made;
 mod pace;
 mod phase;
 mod rule;
@@ -10,6 +11,7 @@ mod timeline;
 
 pub use analysis::Analysis;
 pub use during::During;
+pub use made::MadeSteps;
 pub use pace::{Budget, ChosenSteps, GAUGED, Pace, StepErrors};
 pub use phase::{Steps, TimePhase};
 pub use rule::{ContactRule, FrictionRule, PressureRule, Rule, Start};

@@ -1,5 +1,7 @@
 //! The phases of a run.
 
+use std::sync::Arc;
+
 use super::analysis::Analysis;
 
 /// Number of steps of an automatic phase, as a power of two, beyond which no step is shorter.
@@ -8,7 +10,7 @@ pub(super) const DEEPEST: u32 = 32;
 pub(super) const LONGEST: u32 = 3;
 
 /// The steps of a phase.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Steps {
     /// So many equal steps.
     Equal(usize),
@@ -18,6 +20,8 @@ pub enum Steps {
         /// The accuracy.
         accuracy: f64,
     },
+    /// The steps that a run with automatic ones made: the places of their ends, in 2^−33 of the phase.
+    Made(Arc<[u64]>),
 }
 
 impl Steps {
@@ -26,29 +30,38 @@ impl Steps {
 
     /// The accuracy of automatic steps.
     #[must_use]
-    pub fn accuracy(self) -> Option<f64> {
+    pub fn accuracy(&self) -> Option<f64> {
         match self {
-            Steps::Equal(_) => None,
-            Steps::Automatic { accuracy } => Some(accuracy),
+            Steps::Equal(_) | Steps::Made(_) => None,
+            Steps::Automatic { accuracy } => Some(*accuracy),
         }
     }
 
     /// Number of equal steps; of automatic ones that of the steps with which the phase begins if they are long enough.
     /// Estimates before a run take it for the number of steps.
     #[must_use]
-    pub fn nominal(self) -> usize {
+    pub fn nominal(&self) -> usize {
         match self {
-            Steps::Equal(steps) => steps,
-            Steps::Automatic { accuracy } => 1 << first_level(accuracy),
+            Steps::Equal(steps) => *steps,
+            Steps::Automatic { accuracy } => 1 << first_level(*accuracy),
+            Steps::Made(ends) => ends.len(),
         }
     }
 
     /// Steps of a 1/`parts` of the length, or of the accuracy.
     #[must_use]
-    pub fn refined(self, parts: usize) -> Steps {
+    pub fn refined(&self, parts: usize) -> Steps {
         match self {
             Steps::Equal(steps) => Steps::Equal(steps * parts),
             Steps::Automatic { accuracy } => Steps::Automatic { accuracy: accuracy / parts.max(1) as f64 },
+            Steps::Made(ends) => {
+                let starts = std::iter::once(0).chain(ends.iter().copied());
+                let of = |(start, end): (u64, &u64)| {
+                    let length = end - start;
+                    (1..=parts as u64).map(move |part| start + length * part / parts as u64)
+                };
+                Steps::Made(starts.zip(ends.iter()).flat_map(of).collect())
+            }
         }
     }
 }

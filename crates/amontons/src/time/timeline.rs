@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::analysis::Analysis;
+use super::made::MadeSteps;
 use super::pace::Pace;
-use super::phase::{DEEPEST, LONGEST, TimePhase, first_level};
+use super::phase::{DEEPEST, LONGEST, Steps, TimePhase, first_level};
 
 /// Difference of two step lengths, relative to one of them, that counts as round-off.
 const SAME: f64 = 4.0 * f64::EPSILON;
@@ -107,9 +108,21 @@ impl Interval {
     }
 }
 
+/// Number of places of a phase at which a step that was made may end.
+const PLACES: u64 = 1 << (DEEPEST + 1);
+
+/// The place of the end of a step of a phase; 0 of the one before the first.
+fn place(ends: &[u64], made: usize) -> u64 {
+    made.checked_sub(1).and_then(|last| ends.get(last)).copied().unwrap_or(if made == 0 { 0 } else { PLACES })
+}
+
 impl PhaseSpan {
     fn time(&self, n: usize) -> f64 {
-        let share = n.saturating_sub(self.first) as f64 / self.steps() as f64;
+        let made = n.saturating_sub(self.first);
+        let share = match &self.phase.steps {
+            Steps::Made(ends) => place(ends, made) as f64 / PLACES as f64,
+            Steps::Equal(_) | Steps::Automatic { .. } => made as f64 / self.steps() as f64,
+        };
         // The end is hit to the last bit.
         if n == self.last() { self.phase.end } else { self.start + self.length() * share }
     }
@@ -131,6 +144,10 @@ impl PhaseSpan {
         self.phase.steps.accuracy().is_some()
     }
 
+    fn is_equal(&self) -> bool {
+        matches!(self.phase.steps, Steps::Equal(_))
+    }
+
     /// Time at a place of an automatic phase, s; the end to the last bit.
     fn time_at(&self, at: u64) -> f64 {
         if at >= 1 << DEEPEST {
@@ -145,8 +162,21 @@ impl PhaseSpan {
         self.phase.end / self.steps() as f64
     }
 
+    /// Length of step n, s.
+    fn k_of(&self, n: usize) -> f64 {
+        let Steps::Made(ends) = &self.phase.steps else { return self.k };
+        let made = n.saturating_sub(self.first).max(1);
+        self.length() * ((place(ends, made) - place(ends, made - 1)) as f64 / PLACES as f64)
+    }
+
+    /// The lengths of all steps, s; of equal ones that of one of them.
+    fn lengths(&self) -> Vec<f64> {
+        let last = if matches!(self.phase.steps, Steps::Made(_)) { self.last() } else { self.first + 1 };
+        (self.first + 1..=last).map(|n| self.k_of(n)).collect()
+    }
+
     fn instant(&self, n: usize, phase: usize) -> Instant {
-        Instant { n, t: self.time(n), k: self.k, phase, analysis: self.phase.analysis }
+        Instant { n, t: self.time(n), k: self.k_of(n), phase, analysis: self.phase.analysis }
     }
 }
 
@@ -154,7 +184,7 @@ impl Timeline {
     /// N equal steps to T, in s.
     #[must_use]
     pub fn equal(end: f64, steps: usize) -> Timeline {
-        Timeline::of(vec![TimePhase::dynamic("", end, steps)], false)
+        Timeline::single(end, Steps::Equal(steps))
     }
 
     /// The timeline of a run without phases with another analysis.
@@ -167,7 +197,13 @@ impl Timeline {
     /// Steps to T, in s, that follow from an accuracy.
     #[must_use]
     pub fn automatic(end: f64, accuracy: f64) -> Timeline {
-        Timeline::of(vec![TimePhase::dynamic("", end, 1).automatic(accuracy)], false)
+        Timeline::single(end, Steps::Automatic { accuracy })
+    }
+
+    /// Steps to T, in s, without phases.
+    #[must_use]
+    pub fn single(end: f64, steps: Steps) -> Timeline {
+        Timeline::of(vec![TimePhase { steps, ..TimePhase::dynamic("", end, 1) }], false)
     }
 
     /// Phases, one after the other. Steps of phases whose lengths differ by round-off have the same length to the bit,
@@ -183,7 +219,7 @@ impl Timeline {
             let (start, first) = spans.last().map_or((0.0, 0), |span| (span.phase.end, span.last()));
             let k = (phase.end - start) / phase.steps.nominal() as f64;
             let mut span = PhaseSpan { phase, start, first, k };
-            let is_equal = |other: &&PhaseSpan| !other.is_automatic() && !span.is_automatic();
+            let is_equal = |other: &&PhaseSpan| other.is_equal() && span.is_equal();
             let same =
                 spans.iter().filter(is_equal).find(|other| (other.k - k).abs() <= SAME * other.mean().max(span.mean()));
             span.k = same.map_or(k, |other| other.k);
@@ -196,6 +232,19 @@ impl Timeline {
     #[must_use]
     pub fn is_automatic(&self) -> bool {
         self.spans.iter().any(PhaseSpan::is_automatic)
+    }
+
+    /// The timeline with the steps that a run with automatic ones made; other phases keep their steps.
+    #[must_use]
+    pub fn with_made(&self, made: &MadeSteps) -> Timeline {
+        let of = |(i, phase): (usize, &TimePhase)| {
+            let ends = made.of_phase(i).filter(|_| phase.steps.accuracy().is_some());
+            TimePhase {
+                steps: ends.map_or_else(|| phase.steps.clone(), |ends| Steps::Made(ends.into())),
+                ..phase.clone()
+            }
+        };
+        Timeline::of(self.phases().enumerate().map(of).collect(), self.has_phases)
     }
 
     /// The last step that was made before a place; at t = 0 that of number 0, with the length of the first one.
@@ -360,7 +409,8 @@ impl Timeline {
         (1..=self.steps()).map(move |n| timeline.instant(n))
     }
 
-    /// The last step of each phase from the given one on, whose `k` and `analysis` are those of all steps of the phase.
+    /// The last step of each phase from the given one on, whose `analysis` is that of all steps of the phase, and `k` if
+    /// they are equal.
     pub fn ends_from(&self, phase: usize) -> impl Iterator<Item = Instant> {
         let spans = self.spans.iter().enumerate().skip(phase);
         spans.map(|(phase, span)| span.instant(span.last(), phase))
@@ -370,7 +420,7 @@ impl Timeline {
     /// present one on, and in an automatic phase twice this length, this length, half and a quarter of it.
     #[must_use]
     pub fn needed_after(&self, now: &Instant) -> Vec<Instant> {
-        let is_chosen = |phase: usize| self.accuracy(phase).is_some();
+        let is_chosen = |phase: usize| self.spans.get(phase).is_some_and(|span| !span.is_equal());
         let equal = self.ends_from(now.phase).filter(|end| !is_chosen(end.phase));
         let near = [2.0, 1.0, 0.5, 0.25].map(|times| Instant { k: now.k * times, ..*now });
         equal.chain(near.into_iter().filter(|near| is_chosen(near.phase))).collect()
@@ -379,7 +429,7 @@ impl Timeline {
     /// Length of the longest step, s.
     #[must_use]
     pub fn longest(&self) -> f64 {
-        self.spans.iter().map(|span| span.k).reduce(f64::max).unwrap_or(0.0)
+        self.spans.iter().flat_map(PhaseSpan::lengths).reduce(f64::max).unwrap_or(0.0)
     }
 
     /// The last step of a phase with the longest steps, for each analysis of the run in the order of the phases; of a
@@ -388,10 +438,9 @@ impl Timeline {
     pub fn longest_steps(&self) -> Vec<Instant> {
         let mut all: Vec<Instant> = Vec::new();
         for (span, mut end) in self.spans.iter().zip(self.ends_from(0)) {
-            if span.is_automatic() {
-                // Chosen steps are made in halves.
-                end.k = span.length() / f64::from(1u32 << (LONGEST + 1));
-            }
+            // Chosen steps are made in halves.
+            let chosen = || span.length() / f64::from(1u32 << (LONGEST + 1));
+            end.k = if span.is_automatic() { chosen() } else { span.lengths().into_iter().fold(0.0, f64::max) };
             match all.iter_mut().find(|other| other.analysis == end.analysis) {
                 Some(other) if end.k > other.k => *other = end,
                 Some(_) => {}
@@ -405,7 +454,11 @@ impl Timeline {
     /// as one.
     #[must_use]
     pub fn lengths(&self) -> usize {
-        let mut all: Vec<(u64, Analysis)> = self.ends_from(0).map(|end| (end.k.to_bits(), end.analysis)).collect();
+        let of = |span: &PhaseSpan| {
+            let analysis = span.phase.analysis;
+            span.lengths().into_iter().map(move |k| (k.to_bits(), analysis))
+        };
+        let mut all: Vec<(u64, Analysis)> = self.spans.iter().flat_map(of).collect();
         all.sort_by_key(|(k, analysis)| (*k, analysis.name()));
         all.dedup();
         all.len()
@@ -426,13 +479,13 @@ impl Timeline {
     /// Length of the shortest step, s.
     #[must_use]
     pub fn shortest(&self) -> f64 {
-        self.spans.iter().map(|span| span.k).reduce(f64::min).unwrap_or(0.0)
+        self.spans.iter().flat_map(PhaseSpan::lengths).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// True if all steps have one length.
     #[must_use]
     pub fn is_equal(&self) -> bool {
-        !self.is_automatic() && self.spans.iter().all(|span| is_same(span.k, self.longest()))
+        self.spans.iter().all(|span| span.is_equal() && is_same(span.k, self.longest()))
     }
 
     /// The timeline with each step divided into `parts` equal steps.
@@ -448,7 +501,7 @@ impl Timeline {
     pub fn parts_of(&self, coarse: &Timeline) -> Option<usize> {
         let parts = self.steps().checked_div(coarse.steps()).filter(|parts| *parts > 0)?;
         let is_nested = |(fine, coarse): (&PhaseSpan, &PhaseSpan)| {
-            let are_equal = !fine.is_automatic() && !coarse.is_automatic();
+            let are_equal = fine.is_equal() && coarse.is_equal();
             are_equal && fine.steps() == parts * coarse.steps() && is_same(fine.phase.end, coarse.phase.end)
         };
         let same = self.spans.len() == coarse.spans.len() && self.spans.iter().zip(&*coarse.spans).all(is_nested);
@@ -471,8 +524,8 @@ impl Timeline {
     /// The length of a step, or of a step halved a few times, that is `k` to round-off, or `k` if none is.
     #[must_use]
     pub fn snapped(&self, k: f64) -> f64 {
-        // Lengths of automatic phases are kept to the bit, and one of them may lie beside that of another phase.
-        if self.is_automatic() {
+        // Chosen lengths are kept to the bit, and one of them may lie beside that of another phase.
+        if !self.spans.iter().all(PhaseSpan::is_equal) {
             return k;
         }
         let halves =

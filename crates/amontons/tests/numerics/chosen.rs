@@ -6,7 +6,7 @@ use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings, Stepping};
 use amontons::state::State;
-use amontons::time::{TimePhase, Timeline};
+use amontons::time::{MadeSteps, TimePhase, Timeline};
 
 use crate::common::{changed, paper};
 
@@ -167,6 +167,35 @@ fn chosen_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
             }
             assert!(*again.state() == last, "{}: taken up after {}", problem.name, from.state.step);
         }
+    }
+}
+
+/// The steps of a run are an ordinary timeline, with the ends of its steps to the bit.
+#[test]
+fn steps_that_were_chosen_give_the_same_states_when_they_are_made_again() {
+    let square = paper(&["mesh.n=4", "contact.heat.foundation_temperature=10", "time.scheme=bdf2"]).problem;
+    let all = vec![
+        TimePhase::quasistatic("press", 0.25, 1).automatic(0.05),
+        TimePhase::dynamic("slide", 0.5, 6),
+        TimePhase::dynamic("hold", 1.0, 1).automatic(0.1),
+    ];
+    for problem in [with(&read(SLIP), Timeline::automatic(1.0, 0.02)), with(&square, Timeline::in_phases(all))] {
+        let chosen = run(&problem).states;
+        let mut steps = MadeSteps::default();
+        chosen.windows(2).for_each(|pair| steps.note(&pair[0].pace, &pair[1].pace));
+        let again = run(&with(&problem, problem.timeline.with_made(&steps))).states;
+        let mut apart = 0.0_f64;
+        for state in &chosen {
+            let same = again.iter().find(|other| other.t.to_bits() == state.t.to_bits()).expect("the same time");
+            let [mine, others] = [state, same].map(|state| [&state.u, &state.w, &state.theta]);
+            for (mine, others) in mine.into_iter().zip(others) {
+                let size = mine.iter().fold(f64::MIN_POSITIVE, |most: f64, value| most.max(value.abs()));
+                let most = mine.iter().zip(others).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+                apart = apart.max(most / size);
+            }
+        }
+        println!("{} steps, made again in {}: {apart:e}", chosen.len() - 1, again.len() - 1);
+        assert!(again.len() > chosen.len() && apart <= 1e-9, "{apart:e}");
     }
 }
 

@@ -207,6 +207,20 @@ fn runs_of_phases_have_the_slopes_of_differences() {
     }
 }
 
+/// Steps that follow from an accuracy, in a run and in phases: small changes of the data choose the same.
+#[test]
+fn runs_with_chosen_steps_have_the_slopes_of_differences() {
+    let keys = ["material.elasticity.young", "contact.heat.exponent", "load.body_force[1]"];
+    let text = TURNED.replace("steps = 6", "steps = \"auto\"\naccuracy = 0.1");
+    check_within(1e-3, &text, &OF_TURNED, &keys);
+    let phases = "[[phase]]\nname = \"press\"\nend = 0.5\nsteps = 3\nanalysis = \"quasistatic\"\n\
+                  [[phase]]\nname = \"slide\"\nend = 1.0\nsteps = \"auto\"\naccuracy = 0.1\n[material]";
+    let text = TURNED.replace("end = 1.0\nsteps = 6\n", "scheme = \"theta\"\n").replace("[material]", phases);
+    check_within(1e-3, &text, &OF_TURNED[..4], &["material.elasticity.young", "phase[0].end"]);
+    let found = series_by_keys(&text, &OF_TURNED[..1], &["phase[1].accuracy"]).unwrap_err().to_string();
+    assert!(found.contains("phase[1].accuracy: found a key that changes how steps are chosen"), "{found}");
+}
+
 /// A stiff block on a spring k is pulled by F = 4t against the friction of N = 10: u = max(0, (F − μN)/k), k = 100.
 const PULLED: &str = r#"
 name = "pulled"
