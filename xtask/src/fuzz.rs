@@ -16,6 +16,8 @@ use std::process::{Command, ExitCode};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
+
 use crate::random::Random;
 use mutate::Mutator;
 use targets::{Target, names};
@@ -71,30 +73,33 @@ pub fn run(arguments: &Arguments) -> ExitCode {
         return chosen.first().map_or(ExitCode::FAILURE, |name| feed(name, arguments));
     }
     println!("{:<12} {:>10} {:>9} {:>11} {:>9}  outcome", "reader", "inputs", "outcomes", "longest ms", "peak MB");
-    let mut all_well = true;
-    for name in chosen {
-        let Ok(program) = std::env::current_exe() else { return ExitCode::FAILURE };
-        let mut command = Command::new(program);
-        command.args(["fuzz", name, "--worker", "--seconds", &arguments.seconds.to_string()]);
-        command.args(["--seed", &arguments.seed.to_string(), "--memory", &arguments.memory.to_string()]);
-        if let Some(input) = &arguments.input {
-            command.arg("--input").arg(input);
-        }
-        match command.env("RUST_BACKTRACE", "0").output() {
-            Ok(output) if output.status.success() => print!("{}", String::from_utf8_lossy(&output.stdout)),
-            Ok(output) => {
-                all_well = false;
-                let why = String::from_utf8_lossy(&output.stderr);
-                println!("{name:<12} FAILS: {}; the input is {}", output.status, keep(name).display());
-                why.lines().take(20).for_each(|line| println!("    {line}"));
-            }
-            Err(error) => {
-                all_well = false;
-                println!("{name:<12} cannot be started: {error}");
-            }
-        }
+    // Each has its own processor time, so that neighbours do not shorten it.
+    let fed: Vec<(String, bool)> = chosen.par_iter().with_max_len(1).map(|name| fed(name, arguments)).collect();
+    for (told, _) in &fed {
+        print!("{told}");
     }
-    if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if fed.iter().all(|(_, is_well)| *is_well) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Feeds one target in a process of its own: what it tells, and whether all is well.
+fn fed(name: &str, arguments: &Arguments) -> (String, bool) {
+    let Ok(program) = std::env::current_exe() else { return (format!("{name:<12} has no program\n"), false) };
+    let mut command = Command::new(program);
+    command.args(["fuzz", name, "--worker", "--seconds", &arguments.seconds.to_string()]);
+    command.args(["--seed", &arguments.seed.to_string(), "--memory", &arguments.memory.to_string()]);
+    if let Some(input) = &arguments.input {
+        command.arg("--input").arg(input);
+    }
+    match command.env("RUST_BACKTRACE", "0").output() {
+        Ok(output) if output.status.success() => (String::from_utf8_lossy(&output.stdout).into_owned(), true),
+        Ok(output) => {
+            let why = String::from_utf8_lossy(&output.stderr);
+            let mut told = format!("{name:<12} FAILS: {}; the input is {}\n", output.status, keep(name).display());
+            why.lines().take(20).for_each(|line| told += &format!("    {line}\n"));
+            (told, false)
+        }
+        Err(error) => (format!("{name:<12} cannot be started: {error}\n"), false),
+    }
 }
 
 /// Path of the current input: in memory if the system has a folder for that.
