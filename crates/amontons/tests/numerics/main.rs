@@ -10,6 +10,7 @@ mod acting;
 mod backends;
 mod bar;
 mod bdf2;
+mod bisection;
 mod chosen;
 mod closed_slopes;
 mod condensed;
