@@ -31,7 +31,6 @@ pub mod vtu;
 use std::collections::BTreeMap;
 
 pub use bisect::Bisection;
-#[allow(unused_imports)]
 pub(crate) use bisect::RoundSide;
 pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;

@@ -199,8 +199,8 @@ impl Cutter {
         centre
     }
 
-    /// The pyramids of a cell over its faces about its centre. Instead of a pyramid over a face that is cut there are four
-    /// tetrahedra about the centre of the face; a pyramid becomes such four.
+    /// The pyramids of a cell over its faces about its centre. Over a face that is cut there are four tetrahedra about
+    /// the centre of the face instead; a pyramid becomes such four.
     fn about_centre(&mut self, element: &'static Element, nodes: &[u32], block: usize) -> Vec<CutCell> {
         let is_pyramid = element.shape == Shape::Pyramid;
         let top = if is_pyramid { nodes[4] } else { self.nodes.cell_centre(element, nodes) };
@@ -225,7 +225,8 @@ impl Cutter {
                 let centre = self.split_face(facet.element, &on_face);
                 if element.degree > 1 {
                     let on_cell = facet.nodes.iter().take(4).map(|&local| element.nodes[local]);
-                    let at_centre = on_cell.fold([0.0; 3], |sum: Point, x| std::array::from_fn(|d| sum[d] + 0.25 * x[d]));
+                    let at_centre =
+                        on_cell.fold([0.0; 3], |sum: Point, x| std::array::from_fn(|d| sum[d] + 0.25 * x[d]));
                     self.nodes.set_middle([centre, top], (element, nodes), &between(&at_centre, &at_top));
                 }
                 for i in 0..4 {
