@@ -49,7 +49,7 @@ impl Build<'_> {
         for (entry, (path, places)) in entries.iter().zip(places) {
             let places = places?;
             for _ in 0..entry.times {
-                finer = self.refined_once(&path, &places, finer, &mut bisection)?;
+                finer = self.refined_once(&path, &places, &finer, &mut bisection)?;
                 let refine = if let raw::Mesh::File { refine, .. } = raw { *refine } else { 0 };
                 let size = measured(&finer, &sides.contact, refine);
                 let demand = MeshDemand::of(&size, self.solver);
@@ -71,8 +71,8 @@ impl Build<'_> {
     }
 
     /// Refines the cells in some places once.
-    fn refined_once(&mut self, path: &str, places: &Places, mesh: Mesh, bisection: &mut Bisection) -> Option<Mesh> {
-        let marked = places.cells(&mesh);
+    fn refined_once(&mut self, path: &str, places: &Places, mesh: &Mesh, bisection: &mut Bisection) -> Option<Mesh> {
+        let marked = places.cells(mesh);
         if marked.is_empty() {
             let range = |d: usize| {
                 let along = || mesh.points.iter().map(|x| x[d]);
@@ -148,7 +148,9 @@ impl Places {
         let on_side = self.side.as_ref().map(|side| {
             let mut on = vec![false; mesh.points.len()];
             let nodes = mesh.facets.get(side).map(FacetSet::node_list).unwrap_or_default();
-            nodes.into_iter().for_each(|node| on[node as usize] = true);
+            for node in nodes {
+                on[node as usize] = true;
+            }
             on
         });
         let (mut marked, mut number) = (Vec::new(), 0);
