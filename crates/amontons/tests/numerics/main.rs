@@ -18,6 +18,7 @@ mod conditions;
 mod convergence;
 mod coupling;
 mod elements;
+mod final_values;
 mod forms;
 mod gradient;
 mod identification;
