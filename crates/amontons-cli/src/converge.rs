@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{ReferenceProgress, Study, StudyLevel, StudySettings, StudyTable, Vary};
+use amontons::convergence::{ReferenceProgress, Study, StudyLevel, StudySettings, StudyTable, ValueRow, Vary};
 use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
 use amontons::state::State;
@@ -143,6 +143,27 @@ pub fn text(title: &str, table: &StudyTable, out: &Path) -> String {
         "  least-squares slopes: {}",
         slopes.map(|(name, slope)| format!("{name} {slope:.3}")).collect::<Vec<_>>().join(", ")
     ));
+    lines.extend(values(&table.values));
     lines.push(format!("  results in {}\n", out.display()));
     lines.join("\n") + "\n"
+}
+
+/// The numbers at the end: one line per number with its value on each level, order and limit, or why it has none.
+fn values(rows: &[ValueRow]) -> Vec<String> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("at the end".len());
+    let levels: String = first.levels.iter().map(|level| format!(" {:>14}", level.level)).collect();
+    let mut lines = vec![format!("  {:<width$}{levels} {:>7} {:>16} {:>10}", "at the end", "order", "limit", "+-")];
+    for row in rows {
+        let values: String = row.levels.iter().map(|level| format!(" {:>14.7e}", level.value)).collect();
+        let Some(last) = row.levels.last() else { continue };
+        let order = last.order.map_or_else(|| "-".to_owned(), |order| format!("{order:.3}"));
+        let limit = match (last.limit, last.error) {
+            (Some(limit), Some(error)) => format!(" {order:>7} {limit:>16.9e} {error:>10.1e}"),
+            _ => String::new(),
+        };
+        let remark = if last.remark.is_empty() { String::new() } else { format!("  {}", last.remark) };
+        lines.push(format!("  {:<width$}{values}{limit}{remark}", row.name));
+    }
+    lines
 }

@@ -210,6 +210,10 @@ def test_check_has_what_the_program_prints(paper, program):
 
 def test_converge_has_the_numbers_of_the_program(paper, program, tmp_path):
     study = amontons.converge(paper, [4, 8], SMALL, reference=16)
+    elastic = study.values["elastic"]
+    assert [level["level"] for level in elastic] == [4, 8, 16]
+    assert (elastic[-1]["order"] is None) == bool(elastic[-1]["remark"])
+    assert set(study.values_table["quantity"]) == set(study.values)
     sets = [f"--set={key}={value}" for key, value in SMALL.items()]
     arguments = ["--levels", "4,8", "--reference", "16", "--out", tmp_path / "study", "--quiet"]
     program("converge", paper, *sets, *arguments)

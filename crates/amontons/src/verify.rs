@@ -242,6 +242,7 @@ fn own_errors(name: &str, case: &Case) -> Result<ErrorRow, VerifyError> {
         level: case.cells.first().copied().unwrap_or_default(),
         problem: case.problem.clone(),
         text: case.fingerprint(),
+        measured: None,
     };
     let study = Study { vary: Vary::Both, levels: vec![level], reference: Reference::Exact(exact.clone()) };
     let mut table = study.run(&StudySettings::default())?;

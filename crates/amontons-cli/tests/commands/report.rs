@@ -193,6 +193,7 @@ fn a_study_has_a_report() {
         let first = line.split(',').next().expect("a cell");
         assert!(page.contains(&format!(">{first}</t")), "{line}");
     }
+    assert!(page.contains("<h3>At the end</h3>") && page.contains("<th scope=\"row\">elastic</th>"));
     assert!(!page.contains("<h2>Summary</h2>"));
 }
 

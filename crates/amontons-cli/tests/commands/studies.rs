@@ -31,6 +31,14 @@ fn converge_writes_table_and_picture_and_reuses_finished_levels() {
     for name in ["convergence.json", "convergence.svg", "convergence.png"] {
         assert!(out.join(name).exists(), "{name}");
     }
+    // The numbers at the end, of both levels and of the reference, with order and limit or a reason.
+    let values = text(&out.join("convergence-values.csv"));
+    assert!(values.starts_with("quantity,level,h,k,value,order,limit,limit_error,remark\n"), "{values}");
+    let elastic: Vec<&str> = values.lines().filter(|line| line.starts_with("elastic,")).collect();
+    assert_eq!(elastic.len(), 3, "{values}");
+    let last: Vec<&str> = elastic[2].split(',').collect();
+    assert!(last[1] == "16" && last[4].parse::<f64>().is_ok_and(|value| value > 0.0), "{last:?}");
+    assert_eq!(last[5].is_empty(), !last[8].is_empty(), "an order or a reason: {last:?}");
     // A finished study is not overwritten.
     assert_eq!(amontons(&arguments).status.code(), Some(2));
     // Without its table it is one that was interrupted: the levels are taken as they are, and the table is the same.
@@ -38,6 +46,7 @@ fn converge_writes_table_and_picture_and_reuses_finished_levels() {
     let kept = fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level");
     assert_eq!(amontons(&arguments).status.code(), Some(0));
     assert_eq!(text(&out.join("convergence.csv")), first);
+    assert_eq!(text(&out.join("convergence-values.csv")), values);
     assert_eq!(
         fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level"),
         kept,

@@ -162,6 +162,15 @@ class Study:
         """A dict per level: level, h, k, error_w, error_u, error_theta, error_u_h, error, time_of_error, order."""
         self.slopes: dict[str, float] = {name: slope for name, slope in table["slopes"]}
         """Least-squares orders by name of the error."""
+        self.values: dict[str, list[dict[str, Any]]] = {row["name"]: row["levels"] for row in table.get("values", [])}
+        """Probes, resultants and energies at the end: by name a dict per level, the reference last, with level, h, k,
+        value, and from this level and those before order, limit and its error (None if there is none) and remark."""
+
+    @property
+    def values_table(self) -> pd.DataFrame:
+        """The numbers at the end as a frame: quantity, level, h, k, value, order, limit, error, remark."""
+        rows = [{"quantity": name, **level} for name, levels in self.values.items() for level in levels]
+        return pandas("a table of a study").DataFrame(rows)
 
     @property
     def table(self) -> pd.DataFrame:

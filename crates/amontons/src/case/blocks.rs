@@ -182,8 +182,9 @@ impl Build<'_> {
         if !self.has_dimension(path, block, dim) {
             return None;
         }
+        let refine_where = Vec::new();
         let shape = match (&block.size[..], block.radii, block.height) {
-            (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements },
+            (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements, refine_where },
             (&[x, y], ..) => raw::Mesh::Rectangle {
                 size: [x, y],
                 n: raw::Cells2::Each([n[0], n[1]]),
@@ -191,21 +192,29 @@ impl Build<'_> {
                 diagonal: block.diagonal,
                 origin: [0.0; 2],
                 axisymmetric: false,
+                refine_where,
             },
-            (&[x, y, z], ..) => raw::Mesh::Box { size: [x, y, z], n: raw::Cells3::Each([n[0], n[1], n[2]]), elements },
+            (&[x, y, z], ..) => {
+                raw::Mesh::Box { size: [x, y, z], n: raw::Cells3::Each([n[0], n[1], n[2]]), elements, refine_where }
+            }
             (_, Some(radii), Some(height)) => raw::Mesh::Cylinder {
                 radii,
                 angle: block.angle,
                 height,
                 n: raw::Cells3::Each([n[0], n[1], n[2]]),
                 elements,
+                refine_where,
             },
             (_, Some([0.0, radius]), None) if block.angle.is_none() => {
-                raw::Mesh::Disc { radius, n: raw::Cells2::Each([n[0], n[1]]), elements }
+                raw::Mesh::Disc { radius, n: raw::Cells2::Each([n[0], n[1]]), elements, refine_where }
             }
-            (_, Some(radii), None) => {
-                raw::Mesh::Ring { radii, angle: block.angle, n: raw::Cells2::Each([n[0], n[1]]), elements }
-            }
+            (_, Some(radii), None) => raw::Mesh::Ring {
+                radii,
+                angle: block.angle,
+                n: raw::Cells2::Each([n[0], n[1]]),
+                elements,
+                refine_where,
+            },
             _ => return None,
         };
         Some((shape, n))

@@ -134,7 +134,7 @@ impl Build<'_> {
     }
 
     /// A point with one coordinate per dimension.
-    fn point(&mut self, path: &str, key: &str, components: &[f64]) -> Option<Point> {
+    pub(super) fn point(&mut self, path: &str, key: &str, components: &[f64]) -> Option<Point> {
         if components.len() != self.dim {
             self.wants_components(&format!("{path}.{key}"), components.len());
             return None;
@@ -156,7 +156,7 @@ impl Build<'_> {
         is
     }
 
-    fn ordered(&mut self, path: &str, from: Point, to: Point) -> Option<Locus> {
+    pub(super) fn ordered(&mut self, path: &str, from: Point, to: Point) -> Option<Locus> {
         let Some(wrong) = (0..3).find(|&c| from[c] > to[c]) else { return Some(Locus::Box { from, to }) };
         let found = format!("from {:?} to {:?} along {}", from[wrong], to[wrong], ["x", "y", "z"][wrong]);
         self.note(path, At::Value, found, "`from` below `to` along every axis", Some("exchange these coordinates"));

@@ -111,7 +111,7 @@ impl Build<'_> {
     /// The mesh, or a placeholder with few cells if it has a fault.
     pub fn mesh(&mut self, raw: &raw::Mesh, sides: &SideNames, available: Option<FreeMemory>) -> Mesh {
         let made = match raw {
-            raw::Mesh::File { file, scale, axisymmetric, refine } => {
+            raw::Mesh::File { file, scale, axisymmetric, refine, .. } => {
                 let of = FileOf { name: file, scale: *scale, axisymmetric: *axisymmetric };
                 let read =
                     self.file(FILE, &of, &|side| sides.used.contains(&side)).map(|MeshFromFile { mesh, plane }| {
@@ -125,15 +125,18 @@ impl Build<'_> {
                     let demand = MeshDemand::of(&size, self.solver);
                     self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
                 });
+                let read = read.and_then(|mesh| self.refined_where(raw, mesh, sides, available));
                 read.and_then(|mesh| self.refined(mesh, *refine))
             }
-            raw::Mesh::Blocks { blocks, axisymmetric } => {
+            raw::Mesh::Blocks { blocks, axisymmetric, .. } => {
                 let made = self.blocks(blocks, *axisymmetric, sides, available);
-                made.map(|mesh| self.with_named_sides(mesh, sides.named))
+                let made = made.map(|mesh| self.with_named_sides(mesh, sides.named));
+                made.and_then(|mesh| self.refined_where(raw, mesh, sides, available))
             }
             _ => {
                 let made = self.generated(raw, &sides.contact, available);
-                made.map(|mesh| self.with_named_sides(mesh, sides.named))
+                let made = made.map(|mesh| self.with_named_sides(mesh, sides.named));
+                made.and_then(|mesh| self.refined_where(raw, mesh, sides, available))
             }
         };
         self.no_mesh = made.is_none();

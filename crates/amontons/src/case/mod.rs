@@ -49,6 +49,7 @@ mod probe;
 mod quantity;
 mod raw;
 mod reference;
+mod refine_where;
 mod request;
 mod rigid;
 mod schema;

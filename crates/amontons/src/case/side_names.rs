@@ -18,7 +18,8 @@ impl SideNames<'_> {
         let contact: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
         let of_boundary = raw.boundary.iter().map(|b| b.on.as_str());
         let of_sides = raw.side.iter().flat_map(|side| side.of.iter().map(String::as_str));
-        let used = of_boundary.chain(of_sides).chain(contact.iter().copied()).collect();
+        let of_places = raw.mesh.refine_where().iter().filter_map(|entry| entry.side.as_deref());
+        let used = of_boundary.chain(of_sides).chain(of_places).chain(contact.iter().copied()).collect();
         SideNames { contact, used, named: &raw.side }
     }
 }

@@ -4,6 +4,7 @@ use super::fault::Source;
 use super::parse::{Case, parse};
 use super::request::{ReferenceRequest, StudyRequest, StudyRequestError};
 use crate::convergence::{Reference, Study, StudyLevel, Vary};
+use crate::output::final_values;
 
 fn refuse<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T, StudyRequestError> {
     Err(StudyRequestError::Request { found: found.into(), expected: expected.into() })
@@ -37,7 +38,8 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
         let mut overrides = overrides.to_vec();
         overrides.extend(refined(&case, request.vary, request.power, level)?);
         let case = parse(source, &overrides)?;
-        Ok(StudyLevel { level, text: case.fingerprint(), problem: case.problem })
+        let measured = Some(final_values(case.probes.clone()));
+        Ok(StudyLevel { level, text: case.fingerprint(), problem: case.problem, measured })
     };
     let reference = match (finest, &case.exact) {
         (Some(finest), _) => Reference::Level(Box::new(level(finest)?)),
@@ -59,7 +61,7 @@ pub fn meshes(source: &Source, overrides: &[String], levels: &[usize]) -> Result
         let mut overrides = overrides.to_vec();
         overrides.extend(refined(&case, Vary::Space, 1, level)?);
         let case = parse(source, &overrides)?;
-        Ok(StudyLevel { level, problem: case.problem, text: case.text })
+        Ok(StudyLevel { level, problem: case.problem, text: case.text, measured: None })
     };
     levels.iter().map(level).collect()
 }

@@ -62,13 +62,44 @@ impl ConstantsTable {
     }
 }
 
+/// Reason why a sequence has no limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoLimit {
+    /// Fewer than three meshes.
+    #[error("fewer than three levels: no order and no limit")]
+    Few,
+    /// A value is infinite or not a number.
+    #[error("a value that is not a finite number")]
+    NotFinite,
+    /// The last two differences have different signs.
+    #[error("the differences alternate in sign: no order and no limit")]
+    Alternating,
+    /// The order would be zero or negative.
+    #[error("the differences do not become smaller: no order and no limit")]
+    Growing,
+    /// The order would be above 16.
+    #[error("the differences fall faster than any power: no order and no limit")]
+    TooFast,
+}
+
 /// The limit of values at decreasing h, from the last three; `None` if they do not behave like v + C h^p, p > 0.
 #[must_use]
 pub fn limit(values: &[(f64, Constant)]) -> Option<Limit> {
-    let [earlier @ .., (h0, v0), (h1, v1), (h2, v2)] = values else { return None };
+    limit_of(values).ok()
+}
+
+/// [`limit`], or the reason why there is none.
+///
+/// # Errors
+/// The values do not behave like v + C h^p, p > 0.
+pub fn limit_of(values: &[(f64, Constant)]) -> Result<Limit, NoLimit> {
+    let [earlier @ .., (h0, v0), (h1, v1), (h2, v2)] = values else { return Err(NoLimit::Few) };
+    if [v0, v1, v2].iter().any(|v| !v.value.is_finite()) {
+        return Err(NoLimit::NotFinite);
+    }
     let (first, second) = (v0.value - v1.value, v1.value - v2.value);
     if second.abs() <= v1.error + v2.error {
-        return Some(Limit { order: None, value: v2.value, error: second.abs() + v2.error });
+        return Ok(Limit { order: None, value: v2.value, error: second.abs() + v2.error });
     }
     let p = order([*h0, *h1, *h2], first / second)?;
     // v = v₂ − C h₂^p with C = (v₁ − v₂)/(h₁^p − h₂^p).
@@ -76,22 +107,29 @@ pub fn limit(values: &[(f64, Constant)]) -> Option<Limit> {
     let value = v2.value - share * second;
     let before = if earlier.is_empty() { None } else { limit(&values[..values.len() - 1]) };
     let change = before.map_or(share * second, |before| before.value - value).abs();
-    Some(Limit { order: Some(p), value, error: change + (1.0 + share) * v2.error + share * v1.error })
+    Ok(Limit { order: Some(p), value, error: change + (1.0 + share) * v2.error + share * v1.error })
 }
 
 /// p with (h₀^p − h₁^p)/(h₁^p − h₂^p) = `ratio`; the left side increases with p.
-fn order(h: [f64; 3], ratio: f64) -> Option<f64> {
+fn order(h: [f64; 3], ratio: f64) -> Result<f64, NoLimit> {
     let left = |p: f64| ((h[0] / h[1]).powf(p) - 1.0) / (1.0 - (h[2] / h[1]).powf(p));
     let (mut low, mut high) = (0.0, HIGHEST);
-    if !((h[0] / h[1]).ln() < ratio * (h[1] / h[2]).ln() && ratio < left(high)) {
-        return None;
+    if ratio < 0.0 {
+        return Err(NoLimit::Alternating);
+    }
+    if ratio >= left(high) {
+        return Err(NoLimit::TooFast);
+    }
+    let falls = (h[0] / h[1]).ln() < ratio * (h[1] / h[2]).ln();
+    if !falls {
+        return Err(NoLimit::Growing);
     }
     // One bisection per binary digit of a number.
     for _ in 0..f64::MANTISSA_DIGITS {
         let middle = 0.5 * (low + high);
         if left(middle) < ratio { low = middle } else { high = middle }
     }
-    Some(0.5 * (low + high))
+    Ok(0.5 * (low + high))
 }
 
 #[cfg(test)]

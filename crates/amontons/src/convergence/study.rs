@@ -9,13 +9,14 @@ use serde::{Deserialize, Serialize};
 
 use super::norms::{Errors, Exact, against_exact};
 use super::transfer::{Transfer, TransferError};
+use super::values::{self, FinalValue, FinalValues, LastStep, OfLevel, ValueRow};
 use crate::discretization::Discretization;
 use crate::equation::{SetupError, StepError};
 use crate::forms;
 use crate::machine::Instant;
 use crate::material::{Isotropic, StressState};
 use crate::problem::Problem;
-use crate::state::State;
+use crate::state::{State, StepReport};
 use crate::step::{MakeScheme, March, Scheme};
 
 /// Quantity refined from level to level.
@@ -40,6 +41,16 @@ pub struct StudyLevel {
     pub problem: Problem,
     /// The text of its case, which identifies states kept earlier.
     pub text: String,
+    /// The numbers of its last step that the table compares; `None` for none.
+    pub measured: Option<FinalValues>,
+}
+
+impl StudyLevel {
+    /// The numbers of a last step.
+    fn values(&self, discretization: &Discretization, state: &State, report: &StepReport) -> Vec<FinalValue> {
+        let last = LastStep { problem: &self.problem, discretization, state, report };
+        self.measured.as_ref().map_or_else(Vec::new, |measured| measured.of(&last))
+    }
 }
 
 /// Solution with which the levels are compared.
@@ -139,6 +150,9 @@ pub struct StudyTable {
     pub slopes: Vec<(String, f64)>,
     /// True if every comparison was made by interpolation between nested meshes.
     pub nested: bool,
+    /// Probes, resultants and energies at the end on each level, with orders and limits.
+    #[serde(default)]
+    pub values: Vec<ValueRow>,
 }
 
 /// Reason why a study ended early.
@@ -205,31 +219,35 @@ impl Study {
             Reference::Exact(exact) => {
                 let rows = self.levels.par_iter().map(|level| {
                     let mut worst = Worst::default();
-                    walk(level, settings, |state| {
+                    let values = walk(level, settings, |state| {
                         worst.take(state.t, against_exact(&level.problem.mesh, state, exact));
                         Ok(())
                     })?;
-                    Ok(worst.row(level))
+                    Ok((worst.row(level), values))
                 });
-                Ok(self.table(rows.collect::<Result<Vec<_>, StudyError>>()?, true))
+                let (rows, values) = rows.collect::<Result<Vec<_>, StudyError>>()?.into_iter().unzip();
+                Ok(self.table(rows, true, values))
             }
             Reference::Level(reference) => self.against(reference, settings),
         }
     }
 
+    /// Checks that the times of all levels are times of the reference.
+    fn check_times(&self, reference: &StudyLevel) -> Result<(), StudyError> {
+        let timeline = &reference.problem.timeline;
+        let misses = |level: &&StudyLevel| timeline.parts_of(&level.problem.timeline).is_none();
+        self.levels.iter().find(misses).map_or(Ok(()), |level| {
+            let steps = level.problem.timeline.steps();
+            Err(StudyError::Times { level: level.level, steps, reference: timeline.steps() })
+        })
+    }
+
     fn against(&self, reference: &StudyLevel, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         let steps = reference.problem.timeline.steps();
-        for level in &self.levels {
-            if reference.problem.timeline.parts_of(&level.problem.timeline).is_none() {
-                return Err(StudyError::Times {
-                    level: level.level,
-                    steps: level.problem.timeline.steps(),
-                    reference: steps,
-                });
-            }
-        }
+        self.check_times(reference)?;
         let trajectories = self.levels.par_iter().map(|level| trajectory(level, settings));
-        let trajectories = trajectories.collect::<Result<Vec<_>, StudyError>>()?;
+        let (trajectories, mut values): (Vec<_>, Vec<_>) =
+            trajectories.collect::<Result<Vec<_>, StudyError>>()?.into_iter().unzip();
 
         let discrete = Arc::new(Discretization::new(&reference.problem));
         let mut scheme = scheme_of(reference, &discrete, settings)?;
@@ -264,7 +282,11 @@ impl Study {
                 keep(&state, &worst);
                 kept = Instant::now();
             }
-            state = scheme.step(&state).map_err(|source| StudyError::Step { level: reference.level, source })?.0;
+            let step = scheme.step(&state).map_err(|source| StudyError::Step { level: reference.level, source })?;
+            state = step.0;
+            if n == steps {
+                values.push(reference.values(&discrete, &state, &step.1));
+            }
             if let Some(progress) = settings.progress {
                 progress(reference.level, n, steps);
             }
@@ -276,10 +298,11 @@ impl Study {
             });
         }
         let nested = transfers.iter().all(Transfer::is_nested);
-        Ok(self.table(self.levels.iter().zip(&worst).map(|(level, worst)| worst.row(level)).collect(), nested))
+        let rows = self.levels.iter().zip(&worst).map(|(level, worst)| worst.row(level)).collect();
+        Ok(self.table(rows, nested, values))
     }
 
-    fn table(&self, mut rows: Vec<ErrorRow>, nested: bool) -> StudyTable {
+    fn table(&self, mut rows: Vec<ErrorRow>, nested: bool, values: Vec<Vec<FinalValue>>) -> StudyTable {
         let size = |row: &ErrorRow| if self.vary == Vary::Time { row.k } else { row.h };
         for i in 1..rows.len() {
             let (a, b) = (&rows[i - 1], &rows[i]);
@@ -297,26 +320,53 @@ impl Study {
             ("error", fit(|r| r.error)),
         ];
         let slopes = slopes.into_iter().map(|(name, slope)| (name.to_owned(), slope)).collect();
-        StudyTable { vary: self.vary, rows, slopes, nested }
+        StudyTable { vary: self.vary, rows, slopes, nested, values: self.values(values) }
+    }
+
+    /// The numbers of all levels, the last one of which may be the reference.
+    fn values(&self, values: Vec<Vec<FinalValue>>) -> Vec<ValueRow> {
+        let reference = if let Reference::Level(level) = &self.reference { Some(&**level) } else { None };
+        let levels = self.levels.iter().chain(reference).zip(values).map(|(level, values)| {
+            let (h, k) = (level.problem.mesh.spacing(), level.problem.timeline.longest());
+            OfLevel { level: level.level, h, k, values }
+        });
+        let is_of_time = self.vary == Vary::Time;
+        values::rows(&levels.collect::<Vec<_>>(), |level| if is_of_time { level.k } else { level.h })
     }
 }
 
-/// The states of a level after each step, loaded or computed.
-fn trajectory(level: &StudyLevel, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
+/// The states of a level after each step, loaded or computed, and the numbers of its last step.
+fn trajectory(level: &StudyLevel, settings: &StudySettings) -> Result<(Vec<State>, Vec<FinalValue>), StudyError> {
     if let Some(states) =
         settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.timeline.steps())
     {
-        return Ok(states);
+        let values = last_again(level, &states, settings)?;
+        return Ok((states, values));
     }
     let mut states = Vec::new();
-    walk(level, settings, |state| {
+    let values = walk(level, settings, |state| {
         states.push(state.clone());
         Ok(())
     })?;
     if let Some(keep) = settings.keep {
         keep(level, &states);
     }
-    Ok(states)
+    Ok((states, values))
+}
+
+/// The numbers of the last step of a level that was loaded: the step is made again, for its report.
+fn last_again(level: &StudyLevel, states: &[State], settings: &StudySettings) -> Result<Vec<FinalValue>, StudyError> {
+    if level.measured.is_none() {
+        return Ok(Vec::new());
+    }
+    let discretization = Arc::new(Discretization::new(&level.problem));
+    let mut scheme = scheme_of(level, &discretization, settings)?;
+    let before = match states {
+        [.., before, _] => before.clone(),
+        _ => scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?,
+    };
+    let step = scheme.step(&before).map_err(|source| StudyError::Step { level: level.level, source })?;
+    Ok(level.values(&discretization, &step.0, &step.1))
 }
 
 impl StudyTable {
@@ -399,24 +449,30 @@ fn scheme_of(
         .map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
-/// Makes all steps of a level and passes on each state.
+/// Makes all steps of a level and passes on each state. Returns the numbers of the last step.
 fn walk(
     level: &StudyLevel,
     settings: &StudySettings,
     mut visit: impl FnMut(&State) -> Result<(), StudyError>,
-) -> Result<(), StudyError> {
-    let mut scheme = scheme_of(level, &Arc::new(Discretization::new(&level.problem)), settings)?;
+) -> Result<Vec<FinalValue>, StudyError> {
+    let discretization = Arc::new(Discretization::new(&level.problem));
+    let mut scheme = scheme_of(level, &discretization, settings)?;
     let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
+    let mut values = Vec::new();
     while !state.is_last(&level.problem.timeline) {
         check(settings)?;
-        state = scheme.step(&state).map_err(|source| StudyError::Step { level: level.level, source })?.0;
+        let step = scheme.step(&state).map_err(|source| StudyError::Step { level: level.level, source })?;
+        state = step.0;
+        if state.is_last(&level.problem.timeline) {
+            values = level.values(&discretization, &state, &step.1);
+        }
         if let Some(progress) = settings.progress {
             let steps = level.problem.timeline.steps();
             progress(level.level, state.step.min(steps), steps);
         }
         visit(&state)?;
     }
-    Ok(())
+    Ok(values)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::tensor::Point;
 type Middle = [u32; 8];
 
 /// The quadratic element that corresponds to a linear one, with the local vertices whose mean is each middle node.
-fn quadratic_of(element: &'static Element) -> Result<(&'static Element, Vec<Vec<usize>>), MeshError> {
+pub(super) fn quadratic_of(element: &'static Element) -> Result<(&'static Element, Vec<Vec<usize>>), MeshError> {
     let missing = MeshError::Elements { what: "a quadratic mesh", found: element.name };
     if element.shape == Shape::Point {
         return Ok((element, Vec::new()));

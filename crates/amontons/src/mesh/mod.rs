@@ -1,6 +1,7 @@
 //! Meshes: points, blocks of cells with their region, and named sets of boundary facets.
 
 mod assembly;
+mod bisect;
 mod convert;
 mod cyclic;
 mod data;
@@ -29,6 +30,8 @@ pub mod vtu;
 
 use std::collections::BTreeMap;
 
+pub use bisect::Bisection;
+pub(crate) use bisect::RoundSide;
 pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
@@ -114,6 +117,13 @@ pub enum MeshError {
         /// Number of nodes of the mesh.
         nodes: usize,
     },
+    /// A cell to be refined does not exist.
+    Marked {
+        /// The cell.
+        cell: usize,
+        /// Number of cells of the mesh.
+        cells: usize,
+    },
     /// A cell has no positive measure.
     Cell {
         /// Block of cells.
@@ -143,6 +153,7 @@ impl MeshError {
             MeshError::Elements { what, found } => format!("{what} is not possible for cells of {found}"),
             MeshError::Axis { node, found } => format!("node {node} has r = {found:.6e}"),
             MeshError::Node { what, node, .. } => format!("{what} names node {node}"),
+            MeshError::Marked { cell, .. } => format!("cell {cell} is marked"),
             MeshError::Cell { block, cell, measure } => {
                 format!("cell {cell} of block {block} has measure {measure:.3e}")
             }
@@ -159,6 +170,7 @@ impl MeshError {
             MeshError::Around { expected, .. } => expected,
             MeshError::Axis { .. } => "none below 0: the axis of an axisymmetric body is x = 0",
             MeshError::Node { nodes, .. } => return Some(format!("one below {nodes}, the number of nodes")),
+            MeshError::Marked { cells, .. } => return Some(format!("one below {cells}, the number of cells")),
             MeshError::Cell { .. } => "a positive one: it is inverted or flat",
             MeshError::TooLarge { .. } | MeshError::Radii { .. } | MeshError::Elements { .. } => return None,
         };

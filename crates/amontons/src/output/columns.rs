@@ -320,7 +320,7 @@ pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
 }
 
 /// Names of all columns of `history.csv`, with the quantities they measure.
-fn history_names(problem: &ProblemData) -> Vec<(String, Option<Measure>)> {
+pub(super) fn history_names(problem: &ProblemData) -> Vec<(String, Option<Measure>)> {
     let n = [problem.mesh.dim, problem.components_of_force()];
     let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(n)).collect();
     for (side, name) in names(&problem.contacts).iter().enumerate() {

@@ -16,6 +16,7 @@ pub mod columns;
 mod csv;
 mod earlier;
 mod files;
+mod final_values;
 mod fit;
 mod folder;
 mod gradient;
@@ -62,6 +63,7 @@ pub use earlier::{finished_run, has_certificate, known_certificate};
 pub(crate) use files::write_file;
 #[cfg(feature = "case")]
 pub(crate) use files::{LONGEST, sha256};
+pub use final_values::final_values;
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
 pub use gradient::GradientFolder;
 pub use identified::IdentifiedFolder;

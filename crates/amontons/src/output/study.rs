@@ -9,12 +9,12 @@ use super::files::{LONGEST, create_folder, remove_folder, sha256, write_atomical
 use super::inputs::{Input, write_inputs};
 use super::names::CASE;
 use super::{OutputError, StudyTable};
-use crate::convergence::{Reference, ReferenceProgress, Study, StudyLevel};
+use crate::convergence::{Reference, ReferenceProgress, Study, StudyLevel, values_csv};
 use crate::machine;
 use crate::state::State;
 
-/// A results folder that holds a study: `convergence.csv`, `convergence.json`, and `levels/` with the states of
-/// finished levels, from which an interrupted study continues.
+/// A results folder that holds a study: `convergence.csv`, `convergence-values.csv`, `convergence.json`, and `levels/`
+/// with the states of finished levels, from which an interrupted study continues.
 #[derive(Debug)]
 pub struct StudyFolder(ClaimedFolder);
 
@@ -111,10 +111,14 @@ impl StudyFolder {
         write_atomically(&self.path().join(CASE), |out| out.write_all(case.as_bytes()))?;
         write_inputs(self.path(), inputs)?;
         write_json(&self.path().join("convergence.json"), table)?;
+        let values = values_csv(&table.values);
+        write_atomically(&self.path().join(VALUES), |out| out.write_all(values.as_bytes()))?;
         write_atomically(&self.path().join("convergence.csv"), |out| out.write_all(table.csv().as_bytes())).map(|_| ())
     }
 }
 
+/// The numbers at the end on each level.
+const VALUES: &str = "convergence-values.csv";
 /// Files of a study: the hash of its inputs, and the progress of its reference.
 const INPUT: &str = "study.sha256";
 const REFERENCE: &str = "reference.bin";

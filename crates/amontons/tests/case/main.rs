@@ -29,6 +29,7 @@ mod materials;
 mod phases;
 mod quantities;
 mod reference;
+mod refine_where;
 mod sides;
 mod thermal_faults;
 mod valid;

@@ -12,7 +12,7 @@ fn level(name: &str, foundation: &str, n: usize) -> StudyLevel {
         format!("contact.heat.foundation_temperature={foundation}"),
     ]);
     let case = case("cases/paper.toml", &overrides);
-    StudyLevel { level: n, problem: case.problem, text: case.text }
+    StudyLevel { level: n, problem: case.problem, text: case.text, measured: None }
 }
 
 /// Tolerance of the reference: 1e-6 relative.

@@ -72,7 +72,8 @@ type Order = (&'static str, fn(&ErrorRow) -> f64, f64);
 
 /// Asserts the orders of errors over two meshes.
 fn assert_orders(what: &str, meshes: [usize; 2], problem: impl Fn(usize) -> Problem, data: &Data, orders: &[Order]) {
-    let levels = meshes.map(|n| StudyLevel { level: n, problem: problem(n), text: String::new() }).to_vec();
+    let levels =
+        meshes.map(|n| StudyLevel { level: n, problem: problem(n), text: String::new(), measured: None }).to_vec();
     let study = Study { vary: Vary::Space, levels, reference: Reference::Exact(data.exact.clone()) };
     let table = study.run(&StudySettings::default()).unwrap_or_else(|error| panic!("{what}: {error}"));
     for (name, error, order) in orders {

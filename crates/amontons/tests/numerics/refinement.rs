@@ -8,7 +8,7 @@ use amontons::element::{P1_PYRAMID, ShapeTable};
 use amontons::mesh::{Block, CellMap, Diagonal, Elements, FacetMap, FacetSet, Mesh};
 use amontons::quadrature::Shape;
 
-fn volume(mesh: &Mesh) -> f64 {
+pub fn volume(mesh: &Mesh) -> f64 {
     let mut sum = 0.0;
     for block in &mesh.blocks {
         let table = ShapeTable::new(block.element, 8);
@@ -28,7 +28,7 @@ fn volume(mesh: &Mesh) -> f64 {
 }
 
 /// ∫ 1 and ∫ x·ν over a side.
-fn side(mesh: &Mesh, set: &FacetSet) -> [f64; 2] {
+pub fn side(mesh: &Mesh, set: &FacetSet) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for block in &set.blocks {
         let table = ShapeTable::new(block.element, 16);
@@ -73,7 +73,7 @@ fn bent(mesh: &Mesh) -> Mesh {
     bent
 }
 
-fn bodies() -> Vec<Mesh> {
+pub fn bodies() -> Vec<Mesh> {
     let prisms = Mesh::rectangle([1.0, 2.0], [2, 1], Diagonal::Right)
         .expect("a mesh")
         .extruded(1.0, 2, ["low", "high"])
@@ -96,7 +96,7 @@ fn bodies() -> Vec<Mesh> {
 }
 
 /// The mesh turned by a random rotation in space (of a plane body in its plane), with its nodes in another order.
-fn turned(mesh: &Mesh, seed: u64) -> Mesh {
+pub fn turned(mesh: &Mesh, seed: u64) -> Mesh {
     let mut state = seed;
     let mut random = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -3,6 +3,8 @@
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use super::side::InBox;
+
 /// The mesh: generated, or read from a file.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -26,6 +28,9 @@ pub(in crate::case) enum Mesh {
         /// Whether the mesh is the half section of a body of revolution, x being the distance from the axis.
         #[serde(default)]
         axisymmetric: bool,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// The interval (0, size). Its ends are named left and right.
     Interval {
@@ -38,6 +43,9 @@ pub(in crate::case) enum Mesh {
         /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// The box (0, size₀) × (0, size₁) × (0, size₂). Its sides are named left, right (x), bottom, top (y), back and
     /// front (z).
@@ -50,6 +58,9 @@ pub(in crate::case) enum Mesh {
         /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// A disc around the origin. Its side is named outer.
     Disc {
@@ -61,6 +72,9 @@ pub(in crate::case) enum Mesh {
         /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// A ring around the origin, or a sector of it that begins at the x-axis. Its sides are named inner, outer, start
     /// and end.
@@ -77,6 +91,9 @@ pub(in crate::case) enum Mesh {
         /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// A cylinder around the z-axis, 0 < z < height, or a sector of it that begins at the x-axis. Its sides are named
     /// inner, outer, bottom, top, and start and end of a sector.
@@ -95,6 +112,9 @@ pub(in crate::case) enum Mesh {
         /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// Several bodies side by side, each with nodes of its own: intervals, rectangles and rings, or boxes and
     /// cylinders. Each is a region; its sides are named after it: `pad_left`, `pad_top`, `shaft_outer`.
@@ -105,6 +125,9 @@ pub(in crate::case) enum Mesh {
         /// Whether the mesh is the half section of bodies of revolution, x being the distance from the axis.
         #[serde(default)]
         axisymmetric: bool,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
     /// A mesh file of Gmsh (.msh), Abaqus or CalculiX (.inp), Code_Aster or Salome (.med, .mail), Exodus (.e) or VTK
     /// (.vtu).
@@ -124,6 +147,9 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         #[schemars(range(max = 8))]
         refine: u32,
+        /// Places in which the mesh is finer, in this order.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        refine_where: Vec<RefineWhere>,
     },
 }
 
@@ -135,6 +161,48 @@ impl Mesh {
             _ => None,
         }
     }
+
+    /// The places in which the mesh is finer.
+    pub fn refine_where(&self) -> &[RefineWhere] {
+        match self {
+            Mesh::Rectangle { refine_where, .. }
+            | Mesh::Interval { refine_where, .. }
+            | Mesh::Box { refine_where, .. }
+            | Mesh::Disc { refine_where, .. }
+            | Mesh::Ring { refine_where, .. }
+            | Mesh::Cylinder { refine_where, .. }
+            | Mesh::Blocks { refine_where, .. }
+            | Mesh::File { refine_where, .. } => refine_where,
+        }
+    }
+}
+
+/// Cells of which every edge is cut in two: those in all places that are given. Cells around them are cut as far as a
+/// conforming mesh needs, quadrilaterals into triangles, hexahedra and prisms into pyramids and tetrahedra.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct RefineWhere {
+    /// Name of a side: cells with a vertex on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub side: Option<String>,
+    /// Name of a region: its cells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<String>,
+    /// A box, in two dimensions a rectangle: cells that reach into it.
+    #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
+    pub within: Option<InBox>,
+    /// Condition in x, y, z, such as "x^2 + y^2 < 0.01": cells in which it holds, or is not 0, at a vertex or in the
+    /// centre.
+    #[serde(default, rename = "where", skip_serializing_if = "Option::is_none")]
+    pub holds: Option<String>,
+    /// Number of times, each for the cells that are then in the places.
+    #[serde(default = "once")]
+    #[schemars(range(min = 1, max = 16))]
+    pub times: u32,
+}
+
+fn once() -> u32 {
+    1
 }
 
 /// A body of a mesh of several: an interval, a rectangle or a box by the number of its sizes, a round body with `radii`

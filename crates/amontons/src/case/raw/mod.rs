@@ -32,7 +32,7 @@ pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Sc
 pub(in crate::case) use material::{
     Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor, Viscosity,
 };
-pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh, Turn};
+pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh, RefineWhere, Turn};
 pub(in crate::case) use obstacle::{Geometry, Obstacle, ObstacleLoad, Turning};
 pub(in crate::case) use phase::{PhaseAnalysis, RunPhase, StepNumber};
 pub(in crate::case) use probe::{Over, Probe};

@@ -21,6 +21,7 @@ use super::folder::{Results, has_fields};
 use super::table::CsvTable;
 use super::{Options, PlotError, convergence, frames, profiles, time};
 use crate::case::{self, Case, CaseError};
+use crate::convergence::ValueRow;
 use crate::machine;
 use crate::output::names::{CASE, SUMMARY};
 use crate::output::{LONGEST, Summary, write_file};
@@ -40,6 +41,8 @@ struct Contents {
     summary: Option<Summary>,
     /// Names of columns and rows of a convergence study, and its picture as SVG.
     study: Option<(CsvTable, String)>,
+    /// Probes, resultants and energies at the end on each level of the study.
+    values: Vec<ValueRow>,
     /// Descriptions of the drawings, and their arrays.
     data: Value,
     arrays: String,
@@ -88,6 +91,24 @@ fn study(dir: &Path, units: Units) -> Result<Option<(CsvTable, String)>, PlotErr
     Ok(Some((CsvTable::read(&path)?, picture.svg())))
 }
 
+/// The part of `convergence.json` with the numbers at the end.
+#[derive(serde::Deserialize)]
+struct ValuesOfStudy {
+    #[serde(default)]
+    values: Vec<ValueRow>,
+}
+
+/// The numbers at the end of a study; none of a study that was made without them.
+fn values(dir: &Path) -> Result<Vec<ValueRow>, PlotError> {
+    let path = dir.join("convergence.json");
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = machine::read_text(&path, LONGEST).map_err(|source| PlotError::Read { path: path.clone(), source })?;
+    let read: Result<ValuesOfStudy, _> = serde_json::from_str(&text);
+    read.map(|read| read.values).map_err(|e| PlotError::Format { path, what: e.to_string() })
+}
+
 /// 256 colours of a map, concatenated.
 fn colors(map: ColorMap) -> String {
     (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).map(|c| format!("{c:02x}")).collect()
@@ -98,8 +119,17 @@ impl Contents {
         let (case, text) = read_case(dir)?;
         let units = case.problem.units();
         let study = study(dir, units)?;
-        let mut contents =
-            Contents { case, text, summary: None, study, data: Value::Null, arrays: String::new(), notes: Vec::new() };
+        let values = if study.is_some() { values(dir)? } else { Vec::new() };
+        let mut contents = Contents {
+            case,
+            text,
+            summary: None,
+            study,
+            values,
+            data: Value::Null,
+            arrays: String::new(),
+            notes: Vec::new(),
+        };
         if contents.study.is_none() || has_fields(dir) {
             contents.run(dir)?;
         }

@@ -5,6 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use super::Contents;
+use crate::convergence::ValueRow;
 use crate::hypotheses::{Finding, FindingStatus, Kind};
 use crate::output::Summary;
 use crate::plot::table::CsvTable;
@@ -100,7 +101,8 @@ fn sections(contents: &Contents) -> Vec<(&'static str, &'static str, String)> {
         all.push(("probes", "Probes", String::new()));
     }
     if let Some((table, picture)) = &contents.study {
-        all.push(("convergence", "Convergence", self::table(table) + &image(picture, "Errors over the refinement")));
+        let picture = image(picture, "Errors over the refinement");
+        all.push(("convergence", "Convergence", self::table(table) + &picture + &values(&contents.values)));
     }
     // Requested results come first, theory on request last.
     let findings = contents.summary.as_ref().map_or_else(String::new, |summary| findings(&summary.findings));
@@ -109,6 +111,29 @@ fn sections(contents: &Contents) -> Vec<(&'static str, &'static str, String)> {
     }
     all.push(("case", "Case", format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escaped(&contents.text))));
     all
+}
+
+/// The numbers at the end of a study: values on the levels, order and limit, or why there is none.
+fn values(rows: &[ValueRow]) -> String {
+    let Some(first) = rows.first() else { return String::new() };
+    let cell = |text: &str| format!("<td>{}</td>", escaped(text));
+    let levels: String = first.levels.iter().map(|level| format!("<th scope=\"col\">{}</th>", level.level)).collect();
+    let mut body = String::new();
+    for row in rows {
+        let values: String = row.levels.iter().map(|level| cell(&format!("{:.7e}", level.value))).collect();
+        let Some(last) = row.levels.last() else { continue };
+        let number = |text: Option<String>| cell(&text.unwrap_or_else(|| "–".to_owned()));
+        let order = number(last.order.map(|order| format!("{order:.3}")));
+        let limit = number(last.limit.map(|limit| format!("{limit:.9e}")));
+        let error = number(last.error.map(|error| format!("{error:.1e}")));
+        let name = escaped(&row.name);
+        body += &format!("<tr><th scope=\"row\">{name}</th>{values}{order}{limit}{error}{}</tr>\n", cell(&last.remark));
+    }
+    format!(
+        "<h3>At the end</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"numbers\"><thead><tr>\
+         <th scope=\"col\">quantity</th>{levels}<th scope=\"col\">order</th><th scope=\"col\">limit</th><th scope=\"col\">±</th>\
+         <th scope=\"col\">remark</th></tr></thead><tbody>\n{body}</tbody></table></div>\n"
+    )
 }
 
 /// The summary in rows of a name and a text.
