@@ -9,6 +9,7 @@
 use rayon::prelude::*;
 
 use super::Refused;
+use super::dense::Semidefinite;
 use super::skeleton::Skeleton;
 use super::stress::{Laws, Motion};
 use crate::mesh::{CellMap, FacetMap};
@@ -51,8 +52,19 @@ impl FacetGiven {
         }
     }
 
-    fn project(&self, v: &Point) -> Point {
+    pub fn project(&self, v: &Point) -> Point {
         self.free.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// True if no direction is unknown.
+    pub fn is_known(&self) -> bool {
+        self.free.iter().flatten().all(|x| x.abs() < 0.5 * f64::EPSILON)
+    }
+
+    /// Rows whose products with a traction are its known components.
+    pub fn kept(&self, dim: usize) -> Vec<Point> {
+        let row = |i: usize| -> Point { std::array::from_fn(|j| f64::from(u8::from(i == j)) - self.free[i][j]) };
+        (0..dim).map(row).filter(|row| length(row) > 1e-6).collect()
     }
 
     /// The known part of a moment, and the projection of the free part.
@@ -186,10 +198,8 @@ impl StarProblem<'_> {
         let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
         let n = star.len() * d;
         let mut matrix = vec![vec![0.0; n]; n];
-        let mut right: Vec<f64> = star
-            .iter()
-            .flat_map(|&(cell, local)| self.forces[cell].rest[local].into_iter().take(d))
-            .collect();
+        let mut right: Vec<f64> =
+            star.iter().flat_map(|&(cell, local)| self.forces[cell].rest[local].into_iter().take(d)).collect();
         for &(facet, _, moment) in &moments {
             let of = &self.skeleton.facets[facet];
             let rows: Vec<(usize, f64)> =
@@ -206,9 +216,13 @@ impl StarProblem<'_> {
                 }
             }
         }
-        let (multipliers, left) = semidefinite(matrix, &right);
+        let multipliers = Semidefinite::new(matrix.clone()).solve(&right);
+        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(&multipliers).map(|(a, x)| a * x).sum() };
+        let left = matrix.iter().zip(&right).map(|(row, right)| (right - product(row)).abs()).fold(0.0, f64::max);
         if left > LEFT * self.largest {
-            return Err(Refused::new("a force acts on a point or an edge, where no stress of finite energy balances it"));
+            return Err(Refused::new(
+                "a force acts on a point or an edge, where no stress of finite energy balances it",
+            ));
         }
         for (facet, _, moment) in &mut moments {
             let of = &self.skeleton.facets[*facet];
@@ -223,39 +237,4 @@ impl StarProblem<'_> {
         }
         Ok(moments)
     }
-}
-
-/// Solves equations with a symmetric semidefinite matrix, by Cholesky's method without the rows that depend on others,
-/// and returns what is left of them.
-pub(super) fn semidefinite(matrix: Vec<Vec<f64>>, right: &[f64]) -> (Vec<f64>, f64) {
-    const DEPENDENT: f64 = 1e-11;
-    let n = right.len();
-    let mut l = matrix.clone();
-    let mut is_kept = vec![true; n];
-    for j in 0..n {
-        let before: f64 = (0..j).filter(|&k| is_kept[k]).map(|k| l[j][k] * l[j][k]).sum();
-        let pivot = matrix[j][j] - before;
-        is_kept[j] = pivot > DEPENDENT * matrix[j][j];
-        if !is_kept[j] {
-            continue;
-        }
-        let root = pivot.sqrt();
-        l[j][j] = root;
-        for i in j + 1..n {
-            let sum: f64 = (0..j).filter(|&k| is_kept[k]).map(|k| l[i][k] * l[j][k]).sum();
-            l[i][j] = (matrix[i][j] - sum) / root;
-        }
-    }
-    let kept: Vec<usize> = (0..n).filter(|&i| is_kept[i]).collect();
-    let mut x = vec![0.0; n];
-    for (place, &i) in kept.iter().enumerate() {
-        let sum: f64 = kept[..place].iter().map(|&k| l[i][k] * x[k]).sum();
-        x[i] = (right[i] - sum) / l[i][i];
-    }
-    for (place, &i) in kept.iter().enumerate().rev() {
-        let sum: f64 = kept[place + 1..].iter().map(|&k| l[k][i] * x[k]).sum();
-        x[i] = (x[i] - sum) / l[i][i];
-    }
-    let left = (0..n).map(|i| (right[i] - (0..n).map(|j| matrix[i][j] * x[j]).sum::<f64>()).abs()).fold(0.0, f64::max);
-    (x, left)
 }

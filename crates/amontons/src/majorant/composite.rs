@@ -102,19 +102,18 @@ impl Composite {
         Sym::from_fn(self.dim, |r, c| components[component(r, c)])
     }
 
-    /// The data of the reference simplex from the moments of tractions on a simplex per facet and vertex, and ∫ σ.
-    pub fn pulled_back(&self, map: &Affine, moment: impl Fn(usize, usize) -> Point, total: &Sym) -> Vec<f64> {
+    /// The data of the reference simplex from the moments of tractions on a simplex by facet and vertex, and ∫ σ.
+    pub fn pulled_back(&self, map: &Affine, moments: &[(usize, usize, Point)], total: &Sym) -> Vec<f64> {
         let dim = self.dim;
         let mut data = vec![0.0; Composite::data(dim)];
-        for facet in 0..=dim {
-            for vertex in (0..=dim).filter(|&vertex| vertex != facet) {
-                let place = Composite::place(dim, facet, vertex);
-                let moment = map.inverse_times(&moment(facet, vertex));
-                data[place..place + dim].copy_from_slice(&moment[..dim]);
-            }
+        for (facet, vertex, moment) in moments {
+            let place = Composite::place(dim, *facet, *vertex);
+            let moment = map.inverse_times(moment);
+            data[place..place + dim].copy_from_slice(&moment[..dim]);
         }
         // B⁻¹ T B⁻ᵀ.
-        let rows: Vec<Point> = (0..dim).map(|j| map.inverse_times(&std::array::from_fn(|i| get(total, i, j, dim)))).collect();
+        let rows: Vec<Point> =
+            (0..dim).map(|j| map.inverse_times(&std::array::from_fn(|i| get(total, i, j, dim)))).collect();
         let column = |j: usize| -> Point { std::array::from_fn(|i| if i < dim { rows[i][j] } else { 0.0 }) };
         let columns: Vec<Point> = (0..dim).map(|j| map.inverse_times(&column(j))).collect();
         for (k, &(r, c)) in MANDEL.iter().enumerate().take(mandel_len(dim)) {
@@ -154,9 +153,8 @@ impl Affine {
                 column[d] = vertices[c + 1][d] - vertices[0][d];
             }
         }
-        let cross = |a: &Point, b: &Point| {
-            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-        };
+        let cross =
+            |a: &Point, b: &Point| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
         let [a, b, c] = &columns;
         let rows = [cross(b, c), cross(c, a), cross(a, b)];
         let determinant: f64 = a.iter().zip(&rows[0]).map(|(x, y)| x * y).sum();
@@ -247,9 +245,13 @@ mod tests {
             };
             let share = volume(dim) * map.determinant / (dim + 1) as f64;
             let total = values.iter().fold(Sym::ZERO, |sum, value| sum + share * *value);
-            let data = element.pulled_back(&map, moment, &total);
-            let centre: Point =
-                std::array::from_fn(|c| vertices.iter().map(|x| x[c]).sum::<f64>() / (dim + 1) as f64);
+            let pairs = (0..=dim).flat_map(|facet| (0..=dim).map(move |vertex| (facet, vertex)));
+            let moments: Vec<(usize, usize, Point)> = pairs
+                .filter(|(facet, vertex)| facet != vertex)
+                .map(|(facet, vertex)| (facet, vertex, moment(facet, vertex)))
+                .collect();
+            let data = element.pulled_back(&map, &moments, &total);
+            let centre: Point = std::array::from_fn(|c| vertices.iter().map(|x| x[c]).sum::<f64>() / (dim + 1) as f64);
             for part in 0..=dim {
                 for node in 0..=dim {
                     let x = if node == part { centre } else { vertices[node] };

@@ -138,7 +138,8 @@ impl<'a> Touching<'a> {
         map.at(nodes, 0);
         let normal = map.normal;
         let gap = nodes.iter().map(|&node| self.gap(contact, node, motion)).collect::<Result<Vec<f64>, Refused>>()?;
-        let slip = nodes.iter().map(|&node| self.slip(contact, node, motion)).collect::<Result<Vec<Point>, Refused>>()?;
+        let slip =
+            nodes.iter().map(|&node| self.slip(contact, node, motion)).collect::<Result<Vec<Point>, Refused>>()?;
         let vertices = element.shape.vertices();
         let zero = (vec![0.0; vertices], vec![[0.0; 3]; vertices], vec![0.0; vertices]);
         let (pressure, friction, bound) = zero;
@@ -196,7 +197,9 @@ impl<'a> Touching<'a> {
             states.into_iter().any(|state| !super::is_along(&state.normal, &facet.normal))
         };
         if self.facets.iter().any(is_turned) {
-            remarks.estimate("the direction of contact is not the normal of the facets: the side or its obstacle is curved");
+            remarks.estimate(
+                "the direction of contact is not the normal of the facets: the side or its obstacle is curved",
+            );
         }
     }
 

@@ -18,7 +18,9 @@
 mod balance;
 mod composite;
 mod contact;
+mod dense;
 mod energy;
+mod relax;
 mod scope;
 mod skeleton;
 mod stress;
@@ -34,11 +36,12 @@ use crate::linalg::{Layout, System, max_abs};
 use crate::mesh::{CellMap, FacetMap, FacetSet};
 use crate::problem::{BoundaryCondition, Problem};
 use crate::state::{State, StepReport};
-use crate::tensor::{Point, Sym, length};
+use crate::tensor::{Point, length};
 use crate::time::Rule;
 use balance::{CellForces, FacetGiven, balanced, means};
 use contact::{Solved, Touching};
-use energy::Evaluation;
+use energy::{CellEnergy, Evaluation};
+use relax::Relaxation;
 use skeleton::Skeleton;
 use stress::{Laws, Motion};
 
@@ -149,8 +152,11 @@ impl Majorant {
         let gamma = rule.gamma;
         let before: Vec<f64> = state.u.iter().zip(&state.w).map(|(u, w)| u - made.k * w).collect();
         let theta = scope::temperature(problem, discrete, state)?;
-        let contacts: Vec<Contact> =
-            problem.contacts.iter().map(|contact| contact.at_time(state.t).unwrap_or_else(|| contact.clone())).collect();
+        let contacts: Vec<Contact> = problem
+            .contacts
+            .iter()
+            .map(|contact| contact.at_time(state.t).unwrap_or_else(|| contact.clone()))
+            .collect();
         let laws = Laws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() })?;
         let mut remarks = Remarks::default();
         scope::remark(problem, &laws, &contacts, state.t, &mut remarks);
@@ -182,13 +188,7 @@ impl Majorant {
     }
 
     /// What is known of the tractions on the facets: zero outside, loads, and directions that are held.
-    fn given(
-        &self,
-        problem: &Problem,
-        discrete: &Discretization,
-        t: f64,
-        remarks: &mut Remarks,
-    ) -> Vec<FacetGiven> {
+    fn given(&self, problem: &Problem, discrete: &Discretization, t: f64, remarks: &mut Remarks) -> Vec<FacetGiven> {
         let of = |facet: &skeleton::FacetOf| {
             let n = facet.vertices.len();
             if facet.cells.len() > 1 { FacetGiven::inner(n) } else { FacetGiven::outer(n) }
@@ -224,7 +224,8 @@ impl Majorant {
             return;
         }
         if fields.iter().any(|field| field.depends_on_space()) {
-            remarks.estimate("a traction varies in space: its deviation from a linear one on each facet is not counted");
+            remarks
+                .estimate("a traction varies in space: its deviation from a linear one on each facet is not counted");
         }
         let value = |fields: &Option<Vec<Field>>, c: usize, x: &Point| {
             fields.as_ref().and_then(|fields| fields.get(c)).map_or(0.0, |field| field.value(x, t))
@@ -239,9 +240,8 @@ impl Majorant {
                 map.at(nodes, q);
                 let x = &map.position;
                 let p = pressure.as_ref().map_or(0.0, |field| field.value(x, t));
-                let traction: Point = std::array::from_fn(|c| {
-                    value(traction, c, x) + value(force, c, x) / size - p * map.normal[c]
-                });
+                let traction: Point =
+                    std::array::from_fn(|c| value(traction, c, x) + value(force, c, x) / size - p * map.normal[c]);
                 let hats = skeleton::linear_functions(element.shape, element, reference);
                 for (hat, &node) in hats.iter().zip(nodes) {
                     if let Some(place) = self.skeleton.facets[facet].place(node) {
@@ -352,7 +352,10 @@ impl MadeStep<'_> {
         let value = |fields: &[Field], c: usize| fields.get(c).map_or(0.0, |field| field.value(x, self.t));
         let of_region = self.problem.region_loads.iter().filter(|load| load.region == region);
         let mut force: Point = std::array::from_fn(|c| value(&self.problem.body_force, c));
-        of_region.for_each(|load| (0..3).for_each(|c| force[c] += value(&load.body_force, c)));
+        for load in of_region {
+            let (gravity, density) = load.gravity.as_ref().map_or((&[][..], 0.0), |(g, rho)| (&g[..], rho.at(x)));
+            (0..3).for_each(|c| force[c] += value(&load.body_force, c) + density * value(gravity, c));
+        }
         force
     }
 
@@ -367,14 +370,13 @@ impl MadeStep<'_> {
             cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion)).collect();
         let (means, weights) = means(self.laws, self.skeleton, &forces, balanced_motion);
         let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
-        let evaluation = Evaluation::new(self.laws, self.skeleton);
+        let evaluation = Evaluation::new(self.laws, self.skeleton, motion);
         let of_cell = |cell: usize| {
-            let total: Sym = self.laws.total(self.skeleton, cell, balanced_motion);
-            evaluation
-                .of_cell(cell, &forces[cell], &moments, (motion, &total))
-                .ok_or_else(|| Refused::new("a stiffness that is not positive"))
+            evaluation.of_cell(cell, &forces[cell]).ok_or_else(|| Refused::new("a stiffness that is not positive"))
         };
-        let cells = cells.into_par_iter().map(of_cell).collect::<Result<Vec<f64>, Refused>>()?;
+        let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
+        let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
+        let cells = Relaxation { mesh, skeleton, given, energies: &energies }.least(&moments, &forces)?;
         let of_facet = |facet: &contact::ContactFacet| {
             let cell = self.skeleton.facets[facet.facet].cells.first().map_or(0, |first| first.0);
             (cell, touching.term(facet, motion.u))
@@ -395,7 +397,12 @@ impl MadeStep<'_> {
         (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).collect()
     }
 
-    fn sum(&self, parts: EnergyParts, (u, repaired): (&[f64], Option<&[f64]>), remarks: Remarks) -> DiscretizationError {
+    fn sum(
+        &self,
+        parts: EnergyParts,
+        (u, repaired): (&[f64], Option<&[f64]>),
+        remarks: Remarks,
+    ) -> DiscretizationError {
         let EnergyParts { mut cells, contact } = parts;
         let mesh: f64 = cells.iter().sum();
         let on_contact: f64 = contact.iter().map(|(_, energy)| energy).sum();

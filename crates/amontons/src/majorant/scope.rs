@@ -93,9 +93,8 @@ pub(super) fn temperature<'s>(
     discrete: &Discretization,
     state: &'s State,
 ) -> Result<&'s [f64], Refused> {
-    let acts = problem.physics.has_temperature() && problem.materials.iter().any(|m| {
-        m.expansion.constant().is_none_or(|tensor| tensor.norm() > 0.0)
-    });
+    let acts = problem.physics.has_temperature()
+        && problem.materials.iter().any(|m| m.expansion.constant().is_none_or(|tensor| tensor.norm() > 0.0));
     if !acts {
         return Ok(&[]);
     }
@@ -124,7 +123,8 @@ pub(super) fn remark(problem: &Problem, laws: &Laws, contacts: &[Contact], t: f6
     if problem.materials.iter().any(|m| m.expansion.varies()) {
         remarks.estimate("the expansion varies within cells: integrals are taken by quadrature");
     }
-    let held = problem.boundary.iter().flat_map(|b| b.displacement.iter().flatten().flatten().chain(&b.normal_displacement));
+    let held =
+        problem.boundary.iter().flat_map(|b| b.displacement.iter().flatten().flatten().chain(&b.normal_displacement));
     if held.into_iter().any(|field| field.depends_on_space()) {
         remarks.note("prescribed displacements are those interpolated on the mesh");
     }

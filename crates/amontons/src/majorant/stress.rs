@@ -59,6 +59,11 @@ impl Compliance {
         (0..self.m).map(|i| tau.0[i] * (0..self.m).map(|j| self.inverse[i][j] * sigma.0[j]).sum::<f64>()).sum()
     }
 
+    /// C⁻¹:σ.
+    pub fn times(&self, sigma: &Sym) -> Sym {
+        Sym(std::array::from_fn(|i| (0..self.m).map(|j| self.inverse[i][j] * sigma.0[j]).sum()))
+    }
+
     /// A size of the compliance in 1/Pa that does not depend on the axes.
     pub fn size(&self) -> f64 {
         self.inverse.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
@@ -174,16 +179,6 @@ impl<'a> Laws<'a> {
             }
         });
         forces
-    }
-
-    /// ∫ σ over a cell.
-    pub fn total(&self, skeleton: &Skeleton, cell: usize, motion: &Motion) -> Sym {
-        let (nodes, region) = (skeleton.nodes(self.mesh, cell), self.region(skeleton, cell));
-        let mut total = Sym::ZERO;
-        self.integrate(&skeleton.tables(cell).body, nodes, |map, weight| {
-            total += weight * self.at(region, map, nodes, motion);
-        });
-        total
     }
 
     pub fn region(&self, skeleton: &Skeleton, cell: usize) -> usize {
