@@ -278,17 +278,25 @@ impl Majorant {
             system.unknowns().add(&x, &mut change);
             u.iter_mut().zip(&change).for_each(|(u, change)| *u += rule.gamma * change);
         }
-        let size = max_abs(motion.u).max(f64::MIN_POSITIVE);
-        let change = u.iter().zip(motion.u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        if !change.is_finite() || change > WILD * size {
+        let rest = residual(laws, &self.skeleton, &Motion { u: &u, ..*motion }, right);
+        let left = max_abs(&system.unknowns().gather(&rest));
+        let forces = self.largest(laws, motion, right);
+        if left.is_nan() || left > LEFT * forces {
             return Err(held_by_contact());
         }
         Ok(u)
     }
+
+    /// The largest force of a cell on a node, or on a node from outside, N.
+    fn largest(&self, laws: &Laws, motion: &Motion, right: &[f64]) -> f64 {
+        let of_cell = |cell: usize| laws.forces(&self.skeleton, cell, motion).iter().map(length).fold(0.0, f64::max);
+        let of_cells = (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).reduce(|| 0.0, f64::max);
+        of_cells.max(max_abs(right))
+    }
 }
 
-/// A correction this much larger than the displacement is that of a body that nothing holds.
-const WILD: f64 = 1e3;
+/// What may be left of the balance of the nodes, relative to the largest force: more is a body that nothing holds.
+const LEFT: f64 = 1e-9;
 
 fn held_by_contact() -> Refused {
     Refused::new("a body that contact alone holds")
