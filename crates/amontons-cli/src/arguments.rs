@@ -33,6 +33,9 @@ pub enum Command {
         /// Write `report.html` too
         #[arg(long)]
         report: bool,
+        /// Bound the discretization error, as with `output.error=true`
+        #[arg(long)]
+        error: bool,
         #[command(flatten)]
         certificate: CertificateChoice,
         /// Keep the results of earlier runs: write into the first of NAME, NAME-2, NAME-3, … that is not there
@@ -422,6 +425,14 @@ impl Common {
 }
 
 impl Command {
+    /// The command with the options that stand for keys of the case file.
+    pub fn with_choices(mut self) -> Command {
+        if let Command::Run { error: true, common, .. } = &mut self {
+            common.set.push("output.error=true".to_owned());
+        }
+        self
+    }
+
     /// In what form messages are printed.
     pub fn format(&self) -> OutputFormat {
         match self {

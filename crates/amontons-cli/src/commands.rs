@@ -21,7 +21,7 @@ use crate::{constants, converge, explain, fit, gradient, import, materials, mode
 
 /// Executes a command.
 pub fn execute(command: Command) -> Result<(), CommandFailure> {
-    match command {
+    match command.with_choices() {
         Command::Run { case, plot, report, certificate, each, jobs, common, .. } if !each.is_empty() => {
             let after = After { pictures: plot, report };
             let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate };
@@ -253,7 +253,7 @@ fn drive(
     let quiet = common.quiet || common.format == OutputFormat::Json;
     match result {
         Ok(summary) => {
-            done(&summary, &case.skipped, out, common)?;
+            done(&folder.completed(&summary), &case.skipped, out, common)?;
             after.make(out, quiet)
         }
         Err(error) => {

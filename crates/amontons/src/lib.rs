@@ -52,6 +52,7 @@ pub mod identification;
 pub mod inclusion;
 pub mod linalg;
 mod machine;
+pub mod majorant;
 pub mod mass;
 pub mod material;
 pub mod mesh;

@@ -30,6 +30,8 @@ pub struct Case {
     pub every: usize,
     /// Fields of the snapshots in addition to the standard ones.
     pub fields: Vec<OutputField>,
+    /// True if the discretization error is bounded at each snapshot.
+    pub error: bool,
     /// Format of the fields of a finished run.
     pub format: FieldsFormat,
     /// The interval between checkpoints.
@@ -82,6 +84,7 @@ impl Case {
             every: self.every,
             fields: self.fields.clone(),
             format: self.format,
+            error: self.error,
             probes: self.probes.clone(),
             checkpoint: self.checkpoint,
             overrides: self.overrides.clone(),
@@ -178,7 +181,7 @@ fn build_case(
     };
     library::fill(&mut raw, &mut findings);
     let (every, fields, format) = (raw.output.every, build::fields(&raw.output), build::format(&raw.output));
-    let checkpoint = build::checkpoint(&raw.output);
+    let (error, checkpoint) = (raw.output.error, build::checkpoint(&raw.output));
     let expected = raw.expected.as_ref().map(build::expected);
     let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));
     let blocks = mesh::blocks(&raw.mesh);
@@ -193,6 +196,7 @@ fn build_case(
                 every,
                 fields,
                 format,
+                error,
                 checkpoint,
                 probes,
                 expected,

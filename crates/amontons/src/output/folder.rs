@@ -8,13 +8,14 @@ use std::time::Duration;
 
 use super::columns::{contact_measures, history_columns, history_measures, history_row};
 use super::csv::StepTable;
+use super::discretization_error::{self, ErrorTable};
 use super::earlier::write_certificate;
 use super::files::{LONGEST, WrittenFile, create_folder, remove_file, remove_folder, write_atomically, write_json};
 use super::inputs::{Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, ManifestSettings};
 use super::names::{
-    CASE, CERTIFICATE, CHECKPOINT_FOLDER, CONTACT, FIELDS, FIELDS_FOLDER, FILES, HISTORY, INPUTS, MANIFEST, PACKED,
-    PROBES, SIDES, SUMMARY,
+    CASE, CERTIFICATE, CHECKPOINT_FOLDER, CONTACT, ERROR, FIELDS, FIELDS_FOLDER, FILES, HISTORY, INPUTS, MANIFEST,
+    PACKED, PROBES, SIDES, SUMMARY,
 };
 use super::owned::{self, STAGING};
 use super::room::demand;
@@ -57,6 +58,8 @@ pub struct FolderOptions {
     pub checkpoint: CheckpointInterval,
     /// True if the run evaluates all hypotheses.
     pub certificate: bool,
+    /// True if the discretization error is bounded at each snapshot.
+    pub error: bool,
     /// The overrides already applied in the text.
     pub overrides: Vec<String>,
 }
@@ -90,6 +93,7 @@ impl FolderOptions {
             force: false,
             checkpoint: CheckpointInterval::default(),
             certificate: true,
+            error: false,
             overrides: Vec::new(),
         }
     }
@@ -125,6 +129,8 @@ pub struct Folder {
     recovery: Option<StressRecovery>,
     /// Step and time of the field snapshots; time and file of the sides of contact.
     snapshots: Vec<(usize, f64)>,
+    /// Bounds of the discretization error.
+    errors: ErrorTable,
     surfaces: Vec<(f64, String)>,
     /// Last step of each phase.
     phase_ends: Vec<usize>,
@@ -236,12 +242,21 @@ impl Folder {
             probes: None,
             recovery: None,
             snapshots: Vec::new(),
+            errors: ErrorTable::default(),
             surfaces: Vec::new(),
             phase_ends: Vec::new(),
             last_checkpoint: LastCheckpoint { step: None, at: Instant::now(), took: Duration::ZERO, first: 0 },
             notes: Vec::new(),
             _lock: lock,
         }
+    }
+
+    /// A summary of the run with the bound of the discretization error of its last step, if the folder has one.
+    #[must_use]
+    pub fn completed(&self, summary: &Summary) -> Summary {
+        let last = self.errors.last.as_ref().filter(|(step, _)| *step == summary.steps);
+        let discretization_error = last.map(|(_, error)| error.clone());
+        Summary { discretization_error, ..summary.clone() }
     }
 
     /// The folder into which results are written at present.
@@ -384,6 +399,7 @@ impl Folder {
             (HISTORY, history_measures(problem)),
             (CONTACT, of_points),
             (PROBES, of_probes),
+            (ERROR, discretization_error::measures()),
             (FIELDS, vtu::measures()),
             (SIDES, surface::measures()),
         ];
@@ -430,6 +446,7 @@ impl Folder {
         self.history = Some(StepTable::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
         self.probes = self.probe_rows(problem, |columns| StepTable::reopen(self.path.join(PROBES), columns, step))?;
         self.keep_snapshots(problem, step)?;
+        self.errors = ErrorTable::reopen(&self.path.join(ERROR), step)?;
         let mut manifest = self.manifest.clone();
         manifest.change(&self.options.fingerprint(), self.options.settings());
         let copies = |name: &str| !Path::new(name).starts_with(INPUTS);
@@ -530,7 +547,7 @@ impl Sink for Folder {
             // The run has not made a step: the earlier results stay.
             return remove_folder(&self.root());
         }
-        let written = write_json(&self.path.join(SUMMARY), summary)?;
+        let written = write_json(&self.path.join(SUMMARY), &self.completed(summary))?;
         self.manifest.list(SUMMARY, Some(written));
         for (name, written) in checkpoint::written(&self.path) {
             self.manifest.list(name, Some(written));

@@ -14,6 +14,7 @@ pub mod checkpoint;
 mod claimed;
 pub mod columns;
 mod csv;
+mod discretization_error;
 mod earlier;
 mod files;
 mod final_values;
@@ -58,6 +59,7 @@ pub(crate) use columns::contact_rows;
 pub use columns::{
     ContactValues, contact_columns, contact_measures, history_columns, history_measures, history_values,
 };
+pub use discretization_error::ErrorSummary;
 pub use earlier::{finished_run, has_certificate, known_certificate};
 #[cfg(feature = "plot")]
 pub(crate) use files::write_file;

@@ -12,6 +12,8 @@ pub(super) const CERTIFICATE: &str = "certificate.json";
 pub(crate) const SUMMARY: &str = "summary.json";
 /// One row per step.
 pub(crate) const HISTORY: &str = "history.csv";
+/// The bounds of the discretization error, one row per snapshot.
+pub(crate) const ERROR: &str = "error.csv";
 /// The values of the probes, one row per step.
 pub(crate) const PROBES: &str = "probes.csv";
 /// One row per contact point after the last step.
@@ -32,11 +34,12 @@ pub(super) const CONTACT_FOLDER: &str = "contact";
 pub(super) const CHECKPOINT_FOLDER: &str = "checkpoint";
 
 /// The files that a run may write, except copies of inputs and snapshots.
-pub(super) const FILES: [&str; 13] = [
+pub(super) const FILES: [&str; 14] = [
     CASE,
     CERTIFICATE,
     HISTORY,
     PROBES,
+    ERROR,
     CONTACT,
     SIDES,
     FIELDS,

@@ -206,7 +206,7 @@ pub(super) fn placed(key: &str, text: &str) -> String {
 }
 
 /// Meanings of values by their names without components; for the summary by the last part of the key.
-const MEANINGS: [(&str, &str); 88] = [
+const MEANINGS: [(&str, &str); 89] = [
     ("step", "number of the step"),
     ("t", "time"),
     ("kinetic", "kinetic energy at t"),
@@ -269,6 +269,7 @@ const MEANINGS: [(&str, &str); 88] = [
     ("slip_velocity", "w_τ − v_F, of the body against what it faces"),
     ("status", "open, stick or slip; in files of fields 0, 1 or 2"),
     ("temperature", "temperature θ"),
+    ("error", "energy of the discretization error of the cell, at most"),
     ("heat_flux", "q = −𝓚∇θ; on a side q·ν, heat that leaves the body"),
     ("weight", "area ω of a contact point or of a node"),
     ("wear", "depth worn off; of a pair in contact.csv off both bodies where they face each other now"),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::shown::FIGURES;
-use super::{Snapshot, cell_values, limits, strain_norm};
+use super::{ErrorSummary, Snapshot, cell_values, limits, strain_norm};
 use crate::contact::{Contact, PointOnBoundary, Status, names};
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
@@ -70,6 +70,9 @@ pub struct Summary {
     pub choices: Vec<Choice>,
     /// Work of the solver.
     pub solver: SolverCounts,
+    /// Bound of the discretization error of the last step, if it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub discretization_error: Option<ErrorSummary>,
     /// The last row of the audit, with `closing_error` and `heat_closing_error` divided by the turnover.
     pub energy: Ledger,
     /// Hypotheses and conditions with their numbers.
@@ -511,6 +514,7 @@ impl Summary {
             ..state.ledger.clone()
         };
         Summary {
+            discretization_error: None,
             case: problem.name.clone(),
             outcome,
             error,

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::files::{WrittenFile, write_atomically};
 use super::shown::{Lives, ResultTable, Shown};
 use super::{OutputError, Snapshot, StressRecovery, cell_values};
+use crate::majorant::DiscretizationError;
 use crate::material::VTK_COMPONENTS;
 use crate::problem::{Physics, Problem};
 use crate::tensor::{Point, Sym};
@@ -53,7 +54,7 @@ const fn field(name: &'static str, measure: Measure, lives: Lives) -> VtuArray {
 }
 
 /// The arrays in the order in which they are written.
-static FIELDS: [VtuArray; 14] = [
+static FIELDS: [VtuArray; 15] = [
     field("displacement", Measure::Length, Lives::Node),
     field("velocity", Measure::Velocity, Lives::Node),
     field("temperature", Measure::Temperature, Lives::Node),
@@ -68,6 +69,7 @@ static FIELDS: [VtuArray; 14] = [
     field("principal_direction_2", Measure::Number, Lives::Cell),
     field("principal_direction_3", Measure::Number, Lives::Cell),
     field("heat_flux", Measure::HeatFlux, Lives::Cell),
+    field("error", Measure::Energy, Lives::Cell),
 ];
 
 /// Every array that the files can have.
@@ -81,15 +83,17 @@ pub(super) fn measures() -> Vec<(String, Measure)> {
 }
 
 /// Writes the fields of a state as an unstructured grid, compressed by zlib. Nodal stresses are written if a recovery
-/// is given.
+/// is given, and the energy of the discretization error per cell if there is a bound.
 pub(super) fn write_fields(
     path: &Path,
     now: &Snapshot,
     fields: &[OutputField],
     recovery: Option<&StressRecovery>,
+    error: Option<&DiscretizationError>,
 ) -> Result<WrittenFile, OutputError> {
     let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(now.problem.physics)).collect();
-    let (points, cells) = (at_points(now, &fields, recovery), at_cells(now, &fields));
+    let (points, mut cells) = (at_points(now, &fields, recovery), at_cells(now, &fields));
+    cells.extend(error.map(|error| scalars("error", error.cells.iter().copied())));
     write_atomically(path, |out| write(out, &now.problem.mesh.points, connectivity(now.problem), &points, &cells))
 }
 

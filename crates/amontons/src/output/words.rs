@@ -42,6 +42,7 @@ impl Summary {
         let closes = |name: &str, what: &str, error: f64| {
             row(&format!("{name} closes to"), &format!("{error:.1e} of the {what} turned over"))
         };
+        rows.extend(self.discretization_error.as_ref().map(|error| row("discretization error", &error.line())));
         rows.extend(mechanics.then(|| closes("energy", "energy", self.energy.closing_error)));
         rows.extend(heat.then(|| closes("heat", "heat", self.energy.heat_closing_error)));
         rows.extend(self.chosen.as_ref().map(|chosen| lengths(chosen, self.units)));

@@ -26,6 +26,7 @@ mod iterations;
 mod jumps;
 mod kinks;
 mod layers;
+mod majorant;
 mod manufactured;
 mod newton;
 mod orders;

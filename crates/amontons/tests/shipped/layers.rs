@@ -24,7 +24,7 @@ const LAYERS: &[&[&str]] = &[
     &["hypotheses"],
     &["state"],
     &["equation"],
-    &["account", "stability"],
+    &["account", "majorant", "stability"],
     &["step"],
     &["convergence"],
     &["output"],

@@ -58,6 +58,7 @@ const RESULTS: [&str; 27] = [
     "certificate.json",
     "history.csv",
     "probes.csv",
+    "error.csv",
     "contact.csv",
     "convergence.csv",
     "convergence-values.csv",

@@ -467,6 +467,9 @@ pub(in crate::case) struct Output {
     pub fields: Vec<OutputField>,
     /// Format of the fields of a finished run.
     pub format: FieldsFormat,
+    /// Bound the discretization error at each snapshot, per cell and as a whole, in error.csv.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub error: bool,
     /// When checkpoints are written besides those at the start, after the first step and at the end. By default at
     /// least every minute, and more often if that takes less than 1 % of the time.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -489,7 +492,13 @@ pub(in crate::case) struct Checkpoint {
 
 impl Default for Output {
     fn default() -> Output {
-        Output { every: 0, fields: vec![OutputField::Stress], format: FieldsFormat::Vtu, checkpoint: None }
+        Output {
+            every: 0,
+            fields: vec![OutputField::Stress],
+            format: FieldsFormat::Vtu,
+            error: false,
+            checkpoint: None,
+        }
     }
 }
 

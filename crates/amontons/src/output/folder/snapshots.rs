@@ -9,7 +9,7 @@ use super::super::files::LONGEST;
 use super::super::files::{WrittenFile, create_folder, remove_empty_folder, remove_file, write_atomically};
 use super::super::names::HISTORY;
 use super::super::names::{
-    CONTACT_FOLDER, FIELDS, FIELDS_FOLDER, PACKED, SIDES, contact_file, fields_file, sides_file,
+    CONTACT_FOLDER, ERROR, FIELDS, FIELDS_FOLDER, PACKED, SIDES, contact_file, fields_file, sides_file,
 };
 use super::super::packed::{self, FieldsFormat, Packed};
 use super::super::vtu::{write_collection, write_fields};
@@ -39,8 +39,14 @@ impl Folder {
         if self.recovery.is_none() && now.problem.physics.has_mechanics() {
             self.recovery = Some(StressRecovery::new(&now.problem.mesh));
         }
-        let written = write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
+        let found = if self.options.error { self.errors.take(now) } else { None };
+        let (fields, recovery) = (&self.options.fields, self.recovery.as_ref());
+        let written = write_fields(&root.join(&file), now, fields, recovery, found.as_ref())?;
         self.manifest.list(&file, Some(written));
+        if found.is_some() {
+            let written = self.errors.write(&root.join(ERROR))?;
+            self.manifest.list(ERROR, Some(written));
+        }
         if let Some(report) = now.report.filter(|_| !now.problem.contacts.is_empty()) {
             create_folder(&root.join(CONTACT_FOLDER))?;
             let (table, sides) = (contact_file(now.state.step), sides_file(now.state.step));

@@ -1,0 +1,240 @@
+//! Linear tractions on the facets of the mesh that balance each cell.
+//!
+//! With the linear function φ of a vertex and the moments b_F = ∫_F t φ of the tractions on the facets at it, the cells
+//! E at the vertex are in balance if Σ_F ± b_F = ∫_E σ∇φ − ∫_E f φ. The sum over the cells is the discrete equation of
+//! the vertex, so that there are solutions; the nearest one to the means of σν is taken.
+//!
+//! Source: P. Ladevèze, J.-P. Pelle, *Mastering Calculations in Linear and Nonlinear Mechanics* (2005), chapter 2.
+
+use rayon::prelude::*;
+
+use super::Refused;
+use super::dense::Semidefinite;
+use super::skeleton::Skeleton;
+use super::stress::{Laws, Motion};
+use crate::mesh::{CellMap, FacetMap};
+use crate::tensor::{Point, length};
+
+/// What is known of the traction on a facet.
+#[derive(Clone, Debug)]
+pub(super) struct FacetGiven {
+    /// Projection onto the directions in which the traction is unknown, rows.
+    pub free: [Point; 3],
+    /// Moments of the known traction per vertex, N.
+    pub moments: Vec<Point>,
+}
+
+impl FacetGiven {
+    /// A facet inside the body.
+    pub fn inner(vertices: usize) -> FacetGiven {
+        let free = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+        FacetGiven { free, moments: vec![[0.0; 3]; vertices] }
+    }
+
+    /// A facet of the boundary without a traction.
+    pub fn outer(vertices: usize) -> FacetGiven {
+        FacetGiven { free: [[0.0; 3]; 3], moments: vec![[0.0; 3]; vertices] }
+    }
+
+    /// Leaves the traction along a direction unknown.
+    pub fn release(&mut self, direction: &Point) {
+        let along = self.project(direction);
+        let rest: Point = std::array::from_fn(|c| direction[c] - along[c]);
+        let size = length(&rest);
+        if size < 1e-6 {
+            return;
+        }
+        let unit = rest.map(|c| c / size);
+        for i in 0..3 {
+            for j in 0..3 {
+                self.free[i][j] += unit[i] * unit[j];
+            }
+        }
+    }
+
+    pub fn project(&self, v: &Point) -> Point {
+        self.free.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// True if no direction is unknown.
+    pub fn is_known(&self) -> bool {
+        self.free.iter().flatten().all(|x| x.abs() < 0.5 * f64::EPSILON)
+    }
+
+    /// Rows whose products with a traction are its known components.
+    pub fn kept(&self, dim: usize) -> Vec<Point> {
+        let row = |i: usize| -> Point { std::array::from_fn(|j| f64::from(u8::from(i == j)) - self.free[i][j]) };
+        (0..dim).map(row).filter(|row| length(row) > 1e-6).collect()
+    }
+
+    /// The known part of a moment, and the projection of the free part.
+    fn known(&self, vertex: usize) -> Point {
+        let given = &self.moments[vertex];
+        let free = self.project(given);
+        std::array::from_fn(|c| given[c] - free[c])
+    }
+}
+
+/// Sums that a cell enters into the balance with.
+#[derive(Clone, Debug)]
+pub(super) struct CellForces {
+    /// ∫ σ∇φ − ∫ f φ per vertex, N.
+    pub rest: Vec<Point>,
+    /// ∫ f φ per vertex, N.
+    pub load: Vec<Point>,
+    /// Volume, and size of the compliance.
+    pub softness: f64,
+}
+
+/// The moments of the tractions, by facet and vertex.
+pub(super) type Moments = Vec<Vec<Point>>;
+
+/// Largest part of the forces of a star that may be left unbalanced, relative to the largest force of the body: more
+/// than round-off is a force on a point or an edge.
+const LEFT: f64 = 1e-8;
+
+/// Moments of σν on the facets: the mean of both cells, weighted by their compliance over their height, and the weight.
+pub(super) fn means(laws: &Laws, skeleton: &Skeleton, forces: &[CellForces], motion: &Motion) -> (Moments, Vec<f64>) {
+    let of_facet = |facet: usize| {
+        let known = &skeleton.facets[facet];
+        let (mut sum, mut weight, mut area) = (vec![[0.0; 3]; known.vertices.len()], 0.0, 1.0);
+        for &(cell, local) in &known.cells {
+            let moments;
+            (moments, area) = traction(laws, skeleton, (cell, local), motion);
+            let softness = forces[cell].softness / area;
+            weight += softness;
+            let sign = known.sign(cell);
+            for (sum, moment) in sum.iter_mut().zip(&moments) {
+                (0..3).for_each(|c| sum[c] += sign * softness * moment[c]);
+            }
+        }
+        let mean = sum.iter().map(|sum| sum.map(|c| c / weight)).collect::<Vec<Point>>();
+        // ∫ t² is about |b|²/|F|, and costs compliance times height.
+        (mean, weight / area)
+    };
+    (0..skeleton.facets.len()).into_par_iter().map(of_facet).unzip()
+}
+
+/// Moments ∫_F σν φ of the stress of a cell per vertex of a facet, and the area of the facet.
+fn traction(laws: &Laws, skeleton: &Skeleton, (cell, local): (usize, usize), motion: &Motion) -> (Vec<Point>, f64) {
+    let (tables, nodes) = (skeleton.tables(cell), skeleton.nodes(laws.mesh, cell));
+    let (points, facet) = (&tables.facets[local], &skeleton.facets[skeleton.cells[cell].facets[local]]);
+    let own: Vec<u32> = tables.element.facets[local].nodes.iter().map(|&node| nodes[node]).collect();
+    let mut map = CellMap::new(laws.mesh, &points.table);
+    let mut on_facet = FacetMap::new(laws.mesh, &points.own);
+    let (mut moments, mut area) = (vec![[0.0; 3]; facet.vertices.len()], 0.0);
+    for (q, hats) in points.hats.iter().enumerate() {
+        map.at(nodes, q);
+        on_facet.at(&own, q);
+        let weight = points.own.weights[q] * on_facet.area;
+        area += weight;
+        let traction = laws.at(laws.region(skeleton, cell), &map, nodes, motion).apply(&on_facet.normal);
+        for (value, node) in hats.iter().zip(&own) {
+            if let Some(place) = facet.place(*node) {
+                (0..3).for_each(|c| moments[place][c] += weight * value * traction[c]);
+            }
+        }
+    }
+    (moments, area)
+}
+
+/// The moments of tractions that balance all cells.
+///
+/// # Errors
+/// If a star has no balance: a force acts on a point or an edge.
+pub(super) fn balanced(
+    skeleton: &Skeleton,
+    dim: usize,
+    given: &[FacetGiven],
+    forces: &[CellForces],
+    (means, weights): (&Moments, &[f64]),
+) -> Result<Moments, Refused> {
+    let largest = forces.iter().flat_map(|cell| cell.rest.iter().chain(&cell.load)).map(length).fold(0.0, f64::max);
+    let largest = given.iter().flat_map(|facet| &facet.moments).map(length).fold(largest, f64::max);
+    let problem = StarProblem { skeleton, dim, given, forces, means, weights, largest };
+    let stars: Vec<Result<Vec<(usize, usize, Point)>, Refused>> =
+        (0..skeleton.stars.len()).into_par_iter().map(|vertex| problem.solve(vertex)).collect();
+    let mut moments: Moments = skeleton.facets.iter().map(|facet| vec![[0.0; 3]; facet.vertices.len()]).collect();
+    for star in stars {
+        for (facet, place, moment) in star? {
+            moments[facet][place] = moment;
+        }
+    }
+    Ok(moments)
+}
+
+struct StarProblem<'a> {
+    skeleton: &'a Skeleton,
+    dim: usize,
+    given: &'a [FacetGiven],
+    forces: &'a [CellForces],
+    means: &'a Moments,
+    weights: &'a [f64],
+    largest: f64,
+}
+
+impl StarProblem<'_> {
+    /// The facets of a star with the place of its vertex.
+    fn facets(&self, vertex: u32, star: &[(usize, usize)]) -> Vec<(usize, usize)> {
+        let cells = star.iter().flat_map(|(cell, _)| &self.skeleton.cells[*cell].facets);
+        let mut facets: Vec<(usize, usize)> =
+            cells.filter_map(|&facet| Some((facet, self.skeleton.facets[facet].place(vertex)?))).collect();
+        facets.sort_unstable();
+        facets.dedup();
+        facets
+    }
+
+    /// Moments of the facets of a vertex: facet, place of the vertex, moment.
+    fn solve(&self, vertex: usize) -> Result<Vec<(usize, usize, Point)>, Refused> {
+        let (star, d) = (&self.skeleton.stars[vertex], self.dim);
+        let facets = self.facets(vertex as u32, star);
+        let first = |facet: usize, place: usize| -> Point {
+            let given = &self.given[facet];
+            let (known, free) = (given.known(place), given.project(&self.means[facet][place]));
+            std::array::from_fn(|c| known[c] + free[c])
+        };
+        let mut moments: Vec<(usize, usize, Point)> =
+            facets.iter().map(|&(facet, place)| (facet, place, first(facet, place))).collect();
+        let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
+        let n = star.len() * d;
+        let mut matrix = vec![vec![0.0; n]; n];
+        let mut right: Vec<f64> =
+            star.iter().flat_map(|&(cell, local)| self.forces[cell].rest[local].into_iter().take(d)).collect();
+        for &(facet, _, moment) in &moments {
+            let of = &self.skeleton.facets[facet];
+            let rows: Vec<(usize, f64)> =
+                of.cells.iter().filter_map(|&(cell, _)| Some((row(cell)?, of.sign(cell)))).collect();
+            for &(a, sign) in &rows {
+                (0..d).for_each(|c| right[a * d + c] -= sign * moment[c]);
+                for &(b, other) in &rows {
+                    for i in 0..d {
+                        for j in 0..d {
+                            matrix[a * d + i][b * d + j] +=
+                                sign * other * self.given[facet].free[i][j] / self.weights[facet];
+                        }
+                    }
+                }
+            }
+        }
+        let multipliers = Semidefinite::new(matrix.clone()).solve(&right);
+        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(&multipliers).map(|(a, x)| a * x).sum() };
+        let left = matrix.iter().zip(&right).map(|(row, right)| (right - product(row)).abs()).fold(0.0, f64::max);
+        if left > LEFT * self.largest {
+            return Err(Refused::new(
+                "a force acts on a point or an edge, where no stress of finite energy balances it",
+            ));
+        }
+        for (facet, _, moment) in &mut moments {
+            let of = &self.skeleton.facets[*facet];
+            let mut sum = [0.0; 3];
+            for &(cell, _) in &of.cells {
+                if let Some(a) = row(cell) {
+                    (0..d).for_each(|c| sum[c] += of.sign(cell) * multipliers[a * d + c] / self.weights[*facet]);
+                }
+            }
+            let change = self.given[*facet].project(&sum);
+            (0..3).for_each(|c| moment[c] += change[c]);
+        }
+        Ok(moments)
+    }
+}

@@ -1,0 +1,440 @@
+//! A bound of the discretization error of a step: the error of the constitutive relation (Prager–Synge).
+//!
+//! A step of a linear body is a minimum problem. Let u be its solution on the body as it is, u_h the discrete one, and
+//! σ̂ any stress in balance with the loads and with admissible tractions p̂ ≥ 0, ‖q̂‖ ≤ s on Γ_C. Then
+//!
+//! ```text
+//! ½‖u_h − u‖²_a + ½‖σ̂ − σ‖² + (contact terms ≥ 0)
+//!     = ½‖Cε(u_h) + σ₀ − σ̂‖² + Σ ∫_{Γ_C} Φ(r_h) + Φ*(p̂) − p̂ r_h + s‖d_h‖ − q̂·d_h,
+//! ```
+//!
+//! with the norm of C⁻¹ for stresses, C = 𝓔 + 𝓥/γ, and σ₀ all stress that does not depend on u. The right-hand side is
+//! computed and is never below the energy of the error; the chapter on the theory in the book has the proof.
+//!
+//! The stress σ̂ is made in four steps: admissible tractions on Γ_C (`contact`); one solution with the matrix of the
+//! step, after which σ_h balances them on the mesh; tractions on all facets that balance each cell (`balance`); a
+//! symmetric stress in each cell with these tractions (`composite`, `energy`).
+
+mod balance;
+mod composite;
+mod contact;
+mod dense;
+mod energy;
+mod relax;
+mod scope;
+mod skeleton;
+mod stress;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::contact::Contact;
+use crate::discretization::Discretization;
+use crate::field::Field;
+use crate::linalg::{Layout, System, max_abs};
+use crate::mesh::{CellMap, FacetMap, FacetSet};
+use crate::problem::{BoundaryCondition, Problem};
+use crate::state::{State, StepReport};
+use crate::tensor::{Point, length};
+use crate::time::Rule;
+use balance::{CellForces, FacetGiven, balanced, means};
+use contact::{Solved, Touching};
+use energy::{CellEnergy, Evaluation};
+use relax::Relaxation;
+use skeleton::Skeleton;
+use stress::{Laws, Motion};
+
+/// A reason why there is no bound of the error.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the discretization error has no bound here: {0}")]
+pub struct Refused(String);
+
+impl Refused {
+    fn new(reason: &str) -> Refused {
+        Refused(reason.to_owned())
+    }
+
+    /// The reason in words.
+    #[must_use]
+    pub fn reason(&self) -> &str {
+        &self.0
+    }
+}
+
+/// What is said of a bound.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Remarks {
+    estimate: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Remarks {
+    fn estimate(&mut self, reason: &str) {
+        if !self.estimate.iter().any(|known| known == reason) {
+            self.estimate.push(reason.to_owned());
+        }
+    }
+
+    fn note(&mut self, note: &str) {
+        if !self.notes.iter().any(|known| known == note) {
+            self.notes.push(note.to_owned());
+        }
+    }
+}
+
+/// The discretization error of a step in the norm of its energy, ‖v‖² = ∫ (𝓔 + 𝓥/γ) ε(v):ε(v).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiscretizationError {
+    /// ½‖u_h − u‖² is at most this, J.
+    pub energy: f64,
+    /// The parts of the energy from the cells and from Γ_C, J.
+    pub mesh: f64,
+    /// See `mesh`.
+    pub contact: f64,
+    /// Half the square of the norm of what was changed of u_h to be admissible between the nodes of Γ_C, J.
+    pub repair: f64,
+    /// ½‖u_h‖², J.
+    pub of_solution: f64,
+    /// The energy of the error by cell, J; they sum to `mesh` + `contact`.
+    pub cells: Vec<f64>,
+    /// Reasons why the number is an estimate; empty if it is a proven bound, up to round-off.
+    pub estimate: Vec<String>,
+    /// What the bound does not count.
+    pub notes: Vec<String>,
+}
+
+impl DiscretizationError {
+    /// ‖u_h − u‖/‖u_h‖ is at most this; zero if nothing is deformed.
+    #[must_use]
+    pub fn relative(&self) -> f64 {
+        if self.energy == 0.0 { 0.0 } else { (self.energy / self.of_solution).sqrt() }
+    }
+
+    /// True if the number is a proven bound.
+    #[must_use]
+    pub fn is_guaranteed(&self) -> bool {
+        self.estimate.is_empty()
+    }
+}
+
+/// Bounds of the error for the steps of a problem in one phase.
+#[derive(Debug)]
+pub struct Majorant {
+    skeleton: Skeleton,
+    system: Option<(Rule, System)>,
+}
+
+/// Corrections of the discrete stress until its forces are round-off.
+const CORRECTIONS: usize = 2;
+
+impl Majorant {
+    /// Prepares the bounds.
+    ///
+    /// # Errors
+    /// If there is no bound for the problem.
+    pub fn new(problem: &Problem, discrete: &Discretization) -> Result<Majorant, Refused> {
+        scope::check(problem, discrete)?;
+        Ok(Majorant { skeleton: Skeleton::new(&problem.mesh)?, system: None })
+    }
+
+    /// The bound of the error of the step that led to a state.
+    ///
+    /// # Errors
+    /// If there is no bound for the step.
+    pub fn at(
+        &mut self,
+        problem: &Problem,
+        discrete: &Discretization,
+        (state, report): (&State, &StepReport),
+    ) -> Result<DiscretizationError, Refused> {
+        let (made, rule) = scope::rule_of(problem, state, report)?;
+        let gamma = rule.gamma;
+        let before: Vec<f64> = state.u.iter().zip(&state.w).map(|(u, w)| u - made.k * w).collect();
+        let theta = scope::temperature(problem, discrete, state)?;
+        let contacts: Vec<Contact> = problem
+            .contacts
+            .iter()
+            .map(|contact| contact.at_time(state.t).unwrap_or_else(|| contact.clone()))
+            .collect();
+        let laws = Laws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() })?;
+        let mut remarks = Remarks::default();
+        scope::remark(problem, &laws, &contacts, state.t, &mut remarks);
+        let discrete_motion = Motion { u: &state.u, before: &before, theta };
+        let solved = Solved {
+            problem,
+            contacts: &contacts,
+            boundary: &discrete.boundary,
+            space: &discrete.v,
+            states: &report.contact.states,
+            temperature: theta,
+            t: state.t,
+            gamma,
+        };
+        let mut touching = Touching::new(solved, &self.skeleton, &discrete_motion)?;
+        touching.remark(&mut remarks);
+        let repaired = touching.admissible(&state.u)?;
+        let u = repaired.as_ref().unwrap_or(&state.u);
+        let motion = Motion { u, ..discrete_motion };
+        touching.press(&laws, &self.skeleton, &motion);
+        let mut given = self.given(problem, discrete, state.t, &mut remarks);
+        let mut right = discrete.f.at(state.t).to_vec();
+        touching.enter(&self.skeleton, &mut given, &mut right);
+        let corrected = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
+        let balanced_motion = Motion { u: &corrected, ..motion };
+        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t };
+        let parts = step.parts(&given, &balanced_motion, (&motion, &touching))?;
+        Ok(step.sum(parts, (&state.u, repaired.as_deref()), remarks))
+    }
+
+    /// What is known of the tractions on the facets: zero outside, loads, and directions that are held.
+    fn given(&self, problem: &Problem, discrete: &Discretization, t: f64, remarks: &mut Remarks) -> Vec<FacetGiven> {
+        let of = |facet: &skeleton::FacetOf| {
+            let n = facet.vertices.len();
+            if facet.cells.len() > 1 { FacetGiven::inner(n) } else { FacetGiven::outer(n) }
+        };
+        let mut given: Vec<FacetGiven> = self.skeleton.facets.iter().map(of).collect();
+        for condition in &problem.boundary {
+            let Some(set) = problem.mesh.facets.get(&condition.on) else { continue };
+            for prescription in condition.prescriptions(&discrete.mesh) {
+                for (element, nodes) in set.facets() {
+                    if let Some(facet) = self.skeleton.find(element, nodes) {
+                        given[facet].release(&prescription.direction);
+                    }
+                }
+            }
+            self.load(problem, (condition, set), t, (&mut given, remarks));
+        }
+        given
+    }
+
+    /// Adds the moments of the loads of a condition.
+    fn load(
+        &self,
+        problem: &Problem,
+        (condition, set): (&BoundaryCondition, &FacetSet),
+        t: f64,
+        (given, remarks): (&mut [FacetGiven], &mut Remarks),
+    ) {
+        let mesh = &problem.mesh;
+        let size = mesh.measure(set);
+        let BoundaryCondition { traction, force, pressure, .. } = condition;
+        let fields: Vec<&Field> = traction.iter().flatten().chain(force.iter().flatten()).chain(pressure).collect();
+        if fields.iter().all(|field| field.is_zero()) {
+            return;
+        }
+        if fields.iter().any(|field| field.depends_on_space()) {
+            remarks
+                .estimate("a traction varies in space: its deviation from a linear one on each facet is not counted");
+        }
+        let value = |fields: &Option<Vec<Field>>, c: usize, x: &Point| {
+            fields.as_ref().and_then(|fields| fields.get(c)).map_or(0.0, |field| field.value(x, t))
+        };
+        for (element, nodes) in set.facets() {
+            let Some(facet) = self.skeleton.find(element, nodes) else { continue };
+            let rule = crate::quadrature::rule(element.shape, crate::forms::data_degree(element));
+            let points = rule.points.clone();
+            let table = crate::element::ShapeTable::of_rule(element, rule);
+            let mut map = FacetMap::new(mesh, &table);
+            for (q, reference) in points.iter().enumerate() {
+                map.at(nodes, q);
+                let x = &map.position;
+                let p = pressure.as_ref().map_or(0.0, |field| field.value(x, t));
+                let traction: Point =
+                    std::array::from_fn(|c| value(traction, c, x) + value(force, c, x) / size - p * map.normal[c]);
+                let hats = skeleton::linear_functions(element.shape, element, reference);
+                for (hat, &node) in hats.iter().zip(nodes) {
+                    if let Some(place) = self.skeleton.facets[facet].place(node) {
+                        let weight = table.weights[q] * map.area * hat;
+                        (0..mesh.dim).for_each(|c| given[facet].moments[place][c] += weight * traction[c]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// A displacement near that of the step whose stress balances the forces in `right` on the mesh.
+    fn corrected(
+        &mut self,
+        problem: &Problem,
+        discrete: &Discretization,
+        (laws, rule): (&Laws, Rule),
+        motion: &Motion,
+        right: &[f64],
+    ) -> Result<Vec<f64>, Refused> {
+        if self.system.as_ref().is_none_or(|(known, _)| *known != rule) {
+            let matrix = Arc::new(discrete.mechanical_matrix(rule));
+            let layout = Layout::of(&discrete.mesh, &discrete.v, &[]);
+            let system = System::new(&problem.backend, &matrix, &layout).map_err(|_| held_by_contact())?;
+            self.system = Some((rule, system));
+        }
+        let mut u = motion.u.to_vec();
+        let Some((_, system)) = &mut self.system else { return Ok(u) };
+        for _ in 0..CORRECTIONS {
+            let rest = residual(laws, &self.skeleton, &Motion { u: &u, ..*motion }, right);
+            let mut x = system.unknowns().gather(&rest);
+            system.solve(&mut x).map_err(|_| held_by_contact())?;
+            let mut change = vec![0.0; u.len()];
+            system.unknowns().add(&x, &mut change);
+            u.iter_mut().zip(&change).for_each(|(u, change)| *u += rule.gamma * change);
+        }
+        let rest = residual(laws, &self.skeleton, &Motion { u: &u, ..*motion }, right);
+        let left = max_abs(&system.unknowns().gather(&rest));
+        let forces = self.largest(laws, motion, right);
+        if left.is_nan() || left > LEFT * forces {
+            return Err(held_by_contact());
+        }
+        Ok(u)
+    }
+
+    /// The largest force of a cell on a node, or on a node from outside, N.
+    fn largest(&self, laws: &Laws, motion: &Motion, right: &[f64]) -> f64 {
+        let of_cell = |cell: usize| laws.forces(&self.skeleton, cell, motion).iter().map(length).fold(0.0, f64::max);
+        let of_cells = (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).reduce(|| 0.0, f64::max);
+        of_cells.max(max_abs(right))
+    }
+}
+
+/// What may be left of the balance of the nodes, relative to the largest force: more is a body that nothing holds.
+const LEFT: f64 = 1e-9;
+
+fn held_by_contact() -> Refused {
+    Refused::new("a body that contact alone holds")
+}
+
+/// What is left of the balance of the nodes, N.
+fn residual(laws: &Laws, skeleton: &Skeleton, motion: &Motion, right: &[f64]) -> Vec<f64> {
+    let dim = laws.mesh.dim;
+    let forces: Vec<Vec<Point>> =
+        (0..skeleton.cells.len()).into_par_iter().map(|cell| laws.forces(skeleton, cell, motion)).collect();
+    let mut rest = right.to_vec();
+    for (cell, forces) in forces.iter().enumerate() {
+        for (&node, force) in skeleton.nodes(laws.mesh, cell).iter().zip(forces) {
+            (0..dim).for_each(|c| rest[node as usize * dim + c] -= force[c]);
+        }
+    }
+    rest
+}
+
+/// A step whose stress in balance is made.
+struct MadeStep<'a> {
+    skeleton: &'a Skeleton,
+    laws: &'a Laws<'a>,
+    problem: &'a Problem,
+    t: f64,
+}
+
+/// Parts of the energy: per cell from the body, and per contact facet with its cell.
+struct EnergyParts {
+    cells: Vec<f64>,
+    contact: Vec<(usize, f64)>,
+}
+
+impl MadeStep<'_> {
+    /// ∫ σ∇φ − ∫ f φ per vertex of a cell.
+    fn forces(&self, cell: usize, motion: &Motion) -> CellForces {
+        let (mesh, tables) = (self.laws.mesh, self.skeleton.tables(cell));
+        let nodes = self.skeleton.nodes(mesh, cell);
+        let region = self.laws.region(self.skeleton, cell);
+        let inner = self.laws.forces(self.skeleton, cell, motion);
+        let (mut outer, mut volume, mut softness) = (vec![[0.0; 3]; nodes.len()], 0.0, 0.0);
+        self.laws.integrate(&tables.load, nodes, |map, weight| {
+            let load = self.body_force(region, map);
+            for (force, value) in outer.iter_mut().zip(map.values()) {
+                (0..3).for_each(|c| force[c] += weight * value * load[c]);
+            }
+            volume += weight;
+            softness = self.laws.compliance(region, &map.position).map_or(softness, |compliance| compliance.size());
+        });
+        let sum = |hats: &Vec<f64>, of: &dyn Fn(usize) -> Point| -> Point {
+            std::array::from_fn(|c| hats.iter().enumerate().map(|(node, hat)| hat * of(node)[c]).sum())
+        };
+        let load: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| outer[node])).collect();
+        let of_stress: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| inner[node])).collect();
+        let rest = of_stress.iter().zip(&load).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect();
+        CellForces { rest, load, softness: softness * volume }
+    }
+
+    fn body_force(&self, region: usize, map: &CellMap) -> Point {
+        let x = &map.position;
+        let value = |fields: &[Field], c: usize| fields.get(c).map_or(0.0, |field| field.value(x, self.t));
+        let of_region = self.problem.region_loads.iter().filter(|load| load.region == region);
+        let mut force: Point = std::array::from_fn(|c| value(&self.problem.body_force, c));
+        for load in of_region {
+            let (gravity, density) = load.gravity.as_ref().map_or((&[][..], 0.0), |(g, rho)| (&g[..], rho.at(x)));
+            (0..3).for_each(|c| force[c] += value(&load.body_force, c) + density * value(gravity, c));
+        }
+        force
+    }
+
+    fn parts(
+        &self,
+        given: &[FacetGiven],
+        balanced_motion: &Motion,
+        (motion, touching): (&Motion, &Touching),
+    ) -> Result<EnergyParts, Refused> {
+        let cells = 0..self.skeleton.cells.len();
+        let forces: Vec<CellForces> =
+            cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion)).collect();
+        let (means, weights) = means(self.laws, self.skeleton, &forces, balanced_motion);
+        let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
+        let evaluation = Evaluation::new(self.laws, self.skeleton, motion);
+        let of_cell = |cell: usize| {
+            evaluation.of_cell(cell, &forces[cell]).ok_or_else(|| Refused::new("a stiffness that is not positive"))
+        };
+        let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
+        let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
+        let cells = Relaxation { mesh, skeleton, given, energies: &energies }.least(&moments, &forces)?;
+        let of_facet = |facet: &contact::ContactFacet| {
+            let cell = self.skeleton.facets[facet.facet].cells.first().map_or(0, |first| first.0);
+            (cell, touching.term(facet, motion.u))
+        };
+        Ok(EnergyParts { cells, contact: touching.facets.par_iter().map(of_facet).collect() })
+    }
+
+    /// The square of the norm of a field per cell.
+    fn norms(&self, u: &[f64]) -> Vec<f64> {
+        let of_cell = |cell: usize| {
+            let (region, nodes) = (self.laws.region(self.skeleton, cell), self.skeleton.nodes(self.laws.mesh, cell));
+            let mut sum = 0.0;
+            self.laws.integrate(&self.skeleton.tables(cell).body, nodes, |map, weight| {
+                sum += weight * self.laws.energy(region, map, nodes, u);
+            });
+            sum
+        };
+        (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).collect()
+    }
+
+    fn sum(
+        &self,
+        parts: EnergyParts,
+        (u, repaired): (&[f64], Option<&[f64]>),
+        remarks: Remarks,
+    ) -> DiscretizationError {
+        let EnergyParts { mut cells, contact } = parts;
+        let mesh: f64 = cells.iter().sum();
+        let on_contact: f64 = contact.iter().map(|(_, energy)| energy).sum();
+        contact.iter().for_each(|(cell, energy)| cells[*cell] += energy);
+        let repair = repaired.map_or(0.0, |repaired| {
+            let change: Vec<f64> = u.iter().zip(repaired).map(|(a, b)| a - b).collect();
+            0.5 * self.norms(&change).iter().sum::<f64>()
+        });
+        // ‖u_h − u‖ ≤ ‖u_h − ũ‖ + ‖ũ − u‖.
+        let energy = ((mesh + on_contact).sqrt() + repair.sqrt()).powi(2);
+        DiscretizationError {
+            energy,
+            mesh,
+            contact: on_contact,
+            repair,
+            of_solution: 0.5 * self.norms(u).iter().sum::<f64>(),
+            cells,
+            estimate: remarks.estimate,
+            notes: remarks.notes,
+        }
+    }
+}
+
+/// True if two unit vectors are equal up to round-off.
+fn is_along(a: &Point, b: &Point) -> bool {
+    length(&std::array::from_fn(|c| a[c] - b[c])) < 1e-7
+}

@@ -1,0 +1,159 @@
+//! What the bound of the error covers.
+
+use super::contact::NormalKind;
+use super::stress::Laws;
+use super::{Refused, Remarks};
+use crate::contact::{Contact, ContactPoint, Quadrature};
+use crate::discretization::Discretization;
+use crate::material::Dilatation;
+use crate::problem::{Coupling, Physics, Problem};
+use crate::state::{State, StepReport};
+use crate::time::{Analysis, Instant, Rule};
+
+/// Refuses what a bound would be wrong for.
+pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), Refused> {
+    let refuse = |reason: &str| Err(Refused::new(reason));
+    if !problem.physics.has_mechanics() {
+        return refuse("a problem without mechanics");
+    }
+    if problem.mesh.axisymmetric {
+        return refuse("a body of revolution");
+    }
+    if !discrete.is_linear() {
+        return refuse("bodies whose laws are nonlinear or depend on temperature");
+    }
+    if !discrete.branches.is_empty() {
+        return refuse("Maxwell branches");
+    }
+    if discrete.dilatation.contains(&Dilatation::Mean) {
+        return refuse("the mean dilatation");
+    }
+    if discrete.springs.is_some() || discrete.dashpots.is_some() {
+        return refuse("springs or dashpots at the boundary");
+    }
+    if !discrete.v.links.is_empty() || !problem.cyclic.is_empty() {
+        return refuse("a sector of a cyclic structure");
+    }
+    if !discrete.v.rigid.is_empty() {
+        return refuse("rigid parts");
+    }
+    problem.contacts.iter().filter(|contact| contact.acts()).try_for_each(check_contact)
+}
+
+fn check_contact(contact: &Contact) -> Result<(), Refused> {
+    let refuse = |reason: &str| Err(Refused::new(reason));
+    if contact.pair.is_some() {
+        return refuse("contact between two bodies");
+    }
+    if contact.wear.is_some() || contact.fluid.is_some() {
+        return refuse("wear, or a fluid in the contact");
+    }
+    let Some(kind) = NormalKind::of(contact.normal.as_ref()) else {
+        return refuse("a normal law that softens, depends on the rate, or is stiff beyond a stop");
+    };
+    if kind != NormalKind::Function && contact.quadrature == Quadrature::Gauss {
+        return refuse("a rigid foundation at Gauss points");
+    }
+    if contact.quadrature == Quadrature::Gauss && !contact.friction.is_frictionless() {
+        return refuse("friction at Gauss points");
+    }
+    Ok(())
+}
+
+/// The step that led to a state, if the bound covers it.
+pub(super) fn rule_of(problem: &Problem, state: &State, report: &StepReport) -> Result<(Instant, Rule), Refused> {
+    let refuse = |reason: &str| Err(Refused::new(reason));
+    let made = state.made(&problem.timeline);
+    let rule = made.analysis.rule(problem.scheme, made.k);
+    if made.analysis == Analysis::Dynamic && problem.materials.iter().any(|m| m.density.constant() != Some(0.0)) {
+        return refuse("inertia");
+    }
+    if !rule.is_steady() && !rule.is_backward_euler() {
+        return refuse("a scheme other than backward Euler");
+    }
+    let has_friction = problem.contacts.iter().any(|c| c.acts() && !c.friction.is_frictionless());
+    if rule.is_steady() && has_friction {
+        return refuse("friction in a steady step");
+    }
+    if report.parts > 1 {
+        return refuse("a step made in halves");
+    }
+    if !report.forces.is_empty() || !state.released.is_empty() {
+        return refuse("nodal forces from outside, or of supports that are giving up theirs");
+    }
+    if !report.loose.is_empty() {
+        return refuse("rigid motions that are not determined");
+    }
+    Ok((made, rule))
+}
+
+/// The temperature whose stress acts in the step, or none.
+pub(super) fn temperature<'s>(
+    problem: &Problem,
+    discrete: &Discretization,
+    state: &'s State,
+) -> Result<&'s [f64], Refused> {
+    let acts = problem.physics.has_temperature()
+        && problem.materials.iter().any(|m| m.expansion.constant().is_none_or(|tensor| tensor.norm() > 0.0));
+    if !acts {
+        return Ok(&[]);
+    }
+    if !discrete.expands_linearly() {
+        return Err(Refused::new("expansion that depends on temperature"));
+    }
+    match problem.physics {
+        Physics::Warmed => Ok(&state.theta),
+        _ if problem.coupling.is_mutual() => Ok(&state.theta),
+        _ if problem.coupling == Coupling::Extrapolated => Err(Refused::new("extrapolated temperatures")),
+        _ => Err(Refused::new("half-steps one after the other, with the temperature of the step before")),
+    }
+}
+
+/// Says why a number is an estimate, and what the bound does not count.
+pub(super) fn remark(problem: &Problem, laws: &Laws, contacts: &[Contact], t: f64, remarks: &mut Remarks) {
+    let regions = problem.mesh.blocks.iter().map(|block| block.region);
+    if regions.into_iter().any(|region| laws.varies(region)) {
+        remarks.estimate("the stiffness varies within cells: integrals are taken by quadrature");
+    }
+    let loads = problem.body_force.iter();
+    let loads = loads.chain(problem.region_loads.iter().flat_map(|load| &load.body_force));
+    if loads.into_iter().any(|field| field.depends_on_space()) {
+        remarks.estimate("a body force varies in space: its deviation from the mean of each cell is not counted");
+    }
+    if problem.materials.iter().any(|m| m.expansion.varies()) {
+        remarks.estimate("the expansion varies within cells: integrals are taken by quadrature");
+    }
+    let held =
+        problem.boundary.iter().flat_map(|b| b.displacement.iter().flatten().flatten().chain(&b.normal_displacement));
+    if held.into_iter().any(|field| field.depends_on_space()) {
+        remarks.note("prescribed displacements are those interpolated on the mesh");
+    }
+    for contact in contacts.iter().filter(|contact| contact.acts()) {
+        if contact.gap.depends_on_space() || contact.obstacle.is_some() {
+            remarks.note("the gap is that interpolated on the mesh");
+        }
+        if contact.friction.is_frictionless() {
+            continue;
+        }
+        let never = contact.friction.never_slips();
+        let is_bilateral = NormalKind::of(contact.normal.as_ref()) == Some(NormalKind::Bilateral);
+        if (never && !is_bilateral) || !(never || is_given(contact, t)) {
+            remarks.estimate("the friction bound depends on the solution: the bound of the discrete pressure is taken");
+        }
+    }
+}
+
+/// True if the friction bound is one number.
+fn is_given(contact: &Contact, _t: f64) -> bool {
+    if contact.friction.graded().is_some() || contact.friction.drops_from_rest() {
+        return false;
+    }
+    let at = |pressure: f64, slip_speed: f64| {
+        contact.friction.bound(&ContactPoint { pressure, slip_speed, penetration: pressure, ..ContactPoint::default() })
+    };
+    let first = at(0.0, 0.0);
+    let tries = [1e-9, 1.0, 1e9].into_iter().flat_map(|p| [0.0, 1e-9, 1.0, 1e9].map(|v| at(p, v)));
+    let is_same = |a: f64, b: f64| a.to_bits() == b.to_bits();
+    let no_cone = contact.friction.cone(&[0.0; 3], &[0.0, 0.0, 1.0]).is_none();
+    no_cone && tries.into_iter().all(|bound| is_same(bound.value, first.value) && is_same(bound.by_pressure.abs(), 0.0))
+}

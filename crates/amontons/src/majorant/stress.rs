@@ -1,0 +1,197 @@
+//! The discrete stress and the compliance of the bodies in a step.
+
+use super::Refused;
+use super::skeleton::Skeleton;
+use crate::element::ShapeTable;
+use crate::material::Material;
+use crate::mesh::{CellMap, Mesh};
+use crate::problem::Problem;
+use crate::tensor::{Point, Sym, SymMap, mandel_len};
+
+/// The elastic and viscous laws of a step from ū of length γ: σ = 𝓔ε(u) + 𝓥ε(u − ū)/γ − θ𝓜.
+#[derive(Debug)]
+pub(super) struct Laws<'a> {
+    pub mesh: &'a Mesh,
+    materials: &'a [Material],
+    /// 1/γ in 1/s; zero in a steady step.
+    rate: f64,
+    /// Compliance per region, or `None` if it varies in space.
+    compliance: Vec<Option<Compliance>>,
+}
+
+/// (𝓔 + 𝓥/γ)⁻¹ on 𝕊^d.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Compliance {
+    inverse: [[f64; 6]; 6],
+    m: usize,
+}
+
+impl Compliance {
+    /// Inverts a symmetric positive definite map on 𝕊^d; `None` if it is not.
+    pub fn new(map: &SymMap, dim: usize) -> Option<Compliance> {
+        let m = mandel_len(dim);
+        let mut a = [[0.0; 12]; 6];
+        for i in 0..m {
+            for j in 0..m {
+                a[i][j] = 0.5 * (map.0[i][j] + map.0[j][i]);
+            }
+            a[i][m + i] = 1.0;
+        }
+        for column in 0..m {
+            // Elimination without pivoting has positive pivots only if the map is positive definite.
+            let pivot = a[column][column];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return None;
+            }
+            let own = a[column].map(|x| x / pivot);
+            for (row, entries) in a.iter_mut().enumerate().take(m) {
+                let factor = if row == column { 0.0 } else { entries[column] };
+                entries.iter_mut().zip(&own).for_each(|(x, y)| *x -= factor * y);
+            }
+            a[column] = own;
+        }
+        let inverse = std::array::from_fn(|i| std::array::from_fn(|j| if i < m && j < m { a[i][m + j] } else { 0.0 }));
+        Some(Compliance { inverse, m })
+    }
+
+    /// τ:C⁻¹:σ.
+    pub fn product(&self, tau: &Sym, sigma: &Sym) -> f64 {
+        (0..self.m).map(|i| tau.0[i] * (0..self.m).map(|j| self.inverse[i][j] * sigma.0[j]).sum::<f64>()).sum()
+    }
+
+    /// C⁻¹:σ.
+    pub fn times(&self, sigma: &Sym) -> Sym {
+        Sym(std::array::from_fn(|i| (0..self.m).map(|j| self.inverse[i][j] * sigma.0[j]).sum()))
+    }
+
+    /// A size of the compliance in 1/Pa that does not depend on the axes.
+    pub fn size(&self) -> f64 {
+        self.inverse.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
+/// Displacements and the temperature of a step, node-major.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion<'a> {
+    pub u: &'a [f64],
+    /// ū; used by viscosity alone.
+    pub before: &'a [f64],
+    /// θ, or empty if it has no stress.
+    pub theta: &'a [f64],
+}
+
+impl<'a> Laws<'a> {
+    /// The laws of a step.
+    ///
+    /// # Errors
+    /// If 𝓔 + 𝓥/γ is not positive definite.
+    pub fn new(problem: &'a Problem, rate: f64) -> Result<Laws<'a>, Refused> {
+        let mesh: &Mesh = &problem.mesh;
+        let mut laws = Laws { mesh, materials: &problem.materials, rate, compliance: Vec::new() };
+        let regions = mesh.blocks.iter().map(|block| block.region + 1).max().unwrap_or(0);
+        for region in 0..regions {
+            let compliance = if laws.varies(region) {
+                None
+            } else {
+                let map = laws.stiffness(region, &[0.0; 3]);
+                Some(Compliance::new(&map, mesh.dim).ok_or_else(|| Refused::new("a stiffness that is not positive"))?)
+            };
+            laws.compliance.push(compliance);
+        }
+        Ok(laws)
+    }
+
+    fn material(&self, region: usize) -> &Material {
+        self.materials.get(region).unwrap_or(&self.materials[self.materials.len() - 1])
+    }
+
+    /// True if the stiffness varies within a region.
+    pub fn varies(&self, region: usize) -> bool {
+        let material = self.material(region);
+        material.elasticity.graded().is_some() || material.viscosity.graded().is_some()
+    }
+
+    fn stiffness(&self, region: usize, x: &Point) -> SymMap {
+        let material = self.material(region);
+        let mut map = material.elasticity.tangent(x, &Sym::ZERO);
+        if self.rate > 0.0 {
+            let viscous = material.viscosity.tangent(x, &Sym::ZERO);
+            for (row, other) in map.0.iter_mut().zip(&viscous.0) {
+                row.iter_mut().zip(other).for_each(|(a, b)| *a += self.rate * b);
+            }
+        }
+        map
+    }
+
+    /// C⁻¹ at a point of a region.
+    pub fn compliance(&self, region: usize, x: &Point) -> Option<Compliance> {
+        match self.compliance.get(region).copied().flatten() {
+            Some(known) => Some(known),
+            None => Compliance::new(&self.stiffness(region, x), self.mesh.dim),
+        }
+    }
+
+    fn strain(&self, map: &CellMap, nodes: &[u32], values: &[f64]) -> Sym {
+        let dim = self.mesh.dim;
+        let mut gradient = [[0.0; 3]; 3];
+        for (g, &node) in map.gradients.iter().zip(nodes) {
+            for (row, u) in gradient.iter_mut().zip(&values[node as usize * dim..][..dim]) {
+                (0..dim).for_each(|c| row[c] += u * g[c]);
+            }
+        }
+        Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]))
+    }
+
+    /// ε(u):C:ε(u), twice the density of energy of a field.
+    pub fn energy(&self, region: usize, map: &CellMap, nodes: &[u32], u: &[f64]) -> f64 {
+        let strain = self.strain(map, nodes, u);
+        self.stiffness(region, &map.position).apply(&strain).dot(&strain)
+    }
+
+    /// The stress at a point of a cell.
+    pub fn at(&self, region: usize, map: &CellMap, nodes: &[u32], motion: &Motion) -> Sym {
+        let material = self.material(region);
+        let (x, dim) = (&map.position, self.mesh.dim);
+        let strain = self.strain(map, nodes, motion.u);
+        let mut stress = material.elasticity.value(x, &strain);
+        if self.rate > 0.0 {
+            let change = strain - self.strain(map, nodes, motion.before);
+            stress += self.rate * material.viscosity.value(x, &change);
+        }
+        if !motion.theta.is_empty() {
+            let theta: f64 = nodes.iter().zip(map.values()).map(|(&node, v)| v * motion.theta[node as usize]).sum();
+            stress = stress - theta * material.expansion.at(x);
+        }
+        let m = mandel_len(dim);
+        Sym(std::array::from_fn(|i| if i < m { stress.0[i] } else { 0.0 }))
+    }
+
+    /// ∫ σ:ε(N_i e_c) of a cell by node, then component, with the points of the forms of the body.
+    pub fn forces(&self, skeleton: &Skeleton, cell: usize, motion: &Motion) -> Vec<Point> {
+        let nodes = skeleton.nodes(self.mesh, cell);
+        let region = self.region(skeleton, cell);
+        let mut forces = vec![[0.0; 3]; nodes.len()];
+        self.integrate(&skeleton.tables(cell).body, nodes, |map, weight| {
+            let stress = self.at(region, map, nodes, motion);
+            for (force, gradient) in forces.iter_mut().zip(&map.gradients) {
+                let work = stress.apply(gradient);
+                (0..3).for_each(|c| force[c] += weight * work[c]);
+            }
+        });
+        forces
+    }
+
+    pub fn region(&self, skeleton: &Skeleton, cell: usize) -> usize {
+        self.mesh.blocks[skeleton.cells[cell].block].region
+    }
+
+    /// Calls `at` with each point of a cell and its weight.
+    pub fn integrate(&self, table: &ShapeTable, nodes: &[u32], mut at: impl FnMut(&CellMap, f64)) {
+        let mut map = CellMap::new(self.mesh, table);
+        for (q, weight) in table.weights.iter().enumerate() {
+            map.at(nodes, q);
+            let weight = weight * map.measure;
+            at(&map, weight);
+        }
+    }
+}
