@@ -36,6 +36,9 @@ pub enum Command {
         /// Bound the discretization error, as with `output.error=true`
         #[arg(long)]
         error: bool,
+        /// Refine the mesh until the error in the norm of the energy is at most this part of the solution
+        #[arg(long, value_name = "PART", conflicts_with_all = ["each", "again"])]
+        accuracy: Option<f64>,
         #[command(flatten)]
         certificate: CertificateChoice,
         /// Keep the results of earlier runs: write into the first of NAME, NAME-2, NAME-3, … that is not there

@@ -17,7 +17,9 @@ use crate::arguments::{Arguments, CertificateChoice, Command, Common, OutputForm
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::CommandFailure;
-use crate::{constants, converge, explain, fit, gradient, import, materials, modes, new, reproduce, sweep, verify};
+use crate::{
+    accuracy, constants, converge, explain, fit, gradient, import, materials, modes, new, reproduce, sweep, verify,
+};
 
 /// Executes a command.
 pub fn execute(command: Command) -> Result<(), CommandFailure> {
@@ -26,6 +28,9 @@ pub fn execute(command: Command) -> Result<(), CommandFailure> {
             let after = After { pictures: plot, report };
             let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate };
             sweep::execute(&case, &request, &common)
+        }
+        Command::Run { case, plot, report, certificate, accuracy: Some(accuracy), common, .. } => {
+            accuracy::execute(&case, accuracy, (After { pictures: plot, report }, certificate), &common)
         }
         Command::Run { case, plot, report, certificate, again, common, .. } => {
             start(&case, After { pictures: plot, report }, (certificate, again), &common)
@@ -163,14 +168,24 @@ fn start(
     (choice, again): (CertificateChoice, bool),
     common: &Common,
 ) -> Result<(), CommandFailure> {
-    let progress = Progress::new(common);
     let case = common.case(file)?;
     let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
     let out = if again { free(named) } else { named };
-    let certificate = choice.of(&case);
-    let settings = settings(&case, &out, certificate, &progress);
-    let folder = Folder::create(&out, options(&case, certificate, common))?;
-    drive(&case, None, (folder, &out, after), &settings, progress, common)
+    run_into(&case, &out, (after, choice), common)
+}
+
+/// Runs a case from its start into a folder.
+pub fn run_into(
+    case: &Case,
+    out: &Path,
+    (after, choice): (After, CertificateChoice),
+    common: &Common,
+) -> Result<(), CommandFailure> {
+    let progress = Progress::new(common);
+    let certificate = choice.of(case);
+    let settings = settings(case, out, certificate, &progress);
+    let folder = Folder::create(out, options(case, certificate, common))?;
+    drive(case, None, (folder, out, after), &settings, progress, common)
 }
 
 /// The first name that does not exist: the folder, then the folder with -2, -3 and so on.

@@ -1,5 +1,6 @@
 //! The program `amontons`: contact with friction and heat from one case file.
 
+mod accuracy;
 mod after;
 mod arguments;
 mod commands;

@@ -184,7 +184,7 @@ impl Build<'_> {
         }
         let refine_where = Vec::new();
         let shape = match (&block.size[..], block.radii, block.height) {
-            (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements, refine_where },
+            (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements, refine_where, refined_cells: None },
             (&[x, y], ..) => raw::Mesh::Rectangle {
                 size: [x, y],
                 n: raw::Cells2::Each([n[0], n[1]]),
@@ -193,10 +193,15 @@ impl Build<'_> {
                 origin: [0.0; 2],
                 axisymmetric: false,
                 refine_where,
+                refined_cells: None,
             },
-            (&[x, y, z], ..) => {
-                raw::Mesh::Box { size: [x, y, z], n: raw::Cells3::Each([n[0], n[1], n[2]]), elements, refine_where }
-            }
+            (&[x, y, z], ..) => raw::Mesh::Box {
+                size: [x, y, z],
+                n: raw::Cells3::Each([n[0], n[1], n[2]]),
+                elements,
+                refine_where,
+                refined_cells: None,
+            },
             (_, Some(radii), Some(height)) => raw::Mesh::Cylinder {
                 radii,
                 angle: block.angle,
@@ -204,16 +209,22 @@ impl Build<'_> {
                 n: raw::Cells3::Each([n[0], n[1], n[2]]),
                 elements,
                 refine_where,
+                refined_cells: None,
             },
-            (_, Some([0.0, radius]), None) if block.angle.is_none() => {
-                raw::Mesh::Disc { radius, n: raw::Cells2::Each([n[0], n[1]]), elements, refine_where }
-            }
+            (_, Some([0.0, radius]), None) if block.angle.is_none() => raw::Mesh::Disc {
+                radius,
+                n: raw::Cells2::Each([n[0], n[1]]),
+                elements,
+                refine_where,
+                refined_cells: None,
+            },
             (_, Some(radii), None) => raw::Mesh::Ring {
                 radii,
                 angle: block.angle,
                 n: raw::Cells2::Each([n[0], n[1]]),
                 elements,
                 refine_where,
+                refined_cells: None,
             },
             _ => return None,
         };

@@ -22,7 +22,7 @@ use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::FreeMemory;
 use crate::mass::MassMatrix;
 use crate::material::Material;
-use crate::mesh::{Mesh, PlaneState, Skipped};
+use crate::mesh::{Mesh, PlaneState, RefinementRounds, Skipped};
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Choice, Coupling, Initial, Physics, Problem, ProblemData, StartState};
 use crate::stability::Search;
@@ -83,7 +83,8 @@ pub(super) fn problem(
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
     let (findings, (inputs, references), skipped) = (build.certain(), build.loader.copies(), build.of_file.skipped);
-    let built = |problem| Built { problem, probes, stability, exact, verify, inputs, references, skipped };
+    let rounds = build.rounds;
+    let built = |problem| Built { problem, probes, stability, exact, verify, inputs, references, skipped, rounds };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
@@ -200,6 +201,8 @@ pub(super) struct Built {
     pub references: Vec<(Path, String)>,
     /// Content of the mesh file that is not used.
     pub skipped: Vec<Skipped>,
+    /// The cells that `mesh.refined_cells` lists.
+    pub rounds: Option<RefinementRounds>,
 }
 
 /// Fields of the snapshots, each once.
@@ -281,6 +284,8 @@ pub(super) struct Build<'d> {
     pub mesh_file: Option<(String, f64)>,
     /// Content of the mesh file apart from the mesh.
     pub of_file: OfFile,
+    /// The cells that `mesh.refined_cells` lists.
+    pub rounds: Option<RefinementRounds>,
     /// Choices of the program where the case leaves them open.
     pub chosen: Vec<Choice>,
     /// True if there is no mesh, so that sides, regions and dimensions are unknown.
@@ -318,6 +323,7 @@ impl<'d> Build<'d> {
             constants: raw.constants(),
             loader: Loader::new(files),
             of_file: OfFile::default(),
+            rounds: None,
             chosen: Vec::new(),
             no_mesh: false,
             is_sound: notes.doubtful.is_empty(),

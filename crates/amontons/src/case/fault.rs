@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::files::Files;
 
@@ -19,6 +20,12 @@ pub struct Source {
 }
 
 impl Source {
+    /// The text with a file in memory, under a name that it may use.
+    #[must_use]
+    pub fn with_file(&self, name: &str, bytes: impl Into<Arc<[u8]>>) -> Source {
+        Source { files: Files::With(name.to_owned(), bytes.into(), Box::new(self.files.clone())), ..self.clone() }
+    }
+
     /// A text that refers to no files.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
         Source { name: name.into(), text: text.into(), files: Files::None }

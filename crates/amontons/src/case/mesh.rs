@@ -139,6 +139,7 @@ impl Build<'_> {
                 made.and_then(|mesh| self.refined_where(raw, mesh, sides, available))
             }
         };
+        let made = made.and_then(|mesh| self.with_refined_cells(raw, mesh, sides, available));
         self.no_mesh = made.is_none();
         made.unwrap_or_else(empty)
     }

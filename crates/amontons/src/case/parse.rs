@@ -14,7 +14,7 @@ use super::verify::{Expected, Verify};
 use super::{build, check, library, mesh, overrides, path, raw, syntax};
 use crate::convergence::Exact;
 use crate::machine;
-use crate::mesh::Skipped;
+use crate::mesh::{RefinementRounds, Skipped};
 use crate::output::{
     CheckpointInterval, FieldsFormat, FolderOptions, Identity, Input, OutputField, Probe, fingerprint,
 };
@@ -58,6 +58,8 @@ pub struct Case {
     pub text: String,
     /// The files that the case refers to.
     pub inputs: Vec<Input>,
+    /// The cells that `mesh.refined_cells` lists.
+    pub rounds: Option<RefinementRounds>,
     /// The overrides that were applied.
     pub overrides: Vec<String>,
 }
@@ -189,30 +191,32 @@ fn build_case(
     let notes = build::SchemaNotes { doubtful: &doubtful, limits: &limits, scale };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
-    let case = built.map(|build::Built { problem, probes, stability, exact, verify, inputs, references, skipped }| {
-        (
-            Case {
-                problem,
-                every,
-                fields,
-                format,
-                error,
-                checkpoint,
-                probes,
-                expected,
-                stability,
-                exact,
-                verify,
-                cells,
-                blocks,
-                has_mesh_file,
-                skipped,
-                text: String::new(),
-                inputs,
-                overrides: Vec::new(),
-            },
-            references,
-        )
-    });
+    let case =
+        built.map(|build::Built { problem, probes, stability, exact, verify, inputs, references, skipped, rounds }| {
+            (
+                Case {
+                    problem,
+                    every,
+                    fields,
+                    format,
+                    error,
+                    checkpoint,
+                    probes,
+                    expected,
+                    stability,
+                    exact,
+                    verify,
+                    cells,
+                    blocks,
+                    has_mesh_file,
+                    skipped,
+                    rounds,
+                    text: String::new(),
+                    inputs,
+                    overrides: Vec::new(),
+                },
+                references,
+            )
+        });
     (case, findings)
 }

@@ -1,15 +1,16 @@
-//! `[[mesh.refine_where]]`: places in which the mesh is finer.
+//! `[[mesh.refine_where]]` and `mesh.refined_cells`: where the mesh is finer.
 
 use super::build::Build;
 use super::memory::MeshDemand;
 use super::mesh::measured;
 use super::nearest::meant;
+use super::path::Path;
 use super::place::At;
 use super::raw;
 use super::side_names::SideNames;
 use crate::expression::{Expression, Variable};
 use crate::machine::FreeMemory;
-use crate::mesh::{Bisection, FacetSet, Mesh, RoundSide};
+use crate::mesh::{Bisection, FacetSet, Mesh, RefinementRounds, RoundSide, RoundsError};
 use crate::tensor::{Point, Rotation};
 
 /// Where the cells to refine are: in all of these places.
@@ -40,11 +41,8 @@ impl Build<'_> {
         if entries.is_empty() || !self.is_sound {
             return Some(mesh);
         }
-        let mut bisection = Bisection::new(&mesh);
-        for (side, round) in rounds(raw) {
-            let nodes = mesh.facets.get(&side).map(FacetSet::node_list).unwrap_or_default();
-            bisection = bisection.around(&nodes, round);
-        }
+        let around = |bisection: Bisection, (nodes, side): (Vec<u32>, RoundSide)| bisection.around(&nodes, side);
+        let mut bisection = round_sides(raw, &mesh).into_iter().fold(Bisection::new(&mesh), around);
         let mut finer = mesh;
         for (entry, (path, places)) in entries.iter().zip(places) {
             let places = places?;
@@ -60,14 +58,54 @@ impl Build<'_> {
                 }
             }
         }
-        // Curved sides move as they get their nodes back.
-        if let Err(error) = finer.check() {
-            let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
-            let hint = Some("give the body more cells around");
-            self.note("mesh.refine_where", At::Value, error.found(), expected, hint);
-            return None;
+        self.checked("mesh.refine_where", finer)
+    }
+
+    /// A mesh whose curved sides got their nodes back: this may have turned cells over.
+    fn checked(&mut self, key: &str, mesh: Mesh) -> Option<Mesh> {
+        let Err(error) = mesh.check() else { return Some(mesh) };
+        let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
+        self.note(key, At::Value, error.found(), expected, Some("give the body more cells around"));
+        None
+    }
+
+    /// The mesh with the cells refined that a file lists by rounds, or `None` if there is a fault.
+    pub(super) fn with_refined_cells(
+        &mut self,
+        raw: &raw::Mesh,
+        mesh: Mesh,
+        sides: &SideNames,
+        available: Option<FreeMemory>,
+    ) -> Option<Mesh> {
+        const KEY: &str = "mesh.refined_cells";
+        let Some(name) = raw.refined_cells() else { return Some(mesh) };
+        let bytes = match self.loader.get(&Path::parse(KEY).unwrap_or_default(), name) {
+            Ok(bytes) => bytes,
+            Err(missing) => {
+                self.note(KEY, At::Value, missing.found, missing.expected, missing.hint.as_deref());
+                return None;
+            }
+        };
+        if !self.is_sound {
+            return Some(mesh);
         }
-        Some(finer)
+        let made = RefinementRounds::parse(&String::from_utf8_lossy(&bytes)).and_then(|rounds| {
+            let finer = rounds.refined(&mesh, round_sides(raw, &mesh))?;
+            Ok((rounds, finer))
+        });
+        let (rounds, finer) = match made {
+            Ok(made) => made,
+            Err(RoundsError { place, found, expected }) => {
+                let hint = "leave the key out, or take the file of a run with --accuracy of the same mesh";
+                self.note(KEY, At::Value, format!("{name}: {place}: {found}"), expected, Some(hint));
+                return None;
+            }
+        };
+        self.rounds = Some(rounds);
+        let demand = MeshDemand::of(&measured(&finer, &sides.contact, 0), self.solver);
+        let what = format!("{} cells", finer.cell_count());
+        let is_affordable = self.affordable(KEY, &what, "take fewer rounds", &demand, available);
+        self.checked(KEY, finer).filter(|_| is_affordable)
     }
 
     /// Refines the cells in some places once.
@@ -184,6 +222,12 @@ impl Places {
         let is_true = |expression: &Expression| points().chain([&centre]).any(|x| expression.value(x, 0.0).abs() > 0.0);
         self.corners.as_ref().is_none_or(reaches) && self.holds.as_ref().is_none_or(is_true)
     }
+}
+
+/// The round sides of a generated mesh, with their nodes.
+fn round_sides(raw: &raw::Mesh, mesh: &Mesh) -> Vec<(Vec<u32>, RoundSide)> {
+    let nodes = |side: &String| mesh.facets.get(side).map(FacetSet::node_list).unwrap_or_default();
+    rounds(raw).into_iter().map(|(side, round)| (nodes(&side), round)).collect()
 }
 
 /// The round sides of a generated mesh, with their names.

@@ -30,8 +30,7 @@ pub mod vtu;
 
 use std::collections::BTreeMap;
 
-pub use bisect::Bisection;
-pub(crate) use bisect::RoundSide;
+pub use bisect::{Bisection, RefinementRounds, RoundSide, RoundsError};
 pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};

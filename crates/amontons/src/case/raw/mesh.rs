@@ -31,6 +31,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// The interval (0, size). Its ends are named left and right.
     Interval {
@@ -46,6 +49,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// The box (0, size₀) × (0, size₁) × (0, size₂). Its sides are named left, right (x), bottom, top (y), back and
     /// front (z).
@@ -61,6 +67,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// A disc around the origin. Its side is named outer.
     Disc {
@@ -75,6 +84,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// A ring around the origin, or a sector of it that begins at the x-axis. Its sides are named inner, outer, start
     /// and end.
@@ -94,6 +106,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// A cylinder around the z-axis, 0 < z < height, or a sector of it that begins at the x-axis. Its sides are named
     /// inner, outer, bottom, top, and start and end of a sector.
@@ -115,6 +130,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// Several bodies side by side, each with nodes of its own: intervals, rectangles and rings, or boxes and
     /// cylinders. Each is a region; its sides are named after it: `pad_left`, `pad_top`, `shaft_outer`.
@@ -128,6 +146,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
     /// A mesh file of Gmsh (.msh), Abaqus or CalculiX (.inp), Code_Aster or Salome (.med, .mail), Exodus (.e) or VTK
     /// (.vtu).
@@ -150,6 +171,9 @@ pub(in crate::case) enum Mesh {
         /// Places in which the mesh is finer, in this order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         refine_where: Vec<RefineWhere>,
+        /// File with cells that are refined in rounds, as `amontons run --accuracy` writes it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refined_cells: Option<String>,
     },
 }
 
@@ -173,6 +197,20 @@ impl Mesh {
             | Mesh::Cylinder { refine_where, .. }
             | Mesh::Blocks { refine_where, .. }
             | Mesh::File { refine_where, .. } => refine_where,
+        }
+    }
+
+    /// The file with cells that are refined in rounds.
+    pub fn refined_cells(&self) -> Option<&str> {
+        match self {
+            Mesh::Rectangle { refined_cells, .. }
+            | Mesh::Interval { refined_cells, .. }
+            | Mesh::Box { refined_cells, .. }
+            | Mesh::Disc { refined_cells, .. }
+            | Mesh::Ring { refined_cells, .. }
+            | Mesh::Cylinder { refined_cells, .. }
+            | Mesh::Blocks { refined_cells, .. }
+            | Mesh::File { refined_cells, .. } => refined_cells.as_deref(),
         }
     }
 }

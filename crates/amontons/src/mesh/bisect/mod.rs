@@ -8,13 +8,15 @@
 mod cell;
 mod nodes;
 mod order;
+mod rounds;
 
 use std::collections::BTreeMap;
 
 use self::cell::{CutCell, Cuttable, Cutter, middles_of};
 use self::nodes::BisectionNodes;
-pub(crate) use self::nodes::RoundSide;
+pub use self::nodes::RoundSide;
 use self::order::EdgeOrder;
+pub use self::rounds::{RefinementRounds, RoundsError};
 use super::{Block, FacetSet, Mesh, MeshError};
 use crate::element::{ALL, Element};
 
@@ -75,7 +77,7 @@ impl Bisection {
     /// Puts new nodes of a side onto its circle or cylinder. Every edge between two nodes of the side has to lie on it,
     /// as in the generated round meshes.
     #[must_use]
-    pub(crate) fn around(mut self, nodes: &[u32], round: RoundSide) -> Bisection {
+    pub fn around(mut self, nodes: &[u32], round: RoundSide) -> Bisection {
         self.cutter.nodes.add_round(round, nodes);
         self
     }

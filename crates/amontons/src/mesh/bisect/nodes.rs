@@ -9,7 +9,7 @@ use crate::tensor::{Point, dot, length, minus};
 
 /// A side on a circle or a circular cylinder, onto which its new nodes are put.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RoundSide {
+pub struct RoundSide {
     /// A point of the axis, m.
     pub through: Point,
     /// Direction of the axis, of length 1; in the plane z.

@@ -1,0 +1,177 @@
+//! `run --accuracy`: runs on meshes that are finer where the error is, until its bound is small enough.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use amontons::case::{self, Case, CaseError};
+use amontons::majorant::ErrorOfRun;
+use amontons::mesh::RefinementRounds;
+use amontons::output::{FolderLock, OutputError, Sink};
+use amontons::run::{self, Settings};
+
+use crate::after::After;
+use crate::arguments::{CertificateChoice, Common, OutputFormat};
+use crate::commands;
+use crate::print;
+use crate::progress::{Progress, StepSink};
+use crate::status::CommandFailure;
+
+/// Name of the file with the marked cells, in the case that is run.
+const CELLS: &str = "refined-cells.txt";
+/// The history in the results folder.
+const HISTORY: &str = "accuracy.csv";
+/// Rounds over which the error has to fall to [`FALLEN`] of it: it does so where cells are the reason for it.
+const PATIENCE: usize = 4;
+const FALLEN: f64 = 0.9;
+
+/// A run on one of the meshes.
+struct Level {
+    cells: usize,
+    unknowns: usize,
+    relative: f64,
+    energy: f64,
+    is_guaranteed: bool,
+}
+
+/// Why the last mesh is the last.
+enum Ending {
+    Reached,
+    /// The next mesh cannot be had: the reason.
+    NoMesh(String),
+    /// The error does not fall any more.
+    Stands,
+}
+
+/// The runs so far, and the case of the last one.
+struct Adapted {
+    case: Case,
+    levels: Vec<Level>,
+    ending: Ending,
+}
+
+/// Refines until the relative error in the norm of the energy is at most `accuracy`, and runs the case on the last mesh
+/// into its results folder.
+pub fn execute(
+    file: &Path,
+    accuracy: f64,
+    (after, certificate): (After, CertificateChoice),
+    common: &Common,
+) -> Result<(), CommandFailure> {
+    if !(accuracy > 0.0 && accuracy < 1.0) {
+        let found =
+            format!("--accuracy: found {accuracy}, expected a part of the solution between 0 and 1, such as 0.01");
+        return Err(CommandFailure::Usage(found));
+    }
+    let Adapted { case, levels, ending } = adapted(file, accuracy, common)?;
+    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
+    commands::run_into(&case, &out, (after, certificate), common)?;
+    let path = out.join(HISTORY);
+    let _lock = FolderLock::take(&out)?;
+    fs::write(&path, csv(&levels)).map_err(|source| OutputError::Io { doing: "write", path, source })?;
+    let why = match ending {
+        Ending::Reached => return Ok(()),
+        Ending::NoMesh(why) => format!("the next mesh cannot be had: {why}"),
+        Ending::Stands => "it does not fall with finer cells any more".to_owned(),
+    };
+    let last = levels.last().map_or(f64::NAN, |level| level.relative);
+    let message = format!(
+        "an error of at most {:.3} % was asked for, and that of the results is at most {:.3} %: {why}",
+        100.0 * accuracy,
+        100.0 * last
+    );
+    let table = serde_json::json!({ "asked": accuracy, "relative": last, "why": why });
+    Err(CommandFailure::Verification { message, table })
+}
+
+/// Runs on finer and finer meshes.
+fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, CommandFailure> {
+    let source = common.source(file)?;
+    let set: Vec<String> = common.set.iter().cloned().chain(["output.error=true".to_owned()]).collect();
+    let start = case::parse(&source, &set)?;
+    let mut rounds = start
+        .rounds
+        .clone()
+        .unwrap_or_else(|| RefinementRounds { cells: start.problem.mesh.cell_count(), marked: Vec::new() });
+    let mut case = start;
+    let mut levels: Vec<Level> = Vec::new();
+    loop {
+        let judged = judged(&case, common)?;
+        let worst = judged.worst().map_err(|refused| CommandFailure::Usage(no_bound(&refused.to_string())))?;
+        let level = Level {
+            cells: case.problem.mesh.cell_count(),
+            unknowns: case.problem.mesh.points.len() * case.problem.mesh.dim,
+            relative: judged.relative(),
+            energy: worst.energy,
+            is_guaranteed: judged.is_guaranteed(),
+        };
+        tell(levels.len(), &level, common)?;
+        let marked = worst.marked();
+        levels.push(level);
+        let relative = |n: usize| levels.get(n).map(|level| level.relative);
+        let now = levels.len() - 1;
+        if relative(now).is_some_and(|relative| relative <= accuracy) {
+            return Ok(Adapted { case, levels, ending: Ending::Reached });
+        }
+        let before = now.checked_sub(PATIENCE).and_then(relative);
+        if marked.is_empty() || before.zip(relative(now)).is_some_and(|(before, now)| now > FALLEN * before) {
+            return Ok(Adapted { case, levels, ending: Ending::Stands });
+        }
+        rounds.marked.push(marked);
+        let next = source.with_file(CELLS, rounds.to_string().into_bytes());
+        let with_cells: Vec<String> = set.iter().cloned().chain([format!("mesh.refined_cells=\"{CELLS}\"")]).collect();
+        match case::parse(&next, &with_cells) {
+            Ok(finer) => case = finer,
+            Err(error @ CaseError::Faults { .. }) => {
+                let why = error.to_string().lines().next().unwrap_or_default().to_owned();
+                return Ok(Adapted { case, levels, ending: Ending::NoMesh(why) });
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+}
+
+/// The error of the run of a case, which writes no results.
+fn judged(case: &Case, common: &Common) -> Result<ErrorOfRun, CommandFailure> {
+    let progress = Progress::new(common);
+    let mut judge = ErrorOfRun::every(case.every);
+    let mut steps = StepSink(&progress);
+    let settings = Settings {
+        interrupt: Some(progress.interrupt_flag()),
+        certificate: false,
+        watch: Some(progress.watch()),
+        pulse: progress.pulse(),
+        ..Settings::default()
+    };
+    let sinks: &mut [&mut dyn Sink] = &mut [&mut judge, &mut steps];
+    let made = run::run(&case.problem, &settings, sinks);
+    made.map_err(|error| CommandFailure::Run { error, hint: None })?;
+    Ok(judge)
+}
+
+fn no_bound(why: &str) -> String {
+    format!("--accuracy: {why}; refine the mesh by hand (mesh.n, mesh.refine_where) and compare (amontons converge)")
+}
+
+/// Prints what a mesh has brought.
+fn tell(number: usize, level: &Level, common: &Common) -> Result<(), CommandFailure> {
+    if common.quiet || common.format == OutputFormat::Json {
+        return Ok(());
+    }
+    let mut text = String::new();
+    if number == 0 {
+        let _ = writeln!(text, "{:>5} {:>9} {:>9}  error in the norm of the energy", "mesh", "cells", "unknowns");
+    }
+    let Level { cells, unknowns, relative, is_guaranteed, .. } = level;
+    let word = if *is_guaranteed { "at most" } else { "about" };
+    let _ = writeln!(text, "{number:>5} {cells:>9} {unknowns:>9}  {word} {:.3} %", 100.0 * relative);
+    Ok(print::text(&text)?)
+}
+
+fn csv(levels: &[Level]) -> String {
+    let mut text = "mesh,cells,unknowns,relative,energy,guaranteed\n".to_owned();
+    for (number, Level { cells, unknowns, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
+        let _ = writeln!(text, "{number},{cells},{unknowns},{relative:?},{energy:?},{}", u8::from(*is_guaranteed));
+    }
+    text
+}
