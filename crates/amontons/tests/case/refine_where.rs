@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::{spoil, told};
 use amontons::case::{self, Case, Files, Source};
 use amontons::mesh::defects::defects;
-use amontons::mesh::{Block, Mesh};
+use amontons::mesh::{Bisection, Block, Mesh};
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
 
@@ -241,4 +241,43 @@ fn a_sector_must_match_itself() {
     let on = |side: &str| spoil(&text, "side = \"left\"", &format!("side = \"{side}\""));
     assert!(told(&source(&on("start")), &[]).contains("cyclic[0].sides"), "{}", told(&source(&on("start")), &[]));
     mesh_of(&on("outer"));
+}
+
+/// The case with a file of rounds, on a rectangle of 8 cells.
+fn rounds_of(text: &str) -> Source {
+    let files: BTreeMap<String, Arc<[u8]>> = [("rounds.txt".to_owned(), Arc::from(text.as_bytes()))].into();
+    let case = spoil(CASE, "[[mesh.refine_where]]\nside = \"left\"", "refined_cells = \"rounds.txt\"");
+    Source { files: Files::Memory(files), ..Source::new("bar.toml", case) }
+}
+
+/// The rounds of a file are those of [`Bisection`], and the case of the results folder has them.
+#[test]
+fn cells_of_a_file_are_refined_in_rounds() {
+    let case = case::parse(&rounds_of("cells 8\n# the first\n0 3\n1\n"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let start = mesh_of(&spoil(CASE, "[[mesh.refine_where]]\nside = \"left\"", ""));
+    let mut bisection = Bisection::new(&start);
+    for marked in [&[0, 3][..], &[1]] {
+        bisection.refine(marked).expect("cells");
+    }
+    assert_eq!(bisection.mesh().points, case.problem.mesh.points);
+    assert_eq!(case.rounds.as_ref().map(|rounds| rounds.marked.clone()), Some(vec![vec![0, 3], vec![1]]));
+    assert!(case.text.contains("refined_cells = \"inputs/rounds.txt\""), "{}", case.text);
+    assert_eq!(case.inputs.len(), 1);
+}
+
+#[test]
+fn faults_of_refined_cells_are_told_with_their_places() {
+    let hint = "leave the key out, or take the file of a run with --accuracy of the same mesh";
+    for (text, expected) in [
+        ("0 3\n", "line 1: found `0 3`, expected `cells N` with the number of cells of the mesh"),
+        ("cells 8\n0 x\n", "line 2: found `x`, expected numbers of cells, whole and not negative"),
+        ("cells 8\n-1\n", "line 2: found `-1`, expected numbers of cells, whole and not negative"),
+        ("cells 12\n0\n", "the first round: found cells of a mesh of 12, expected those of this one of 8"),
+        ("cells 8\n8\n", "round 1: found cell 8 is marked, expected one below 8, the number of cells"),
+    ] {
+        let told = told(&rounds_of(text), &[]);
+        let (place, rest) = expected.split_once(": found ").expect("a place");
+        let told_of = format!("bar.toml:6:17: mesh.refined_cells: found rounds.txt: {place}: {rest}; {hint}");
+        assert_eq!(told, told_of);
+    }
 }

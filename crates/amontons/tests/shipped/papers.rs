@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 27] = [
+const RESULTS: [&str; 29] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -60,6 +60,8 @@ const RESULTS: [&str; 27] = [
     "probes.csv",
     "error.csv",
     "contact.csv",
+    "accuracy.csv",
+    "refined-cells.txt",
     "convergence.csv",
     "convergence-values.csv",
     "gradient.csv",
