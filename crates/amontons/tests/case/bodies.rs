@@ -403,7 +403,7 @@ spoiled! {
     kind_and_file: "kind = \"box\"\nfile = \"bar.msh\"", 3, "" => ""
         "body.toml:2:1: mesh.size: found no such key, expected an array of 3, each a number > 0 (lengths of the sides in m)"
         "body.toml:2:1: mesh.n: found no such key, expected an integer ≥ 1 or three of them, [nx, ny, nz] (cells per side)"
-        "body.toml:4:1: mesh.file: found an unknown key, expected one of elements, kind, n, refine_where, size; `file` belongs to [mesh] with kind = \"file\"";
+        "body.toml:4:1: mesh.file: found an unknown key, expected one of elements, kind, n, refine_where, refined_cells, size; `file` belongs to [mesh] with kind = \"file\"";
     elements_unknown: "kind = \"interval\"\nsize = 1\nn = 2\nelements = \"P3\"", 1, "" => ""
         "body.toml:6:12: mesh.elements: found \"P3\", expected \"P1\", \"P2\", \"Q1\" or \"Q2\" (element type of the cells)";
     diagonal_of_quadrilaterals: "kind = \"rectangle\"\nsize = [2, 1]\nn = 2\nelements = \"Q1\"\ndiagonal = \"left\"", 2, "" => ""

@@ -290,7 +290,7 @@ spoiled! {
     set_through_value: "" => "" set "mesh.n.x=1"
         "--set mesh.n.x=1: mesh.n.x: found a value at mesh.n, expected a table or an array that the key leads through";
     set_unknown_key: "" => "" set "mesh.m=4"
-        "--set mesh.m=4: mesh.m: found an unknown key, expected one of axisymmetric, diagonal, elements, kind, n, origin, refine_where, size";
+        "--set mesh.m=4: mesh.m: found an unknown key, expected one of axisymmetric, diagonal, elements, kind, n, origin, refine_where, refined_cells, size";
     set_unknown_table: "" => "" set "contcat.gap=4"
         "--set contcat.gap=4: contcat: found an unknown key, expected one of boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `contact`?";
     set_wrong_value: "" => "" set "mesh.n=0"
