@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 27] = [
+const RESULTS: [&str; 28] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -61,6 +61,7 @@ const RESULTS: [&str; 27] = [
     "contact.csv",
     "convergence.csv",
     "convergence-values.csv",
+    "convergence.json",
     "gradient.csv",
     "gradient.json",
     "fit.csv",
