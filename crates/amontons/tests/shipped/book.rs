@@ -80,7 +80,7 @@ fn every_block_of_the_guides_is_a_case() {
         ("large.md", (0, 1)),
         ("loads.md", (0, 7)),
         ("materials.md", (0, 6)),
-        ("meshes.md", (0, 6)),
+        ("meshes.md", (0, 7)),
         ("results.md", (0, 3)),
         ("runs.md", (0, 1)),
         ("squeal.md", (0, 1)),

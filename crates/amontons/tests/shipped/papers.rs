@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 29] = [
+const RESULTS: [&str; 31] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -64,6 +64,7 @@ const RESULTS: [&str; 29] = [
     "refined-cells.txt",
     "convergence.csv",
     "convergence-values.csv",
+    "convergence.json",
     "gradient.csv",
     "gradient.json",
     "fit.csv",
