@@ -360,7 +360,8 @@ fn the_error_of_a_cell_does_not_depend_on_the_description() {
     mesh.blocks.iter_mut().flat_map(|block| &mut block.nodes).for_each(|node| *node = number(*node));
     let sets = mesh.facets.values_mut().flat_map(|set| &mut set.blocks);
     sets.flat_map(|block| &mut block.nodes).for_each(|node| *node = number(*node));
-    let other = ProblemData { mesh: Arc::new(mesh), ..data.clone() };
+    let mut other = data.clone();
+    other.mesh = Arc::new(mesh);
     near(&bounded(&checked(other)), &expected, 1.0, 1e-8);
 
     let mut mesh = (*data.mesh).clone();
@@ -368,7 +369,8 @@ fn the_error_of_a_cell_does_not_depend_on_the_description() {
     mesh.blocks.iter_mut().flat_map(|block| block.nodes.chunks_exact_mut(3)).for_each(|cell| cell.swap(1, 2));
     let sets = mesh.facets.values_mut().flat_map(|set| &mut set.blocks);
     sets.flat_map(|block| block.nodes.chunks_exact_mut(2)).for_each(|facet| facet.swap(0, 1));
-    let mut other = ProblemData { mesh: Arc::new(mesh), ..data };
+    let mut other = data;
+    other.mesh = Arc::new(mesh);
     other.body_force = vec![(-0.1).into(), (-0.3).into()];
     near(&bounded(&checked(other)), &expected, 1.0, 1e-8);
 }
@@ -415,6 +417,12 @@ fn the_bound_of_hard_bodies_is_above_the_error() {
         data.contacts = vec![Contact::new("bottom", Signorini).friction(Tresca { bound: 0.1 })];
         all.push(("a held corner on a rigid foundation", data));
         let mut data = plane(elements);
+        data.physics = Physics::Warmed;
+        data.materials[0].expansion = amontons::tensor::Sym::from_fn(2, |i, j| [[0.1, 0.03], [0.03, 0.2]][i][j]).into();
+        let field = amontons::field::Field::of_space(|x| 0.5 - x[0]);
+        data.temperature = vec![amontons::problem::GivenTemperature { region: None, field, key: String::new() }];
+        all.push(("thermal stress", data));
+        let mut data = plane(elements);
         let mut mesh = (*data.mesh).clone();
         let block = mesh.blocks.remove(0);
         let n = block.element.nodes.len();
@@ -440,6 +448,18 @@ fn the_bound_of_hard_bodies_is_above_the_error() {
         assert!(found.is_guaranteed(), "{what}: {:?}", found.estimate);
         assert!(ratio >= 1.0 - 1e-9, "{what}: bound {:e}, error {error:e}", found.energy);
     }
+}
+
+/// A step of a viscous body: with 𝓥 = 𝓔/2 and a step of length 1 its energy is 3/2 of the elastic one.
+#[test]
+fn the_bound_of_a_viscous_step_is_above_the_error() {
+    let mut data = plane(Elements::P1);
+    let law = |scale: f64| Isotropic::lame(2, 1.1 * scale, 1.5 * scale, StressState::PlaneStrain);
+    data.materials = vec![Material::new(2, law(1.0)).viscosity(law(0.5))];
+    let (elastic, found) = compared(&checked(data), 3);
+    let error = 1.5 * elastic;
+    assert!(found.is_guaranteed() && found.energy >= error, "{:e} {error:e}", found.energy);
+    assert!(found.energy < 2.0 * error, "{:e} {error:e}", found.energy);
 }
 
 /// What the proof does not cover is refused by name, or is said to be an estimate.
