@@ -218,7 +218,10 @@ fn random_body(random: &mut Random, elements: Elements, dim: usize) -> ProblemDa
     if between(0.0, 1.0) < 0.5 {
         data.boundary = vec![BoundaryCondition::on(held).normal_displacement(between(-0.1, 0.0))];
         if dim > 1 {
-            data.boundary.push(BoundaryCondition::on("left").displacement(vec![0.0; dim]));
+            data.boundary.push(BoundaryCondition::on("left").normal_displacement(0.0));
+            if dim == 3 {
+                data.boundary.push(BoundaryCondition::on("back").normal_displacement(0.0));
+            }
         }
     }
     if dim > 1 {
@@ -273,11 +276,17 @@ fn the_bound_of_random_bodies_is_above_the_error() {
         (3, Elements::P1, 16),
         (3, Elements::P2, 6),
     ];
-    let mut count = 0;
+    let (mut count, mut refused) = (0, 0);
     for (dim, elements, number) in kinds {
         let mut ratios: Vec<f64> = Vec::new();
         for case in 0..number {
             let problem = checked(random_body(&mut random, elements, dim));
+            if let Err(why) = bound(&problem, &solve(&problem)) {
+                // A refusal is no wrong bound, but should be rare.
+                println!("{dim} {elements:?} {case}: {why}");
+                refused += 1;
+                continue;
+            }
             let quadratic = matches!(elements, Elements::P2 | Elements::Q2);
             let (error, found) = compared(&problem, if quadratic && dim == 3 { 2 } else { 3 });
             let scale = 1e-12 * (found.of_solution + error);
@@ -296,6 +305,9 @@ fn the_bound_of_random_bodies_is_above_the_error() {
             count += 1;
         }
         ratios.sort_by(f64::total_cmp);
+        if ratios.is_empty() {
+            continue;
+        }
         let at = |share: f64| ratios[((ratios.len() - 1) as f64 * share) as usize];
         println!(
             "{dim} {elements:?}: {} least {:.2} median {:.2} largest {:.2}",
@@ -305,7 +317,7 @@ fn the_bound_of_random_bodies_is_above_the_error() {
             at(1.0)
         );
     }
-    assert!(count > 200);
+    assert!(count > 200 && refused < 10, "{count} bounds, {refused} refused");
 }
 
 /// A plane body in contact with everything that its cells feel: loads, a layer with friction, and a held side.
@@ -318,7 +330,7 @@ fn plane(elements: Elements) -> ProblemData {
     data.body_force = vec![0.1.into(), (-0.3).into()];
     data.boundary = vec![
         BoundaryCondition::on("top").normal_displacement(-0.02),
-        BoundaryCondition::on("left").displacement([0.0, 0.0]),
+        BoundaryCondition::on("left").normal_displacement(0.0),
         BoundaryCondition { pressure: Some(0.2.into()), ..BoundaryCondition::on("right") },
     ];
     data.contacts = vec![Contact::new("bottom", Compliance { stiffness: 30.0 }).friction(Tresca { bound: 0.01 })];
@@ -410,7 +422,7 @@ fn the_bound_of_hard_bodies_is_above_the_error() {
         all.push(("a load on the side of contact", data));
         let mut data = plane(elements);
         data.boundary.remove(1);
-        data.boundary[0] = BoundaryCondition::on("top").displacement([-0.01, -0.02]);
+        data.boundary[0] = BoundaryCondition::on("top").displacement([0.0, -0.02]);
         data.contacts = vec![Contact::new("bottom", Signorini), Contact::new("left", Signorini)];
         all.push(("two sides at a corner", data));
         let mut data = plane(elements);
@@ -475,15 +487,6 @@ fn what_has_no_bound_is_refused() {
     let spring = amontons::problem::Support::Normal(1.0.into());
     let sprung = |data: &mut ProblemData| data.boundary[2].spring = Some(spring.clone());
     assert_eq!(reason(&sprung), "springs or dashpots at the boundary");
-    let alone = |data: &mut ProblemData| {
-        data.boundary = vec![BoundaryCondition { pressure: Some(0.2.into()), ..BoundaryCondition::on("top") }];
-        data.boundary.push(BoundaryCondition {
-            displacement: Some(vec![Some(0.0.into()), None]),
-            ..BoundaryCondition::on("left")
-        });
-        data.contacts = vec![Contact::new("bottom", Signorini)];
-    };
-    assert_eq!(reason(&alone), "a body that contact alone holds");
     let mut data = plane(Elements::P1);
     data.contacts = vec![Contact::new("bottom", Signorini).friction(amontons::contact::Coulomb { coefficient: 0.3 })];
     let found = bounded(&checked(data));
