@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::Refused;
 use super::dense::Semidefinite;
 use super::skeleton::Skeleton;
-use super::stress::{Laws, Motion};
+use super::stress::{StepLaws, StepMotion};
 use crate::mesh::{CellMap, FacetMap};
 use crate::tensor::{Point, length};
 
@@ -87,14 +87,19 @@ pub(super) struct CellForces {
 }
 
 /// The moments of the tractions, by facet and vertex.
-pub(super) type Moments = Vec<Vec<Point>>;
+pub(super) type FacetMoments = Vec<Vec<Point>>;
 
 /// Largest part of the forces of a star that may be left unbalanced, relative to the largest force of the body: more
 /// than round-off is a force on a point or an edge.
 const LEFT: f64 = 1e-8;
 
 /// Moments of σν on the facets: the mean of both cells, weighted by their compliance over their height, and the weight.
-pub(super) fn means(laws: &Laws, skeleton: &Skeleton, forces: &[CellForces], motion: &Motion) -> (Moments, Vec<f64>) {
+pub(super) fn means(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    forces: &[CellForces],
+    motion: &StepMotion,
+) -> (FacetMoments, Vec<f64>) {
     let of_facet = |facet: usize| {
         let known = &skeleton.facets[facet];
         let (mut sum, mut weight, mut area) = (vec![[0.0; 3]; known.vertices.len()], 0.0, 1.0);
@@ -116,7 +121,12 @@ pub(super) fn means(laws: &Laws, skeleton: &Skeleton, forces: &[CellForces], mot
 }
 
 /// Moments ∫_F σν φ of the stress of a cell per vertex of a facet, and the area of the facet.
-fn traction(laws: &Laws, skeleton: &Skeleton, (cell, local): (usize, usize), motion: &Motion) -> (Vec<Point>, f64) {
+fn traction(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    (cell, local): (usize, usize),
+    motion: &StepMotion,
+) -> (Vec<Point>, f64) {
     let (tables, nodes) = (skeleton.tables(cell), skeleton.nodes(laws.mesh, cell));
     let (points, facet) = (&tables.facets[local], &skeleton.facets[skeleton.cells[cell].facets[local]]);
     let own: Vec<u32> = tables.element.facets[local].nodes.iter().map(|&node| nodes[node]).collect();
@@ -147,14 +157,14 @@ pub(super) fn balanced(
     dim: usize,
     given: &[FacetGiven],
     forces: &[CellForces],
-    (means, weights): (&Moments, &[f64]),
-) -> Result<Moments, Refused> {
+    (means, weights): (&FacetMoments, &[f64]),
+) -> Result<FacetMoments, Refused> {
     let largest = forces.iter().flat_map(|cell| cell.rest.iter().chain(&cell.load)).map(length).fold(0.0, f64::max);
     let largest = given.iter().flat_map(|facet| &facet.moments).map(length).fold(largest, f64::max);
     let problem = StarProblem { skeleton, dim, given, forces, means, weights, largest };
     let stars: Vec<Result<Vec<(usize, usize, Point)>, Refused>> =
         (0..skeleton.stars.len()).into_par_iter().map(|vertex| problem.solve(vertex)).collect();
-    let mut moments: Moments = skeleton.facets.iter().map(|facet| vec![[0.0; 3]; facet.vertices.len()]).collect();
+    let mut moments: FacetMoments = skeleton.facets.iter().map(|facet| vec![[0.0; 3]; facet.vertices.len()]).collect();
     for star in stars {
         for (facet, place, moment) in star? {
             moments[facet][place] = moment;
@@ -168,7 +178,7 @@ struct StarProblem<'a> {
     dim: usize,
     given: &'a [FacetGiven],
     forces: &'a [CellForces],
-    means: &'a Moments,
+    means: &'a FacetMoments,
     weights: &'a [f64],
     largest: f64,
 }

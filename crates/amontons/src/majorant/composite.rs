@@ -103,7 +103,7 @@ impl Composite {
     }
 
     /// The data of the reference simplex from the moments of tractions on a simplex by facet and vertex, and ∫ σ.
-    pub fn pulled_back(&self, map: &Affine, moments: &[(usize, usize, Point)], total: &Sym) -> Vec<f64> {
+    pub fn pulled_back(&self, map: &SimplexMap, moments: &[(usize, usize, Point)], total: &Sym) -> Vec<f64> {
         let dim = self.dim;
         let mut data = vec![0.0; Composite::data(dim)];
         for (facet, vertex, moment) in moments {
@@ -134,7 +134,7 @@ fn component(r: usize, c: usize) -> usize {
 
 /// The map of the reference simplex onto a simplex.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Affine {
+pub(super) struct SimplexMap {
     pub dim: usize,
     /// Columns of B.
     columns: [Point; 3],
@@ -144,9 +144,9 @@ pub(super) struct Affine {
     pub determinant: f64,
 }
 
-impl Affine {
+impl SimplexMap {
     /// The map onto the simplex with these vertices.
-    pub fn new(dim: usize, vertices: &[Point]) -> Affine {
+    pub fn new(dim: usize, vertices: &[Point]) -> SimplexMap {
         let mut columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         for (c, column) in columns.iter_mut().enumerate().take(dim) {
             for d in 0..dim {
@@ -158,7 +158,12 @@ impl Affine {
         let [a, b, c] = &columns;
         let rows = [cross(b, c), cross(c, a), cross(a, b)];
         let determinant: f64 = a.iter().zip(&rows[0]).map(|(x, y)| x * y).sum();
-        Affine { dim, columns, inverse: rows.map(|row| row.map(|x| x / determinant)), determinant: determinant.abs() }
+        SimplexMap {
+            dim,
+            columns,
+            inverse: rows.map(|row| row.map(|x| x / determinant)),
+            determinant: determinant.abs(),
+        }
     }
 
     pub fn inverse_times(&self, v: &Point) -> Point {
@@ -218,7 +223,7 @@ mod tests {
             let element = Composite::new(dim);
             let vertices: Vec<Point> =
                 [[0.3, -0.2, 0.1], [2.0, 0.4, -0.3], [0.1, 1.4, 0.2], [-0.5, 0.3, 0.9]][..=dim].to_vec();
-            let map = Affine::new(dim, &vertices);
+            let map = SimplexMap::new(dim, &vertices);
             let at = |x: &Point| {
                 Sym::from_fn(dim, |i, j| {
                     let k = (i.min(j) + 2 * i.max(j)) as f64;

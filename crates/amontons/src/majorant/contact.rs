@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use super::Refused;
 use super::balance::FacetGiven;
 use super::skeleton::Skeleton;
-use super::stress::{Laws, Motion};
+use super::stress::{StepLaws, StepMotion};
 use crate::contact::{Contact, ContactPoint, GraphKind, NormalLaw, Quadrature};
 use crate::element::{Element, ShapeTable};
 use crate::inclusion::PointState;
@@ -64,7 +64,7 @@ pub(super) struct ContactFacet {
 }
 
 /// The solved step as contact sees it.
-pub(super) struct Solved<'a> {
+pub(super) struct SolvedContact<'a> {
     pub problem: &'a Problem,
     /// The contacts with their laws at the time of the step.
     pub contacts: &'a [Contact],
@@ -77,7 +77,7 @@ pub(super) struct Solved<'a> {
     pub gamma: f64,
 }
 
-impl Solved<'_> {
+impl SolvedContact<'_> {
     /// True if a displacement of a node along a direction is prescribed.
     fn holds(&self, node: u32, direction: &Point) -> bool {
         self.space.held_directions(node).any(|held| dot(&held, direction).abs() > 1e-6)
@@ -86,7 +86,7 @@ impl Solved<'_> {
 
 /// Γ_C facet by facet.
 pub(super) struct Touching<'a> {
-    pub solved: Solved<'a>,
+    pub solved: SolvedContact<'a>,
     pub facets: Vec<ContactFacet>,
     kinds: Vec<Option<NormalKind>>,
     /// Contact point by contact and node.
@@ -99,7 +99,7 @@ impl<'a> Touching<'a> {
     ///
     /// # Errors
     /// If a facet belongs to two contacts, or the gap is not known at its nodes.
-    pub fn new(solved: Solved<'a>, skeleton: &Skeleton, motion: &Motion) -> Result<Touching<'a>, Refused> {
+    pub fn new(solved: SolvedContact<'a>, skeleton: &Skeleton, motion: &StepMotion) -> Result<Touching<'a>, Refused> {
         let mesh = &solved.problem.mesh;
         let kinds = solved.contacts.iter().map(|contact| NormalKind::of(contact.normal.as_ref())).collect();
         let mut points = HashMap::new();
@@ -130,7 +130,7 @@ impl<'a> Touching<'a> {
         &self,
         contact: usize,
         (facet, element, nodes): (usize, &'static Element, &[u32]),
-        motion: &Motion,
+        motion: &StepMotion,
     ) -> Result<ContactFacet, Refused> {
         let mesh = &self.solved.problem.mesh;
         let table = ShapeTable::new(element, 1);
@@ -157,7 +157,7 @@ impl<'a> Touching<'a> {
     }
 
     /// g at a node: that of its contact point, or the datum.
-    fn gap(&self, contact: usize, node: u32, motion: &Motion) -> Result<f64, Refused> {
+    fn gap(&self, contact: usize, node: u32, motion: &StepMotion) -> Result<f64, Refused> {
         let (of, x) = (&self.solved.contacts[contact], &self.solved.problem.mesh.points[node as usize]);
         if let Some(state) = self.state(contact, node) {
             return Ok(dot(&self.at_node(node, motion.u), &state.normal) - state.penetration);
@@ -169,7 +169,7 @@ impl<'a> Touching<'a> {
     }
 
     /// The slip at a node against the foundation in the step, with a normal component that does not count.
-    fn slip(&self, contact: usize, node: u32, motion: &Motion) -> Result<Point, Refused> {
+    fn slip(&self, contact: usize, node: u32, motion: &StepMotion) -> Result<Point, Refused> {
         let of = &self.solved.contacts[contact];
         if of.friction.is_frictionless() {
             return Ok([0.0; 3]);
@@ -249,7 +249,7 @@ impl<'a> Touching<'a> {
     }
 
     /// Sets the tractions at the vertices: in the cone of the laws, near the discrete ones.
-    pub fn press(&mut self, laws: &Laws, skeleton: &Skeleton, motion: &Motion) {
+    pub fn press(&mut self, laws: &StepLaws, skeleton: &Skeleton, motion: &StepMotion) {
         let mut of_stress: HashMap<(usize, u32), (Point, f64)> = HashMap::new();
         for facet in &self.facets {
             for (node, traction) in stresses_at_vertices(laws, skeleton, facet, motion) {
@@ -386,7 +386,12 @@ fn edge(n: usize, place: usize) -> [usize; 2] {
 }
 
 /// The tractions σν of the cell of a facet at its vertices.
-fn stresses_at_vertices(laws: &Laws, skeleton: &Skeleton, facet: &ContactFacet, motion: &Motion) -> Vec<(u32, Point)> {
+fn stresses_at_vertices(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    facet: &ContactFacet,
+    motion: &StepMotion,
+) -> Vec<(u32, Point)> {
     let Some(&(cell, _)) = skeleton.facets[facet.facet].cells.first() else { return Vec::new() };
     let (nodes, element) = (skeleton.nodes(laws.mesh, cell), skeleton.tables(cell).element);
     let table = ShapeTable::at(element, element.nodes);

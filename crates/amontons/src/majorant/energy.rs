@@ -2,10 +2,10 @@
 //! the moments of the tractions on its facets.
 
 use super::balance::CellForces;
-use super::composite::{Affine, Composite, volume};
+use super::composite::{Composite, SimplexMap, volume};
 use super::dense::Constrained;
 use super::skeleton::{ElementTables, Skeleton, linear_functions};
-use super::stress::{Laws, Motion};
+use super::stress::{StepLaws, StepMotion};
 use crate::element::{Element, Q1_QUADRILATERAL, ShapeTable};
 use crate::mesh::CellMap;
 use crate::quadrature::{Shape, rule};
@@ -47,7 +47,7 @@ impl CellEnergy {
     }
 
     /// Adds ½ weight ‖Σ b_k f_k + first‖² of fields at a point, in the norm of the compliance.
-    fn add(&mut self, weight: f64, compliance: &super::stress::Compliance, first: &Sym, fields: &[(usize, Sym)]) {
+    fn add(&mut self, weight: f64, compliance: &super::stress::LocalCompliance, first: &Sym, fields: &[(usize, Sym)]) {
         self.constant += 0.5 * weight * compliance.product(first, first);
         for (k, field) in fields {
             let strain = compliance.times(field);
@@ -86,10 +86,10 @@ fn barycentric_points(dim: usize, degree: usize) -> Vec<BarycentricPoint> {
 }
 
 /// Evaluates composite stresses in the cells of a mesh.
-pub(super) struct Evaluation<'a> {
-    laws: &'a Laws<'a>,
+pub(super) struct StressEvaluation<'a> {
+    laws: &'a StepLaws<'a>,
     skeleton: &'a Skeleton,
-    motion: &'a Motion<'a>,
+    motion: &'a StepMotion<'a>,
     composite: Composite,
     /// Points of the parts of a simplex.
     points: Vec<BarycentricPoint>,
@@ -97,9 +97,9 @@ pub(super) struct Evaluation<'a> {
     tables: Vec<Option<ShapeTable>>,
 }
 
-impl<'a> Evaluation<'a> {
+impl<'a> StressEvaluation<'a> {
     /// The composite element on the cells, `motion` that of σ_h.
-    pub fn new(laws: &'a Laws<'a>, skeleton: &'a Skeleton, motion: &'a Motion<'a>) -> Evaluation<'a> {
+    pub fn new(laws: &'a StepLaws<'a>, skeleton: &'a Skeleton, motion: &'a StepMotion<'a>) -> StressEvaluation<'a> {
         let dim = laws.mesh.dim;
         let degree = |of: &ElementTables| {
             let element = of.element;
@@ -116,7 +116,7 @@ impl<'a> Evaluation<'a> {
             element.is_simplex().then(|| ShapeTable::at(element, &points.iter().map(at).collect::<Vec<_>>()))
         };
         let tables = skeleton.tables.iter().map(|tables| table(tables.element)).collect();
-        Evaluation { laws, skeleton, motion, composite: Composite::new(dim), points, tables }
+        StressEvaluation { laws, skeleton, motion, composite: Composite::new(dim), points, tables }
     }
 
     /// The energy of a cell; `None` if its stiffness is not positive definite.
@@ -184,14 +184,14 @@ impl<'a> Evaluation<'a> {
 /// A simplex with its composite stresses.
 struct Simplex<'a> {
     composite: &'a Composite,
-    map: Affine,
+    map: SimplexMap,
     vertices: Vec<Point>,
     centre: Point,
 }
 
 impl<'a> Simplex<'a> {
     fn new(composite: &'a Composite, vertices: Vec<Point>) -> Simplex<'a> {
-        let map = Affine::new(composite.dim, &vertices);
+        let map = SimplexMap::new(composite.dim, &vertices);
         let share = 1.0 / vertices.len() as f64;
         let centre = std::array::from_fn(|c| vertices.iter().map(|x| share * x[c]).sum());
         Simplex { composite, map, vertices, centre }
@@ -228,7 +228,7 @@ const LINES: usize = 16;
 
 /// A quadrilateral in four triangles: triangle i has the vertices i, i + 1 and the centre.
 struct Quadrilateral<'a> {
-    evaluation: &'a Evaluation<'a>,
+    evaluation: &'a StressEvaluation<'a>,
     cell: usize,
     nodes: &'a [u32],
     corners: Vec<Point>,

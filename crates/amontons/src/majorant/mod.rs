@@ -40,12 +40,12 @@ use crate::state::{State, StepReport};
 use crate::tensor::{Point, length};
 use crate::time::Rule;
 use balance::{CellForces, FacetGiven, balanced, means};
-use contact::{Solved, Touching};
-use energy::{CellEnergy, Evaluation};
+use contact::{SolvedContact, Touching};
+use energy::{CellEnergy, StressEvaluation};
 pub use judge::ErrorOfRun;
-use relax::Relaxation;
+use relax::TractionDescent;
 use skeleton::Skeleton;
-use stress::{Laws, Motion};
+use stress::{StepLaws, StepMotion};
 
 /// A reason why there is no bound of the error.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -159,11 +159,11 @@ impl Majorant {
             .iter()
             .map(|contact| contact.at_time(state.t).unwrap_or_else(|| contact.clone()))
             .collect();
-        let laws = Laws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() })?;
+        let laws = StepLaws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() })?;
         let mut remarks = Remarks::default();
         scope::remark(problem, &laws, &contacts, state.t, &mut remarks);
-        let discrete_motion = Motion { u: &state.u, before: &before, theta };
-        let solved = Solved {
+        let discrete_motion = StepMotion { u: &state.u, before: &before, theta };
+        let solved = SolvedContact {
             problem,
             contacts: &contacts,
             boundary: &discrete.boundary,
@@ -177,13 +177,13 @@ impl Majorant {
         touching.remark(&mut remarks);
         let repaired = touching.admissible(&state.u)?;
         let u = repaired.as_ref().unwrap_or(&state.u);
-        let motion = Motion { u, ..discrete_motion };
+        let motion = StepMotion { u, ..discrete_motion };
         touching.press(&laws, &self.skeleton, &motion);
         let mut given = self.given(problem, discrete, state.t, &mut remarks);
         let mut right = discrete.f.at(state.t).to_vec();
         touching.enter(&self.skeleton, &mut given, &mut right);
         let corrected = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
-        let balanced_motion = Motion { u: &corrected, ..motion };
+        let balanced_motion = StepMotion { u: &corrected, ..motion };
         let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t };
         let parts = step.parts(&given, &balanced_motion, (&motion, &touching))?;
         Ok(step.sum(parts, (&state.u, repaired.as_deref()), remarks))
@@ -191,7 +191,7 @@ impl Majorant {
 
     /// What is known of the tractions on the facets: zero outside, loads, and directions that are held.
     fn given(&self, problem: &Problem, discrete: &Discretization, t: f64, remarks: &mut Remarks) -> Vec<FacetGiven> {
-        let of = |facet: &skeleton::FacetOf| {
+        let of = |facet: &skeleton::SkeletonFacet| {
             let n = facet.vertices.len();
             if facet.cells.len() > 1 { FacetGiven::inner(n) } else { FacetGiven::outer(n) }
         };
@@ -260,8 +260,8 @@ impl Majorant {
         &mut self,
         problem: &Problem,
         discrete: &Discretization,
-        (laws, rule): (&Laws, Rule),
-        motion: &Motion,
+        (laws, rule): (&StepLaws, Rule),
+        motion: &StepMotion,
         right: &[f64],
     ) -> Result<Vec<f64>, Refused> {
         if self.system.as_ref().is_none_or(|(known, _)| *known != rule) {
@@ -273,14 +273,14 @@ impl Majorant {
         let mut u = motion.u.to_vec();
         let Some((_, system)) = &mut self.system else { return Ok(u) };
         for _ in 0..CORRECTIONS {
-            let rest = residual(laws, &self.skeleton, &Motion { u: &u, ..*motion }, right);
+            let rest = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
             let mut x = system.unknowns().gather(&rest);
             system.solve(&mut x).map_err(|_| held_by_contact())?;
             let mut change = vec![0.0; u.len()];
             system.unknowns().add(&x, &mut change);
             u.iter_mut().zip(&change).for_each(|(u, change)| *u += rule.gamma * change);
         }
-        let rest = residual(laws, &self.skeleton, &Motion { u: &u, ..*motion }, right);
+        let rest = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
         let left = max_abs(&system.unknowns().gather(&rest));
         let forces = self.largest(laws, motion, right);
         if left.is_nan() || left > LEFT * forces {
@@ -290,7 +290,7 @@ impl Majorant {
     }
 
     /// The largest force of a cell on a node, or on a node from outside, N.
-    fn largest(&self, laws: &Laws, motion: &Motion, right: &[f64]) -> f64 {
+    fn largest(&self, laws: &StepLaws, motion: &StepMotion, right: &[f64]) -> f64 {
         let of_cell = |cell: usize| laws.forces(&self.skeleton, cell, motion).iter().map(length).fold(0.0, f64::max);
         let of_cells = (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).reduce(|| 0.0, f64::max);
         of_cells.max(max_abs(right))
@@ -305,7 +305,7 @@ fn held_by_contact() -> Refused {
 }
 
 /// What is left of the balance of the nodes, N.
-fn residual(laws: &Laws, skeleton: &Skeleton, motion: &Motion, right: &[f64]) -> Vec<f64> {
+fn residual(laws: &StepLaws, skeleton: &Skeleton, motion: &StepMotion, right: &[f64]) -> Vec<f64> {
     let dim = laws.mesh.dim;
     let forces: Vec<Vec<Point>> =
         (0..skeleton.cells.len()).into_par_iter().map(|cell| laws.forces(skeleton, cell, motion)).collect();
@@ -321,7 +321,7 @@ fn residual(laws: &Laws, skeleton: &Skeleton, motion: &Motion, right: &[f64]) ->
 /// A step whose stress in balance is made.
 struct MadeStep<'a> {
     skeleton: &'a Skeleton,
-    laws: &'a Laws<'a>,
+    laws: &'a StepLaws<'a>,
     problem: &'a Problem,
     t: f64,
 }
@@ -334,7 +334,7 @@ struct EnergyParts {
 
 impl MadeStep<'_> {
     /// ∫ σ∇φ − ∫ f φ per vertex of a cell.
-    fn forces(&self, cell: usize, motion: &Motion) -> CellForces {
+    fn forces(&self, cell: usize, motion: &StepMotion) -> CellForces {
         let (mesh, tables) = (self.laws.mesh, self.skeleton.tables(cell));
         let nodes = self.skeleton.nodes(mesh, cell);
         let region = self.laws.region(self.skeleton, cell);
@@ -372,21 +372,21 @@ impl MadeStep<'_> {
     fn parts(
         &self,
         given: &[FacetGiven],
-        balanced_motion: &Motion,
-        (motion, touching): (&Motion, &Touching),
+        balanced_motion: &StepMotion,
+        (motion, touching): (&StepMotion, &Touching),
     ) -> Result<EnergyParts, Refused> {
         let cells = 0..self.skeleton.cells.len();
         let forces: Vec<CellForces> =
             cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion)).collect();
         let (means, weights) = means(self.laws, self.skeleton, &forces, balanced_motion);
         let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
-        let evaluation = Evaluation::new(self.laws, self.skeleton, motion);
+        let evaluation = StressEvaluation::new(self.laws, self.skeleton, motion);
         let of_cell = |cell: usize| {
             evaluation.of_cell(cell, &forces[cell]).ok_or_else(|| Refused::new("a stiffness that is not positive"))
         };
         let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
         let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
-        let cells = Relaxation { mesh, skeleton, given, energies: &energies }.least(&moments, &forces)?;
+        let cells = TractionDescent { mesh, skeleton, given, energies: &energies }.least(&moments, &forces)?;
         let of_facet = |facet: &contact::ContactFacet| {
             let cell = self.skeleton.facets[facet.facet].cells.first().map_or(0, |first| first.0);
             (cell, touching.term(facet, motion.u))

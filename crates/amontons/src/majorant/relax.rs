@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 use rayon::prelude::*;
 
 use super::Refused;
-use super::balance::{CellForces, FacetGiven, Moments};
+use super::balance::{CellForces, FacetGiven, FacetMoments};
 use super::dense::Constrained;
 use super::energy::CellEnergy;
 use super::skeleton::Skeleton;
@@ -22,14 +22,14 @@ const ITERATIONS: usize = 4;
 const UNBALANCED: f64 = 1e-7;
 
 /// The cells and facets with all moments in one vector: by facet, vertex and component.
-pub(super) struct Relaxation<'a> {
+pub(super) struct TractionDescent<'a> {
     pub mesh: &'a Mesh,
     pub skeleton: &'a Skeleton,
     pub given: &'a [FacetGiven],
     pub energies: &'a [CellEnergy],
 }
 
-impl Relaxation<'_> {
+impl TractionDescent<'_> {
     fn per_facet(&self) -> usize {
         self.mesh.dim * self.mesh.dim
     }
@@ -73,11 +73,11 @@ impl Relaxation<'_> {
     ///
     /// # Errors
     /// If round-off leaves a cell out of balance.
-    pub fn least(&self, first: &Moments, forces: &[CellForces]) -> Result<Vec<f64>, Refused> {
+    pub fn least(&self, first: &FacetMoments, forces: &[CellForces]) -> Result<Vec<f64>, Refused> {
         let mut x: Vec<f64> =
             first.iter().flatten().flat_map(|moment| moment[..self.mesh.dim].iter().copied()).collect();
         let patches = self.patches();
-        let problems: Vec<Patch> = patches.into_par_iter().map(|facets| self.patch(facets)).collect();
+        let problems: Vec<FacetPatch> = patches.into_par_iter().map(|facets| self.patch(facets)).collect();
         let mut rest: Vec<f64> = self.gathered(CellEnergy::slope, &x).iter().map(|x| 0.0 - x).collect();
         let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let (mut direction, mut before) = (vec![0.0; x.len()], 0.0);
@@ -126,7 +126,7 @@ impl Relaxation<'_> {
         patches.into_values().collect()
     }
 
-    fn patch(&self, facets: Vec<usize>) -> Patch {
+    fn patch(&self, facets: Vec<usize>) -> FacetPatch {
         let (d, per) = (self.mesh.dim, self.per_facet());
         let slots: HashMap<usize, usize> = facets.iter().enumerate().map(|(slot, &facet)| (facet, slot)).collect();
         let local = |place: usize| slots.get(&(place / per)).map(|slot| slot * per + place % per);
@@ -166,7 +166,7 @@ impl Relaxation<'_> {
             }
         }
         let places = facets.iter().flat_map(|&facet| facet * per..(facet + 1) * per).collect();
-        Patch { places, problem: Constrained::new(gram, rows) }
+        FacetPatch { places, problem: Constrained::new(gram, rows) }
     }
 
     /// Forces and moments about the first vertex of a cell for its moments, in the order of its energy.
@@ -234,13 +234,13 @@ impl Relaxation<'_> {
 }
 
 /// The problem of least energy in the moments of some facets.
-struct Patch {
+struct FacetPatch {
     places: Vec<usize>,
     problem: Constrained,
 }
 
 /// The sum of the solutions of the patches.
-fn preconditioned(patches: &[Patch], rest: &[f64]) -> Vec<f64> {
+fn preconditioned(patches: &[FacetPatch], rest: &[f64]) -> Vec<f64> {
     let solutions: Vec<Vec<f64>> = patches
         .par_iter()
         .map(|patch| {

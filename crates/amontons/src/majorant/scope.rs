@@ -1,7 +1,7 @@
 //! What the bound of the error covers.
 
 use super::contact::NormalKind;
-use super::stress::Laws;
+use super::stress::StepLaws;
 use super::{Refused, Remarks};
 use crate::contact::{Contact, ContactPoint, Quadrature};
 use crate::discretization::Discretization;
@@ -75,6 +75,12 @@ pub(super) fn rule_of(problem: &Problem, state: &State, report: &StepReport) -> 
     if rule.is_steady() && has_friction {
         return refuse("friction in a steady step");
     }
+    if problem.timeline.is_automatic() {
+        return refuse("steps that choose their lengths");
+    }
+    if !state.surface.offset.is_empty() {
+        return refuse("a bilateral contact that began with a phase");
+    }
     if report.parts > 1 {
         return refuse("a step made in halves");
     }
@@ -110,7 +116,7 @@ pub(super) fn temperature<'s>(
 }
 
 /// Says why a number is an estimate, and what the bound does not count.
-pub(super) fn remark(problem: &Problem, laws: &Laws, contacts: &[Contact], t: f64, remarks: &mut Remarks) {
+pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t: f64, remarks: &mut Remarks) {
     let regions = problem.mesh.blocks.iter().map(|block| block.region);
     if regions.into_iter().any(|region| laws.varies(region)) {
         remarks.estimate("the stiffness varies within cells: integrals are taken by quadrature");

@@ -14,7 +14,7 @@ const STRAIGHT: f64 = 1e-9;
 
 /// A cell: its block, its number in the block, and its facets.
 #[derive(Clone, Debug)]
-pub(super) struct CellOf {
+pub(super) struct SkeletonCell {
     pub block: usize,
     pub number: usize,
     pub facets: Vec<usize>,
@@ -22,12 +22,12 @@ pub(super) struct CellOf {
 
 /// A facet: its vertices, ascending, and its cells with the number of the facet there.
 #[derive(Clone, Debug)]
-pub(super) struct FacetOf {
+pub(super) struct SkeletonFacet {
     pub vertices: Vec<u32>,
     pub cells: Vec<(usize, usize)>,
 }
 
-impl FacetOf {
+impl SkeletonFacet {
     /// +1 for the first cell, from which normals point, and −1 for the other one.
     pub fn sign(&self, cell: usize) -> f64 {
         if self.cells.first().is_some_and(|first| first.0 == cell) { 1.0 } else { -1.0 }
@@ -106,8 +106,8 @@ impl ElementTables {
 /// The skeleton of a mesh.
 #[derive(Debug)]
 pub(super) struct Skeleton {
-    pub cells: Vec<CellOf>,
-    pub facets: Vec<FacetOf>,
+    pub cells: Vec<SkeletonCell>,
+    pub facets: Vec<SkeletonFacet>,
     /// The cells of each node that is a vertex, with its number there.
     pub stars: Vec<Vec<(usize, usize)>>,
     /// Per block.
@@ -121,7 +121,7 @@ impl Skeleton {
     /// # Errors
     /// If a cell has another shape or is curved, or three cells share a facet.
     pub fn new(mesh: &Mesh) -> Result<Skeleton, Refused> {
-        let (mut cells, mut facets) = (Vec::new(), Vec::<FacetOf>::new());
+        let (mut cells, mut facets) = (Vec::new(), Vec::<SkeletonFacet>::new());
         let mut by_key: HashMap<FacetKey, usize> = HashMap::new();
         let mut stars = vec![Vec::new(); mesh.points.len()];
         for (b, block) in mesh.blocks.iter().enumerate() {
@@ -137,13 +137,13 @@ impl Skeleton {
                     let key = facet_key(facet.element, facet.nodes.iter().map(|&node| nodes[node]));
                     let at = *by_key.entry(key).or_insert_with(|| {
                         let vertices = key[..facet.element.shape.vertices()].to_vec();
-                        facets.push(FacetOf { vertices, cells: Vec::new() });
+                        facets.push(SkeletonFacet { vertices, cells: Vec::new() });
                         facets.len() - 1
                     });
                     facets[at].cells.push((cell, local));
                     own.push(at);
                 }
-                cells.push(CellOf { block: b, number, facets: own });
+                cells.push(SkeletonCell { block: b, number, facets: own });
             }
         }
         if facets.iter().any(|facet| facet.cells.len() > 2) {
@@ -155,7 +155,7 @@ impl Skeleton {
 
     /// The nodes of a cell.
     pub fn nodes<'m>(&self, mesh: &'m Mesh, cell: usize) -> &'m [u32] {
-        let CellOf { block, number, .. } = &self.cells[cell];
+        let SkeletonCell { block, number, .. } = &self.cells[cell];
         let block = &mesh.blocks[*block];
         let n = block.element.nodes.len();
         &block.nodes[number * n..(number + 1) * n]

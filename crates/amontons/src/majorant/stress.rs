@@ -10,25 +10,25 @@ use crate::tensor::{Point, Sym, SymMap, mandel_len};
 
 /// The elastic and viscous laws of a step from ū of length γ: σ = 𝓔ε(u) + 𝓥ε(u − ū)/γ − θ𝓜.
 #[derive(Debug)]
-pub(super) struct Laws<'a> {
+pub(super) struct StepLaws<'a> {
     pub mesh: &'a Mesh,
     materials: &'a [Material],
     /// 1/γ in 1/s; zero in a steady step.
     rate: f64,
-    /// Compliance per region, or `None` if it varies in space.
-    compliance: Vec<Option<Compliance>>,
+    /// LocalCompliance per region, or `None` if it varies in space.
+    compliance: Vec<Option<LocalCompliance>>,
 }
 
 /// (𝓔 + 𝓥/γ)⁻¹ on 𝕊^d.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Compliance {
+pub(super) struct LocalCompliance {
     inverse: [[f64; 6]; 6],
     m: usize,
 }
 
-impl Compliance {
+impl LocalCompliance {
     /// Inverts a symmetric positive definite map on 𝕊^d; `None` if it is not.
-    pub fn new(map: &SymMap, dim: usize) -> Option<Compliance> {
+    pub fn new(map: &SymMap, dim: usize) -> Option<LocalCompliance> {
         let m = mandel_len(dim);
         let mut a = [[0.0; 12]; 6];
         for i in 0..m {
@@ -51,7 +51,7 @@ impl Compliance {
             a[column] = own;
         }
         let inverse = std::array::from_fn(|i| std::array::from_fn(|j| if i < m && j < m { a[i][m + j] } else { 0.0 }));
-        Some(Compliance { inverse, m })
+        Some(LocalCompliance { inverse, m })
     }
 
     /// τ:C⁻¹:σ.
@@ -72,7 +72,7 @@ impl Compliance {
 
 /// Displacements and the temperature of a step, node-major.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion<'a> {
+pub(super) struct StepMotion<'a> {
     pub u: &'a [f64],
     /// ū; used by viscosity alone.
     pub before: &'a [f64],
@@ -80,21 +80,24 @@ pub(super) struct Motion<'a> {
     pub theta: &'a [f64],
 }
 
-impl<'a> Laws<'a> {
+impl<'a> StepLaws<'a> {
     /// The laws of a step.
     ///
     /// # Errors
     /// If 𝓔 + 𝓥/γ is not positive definite.
-    pub fn new(problem: &'a Problem, rate: f64) -> Result<Laws<'a>, Refused> {
+    pub fn new(problem: &'a Problem, rate: f64) -> Result<StepLaws<'a>, Refused> {
         let mesh: &Mesh = &problem.mesh;
-        let mut laws = Laws { mesh, materials: &problem.materials, rate, compliance: Vec::new() };
+        let mut laws = StepLaws { mesh, materials: &problem.materials, rate, compliance: Vec::new() };
         let regions = mesh.blocks.iter().map(|block| block.region + 1).max().unwrap_or(0);
         for region in 0..regions {
             let compliance = if laws.varies(region) {
                 None
             } else {
                 let map = laws.stiffness(region, &[0.0; 3]);
-                Some(Compliance::new(&map, mesh.dim).ok_or_else(|| Refused::new("a stiffness that is not positive"))?)
+                Some(
+                    LocalCompliance::new(&map, mesh.dim)
+                        .ok_or_else(|| Refused::new("a stiffness that is not positive"))?,
+                )
             };
             laws.compliance.push(compliance);
         }
@@ -124,10 +127,10 @@ impl<'a> Laws<'a> {
     }
 
     /// C⁻¹ at a point of a region.
-    pub fn compliance(&self, region: usize, x: &Point) -> Option<Compliance> {
+    pub fn compliance(&self, region: usize, x: &Point) -> Option<LocalCompliance> {
         match self.compliance.get(region).copied().flatten() {
             Some(known) => Some(known),
-            None => Compliance::new(&self.stiffness(region, x), self.mesh.dim),
+            None => LocalCompliance::new(&self.stiffness(region, x), self.mesh.dim),
         }
     }
 
@@ -149,7 +152,7 @@ impl<'a> Laws<'a> {
     }
 
     /// The stress at a point of a cell.
-    pub fn at(&self, region: usize, map: &CellMap, nodes: &[u32], motion: &Motion) -> Sym {
+    pub fn at(&self, region: usize, map: &CellMap, nodes: &[u32], motion: &StepMotion) -> Sym {
         let material = self.material(region);
         let (x, dim) = (&map.position, self.mesh.dim);
         let strain = self.strain(map, nodes, motion.u);
@@ -167,7 +170,7 @@ impl<'a> Laws<'a> {
     }
 
     /// ∫ σ:ε(N_i e_c) of a cell by node, then component, with the points of the forms of the body.
-    pub fn forces(&self, skeleton: &Skeleton, cell: usize, motion: &Motion) -> Vec<Point> {
+    pub fn forces(&self, skeleton: &Skeleton, cell: usize, motion: &StepMotion) -> Vec<Point> {
         let nodes = skeleton.nodes(self.mesh, cell);
         let region = self.region(skeleton, cell);
         let mut forces = vec![[0.0; 3]; nodes.len()];

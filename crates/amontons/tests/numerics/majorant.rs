@@ -218,7 +218,10 @@ fn random_body(random: &mut Random, elements: Elements, dim: usize) -> ProblemDa
     if between(0.0, 1.0) < 0.5 {
         data.boundary = vec![BoundaryCondition::on(held).normal_displacement(between(-0.1, 0.0))];
         if dim > 1 {
-            data.boundary.push(BoundaryCondition::on("left").displacement(vec![0.0; dim]));
+            data.boundary.push(BoundaryCondition::on("left").normal_displacement(0.0));
+            if dim == 3 {
+                data.boundary.push(BoundaryCondition::on("back").normal_displacement(0.0));
+            }
         }
     }
     if dim > 1 {
@@ -273,11 +276,17 @@ fn the_bound_of_random_bodies_is_above_the_error() {
         (3, Elements::P1, 16),
         (3, Elements::P2, 6),
     ];
-    let mut count = 0;
+    let (mut count, mut refused) = (0, 0);
     for (dim, elements, number) in kinds {
         let mut ratios: Vec<f64> = Vec::new();
         for case in 0..number {
             let problem = checked(random_body(&mut random, elements, dim));
+            if let Err(why) = bound(&problem, &solve(&problem)) {
+                // A refusal is no wrong bound, but should be rare.
+                println!("{dim} {elements:?} {case}: {why}");
+                refused += 1;
+                continue;
+            }
             let quadratic = matches!(elements, Elements::P2 | Elements::Q2);
             let (error, found) = compared(&problem, if quadratic && dim == 3 { 2 } else { 3 });
             let scale = 1e-12 * (found.of_solution + error);
@@ -296,6 +305,9 @@ fn the_bound_of_random_bodies_is_above_the_error() {
             count += 1;
         }
         ratios.sort_by(f64::total_cmp);
+        if ratios.is_empty() {
+            continue;
+        }
         let at = |share: f64| ratios[((ratios.len() - 1) as f64 * share) as usize];
         println!(
             "{dim} {elements:?}: {} least {:.2} median {:.2} largest {:.2}",
@@ -305,7 +317,7 @@ fn the_bound_of_random_bodies_is_above_the_error() {
             at(1.0)
         );
     }
-    assert!(count > 200);
+    assert!(count > 200 && refused < 10, "{count} bounds, {refused} refused");
 }
 
 /// A plane body in contact with everything that its cells feel: loads, a layer with friction, and a held side.
@@ -318,7 +330,7 @@ fn plane(elements: Elements) -> ProblemData {
     data.body_force = vec![0.1.into(), (-0.3).into()];
     data.boundary = vec![
         BoundaryCondition::on("top").normal_displacement(-0.02),
-        BoundaryCondition::on("left").displacement([0.0, 0.0]),
+        BoundaryCondition::on("left").normal_displacement(0.0),
         BoundaryCondition { pressure: Some(0.2.into()), ..BoundaryCondition::on("right") },
     ];
     data.contacts = vec![Contact::new("bottom", Compliance { stiffness: 30.0 }).friction(Tresca { bound: 0.01 })];
@@ -360,7 +372,8 @@ fn the_error_of_a_cell_does_not_depend_on_the_description() {
     mesh.blocks.iter_mut().flat_map(|block| &mut block.nodes).for_each(|node| *node = number(*node));
     let sets = mesh.facets.values_mut().flat_map(|set| &mut set.blocks);
     sets.flat_map(|block| &mut block.nodes).for_each(|node| *node = number(*node));
-    let other = ProblemData { mesh: Arc::new(mesh), ..data.clone() };
+    let mut other = data.clone();
+    other.mesh = Arc::new(mesh);
     near(&bounded(&checked(other)), &expected, 1.0, 1e-8);
 
     let mut mesh = (*data.mesh).clone();
@@ -368,7 +381,8 @@ fn the_error_of_a_cell_does_not_depend_on_the_description() {
     mesh.blocks.iter_mut().flat_map(|block| block.nodes.chunks_exact_mut(3)).for_each(|cell| cell.swap(1, 2));
     let sets = mesh.facets.values_mut().flat_map(|set| &mut set.blocks);
     sets.flat_map(|block| block.nodes.chunks_exact_mut(2)).for_each(|facet| facet.swap(0, 1));
-    let mut other = ProblemData { mesh: Arc::new(mesh), ..data };
+    let mut other = data;
+    other.mesh = Arc::new(mesh);
     other.body_force = vec![(-0.1).into(), (-0.3).into()];
     near(&bounded(&checked(other)), &expected, 1.0, 1e-8);
 }
@@ -408,12 +422,18 @@ fn the_bound_of_hard_bodies_is_above_the_error() {
         all.push(("a load on the side of contact", data));
         let mut data = plane(elements);
         data.boundary.remove(1);
-        data.boundary[0] = BoundaryCondition::on("top").displacement([-0.01, -0.02]);
+        data.boundary[0] = BoundaryCondition::on("top").displacement([0.0, -0.02]);
         data.contacts = vec![Contact::new("bottom", Signorini), Contact::new("left", Signorini)];
         all.push(("two sides at a corner", data));
         let mut data = plane(elements);
         data.contacts = vec![Contact::new("bottom", Signorini).friction(Tresca { bound: 0.1 })];
         all.push(("a held corner on a rigid foundation", data));
+        let mut data = plane(elements);
+        data.physics = Physics::Warmed;
+        data.materials[0].expansion = amontons::tensor::Sym::from_fn(2, |i, j| [[0.1, 0.03], [0.03, 0.2]][i][j]).into();
+        let field = amontons::field::Field::of_space(|x| 0.5 - x[0]);
+        data.temperature = vec![amontons::problem::GivenTemperature { region: None, field, key: String::new() }];
+        all.push(("thermal stress", data));
         let mut data = plane(elements);
         let mut mesh = (*data.mesh).clone();
         let block = mesh.blocks.remove(0);
@@ -442,6 +462,18 @@ fn the_bound_of_hard_bodies_is_above_the_error() {
     }
 }
 
+/// A step of a viscous body: with 𝓥 = 𝓔/2 and a step of length 1 its energy is 3/2 of the elastic one.
+#[test]
+fn the_bound_of_a_viscous_step_is_above_the_error() {
+    let mut data = plane(Elements::P1);
+    let law = |scale: f64| Isotropic::lame(2, 1.1 * scale, 1.5 * scale, StressState::PlaneStrain);
+    data.materials = vec![Material::new(2, law(1.0)).viscosity(law(0.5))];
+    let (elastic, found) = compared(&checked(data), 3);
+    let error = 1.5 * elastic;
+    assert!(found.is_guaranteed() && found.energy >= error, "{:e} {error:e}", found.energy);
+    assert!(found.energy < 2.0 * error, "{:e} {error:e}", found.energy);
+}
+
 /// What the proof does not cover is refused by name, or is said to be an estimate.
 #[test]
 fn what_has_no_bound_is_refused() {
@@ -455,15 +487,6 @@ fn what_has_no_bound_is_refused() {
     let spring = amontons::problem::Support::Normal(1.0.into());
     let sprung = |data: &mut ProblemData| data.boundary[2].spring = Some(spring.clone());
     assert_eq!(reason(&sprung), "springs or dashpots at the boundary");
-    let alone = |data: &mut ProblemData| {
-        data.boundary = vec![BoundaryCondition { pressure: Some(0.2.into()), ..BoundaryCondition::on("top") }];
-        data.boundary.push(BoundaryCondition {
-            displacement: Some(vec![Some(0.0.into()), None]),
-            ..BoundaryCondition::on("left")
-        });
-        data.contacts = vec![Contact::new("bottom", Signorini)];
-    };
-    assert_eq!(reason(&alone), "a body that contact alone holds");
     let mut data = plane(Elements::P1);
     data.contacts = vec![Contact::new("bottom", Signorini).friction(amontons::contact::Coulomb { coefficient: 0.3 })];
     let found = bounded(&checked(data));
