@@ -182,53 +182,7 @@ impl Build<'_> {
         if !self.has_dimension(path, block, dim) {
             return None;
         }
-        let refine_where = Vec::new();
-        let shape = match (&block.size[..], block.radii, block.height) {
-            (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements, refine_where, refined_cells: None },
-            (&[x, y], ..) => raw::Mesh::Rectangle {
-                size: [x, y],
-                n: raw::Cells2::Each([n[0], n[1]]),
-                elements,
-                diagonal: block.diagonal,
-                origin: [0.0; 2],
-                axisymmetric: false,
-                refine_where,
-                refined_cells: None,
-            },
-            (&[x, y, z], ..) => raw::Mesh::Box {
-                size: [x, y, z],
-                n: raw::Cells3::Each([n[0], n[1], n[2]]),
-                elements,
-                refine_where,
-                refined_cells: None,
-            },
-            (_, Some(radii), Some(height)) => raw::Mesh::Cylinder {
-                radii,
-                angle: block.angle,
-                height,
-                n: raw::Cells3::Each([n[0], n[1], n[2]]),
-                elements,
-                refine_where,
-                refined_cells: None,
-            },
-            (_, Some([0.0, radius]), None) if block.angle.is_none() => raw::Mesh::Disc {
-                radius,
-                n: raw::Cells2::Each([n[0], n[1]]),
-                elements,
-                refine_where,
-                refined_cells: None,
-            },
-            (_, Some(radii), None) => raw::Mesh::Ring {
-                radii,
-                angle: block.angle,
-                n: raw::Cells2::Each([n[0], n[1]]),
-                elements,
-                refine_where,
-                refined_cells: None,
-            },
-            _ => return None,
-        };
-        Some((shape, n))
+        Some((shape_of(block, &n, elements)?, n))
     }
 
     /// True if all keys of the block have one number for each of the `dim` dimensions.
@@ -288,4 +242,51 @@ fn dimension(block: &raw::Block) -> usize {
         Some(_) if block.size.is_empty() => 2 + usize::from(block.height.is_some()),
         _ => block.size.len(),
     }
+}
+
+/// The mesh of a block of the form that its keys give.
+fn shape_of(block: &raw::Block, n: &[usize], elements: raw::Elements) -> Option<raw::Mesh> {
+    let (refine_where, refined_cells) = (Vec::new(), None);
+    let made = match (&block.size[..], block.radii, block.height) {
+        (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements, refine_where, refined_cells },
+        (&[x, y], ..) => raw::Mesh::Rectangle {
+            size: [x, y],
+            n: raw::Cells2::Each([n[0], n[1]]),
+            elements,
+            diagonal: block.diagonal,
+            origin: [0.0; 2],
+            axisymmetric: false,
+            refine_where,
+            refined_cells,
+        },
+        (&[x, y, z], ..) => raw::Mesh::Box {
+            size: [x, y, z],
+            n: raw::Cells3::Each([n[0], n[1], n[2]]),
+            elements,
+            refine_where,
+            refined_cells,
+        },
+        (_, Some(radii), Some(height)) => raw::Mesh::Cylinder {
+            radii,
+            angle: block.angle,
+            height,
+            n: raw::Cells3::Each([n[0], n[1], n[2]]),
+            elements,
+            refine_where,
+            refined_cells,
+        },
+        (_, Some([0.0, radius]), None) if block.angle.is_none() => {
+            raw::Mesh::Disc { radius, n: raw::Cells2::Each([n[0], n[1]]), elements, refine_where, refined_cells }
+        }
+        (_, Some(radii), None) => raw::Mesh::Ring {
+            radii,
+            angle: block.angle,
+            n: raw::Cells2::Each([n[0], n[1]]),
+            elements,
+            refine_where,
+            refined_cells,
+        },
+        _ => return None,
+    };
+    Some(made)
 }

@@ -23,7 +23,8 @@ impl Source {
     /// The text with a file in memory, under a name that it may use.
     #[must_use]
     pub fn with_file(&self, name: &str, bytes: impl Into<Arc<[u8]>>) -> Source {
-        Source { files: Files::With(name.to_owned(), bytes.into(), Box::new(self.files.clone())), ..self.clone() }
+        let file = Box::new((name.to_owned(), bytes.into(), self.files.clone()));
+        Source { files: Files::With(file), ..self.clone() }
     }
 
     /// A text that refers to no files.

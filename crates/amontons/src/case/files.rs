@@ -26,7 +26,7 @@ pub enum Files {
     /// Memory, by the names used in the case.
     Memory(BTreeMap<String, Arc<[u8]>>),
     /// A file in memory, by the name used in the case, before those of another place.
-    With(String, Arc<[u8]>, Box<Files>),
+    With(Box<(String, Arc<[u8]>, Files)>),
 }
 
 /// The reason why a file is missing.
@@ -142,8 +142,10 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
             let expected = "data in the case itself: it is a text without a folder".to_owned();
             Err(Missing { found: format!("the file \"{name}\""), expected, hint: None })
         }
-        Files::With(own, bytes, _) if own == name => Ok(Arc::clone(bytes)),
-        Files::With(_, _, others) => read(others, name),
+        Files::With(file) => match &**file {
+            (own, bytes, _) if own == name => Ok(Arc::clone(bytes)),
+            (_, _, others) => read(others, name),
+        },
         Files::Memory(all) => {
             let names: Vec<&str> = all.keys().map(String::as_str).collect();
             all.get(name).cloned().ok_or_else(|| missing("which is not there", meant(name, &names)))
