@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 26] = [
+const RESULTS: [&str; 27] = [
     "plots/",
     "fields/",
     "checkpoint/",
