@@ -197,8 +197,8 @@ impl<'a> Simplex<'a> {
         Simplex { composite, map, vertices, centre }
     }
 
-    /// The stresses at the nodes of the parts from moments of tractions, each by facet and vertex, and loads ∫ f φ of the
-    /// vertices. The mean is that of a balance, ∫ σ = Σ x ⊗ (b + ∫ f φ), and symmetric.
+    /// The stresses at the nodes of the parts from moments of tractions, each by facet and vertex, and loads ∫ f φ of
+    /// the vertices. The mean is that of a balance, ∫ σ = Σ x ⊗ (b + ∫ f φ), and symmetric.
     fn stresses(&self, moments: &[(usize, usize, Point)], loads: &[Point]) -> Vec<Sym> {
         let dim = self.composite.dim;
         let mut total = [[0.0; 3]; 3];

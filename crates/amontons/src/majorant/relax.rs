@@ -1,8 +1,8 @@
 //! Tractions between the cells with a smaller complementary energy.
 //!
 //! All moments with which each cell stays in balance are admissible. Conjugate gradients lower the energy among them,
-//! preconditioned by the sum of the exact solutions on patches: the facets at a vertex of a plane body, or at an edge in
-//! space. The result does not depend on the order of patches.
+//! preconditioned by the sum of the exact solutions on patches: the facets at a vertex of a plane body, or at an edge
+//! in space. The result does not depend on the order of patches.
 
 use std::collections::{BTreeMap, HashMap};
 
