@@ -193,7 +193,9 @@ fn solved(rows: Vec<(Vec<f64>, Option<usize>)>, data: usize) -> Vec<Vec<f64>> {
         .into_iter()
         .map(|(mut row, datum)| {
             row.resize(size + data, 0.0);
-            datum.into_iter().for_each(|datum| row[size + datum] = 1.0);
+            if let Some(datum) = datum {
+                row[size + datum] = 1.0;
+            }
             row
         })
         .collect();

@@ -312,7 +312,7 @@ fn condensed(all: &CellEnergy, rows: &[Vec<f64>], right: &[f64]) -> CellEnergy {
     let inner = |i: usize, j: usize| all.gram(LINES + i, LINES + j);
     let gram: Vec<Vec<f64>> = (0..LINES).map(|i| (0..LINES).map(|j| inner(i, j)).collect()).collect();
     let of_rows: Vec<Vec<f64>> = rows.iter().map(|row| row[LINES..].to_vec()).collect();
-    let problem = Constrained::new(gram, of_rows);
+    let problem = Constrained::new(gram, &of_rows);
     // The columns of (b, Y b) and the constant (0, y₀).
     let mut columns: Vec<Vec<f64>> = (0..LINES)
         .map(|k| {
