@@ -11,8 +11,8 @@ use crate::tensor::{MANDEL, Point, Sym, mandel_index, mandel_len};
 
 /// The element on the simplex with the vertices 0, e_1 … e_d.
 ///
-/// The stress of another simplex with edges B e_i is σ = B σ̂ Bᵀ / det B: moments of tractions then are B times those of
-/// σ̂, and ∫ σ is B ∫ σ̂ Bᵀ.
+/// The stress of another simplex with edges B e_i is σ = B σ̂ Bᵀ / det B: moments of tractions then are B times those
+/// of σ̂, and ∫ σ is B ∫ σ̂ Bᵀ.
 #[derive(Debug)]
 pub(super) struct Composite {
     pub dim: usize,
@@ -193,7 +193,9 @@ fn solved(rows: Vec<(Vec<f64>, Option<usize>)>, data: usize) -> Vec<Vec<f64>> {
         .into_iter()
         .map(|(mut row, datum)| {
             row.resize(size + data, 0.0);
-            datum.into_iter().for_each(|datum| row[size + datum] = 1.0);
+            if let Some(datum) = datum {
+                row[size + datum] = 1.0;
+            }
             row
         })
         .collect();

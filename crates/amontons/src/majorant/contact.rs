@@ -1,7 +1,7 @@
 //! Admissible tractions on Γ_C, and what contact adds to the error.
 //!
-//! With a convex potential Φ of the pressure and its conjugate Φ*, Φ(r) + Φ*(p̂) − p̂ r ≥ 0 is zero only on the law; the
-//! same holds for friction with the potential s‖d‖ of the slip d in the step.
+//! With a convex potential Φ of the pressure and its conjugate Φ*, Φ(r) + Φ*(p̂) − p̂ r ≥ 0 is zero only on the law;
+//! the same holds for friction with the potential s‖d‖ of the slip d in the step.
 
 use std::collections::HashMap;
 

@@ -65,7 +65,7 @@ pub(super) struct Constrained {
 }
 
 impl Constrained {
-    pub fn new(gram: Vec<Vec<f64>>, rows: Vec<Vec<f64>>) -> Constrained {
+    pub fn new(gram: Vec<Vec<f64>>, rows: &[Vec<f64>]) -> Constrained {
         let n = gram.len();
         let sizes: Vec<f64> = rows.iter().map(|row| product(row, row).sqrt().max(f64::MIN_POSITIVE)).collect();
         let rows: Vec<Vec<f64>> =

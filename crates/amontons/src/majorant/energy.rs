@@ -197,8 +197,8 @@ impl<'a> Simplex<'a> {
         Simplex { composite, map, vertices, centre }
     }
 
-    /// The stresses at the nodes of the parts from moments of tractions, each by facet and vertex, and loads ∫ f φ of the
-    /// vertices. The mean is that of a balance, ∫ σ = Σ x ⊗ (b + ∫ f φ), and symmetric.
+    /// The stresses at the nodes of the parts from moments of tractions, each by facet and vertex, and loads ∫ f φ of
+    /// the vertices. The mean is that of a balance, ∫ σ = Σ x ⊗ (b + ∫ f φ), and symmetric.
     fn stresses(&self, moments: &[(usize, usize, Point)], loads: &[Point]) -> Vec<Sym> {
         let dim = self.composite.dim;
         let mut total = [[0.0; 3]; 3];
@@ -312,7 +312,7 @@ fn condensed(all: &CellEnergy, rows: &[Vec<f64>], right: &[f64]) -> CellEnergy {
     let inner = |i: usize, j: usize| all.gram(LINES + i, LINES + j);
     let gram: Vec<Vec<f64>> = (0..LINES).map(|i| (0..LINES).map(|j| inner(i, j)).collect()).collect();
     let of_rows: Vec<Vec<f64>> = rows.iter().map(|row| row[LINES..].to_vec()).collect();
-    let problem = Constrained::new(gram, of_rows);
+    let problem = Constrained::new(gram, &of_rows);
     // The columns of (b, Y b) and the constant (0, y₀).
     let mut columns: Vec<Vec<f64>> = (0..LINES)
         .map(|k| {

@@ -416,7 +416,9 @@ impl MadeStep<'_> {
         let EnergyParts { mut cells, contact } = parts;
         let mesh: f64 = cells.iter().sum();
         let on_contact: f64 = contact.iter().map(|(_, energy)| energy).sum();
-        contact.iter().for_each(|(cell, energy)| cells[*cell] += energy);
+        for (cell, energy) in &contact {
+            cells[*cell] += energy;
+        }
         let repair = repaired.map_or(0.0, |repaired| {
             let change: Vec<f64> = u.iter().zip(repaired).map(|(a, b)| a - b).collect();
             0.5 * self.norms(&change).iter().sum::<f64>()

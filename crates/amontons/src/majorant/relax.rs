@@ -1,8 +1,8 @@
 //! Tractions between the cells with a smaller complementary energy.
 //!
 //! All moments with which each cell stays in balance are admissible. Conjugate gradients lower the energy among them,
-//! preconditioned by the sum of the exact solutions on patches: the facets at a vertex of a plane body, or at an edge in
-//! space. The result does not depend on the order of patches.
+//! preconditioned by the sum of the exact solutions on patches: the facets at a vertex of a plane body, or at an edge
+//! in space. The result does not depend on the order of patches.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -77,7 +77,7 @@ impl TractionDescent<'_> {
         let mut x: Vec<f64> =
             first.iter().flatten().flat_map(|moment| moment[..self.mesh.dim].iter().copied()).collect();
         let patches = self.patches();
-        let problems: Vec<FacetPatch> = patches.into_par_iter().map(|facets| self.patch(facets)).collect();
+        let problems: Vec<FacetPatch> = patches.into_par_iter().map(|facets| self.patch(&facets)).collect();
         let mut rest: Vec<f64> = self.gathered(CellEnergy::slope, &x).iter().map(|x| 0.0 - x).collect();
         let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let (mut direction, mut before) = (vec![0.0; x.len()], 0.0);
@@ -126,7 +126,7 @@ impl TractionDescent<'_> {
         patches.into_values().collect()
     }
 
-    fn patch(&self, facets: Vec<usize>) -> FacetPatch {
+    fn patch(&self, facets: &[usize]) -> FacetPatch {
         let (d, per) = (self.mesh.dim, self.per_facet());
         let slots: HashMap<usize, usize> = facets.iter().enumerate().map(|(slot, &facet)| (facet, slot)).collect();
         let local = |place: usize| slots.get(&(place / per)).map(|slot| slot * per + place % per);
@@ -151,7 +151,9 @@ impl TractionDescent<'_> {
             }
             for row in self.resultants(cell) {
                 let mut of_patch = vec![0.0; size];
-                places.iter().for_each(|&(own, at, sign)| of_patch[at] = sign * row[own]);
+                for &(own, at, sign) in &places {
+                    of_patch[at] = sign * row[own];
+                }
                 rows.push(of_patch);
             }
         }
@@ -166,7 +168,7 @@ impl TractionDescent<'_> {
             }
         }
         let places = facets.iter().flat_map(|&facet| facet * per..(facet + 1) * per).collect();
-        FacetPatch { places, problem: Constrained::new(gram, rows) }
+        FacetPatch { places, problem: Constrained::new(gram, &rows) }
     }
 
     /// Forces and moments about the first vertex of a cell for its moments, in the order of its energy.

@@ -5,6 +5,7 @@ use super::stress::StepLaws;
 use super::{Refused, Remarks};
 use crate::contact::{Contact, ContactPoint, Quadrature};
 use crate::discretization::Discretization;
+use crate::field::Field;
 use crate::material::Dilatation;
 use crate::problem::{Coupling, Physics, Problem};
 use crate::state::{State, StepReport};
@@ -123,7 +124,7 @@ pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t
     }
     let loads = problem.body_force.iter();
     let loads = loads.chain(problem.region_loads.iter().flat_map(|load| &load.body_force));
-    if loads.into_iter().any(|field| field.depends_on_space()) {
+    if loads.into_iter().any(Field::depends_on_space) {
         remarks.estimate("a body force varies in space: its deviation from the mean of each cell is not counted");
     }
     if problem.materials.iter().any(|m| m.expansion.varies()) {
@@ -131,7 +132,7 @@ pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t
     }
     let held =
         problem.boundary.iter().flat_map(|b| b.displacement.iter().flatten().flatten().chain(&b.normal_displacement));
-    if held.into_iter().any(|field| field.depends_on_space()) {
+    if held.into_iter().any(Field::depends_on_space) {
         remarks.note("prescribed displacements are those interpolated on the mesh");
     }
     for contact in contacts.iter().filter(|contact| contact.acts()) {
