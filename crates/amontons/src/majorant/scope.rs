@@ -7,8 +7,11 @@ use crate::contact::{Contact, ContactPoint, Quadrature};
 use crate::discretization::Discretization;
 use crate::field::Field;
 use crate::material::Dilatation;
+use crate::mesh::Mesh;
 use crate::problem::{Coupling, Physics, Problem};
+use crate::quadrature::Shape;
 use crate::state::{State, StepReport};
+use crate::tensor::{Point, length, minus};
 use crate::time::{Analysis, Instant, Rule};
 
 /// Refuses what a bound would be wrong for.
@@ -122,6 +125,9 @@ pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t
     if regions.into_iter().any(|region| laws.varies(region)) {
         remarks.estimate("the stiffness varies within cells: integrals are taken by quadrature");
     }
+    if has_distorted_quadrilaterals(&problem.mesh) {
+        remarks.estimate("quadrilaterals are no parallelograms: integrals are taken by quadrature");
+    }
     let loads = problem.body_force.iter();
     let loads = loads.chain(problem.region_loads.iter().flat_map(|load| &load.body_force));
     if loads.into_iter().any(Field::depends_on_space) {
@@ -148,6 +154,20 @@ pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t
             remarks.estimate("the friction bound depends on the solution: the bound of the discrete pressure is taken");
         }
     }
+}
+
+/// Distance of a corner from that of a parallelogram, relative to the first side, that counts as round-off.
+const AFFINE: f64 = 1e-9;
+
+/// True if the strain of a quadrilateral is no polynomial.
+fn has_distorted_quadrilaterals(mesh: &Mesh) -> bool {
+    let is_distorted = |nodes: &[u32]| {
+        let x = |i: usize| &mesh.points[nodes[i] as usize];
+        let off: Point = std::array::from_fn(|c| x(0)[c] - x(1)[c] + x(2)[c] - x(3)[c]);
+        length(&off) > AFFINE * length(&minus(x(1), x(0)))
+    };
+    let blocks = mesh.blocks.iter().filter(|block| block.element.shape == Shape::Quadrilateral);
+    blocks.flat_map(|block| block.cells()).any(is_distorted)
 }
 
 /// True if the friction bound is one number.

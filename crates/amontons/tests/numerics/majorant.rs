@@ -91,7 +91,7 @@ fn edge() -> String {
 fn edge_strain(x: f64, y: f64) -> [f64; 3] {
     // Z = −z^½, Z' = −½ z^−½; σ_yy = Re Z + y Im Z', σ_xx = Re Z − y Im Z', τ = −y Re Z'.
     let r = x.hypot(y);
-    let (a, b) = (((r + x) / 2.0).max(0.0).sqrt(), ((r - x) / 2.0).max(0.0).sqrt());
+    let (a, b) = (f64::midpoint(r, x).max(0.0).sqrt(), f64::midpoint(r, 0.0 - x).max(0.0).sqrt());
     let (re, slope) = (-a, [-0.5 * a / r, 0.5 * b / r]);
     let (yy, xx, xy) = (re + y * slope[1], re - y * slope[1], -y * slope[0]);
     let (e, nu) = (1.0, 0.3);
@@ -364,7 +364,7 @@ fn the_error_of_a_cell_does_not_depend_on_the_description() {
 
     let n = data.mesh.points.len() as u32;
     let number = |node: u32| (node * 7 + 3) % n;
-    assert!(n % 7 != 0);
+    assert!(!n.is_multiple_of(7));
     let mut mesh = (*data.mesh).clone();
     for (node, p) in data.mesh.points.iter().enumerate() {
         mesh.points[number(node as u32) as usize] = *p;
