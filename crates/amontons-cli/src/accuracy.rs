@@ -5,9 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, CaseError};
-use amontons::majorant::ErrorOfRun;
 use amontons::mesh::RefinementRounds;
-use amontons::output::{FolderLock, OutputError, Sink};
+use amontons::output::{ErrorOfRun, FolderLock, OutputError, Sink};
 use amontons::run::{self, Settings};
 
 use crate::after::After;
@@ -28,7 +27,7 @@ const FALLEN: f64 = 0.9;
 /// A run on one of the meshes.
 struct Level {
     cells: usize,
-    unknowns: usize,
+    nodes: usize,
     relative: f64,
     energy: f64,
     is_guaranteed: bool,
@@ -100,7 +99,7 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
         let worst = judged.worst().map_err(|refused| CommandFailure::Usage(no_bound(&refused.to_string())))?;
         let level = Level {
             cells: case.problem.mesh.cell_count(),
-            unknowns: case.problem.mesh.points.len() * case.problem.mesh.dim,
+            nodes: case.problem.mesh.points.len(),
             relative: judged.relative(),
             energy: worst.energy,
             is_guaranteed: judged.is_guaranteed(),
@@ -160,18 +159,18 @@ fn tell(number: usize, level: &Level, common: &Common) -> Result<(), CommandFail
     }
     let mut text = String::new();
     if number == 0 {
-        let _ = writeln!(text, "{:>5} {:>9} {:>9}  error in the norm of the energy", "mesh", "cells", "unknowns");
+        let _ = writeln!(text, "{:>5} {:>9} {:>9}  error in the norm of the energy", "mesh", "cells", "nodes");
     }
-    let Level { cells, unknowns, relative, is_guaranteed, .. } = level;
+    let Level { cells, nodes, relative, is_guaranteed, .. } = level;
     let word = if *is_guaranteed { "at most" } else { "about" };
-    let _ = writeln!(text, "{number:>5} {cells:>9} {unknowns:>9}  {word} {:.3} %", 100.0 * relative);
+    let _ = writeln!(text, "{number:>5} {cells:>9} {nodes:>9}  {word} {:.3} %", 100.0 * relative);
     Ok(print::text(&text)?)
 }
 
 fn csv(levels: &[Level]) -> String {
-    let mut text = "mesh,cells,unknowns,relative,energy,guaranteed\n".to_owned();
-    for (number, Level { cells, unknowns, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
-        let _ = writeln!(text, "{number},{cells},{unknowns},{relative:?},{energy:?},{}", u8::from(*is_guaranteed));
+    let mut text = "mesh,cells,nodes,relative,energy,guaranteed\n".to_owned();
+    for (number, Level { cells, nodes, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
+        let _ = writeln!(text, "{number},{cells},{nodes},{relative:?},{energy:?},{}", u8::from(*is_guaranteed));
     }
     text
 }

@@ -20,7 +20,7 @@ mod composite;
 mod contact;
 mod dense;
 mod energy;
-mod judge;
+mod marking;
 mod relax;
 mod scope;
 mod skeleton;
@@ -42,7 +42,6 @@ use crate::time::Rule;
 use balance::{CellForces, FacetGiven, balanced, means};
 use contact::{SolvedContact, Touching};
 use energy::{CellEnergy, StressEvaluation};
-pub use judge::ErrorOfRun;
 use relax::TractionDescent;
 use skeleton::Skeleton;
 use stress::{StepLaws, StepMotion};
@@ -55,6 +54,12 @@ pub struct Refused(String);
 impl Refused {
     fn new(reason: &str) -> Refused {
         Refused(reason.to_owned())
+    }
+
+    /// The refusal of a run that has made no step.
+    #[must_use]
+    pub fn without_steps() -> Refused {
+        Refused::new("a run without steps")
     }
 
     /// The reason in words.

@@ -16,6 +16,7 @@ pub mod columns;
 mod csv;
 mod discretization_error;
 mod earlier;
+mod error_of_run;
 mod files;
 mod final_values;
 mod fit;
@@ -61,6 +62,7 @@ pub use columns::{
 };
 pub use discretization_error::ErrorSummary;
 pub use earlier::{finished_run, has_certificate, known_certificate};
+pub use error_of_run::ErrorOfRun;
 #[cfg(feature = "plot")]
 pub(crate) use files::write_file;
 #[cfg(feature = "case")]

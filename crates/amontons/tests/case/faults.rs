@@ -50,7 +50,7 @@ spoiled! {
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
         "paper.toml:20:1: time.young: found an unknown key, expected one of accuracy, analysis, end, friction, inertia, mass, pressure, restitution, scheme, steps, theta; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
-        "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields, format";
+        "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, error, every, fields, format";
     format_unknown: "[output]" => "[output]\nformat = \"vtkhd\""
         "paper.toml:70:10: output.format: found \"vtkhd\", expected \"vtu\", \"vtkhdf\" or \"both\" (format of the fields of a finished run); did you mean \"vtkhdf\"?";
     format_of_another_type: "[output]" => "[output]\nformat = [\"vtu\", \"vtkhdf\"]"

@@ -390,7 +390,7 @@ fn wear_slows_hot_spots_as_its_formula_says() {
         let middle = 0.5 * (low + high);
         *(if residual(middle) < 0.0 { &mut low } else { &mut high }) = middle;
     }
-    let errors = [3, 6, 12].map(|cells| {
+    let errors = [4, 8, 16].map(|cells| {
         let of = half_plane(cells);
         let overrides =
             vec![format!("{SPEED}={speed:?}"), format!("contact.wear={{ law = \"archard\", coefficient = {wear} }}")];
