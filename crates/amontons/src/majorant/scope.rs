@@ -7,7 +7,7 @@ use crate::contact::{Contact, ContactPoint, Quadrature};
 use crate::discretization::Discretization;
 use crate::field::Field;
 use crate::material::Dilatation;
-use crate::mesh::Mesh;
+use crate::mesh::{Block, Mesh};
 use crate::problem::{Coupling, Physics, Problem};
 use crate::quadrature::Shape;
 use crate::state::{State, StepReport};
@@ -167,7 +167,7 @@ fn has_distorted_quadrilaterals(mesh: &Mesh) -> bool {
         length(&off) > AFFINE * length(&minus(x(1), x(0)))
     };
     let blocks = mesh.blocks.iter().filter(|block| block.element.shape == Shape::Quadrilateral);
-    blocks.flat_map(|block| block.cells()).any(is_distorted)
+    blocks.flat_map(Block::cells).any(is_distorted)
 }
 
 /// True if the friction bound is one number.
