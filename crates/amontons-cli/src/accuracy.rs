@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, CaseError};
 use amontons::mesh::RefinementRounds;
-use amontons::output::{ErrorOfRun, FolderLock, OutputError, Sink};
+use amontons::output::{ErrorOfRun, FolderLock, OutputError, Sink, per_cent};
 use amontons::run::{self, Settings};
 
 use crate::after::After;
@@ -75,9 +75,9 @@ pub fn execute(
     };
     let last = levels.last().map_or(f64::NAN, |level| level.relative);
     let message = format!(
-        "an error of at most {:.3} % was asked for, and that of the results is at most {:.3} %: {why}",
-        100.0 * accuracy,
-        100.0 * last
+        "an error of at most {} was asked for, and that of the results is at most {}: {why}",
+        per_cent(accuracy),
+        per_cent(last)
     );
     let table = serde_json::json!({ "asked": accuracy, "relative": last, "why": why });
     Err(CommandFailure::Verification { message, table })
@@ -163,7 +163,7 @@ fn tell(number: usize, level: &Level, common: &Common) -> Result<(), CommandFail
     }
     let Level { cells, nodes, relative, is_guaranteed, .. } = level;
     let word = if *is_guaranteed { "at most" } else { "about" };
-    let _ = writeln!(text, "{number:>5} {cells:>9} {nodes:>9}  {word} {:.3} %", 100.0 * relative);
+    let _ = writeln!(text, "{number:>5} {cells:>9} {nodes:>9}  {word} {}", per_cent(*relative));
     Ok(print::text(&text)?)
 }
 

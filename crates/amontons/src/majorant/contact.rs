@@ -280,8 +280,12 @@ impl<'a> Touching<'a> {
         let state = self.state(facet.contact, node);
         let known = state.filter(|_| !self.solved.holds(node, nu)).map(|state| state.pressure);
         let p = match self.kinds[facet.contact] {
-            Some(NormalKind::Rigid) if r < 0.0 => 0.0,
-            Some(NormalKind::Rigid) => known.unwrap_or(-dot(traction, nu)).max(0.0),
+            // An opening of a body that rests is round-off, which the pressure tells from one that is open.
+            Some(NormalKind::Rigid) => match known {
+                Some(p) => p.max(0.0),
+                None if r < 0.0 => 0.0,
+                None => (-dot(traction, nu)).max(0.0),
+            },
             Some(NormalKind::Bilateral) => known.unwrap_or(-dot(traction, nu)),
             _ => contact.normal.pressure(&x, r, 0.0, 0.0).value.max(0.0),
         };
@@ -300,12 +304,23 @@ impl<'a> Touching<'a> {
         };
         let s = contact.friction.bound(&seen).value;
         let is_held = self.solved.space.held_directions(node).any(|held| length(&tangential(&held, nu)) > 1e-6);
-        let q = match state.filter(|_| !is_held) {
-            Some(state) => tangential(&state.q, nu),
-            None => tangential(&traction.map(|c| 0.0 - c), nu),
+        let q = match state {
+            Some(state) if !is_held => tangential(&state.q, nu),
+            // The support takes what it likes: friction is along the slip.
+            _ if length(&slip) > 0.0 => slip.map(|c| c * s / length(&slip)),
+            _ => tangential(&traction.map(|c| 0.0 - c), nu),
         };
         let size = length(&q);
         (p, if size > s { q.map(|c| c * s / size) } else { q }, s)
+    }
+
+    /// The largest pressure or friction at a vertex, Pa.
+    pub fn largest_traction(&self) -> f64 {
+        let of = |facet: &ContactFacet| {
+            let friction = facet.friction.iter().map(length);
+            facet.pressure.iter().map(|p| p.abs()).chain(friction).fold(0.0, f64::max)
+        };
+        self.facets.iter().map(of).fold(0.0, f64::max)
     }
 
     /// Adds the moments of the tractions −p̂ν − q̂ to what is known of the facets, and their forces to a vector.

@@ -103,6 +103,8 @@ pub struct DiscretizationError {
     pub repair: f64,
     /// ½‖u_h‖², J.
     pub of_solution: f64,
+    /// What of these energies is round-off of the tractions on Γ_C, J.
+    pub round_off: f64,
     /// The energy of the error by cell, J; they sum to `mesh` + `contact`.
     pub cells: Vec<f64>,
     /// Reasons why the number is an estimate; empty if it is a proven bound, up to round-off.
@@ -112,10 +114,10 @@ pub struct DiscretizationError {
 }
 
 impl DiscretizationError {
-    /// ‖u_h − u‖/‖u_h‖ is at most this; zero if nothing is deformed.
+    /// ‖u_h − u‖/‖u_h‖ is at most this; zero if nothing is deformed but by round-off.
     #[must_use]
     pub fn relative(&self) -> f64 {
-        if self.energy == 0.0 { 0.0 } else { (self.energy / self.of_solution).sqrt() }
+        if self.energy <= self.round_off { 0.0 } else { (self.energy / self.of_solution).sqrt() }
     }
 
     /// True if the number is a proven bound.
@@ -191,7 +193,8 @@ impl Majorant {
         let balanced_motion = StepMotion { u: &corrected, ..motion };
         let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t };
         let parts = step.parts(&given, &balanced_motion, (&motion, &touching))?;
-        Ok(step.sum(parts, (&state.u, repaired.as_deref()), remarks))
+        let round_off = step.round_off(touching.largest_traction());
+        Ok(DiscretizationError { round_off, ..step.sum(parts, (&state.u, repaired.as_deref()), remarks) })
     }
 
     /// What is known of the tractions on the facets: zero outside, loads, and directions that are held.
@@ -412,6 +415,21 @@ impl MadeStep<'_> {
         (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).collect()
     }
 
+    /// The energy of the round-off of stresses of the size of a traction, J.
+    fn round_off(&self, traction: f64) -> f64 {
+        let of_cell = |cell: usize| {
+            let (region, nodes) = (self.laws.region(self.skeleton, cell), self.skeleton.nodes(self.laws.mesh, cell));
+            let mut softness = 0.0;
+            self.laws.integrate(&self.skeleton.tables(cell).load, nodes, |map, weight| {
+                let compliance = self.laws.compliance(region, &map.position);
+                softness += weight * compliance.map_or(0.0, |compliance| compliance.size());
+            });
+            softness
+        };
+        let softness: f64 = (0..self.skeleton.cells.len()).map(of_cell).sum();
+        0.5 * softness * (ROUNDINGS * f64::EPSILON * traction).powi(2)
+    }
+
     fn sum(
         &self,
         parts: EnergyParts,
@@ -436,6 +454,7 @@ impl MadeStep<'_> {
             contact: on_contact,
             repair,
             of_solution: 0.5 * self.norms(u).iter().sum::<f64>(),
+            round_off: 0.0,
             cells,
             estimate: remarks.estimate,
             notes: remarks.notes,

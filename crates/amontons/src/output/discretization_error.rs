@@ -67,13 +67,31 @@ impl ErrorSummary {
         let reasons = self.reasons.join("; ");
         let after = if reasons.is_empty() { String::new() } else { format!(": {reasons}") };
         match (self.relative, self.guaranteed) {
-            (Some(relative), true) => format!("at most {:.2} % in the norm of the energy{after}", 100.0 * relative),
+            (Some(relative), is_proven) if relative > 1.0 => {
+                let word = if is_proven { "" } else { ", an estimate" };
+                format!("perhaps more than the solution itself{word}{after}")
+            }
+            (Some(relative), true) => format!("at most {} in the norm of the energy{after}", per_cent(relative)),
             (Some(relative), false) => {
-                format!("about {:.2} % in the norm of the energy, an estimate{after}", 100.0 * relative)
+                format!("about {} in the norm of the energy, an estimate{after}", per_cent(relative))
             }
             (None, _) => format!("no bound{after}"),
         }
     }
+}
+
+/// A part in per cent with three digits, rounded up: it stays a bound.
+#[must_use]
+pub fn per_cent(part: f64) -> String {
+    let number = 100.0 * part;
+    if number == 0.0 || !number.is_finite() {
+        return format!("{number} %");
+    }
+    let digits = 2 - number.log10().floor() as i32;
+    let unit = 10f64.powi(digits);
+    // What is three digits but for round-off stays so.
+    let up = (number * unit * (1.0 - 8.0 * f64::EPSILON)).ceil() / unit;
+    if (-2..=6).contains(&digits) { format!("{up:.*} %", digits.max(0) as usize) } else { format!("{up:.2e} %") }
 }
 
 /// The bounds of a run.
@@ -126,5 +144,18 @@ impl ErrorTable {
             writeln!(out, "{}", COLUMNS.map(|(name, _)| name).join(","))?;
             self.rows.iter().try_for_each(|(_, row)| writeln!(out, "{row}"))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::per_cent;
+
+    #[test]
+    fn parts_are_rounded_up_to_three_digits() {
+        let all = [0.0, 1.0, 0.02, 0.034_201, 0.123_99, 1.2e-5, 3.4e-9, 2.0 / 3.0, 5e17];
+        let told: Vec<String> = all.into_iter().map(per_cent).collect();
+        let expected = ["0 %", "100 %", "2.00 %", "3.43 %", "12.4 %", "0.00120 %", "3.40e-7 %", "66.7 %", "5.00e19 %"];
+        assert_eq!(told, expected);
     }
 }

@@ -39,8 +39,10 @@ impl ErrorOfRun {
     /// The largest ‖u_h − u‖ of a step over the largest ‖u_h‖ is at most this.
     #[must_use]
     pub fn relative(&self) -> f64 {
-        let energy = self.worst.as_ref().map_or(0.0, |worst| worst.energy);
-        if energy == 0.0 { 0.0 } else { (energy / self.of_solution).sqrt() }
+        match &self.worst {
+            Some(worst) if worst.energy > worst.round_off => (worst.energy / self.of_solution).sqrt(),
+            _ => 0.0,
+        }
     }
 
     /// True if all bounds are proven.

@@ -60,7 +60,7 @@ pub(crate) use columns::contact_rows;
 pub use columns::{
     ContactValues, contact_columns, contact_measures, history_columns, history_measures, history_values,
 };
-pub use discretization_error::ErrorSummary;
+pub use discretization_error::{ErrorSummary, per_cent};
 pub use earlier::{finished_run, has_certificate, known_certificate};
 pub use error_of_run::ErrorOfRun;
 #[cfg(feature = "plot")]

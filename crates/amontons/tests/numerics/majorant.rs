@@ -7,7 +7,7 @@ use amontons::contact::{Bilateral, Compliance, Contact, Power, Signorini, Tresca
 use amontons::discretization::Discretization;
 use amontons::majorant::{DiscretizationError, Majorant, Refused};
 use amontons::material::{Isotropic, Material, StressState};
-use amontons::mesh::{Diagonal, Elements, Locator, Mesh};
+use amontons::mesh::{Bisection, Diagonal, Elements, Locator, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Physics, Problem, ProblemData};
 
@@ -158,6 +158,82 @@ fn the_bound_at_a_contact_edge_is_above_the_error() {
             assert!(level < 2 || ratio <= 3.0 || elements == "Q2" && ratio <= 3.5, "{elements} {n}: {ratio}");
         }
     }
+}
+
+/// Meshes that are refined where the bound is large have the best rate of their elements in the number of nodes, ½ and
+/// 1 in the plane, whatever the singularity; uniform ones of quadratic elements have ¾. Each has a bound above its error.
+#[test]
+fn meshes_refined_by_the_bound_have_the_best_rate() {
+    for (elements, rate, most) in [("P1", 0.5, 4000), ("P2", 1.0, 3000)] {
+        let start = parsed(&edge(), &[&format!("mesh.elements={elements}")]);
+        let mut bisection = Bisection::new(&start.mesh);
+        let (mut problem, mut rows) = (start, Vec::new());
+        loop {
+            let memory = solve(&problem);
+            let found = bound(&problem, &memory).expect("a bound");
+            let error = edge_error(&problem, &memory.states.last().expect("a state").u);
+            let nodes = problem.mesh.points.len();
+            println!(
+                "{elements} {nodes}: error {:.4e} ratio {:.3}",
+                (2.0 * error).sqrt(),
+                (found.energy / error).sqrt()
+            );
+            assert!(found.is_guaranteed() && found.energy >= error, "{elements} {nodes}: {:e} {error:e}", found.energy);
+            rows.push((nodes as f64, error.sqrt()));
+            if nodes > most {
+                break;
+            }
+            bisection.refine(&found.marked()).expect("a finer mesh");
+            let mesh = bisection.mesh();
+            problem = changed(&problem, |data| data.mesh = Arc::new(mesh));
+        }
+        let ((n, first), (m, last)) = (rows[0], rows[rows.len() - 1]);
+        let seen = (first / last).ln() / (m / n).ln();
+        assert!(rows.len() > 5 && seen > rate - 0.03, "{elements}: rate {seen}, {rows:?}");
+    }
+}
+
+/// Of cells with equal errors all are marked or none, and they have half of the energy.
+#[test]
+fn marked_cells_are_few_and_symmetric() {
+    let found = |cells: Vec<f64>| {
+        let problem = parsed(ROD, &[]);
+        DiscretizationError { cells, ..bound(&problem, &solve(&problem)).expect("a bound") }
+    };
+    assert_eq!(found(vec![1.0, 4.0, 0.5, 4.0 * (1.0 - 1e-9), 1.0]).marked(), [1, 3]);
+    assert_eq!(found(vec![3.0, 2.0, 2.0, 1.0]).marked(), [0, 1, 2]);
+    assert_eq!(found(vec![0.0; 3]).marked(), [0usize; 0]);
+}
+
+/// A body that its foundation keeps from moving: the discrete state is exact, and its openings are round-off.
+#[test]
+fn a_body_at_rest_under_tractions_has_no_error() {
+    let text = "name = \"rest\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 2\n\
+        [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0.0\n\
+        elasticity = { law = \"isotropic\", young = 1e5, poisson = 0.0, stress_state = \"plane-stress\" }\n\
+        [[boundary]]\non = \"left\"\ndisplacement = [0, 0]\n[[boundary]]\non = \"right\"\ntraction = [100, 0]\n\
+        [contact]\non = \"right\"\nnormal = { law = \"signorini\" }\n";
+    for elements in ["P1", "P2", "Q1"] {
+        let problem = parsed(text, &[&format!("mesh.elements={elements}")]);
+        let found = bound(&problem, &solve(&problem)).expect("a bound");
+        // The energy that the traction alone would cause is 0.05.
+        assert!(found.energy < 1e-20 && found.relative() == 0.0, "{elements}: {found:?}");
+    }
+}
+
+/// Friction along a direction in which a support holds the side: what it is does not matter to the body, and along the
+/// slip it adds nothing to the bound. A rod in uniform pressure is exact.
+#[test]
+fn friction_that_a_support_takes_adds_nothing() {
+    let text = "name = \"rubbed\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"rectangle\"\nsize = [1.0, 1.0]\nn = [4, 1]\n\
+        [time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0.0\n\
+        elasticity = { law = \"isotropic\", young = 2.0, poisson = 0.0, stress_state = \"plane-stress\" }\n\
+        [[boundary]]\non = \"left\"\ndisplacement = [0, 0]\n[[boundary]]\non = \"top\"\ndisplacement = [\"free\", 0]\n\
+        [[boundary]]\non = \"bottom\"\ndisplacement = [\"free\", 0]\n[contact]\non = \"right\"\ngap = -0.1\n\
+        foundation_velocity = [0, 9]\nnormal = { law = \"signorini\" }\nfriction = { law = \"tresca\", bound = 0.5 }\n";
+    let problem = parsed(text, &[]);
+    let found = bound(&problem, &solve(&problem)).expect("a bound");
+    assert!(found.is_guaranteed() && found.relative() < 1e-7, "{found:?}");
 }
 
 /// The mesh turned about an axis, or in the plane.
