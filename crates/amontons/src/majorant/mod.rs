@@ -134,6 +134,8 @@ pub struct Majorant {
     system: Option<(Rule, System)>,
 }
 
+/// Roundings of a stress in a body that tractions leave at rest.
+const ROUNDINGS: f64 = 1024.0;
 /// Corrections of the discrete stress until its forces are round-off.
 const CORRECTIONS: usize = 2;
 

@@ -7,6 +7,7 @@ mod bodies;
 mod common;
 
 mod acting;
+mod adaptive;
 mod backends;
 mod bar;
 mod bdf2;

@@ -7,7 +7,7 @@ use amontons::contact::{Bilateral, Compliance, Contact, Power, Signorini, Tresca
 use amontons::discretization::Discretization;
 use amontons::majorant::{DiscretizationError, Majorant, Refused};
 use amontons::material::{Isotropic, Material, StressState};
-use amontons::mesh::{Bisection, Diagonal, Elements, Locator, Mesh};
+use amontons::mesh::{Diagonal, Elements, Locator, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Physics, Problem, ProblemData};
 
@@ -26,7 +26,7 @@ pub fn bound(problem: &Problem, memory: &Memory) -> Result<DiscretizationError, 
     Majorant::new(problem, &discrete)?.at(problem, &discrete, last)
 }
 
-const ROD: &str = r#"
+pub(super) const ROD: &str = r#"
 name = "rod"
 units = "dimensionless"
 [mesh]
@@ -74,7 +74,7 @@ const EDGE_Y: &str = "(-1.4*(2/3)*(x*sqrt(max(0,(sqrt(x^2+y^2)-x)/2))+y*sqrt(max
     +y*sqrt(max(0,(sqrt(x^2+y^2)+x)/2)))*1.3";
 
 /// The case of a body whose contact ends inside its side, with the singularity of Signorini's problem.
-fn edge() -> String {
+pub(super) fn edge() -> String {
     let sides: String = ["left", "right", "top"]
         .iter()
         .map(|side| format!("[[boundary]]\non = \"{side}\"\ndisplacement = [\"{EDGE_X}\", \"{EDGE_Y}\"]\n"))
@@ -102,7 +102,7 @@ fn edge_strain(x: f64, y: f64) -> [f64; 3] {
 }
 
 /// ½‖ε(u) − ε(u_h)‖² in the norm of the energy, the singular cells with many points.
-fn edge_error(problem: &Problem, u: &[f64]) -> f64 {
+pub(super) fn edge_error(problem: &Problem, u: &[f64]) -> f64 {
     use amontons::element::ShapeTable;
     use amontons::mesh::CellMap;
     let mesh: &Mesh = &problem.mesh;
@@ -158,51 +158,6 @@ fn the_bound_at_a_contact_edge_is_above_the_error() {
             assert!(level < 2 || ratio <= 3.0 || elements == "Q2" && ratio <= 3.5, "{elements} {n}: {ratio}");
         }
     }
-}
-
-/// Meshes that are refined where the bound is large have the best rate of their elements in the number of nodes, ½ and
-/// 1 in the plane, whatever the singularity; uniform ones of quadratic elements have ¾. Each has a bound above its error.
-#[test]
-fn meshes_refined_by_the_bound_have_the_best_rate() {
-    for (elements, rate, most) in [("P1", 0.5, 4000), ("P2", 1.0, 3000)] {
-        let start = parsed(&edge(), &[&format!("mesh.elements={elements}")]);
-        let mut bisection = Bisection::new(&start.mesh);
-        let (mut problem, mut rows) = (start, Vec::new());
-        loop {
-            let memory = solve(&problem);
-            let found = bound(&problem, &memory).expect("a bound");
-            let error = edge_error(&problem, &memory.states.last().expect("a state").u);
-            let nodes = problem.mesh.points.len();
-            println!(
-                "{elements} {nodes}: error {:.4e} ratio {:.3}",
-                (2.0 * error).sqrt(),
-                (found.energy / error).sqrt()
-            );
-            assert!(found.is_guaranteed() && found.energy >= error, "{elements} {nodes}: {:e} {error:e}", found.energy);
-            rows.push((nodes as f64, error.sqrt()));
-            if nodes > most {
-                break;
-            }
-            bisection.refine(&found.marked()).expect("a finer mesh");
-            let mesh = bisection.mesh();
-            problem = changed(&problem, |data| data.mesh = Arc::new(mesh));
-        }
-        let ((n, first), (m, last)) = (rows[0], rows[rows.len() - 1]);
-        let seen = (first / last).ln() / (m / n).ln();
-        assert!(rows.len() > 5 && seen > rate - 0.03, "{elements}: rate {seen}, {rows:?}");
-    }
-}
-
-/// Of cells with equal errors all are marked or none, and they have half of the energy.
-#[test]
-fn marked_cells_are_few_and_symmetric() {
-    let found = |cells: Vec<f64>| {
-        let problem = parsed(ROD, &[]);
-        DiscretizationError { cells, ..bound(&problem, &solve(&problem)).expect("a bound") }
-    };
-    assert_eq!(found(vec![1.0, 4.0, 0.5, 4.0 * (1.0 - 1e-9), 1.0]).marked(), [1, 3]);
-    assert_eq!(found(vec![3.0, 2.0, 2.0, 1.0]).marked(), [0, 1, 2]);
-    assert_eq!(found(vec![0.0; 3]).marked(), [0usize; 0]);
 }
 
 /// A body that its foundation keeps from moving: the discrete state is exact, and its openings are round-off.
