@@ -11,9 +11,9 @@ use amontons::run::{self, Settings};
 
 use crate::after::After;
 use crate::arguments::{CertificateChoice, Common, OutputFormat};
-use crate::commands;
 use crate::print;
 use crate::progress::{Progress, StepSink};
+use crate::single;
 use crate::status::CommandFailure;
 
 /// Name of the file with the marked cells, in the case that is run.
@@ -25,7 +25,7 @@ const PATIENCE: usize = 4;
 const FALLEN: f64 = 0.9;
 
 /// A run on one of the meshes.
-struct Level {
+struct RefinedRun {
     cells: usize,
     nodes: usize,
     relative: f64,
@@ -34,7 +34,7 @@ struct Level {
 }
 
 /// Why the last mesh is the last.
-enum Ending {
+enum AccuracyEnding {
     Reached,
     /// The next mesh cannot be had: the reason.
     NoMesh(String),
@@ -45,8 +45,8 @@ enum Ending {
 /// The runs so far, and the case of the last one.
 struct Adapted {
     case: Case,
-    levels: Vec<Level>,
-    ending: Ending,
+    levels: Vec<RefinedRun>,
+    ending: AccuracyEnding,
 }
 
 /// Refines until the relative error in the norm of the energy is at most `accuracy`, and runs the case on the last mesh
@@ -64,14 +64,14 @@ pub fn execute(
     }
     let Adapted { case, levels, ending } = adapted(file, accuracy, common)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    commands::run_into(&case, &out, (after, certificate), common)?;
+    single::run_into(&case, &out, (after, certificate), common)?;
     let path = out.join(HISTORY);
     let _lock = FolderLock::take(&out)?;
     fs::write(&path, csv(&levels)).map_err(|source| OutputError::Io { doing: "write", path, source })?;
     let why = match ending {
-        Ending::Reached => return Ok(()),
-        Ending::NoMesh(why) => format!("the next mesh cannot be had: {why}"),
-        Ending::Stands => "it does not fall with finer cells any more".to_owned(),
+        AccuracyEnding::Reached => return Ok(()),
+        AccuracyEnding::NoMesh(why) => format!("the next mesh cannot be had: {why}"),
+        AccuracyEnding::Stands => "it does not fall with finer cells any more".to_owned(),
     };
     let last = levels.last().map_or(f64::NAN, |level| level.relative);
     let message = format!(
@@ -93,11 +93,11 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
         .clone()
         .unwrap_or_else(|| RefinementRounds { cells: start.problem.mesh.cell_count(), marked: Vec::new() });
     let mut case = start;
-    let mut levels: Vec<Level> = Vec::new();
+    let mut levels: Vec<RefinedRun> = Vec::new();
     loop {
         let judged = judged(&case, common)?;
         let worst = judged.worst().map_err(|refused| CommandFailure::Usage(no_bound(&refused.to_string())))?;
-        let level = Level {
+        let level = RefinedRun {
             cells: case.problem.mesh.cell_count(),
             nodes: case.problem.mesh.points.len(),
             relative: judged.relative(),
@@ -110,11 +110,11 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
         let relative = |n: usize| levels.get(n).map(|level| level.relative);
         let now = levels.len() - 1;
         if relative(now).is_some_and(|relative| relative <= accuracy) {
-            return Ok(Adapted { case, levels, ending: Ending::Reached });
+            return Ok(Adapted { case, levels, ending: AccuracyEnding::Reached });
         }
         let before = now.checked_sub(PATIENCE).and_then(relative);
         if marked.is_empty() || before.zip(relative(now)).is_some_and(|(before, now)| now > FALLEN * before) {
-            return Ok(Adapted { case, levels, ending: Ending::Stands });
+            return Ok(Adapted { case, levels, ending: AccuracyEnding::Stands });
         }
         rounds.marked.push(marked);
         let next = source.with_file(CELLS, rounds.to_string().into_bytes());
@@ -123,7 +123,7 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
             Ok(finer) => case = finer,
             Err(error @ CaseError::Faults { .. }) => {
                 let why = error.to_string().lines().next().unwrap_or_default().to_owned();
-                return Ok(Adapted { case, levels, ending: Ending::NoMesh(why) });
+                return Ok(Adapted { case, levels, ending: AccuracyEnding::NoMesh(why) });
             }
             Err(error) => return Err(error.into()),
         }
@@ -153,7 +153,7 @@ fn no_bound(why: &str) -> String {
 }
 
 /// Prints what a mesh has brought.
-fn tell(number: usize, level: &Level, common: &Common) -> Result<(), CommandFailure> {
+fn tell(number: usize, level: &RefinedRun, common: &Common) -> Result<(), CommandFailure> {
     if common.quiet || common.format == OutputFormat::Json {
         return Ok(());
     }
@@ -161,15 +161,15 @@ fn tell(number: usize, level: &Level, common: &Common) -> Result<(), CommandFail
     if number == 0 {
         let _ = writeln!(text, "{:>5} {:>9} {:>9}  error in the norm of the energy", "mesh", "cells", "nodes");
     }
-    let Level { cells, nodes, relative, is_guaranteed, .. } = level;
+    let RefinedRun { cells, nodes, relative, is_guaranteed, .. } = level;
     let word = if *is_guaranteed { "at most" } else { "about" };
     let _ = writeln!(text, "{number:>5} {cells:>9} {nodes:>9}  {word} {}", per_cent(*relative));
     Ok(print::text(&text)?)
 }
 
-fn csv(levels: &[Level]) -> String {
+fn csv(levels: &[RefinedRun]) -> String {
     let mut text = "mesh,cells,nodes,relative,energy,guaranteed\n".to_owned();
-    for (number, Level { cells, nodes, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
+    for (number, RefinedRun { cells, nodes, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
         let _ = writeln!(text, "{number},{cells},{nodes},{relative:?},{energy:?},{}", u8::from(*is_guaranteed));
     }
     text

@@ -1,24 +1,22 @@
 //! The work of each command.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use amontons::case::{self, Case};
+use amontons::case;
 use amontons::hypotheses;
-use amontons::mesh::{self, Mesh, Skipped};
+use amontons::mesh::{self, Mesh};
 use amontons::model::{MeshModel, Model};
-use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
-use amontons::run::{self, RunError, Settings};
-use amontons::units::{Measure, UnitSystem, Units};
+use amontons::units::{UnitSystem, Units};
 use clap::CommandFactory;
 
 use crate::after::{self, After};
-use crate::arguments::{Arguments, CertificateChoice, Command, Common, OutputFormat};
+use crate::arguments::{Arguments, Command, Common, OutputFormat};
 use crate::print;
-use crate::progress::{Progress, StepSink};
 use crate::status::CommandFailure;
 use crate::{
-    accuracy, constants, converge, explain, fit, gradient, import, materials, modes, new, reproduce, sweep, verify,
+    accuracy, constants, converge, explain, fit, gradient, import, materials, modes, new, reproduce, single, sweep,
+    verify,
 };
 
 /// Executes a command.
@@ -33,10 +31,10 @@ pub fn execute(command: Command) -> Result<(), CommandFailure> {
             accuracy::execute(&case, accuracy, (After { pictures: plot, report }, certificate), &common)
         }
         Command::Run { case, plot, report, certificate, again, common, .. } => {
-            start(&case, After { pictures: plot, report }, (certificate, again), &common)
+            single::start(&case, After { pictures: plot, report }, (certificate, again), &common)
         }
         Command::Resume { dir, plot, report, certificate, common } => {
-            resume(&dir, After { pictures: plot, report }, certificate, &common)
+            single::resume(&dir, After { pictures: plot, report }, certificate, &common)
         }
         Command::Report { dir } => after::report(&dir, false),
         Command::Check { case, levels, plot, common } => check(&case, &levels, plot.as_deref(), &common),
@@ -160,160 +158,6 @@ fn draw_sides((mesh, name, units): (&Mesh, &str, Units), stem: &Path, quiet: boo
         return Ok(());
     }
     Ok(print::text(&format!("{} {}\n", written[0].display(), written[1].display()))?)
-}
-
-fn start(
-    file: &Path,
-    after: After,
-    (choice, again): (CertificateChoice, bool),
-    common: &Common,
-) -> Result<(), CommandFailure> {
-    let case = common.case(file)?;
-    let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    let out = if again { free(named) } else { named };
-    run_into(&case, &out, (after, choice), common)
-}
-
-/// Runs a case from its start into a folder.
-pub fn run_into(
-    case: &Case,
-    out: &Path,
-    (after, choice): (After, CertificateChoice),
-    common: &Common,
-) -> Result<(), CommandFailure> {
-    let progress = Progress::new(common);
-    let certificate = choice.of(case);
-    let settings = settings(case, out, certificate, &progress);
-    let folder = Folder::create(out, options(case, certificate, common))?;
-    drive(case, None, (folder, out, after), &settings, progress, common)
-}
-
-/// The first name that does not exist: the folder, then the folder with -2, -3 and so on.
-fn free(named: PathBuf) -> PathBuf {
-    let numbered = |number: usize| {
-        let mut name = named.clone().into_os_string();
-        name.push(format!("-{number}"));
-        PathBuf::from(name)
-    };
-    // A folder whose name cannot be looked up is reported when it is made.
-    let is_taken = |path: &Path| path.symlink_metadata().is_ok();
-    if is_taken(&named) { (2..=9999).map(numbered).find(|path| !is_taken(path)).unwrap_or(named) } else { named }
-}
-
-fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Common) -> Result<(), CommandFailure> {
-    let progress = Progress::new(common);
-    let case = common.case(&dir.join("case.toml"))?;
-    let out = common.out.as_deref().unwrap_or(dir);
-    let same = out == dir || out.canonicalize().is_ok_and(|out| dir.canonicalize().is_ok_and(|dir| dir == out));
-    // A run without a certificate is resumed without one.
-    let certificate = choice.asked().unwrap_or_else(|| output::has_certificate(dir).unwrap_or(true));
-    let options = options(&case, certificate, common);
-    let (folder, checkpoint) = if same {
-        (Folder::reopen(dir, options)?, Checkpoint::read(dir, &case.identity())?)
-    } else {
-        let _lock = FolderLock::take(dir)?;
-        let checkpoint = Checkpoint::read(dir, &case.identity())?;
-        (Folder::copy(dir, out, options)?, checkpoint)
-    };
-    if let Some((why, step)) = checkpoint.as_ref().and_then(|c| Some((c.fallback.as_ref()?, c.state.step))) {
-        note(&format!("{why}; going on from the checkpoint before, of step {step}"), common);
-    }
-    let settings = settings(&case, dir, certificate, &progress);
-    drive(&case, checkpoint, (folder, out, after), &settings, progress, common)
-}
-
-/// Prints a note for the user; the command continues.
-fn note(text: &str, common: &Common) {
-    if !common.quiet {
-        print::note(text);
-    }
-}
-
-/// Settings of a run, with the certificate found in `dir` for the same inputs.
-fn settings(case: &Case, dir: &Path, certificate: bool, progress: &Progress) -> Settings {
-    Settings {
-        // Commands run in a pool with the requested number of threads.
-        threads: None,
-        interrupt: Some(progress.interrupt_flag()),
-        certificate,
-        known: output::known_certificate(dir, &case.fingerprint()),
-        watch: Some(progress.watch()),
-        pulse: progress.pulse(),
-        ..Settings::default()
-    }
-}
-
-fn options(case: &Case, certificate: bool, common: &Common) -> FolderOptions {
-    FolderOptions { force: common.force, certificate, ..case.folder_options() }
-}
-
-/// Runs a case into a folder, prints its summary, and makes pictures and report, even if it ended early.
-fn drive(
-    case: &Case,
-    from: Option<Checkpoint>,
-    (mut folder, out, after): (Folder, &Path, After),
-    settings: &Settings,
-    progress: Progress,
-    common: &Common,
-) -> Result<(), CommandFailure> {
-    let mut steps = StepSink(&progress);
-    let mut sinks: Vec<&mut dyn Sink> = vec![&mut folder, &mut steps];
-    let result = match from {
-        Some(checkpoint) => run::resume(&case.problem, checkpoint, settings, &mut sinks),
-        None => run::run(&case.problem, settings, &mut sinks),
-    };
-    // The progress bar is removed before the summary is printed.
-    drop(progress);
-    folder.notes().iter().for_each(|text| note(text, common));
-    let quiet = common.quiet || common.format == OutputFormat::Json;
-    match result {
-        Ok(summary) => {
-            done(&folder.completed(&summary), &case.skipped, out, common)?;
-            after.make(out, quiet)
-        }
-        Err(error) => {
-            let hint = hint(&error, &folder, out);
-            let is_written = hint.is_some() && !folder.keeps_older_results();
-            if is_written && let Err(failure) = after.make(out, quiet) {
-                note(&failure.message(), common);
-            }
-            Err(CommandFailure::Run { error, hint })
-        }
-    }
-}
-
-fn done(summary: &Summary, skipped: &[Skipped], out: &Path, common: &Common) -> Result<(), CommandFailure> {
-    match common.format {
-        OutputFormat::Json => print::json(&serde_json::json!(summary))?,
-        OutputFormat::Text if common.quiet => {}
-        OutputFormat::Text => print::text(&print::summary(summary, skipped, out))?,
-    }
-    Ok(())
-}
-
-/// Instruction what to do after a run that ended early.
-fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
-    let out = out.display();
-    if let RunError::Unstarted { resumes } = error {
-        return Some(match resumes {
-            true => format!("{out} is as it was; go on with: amontons resume {out}"),
-            false if folder.keeps_older_results() => format!("{out} still holds the results of an earlier run"),
-            false => "there are no results yet; begin again with the same command".to_owned(),
-        });
-    }
-    let summary = error.summary()?;
-    if folder.keeps_older_results() {
-        return Some(format!("{out} still holds the results of an earlier run"));
-    }
-    let kept = format!(
-        "results up to step {}, t = {}, are in {out}",
-        summary.steps,
-        summary.units.exact(summary.time, Measure::Time)
-    );
-    Some(match error.advice() {
-        Some(advice) => format!("{kept}; {advice}"),
-        None => format!("{kept}; go on with: amontons resume {out}"),
-    })
 }
 
 fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) -> Result<(), CommandFailure> {

@@ -20,6 +20,7 @@ mod print;
 mod progress;
 mod reproduce;
 mod signals;
+mod single;
 mod status;
 mod sweep;
 mod threads;

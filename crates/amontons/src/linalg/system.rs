@@ -146,7 +146,7 @@ impl System {
     }
 
     /// The same for right-hand sides on the kept unknowns that follow from solutions: `again` has each change of the
-    /// kept unknowns, over all degrees of freedom, and returns the next right-hand side. The others are solved for once.
+    /// kept unknowns, over all degrees of freedom, and returns the next right-hand side. Others are solved for once.
     ///
     /// # Errors
     /// Those of [`System::linearised`].

@@ -22,18 +22,28 @@ pub(super) struct FacetGiven {
     pub free: [Point; 3],
     /// Moments of the known traction per vertex, N.
     pub moments: Vec<Point>,
+    /// The sizes of their summands, which may cancel, N.
+    pub size: f64,
 }
 
 impl FacetGiven {
     /// A facet inside the body.
     pub fn inner(vertices: usize) -> FacetGiven {
         let free = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-        FacetGiven { free, moments: vec![[0.0; 3]; vertices] }
+        FacetGiven { free, moments: vec![[0.0; 3]; vertices], size: 0.0 }
     }
 
     /// A facet of the boundary without a traction.
     pub fn outer(vertices: usize) -> FacetGiven {
-        FacetGiven { free: [[0.0; 3]; 3], moments: vec![[0.0; 3]; vertices] }
+        FacetGiven { free: [[0.0; 3]; 3], moments: vec![[0.0; 3]; vertices], size: 0.0 }
+    }
+
+    /// Adds a force to the moment of a vertex.
+    pub fn add(&mut self, vertex: usize, weight: f64, traction: &Point) {
+        self.size += length(traction) * weight.abs();
+        for (moment, traction) in self.moments[vertex].iter_mut().zip(traction) {
+            *moment += weight * traction;
+        }
     }
 
     /// Leaves the traction along a direction unknown.
@@ -160,7 +170,7 @@ pub(super) fn balanced(
     (means, weights): (&FacetMoments, &[f64]),
 ) -> Result<FacetMoments, Refused> {
     let largest = forces.iter().flat_map(|cell| cell.rest.iter().chain(&cell.load)).map(length).fold(0.0, f64::max);
-    let largest = given.iter().flat_map(|facet| &facet.moments).map(length).fold(largest, f64::max);
+    let largest = given.iter().map(|facet| facet.size).fold(largest, f64::max);
     let problem = StarProblem { skeleton, dim, given, forces, means, weights, largest };
     let stars: Vec<Result<Vec<(usize, usize, Point)>, Refused>> =
         (0..skeleton.stars.len()).into_par_iter().map(|vertex| problem.solve(vertex)).collect();

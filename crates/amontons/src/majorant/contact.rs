@@ -346,7 +346,7 @@ impl<'a> Touching<'a> {
                 let known = &mut given[facet.facet];
                 for (value, &node) in hats.iter().zip(&facet.nodes) {
                     if let Some(place) = skeleton.facets[facet.facet].place(node) {
-                        (0..3).for_each(|c| known.moments[place][c] += weight * value * traction[c]);
+                        known.add(place, weight * value, &traction);
                     }
                 }
             }

@@ -9,8 +9,8 @@ const MARKED: f64 = 0.5;
 const SAME: f64 = 1e-6;
 
 impl DiscretizationError {
-    /// The cells with the largest errors, as few as have half of the energy of the error together, ascending. Cells with
-    /// equal errors are all marked or none, so that what is symmetric stays so.
+    /// The cells with the largest errors, as few as have half of the energy of the error together, ascending. Cells
+    /// with equal errors are all marked or none, so that what is symmetric stays so.
     #[must_use]
     pub fn marked(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.cells.len()).collect();

@@ -258,7 +258,7 @@ impl Majorant {
                 for (hat, &node) in hats.iter().zip(nodes) {
                     if let Some(place) = self.skeleton.facets[facet].place(node) {
                         let weight = table.weights[q] * map.area * hat;
-                        (0..mesh.dim).for_each(|c| given[facet].moments[place][c] += weight * traction[c]);
+                        given[facet].add(place, weight, &traction);
                     }
                 }
             }

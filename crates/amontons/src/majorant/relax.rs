@@ -207,6 +207,7 @@ impl TractionDescent<'_> {
     fn check(&self, x: &[f64], forces: &[CellForces]) -> Result<(), Refused> {
         let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let largest = forces.iter().flat_map(|cell| &cell.load).map(length).fold(largest, f64::max);
+        let largest = self.given.iter().map(|facet| facet.size).fold(largest, f64::max);
         let d = self.mesh.dim;
         let is_wrong = |cell: usize| {
             let (b, nodes) = (self.of_cell(cell, x), self.skeleton.nodes(self.mesh, cell));

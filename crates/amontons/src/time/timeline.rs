@@ -409,7 +409,7 @@ impl Timeline {
         (1..=self.steps()).map(move |n| timeline.instant(n))
     }
 
-    /// The last step of each phase from the given one on, whose `analysis` is that of all steps of the phase, and `k` if
+    /// The last step of each phase from the given one on, whose `analysis` is that of all its steps, and `k` if
     /// they are equal.
     pub fn ends_from(&self, phase: usize) -> impl Iterator<Item = Instant> {
         let spans = self.spans.iter().enumerate().skip(phase);

@@ -9,7 +9,7 @@ use super::common::{changed, solve};
 use super::majorant::{ROD, bound, edge, edge_error, parsed};
 
 /// Meshes that are refined where the bound is large have the best rate of their elements in the number of nodes, ½ and
-/// 1 in the plane, whatever the singularity; uniform ones of quadratic elements have ¾. Each has a bound above its error.
+/// 1 in the plane, whatever the singularity; uniform ones of quadratic elements have ¾. Each bound is above its error.
 #[test]
 fn meshes_refined_by_the_bound_have_the_best_rate() {
     for (elements, rate, most) in [("P1", 0.5, 4000), ("P2", 1.0, 3000)] {
