@@ -134,8 +134,8 @@ pub struct Majorant {
     system: Option<(Rule, System)>,
 }
 
-/// Roundings of a stress in a body that tractions leave at rest.
-const ROUNDINGS: f64 = 1024.0;
+/// Roundings of the energy of a body that tractions leave at rest.
+const ROUNDINGS: f64 = 64.0;
 /// Corrections of the discrete stress until its forces are round-off.
 const CORRECTIONS: usize = 2;
 
@@ -417,7 +417,7 @@ impl MadeStep<'_> {
         (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).collect()
     }
 
-    /// The energy of the round-off of stresses of the size of a traction, J.
+    /// Round-off of the energy that a traction would cause, J: the pressure works on displacements of round-off.
     fn round_off(&self, traction: f64) -> f64 {
         let of_cell = |cell: usize| {
             let (region, nodes) = (self.laws.region(self.skeleton, cell), self.skeleton.nodes(self.laws.mesh, cell));
@@ -429,7 +429,7 @@ impl MadeStep<'_> {
             softness
         };
         let softness: f64 = (0..self.skeleton.cells.len()).map(of_cell).sum();
-        0.5 * softness * (ROUNDINGS * f64::EPSILON * traction).powi(2)
+        ROUNDINGS * f64::EPSILON * 0.5 * softness * traction.powi(2)
     }
 
     fn sum(
