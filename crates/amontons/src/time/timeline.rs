@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::analysis::Analysis;
+use super::instant::Instant;
 use super::made::MadeSteps;
 use super::pace::Pace;
 use super::phase::{DEEPEST, LONGEST, Steps, TimePhase, first_level};
+use super::span::PhaseSpan;
 
 /// Difference of two step lengths, relative to one of them, that counts as round-off.
 const SAME: f64 = 4.0 * f64::EPSILON;
@@ -34,150 +36,6 @@ pub const HALVINGS: u32 = 5;
 pub struct Timeline {
     spans: Arc<[PhaseSpan]>,
     has_phases: bool,
-}
-
-/// A phase in its run.
-#[derive(Clone, Debug, PartialEq)]
-struct PhaseSpan {
-    phase: TimePhase,
-    /// Time at its start, s, and number of steps before.
-    start: f64,
-    first: usize,
-    /// Length of its steps, s.
-    k: f64,
-}
-
-/// The end of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instant {
-    /// Number n of the step that ends here.
-    pub n: usize,
-    /// t_n in s.
-    pub t: f64,
-    /// Length of the step, s: t_n − t_{n−1} to round-off.
-    pub k: f64,
-    /// Index of the phase of the step.
-    pub phase: usize,
-    /// What of the equations acts in the step.
-    pub analysis: Analysis,
-}
-
-/// The times of a step, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Interval {
-    /// t₀.
-    pub start: f64,
-    /// t₁.
-    pub end: f64,
-    /// t_ϑ, at which the equations hold.
-    pub level: f64,
-    /// t₋₁, if the step adds to two states.
-    pub before: Option<f64>,
-    /// The time in which what the step changes does so: its length, and in a steady step far more.
-    pub within: f64,
-}
-
-impl Interval {
-    /// An interval of no length.
-    #[must_use]
-    pub fn at(t: f64) -> Interval {
-        Interval { start: t, end: t, level: t, before: None, within: 0.0 }
-    }
-
-    /// The times with those changes that go on for ever made in the length of the step.
-    #[must_use]
-    pub fn lasting(self) -> Interval {
-        Interval { within: self.end - self.start, ..self }
-    }
-
-    /// The rate of a function of time in the step: the mean rate, or that of BDF2; 0 in an interval of no length.
-    #[must_use]
-    pub fn rate(&self, of: &dyn Fn(f64) -> f64) -> f64 {
-        self.rate_of(self.before.map(of), [of(self.start), of(self.end)])
-    }
-
-    /// The rate of a quantity by its values at t₋₁, and at t₀ and t₁.
-    #[must_use]
-    pub fn rate_of(&self, before: Option<f64>, [start, end]: [f64; 2]) -> f64 {
-        let (change, length) = (end - start, self.within);
-        match before {
-            _ if length <= 0.0 => 0.0,
-            None => change / length,
-            Some(before) => (1.5 * change - 0.5 * (start - before)) / length,
-        }
-    }
-}
-
-/// Number of places of a phase at which a step that was made may end.
-const PLACES: u64 = 1 << (DEEPEST + 1);
-
-/// The place of the end of a step of a phase; 0 of the one before the first.
-fn place(ends: &[u64], made: usize) -> u64 {
-    made.checked_sub(1).and_then(|last| ends.get(last)).copied().unwrap_or(if made == 0 { 0 } else { PLACES })
-}
-
-impl PhaseSpan {
-    fn time(&self, n: usize) -> f64 {
-        let made = n.saturating_sub(self.first);
-        let share = match &self.phase.steps {
-            Steps::Made(ends) => place(ends, made) as f64 / PLACES as f64,
-            Steps::Equal(_) | Steps::Automatic { .. } => made as f64 / self.steps() as f64,
-        };
-        // The end is hit to the last bit.
-        if n == self.last() { self.phase.end } else { self.start + self.length() * share }
-    }
-
-    fn length(&self) -> f64 {
-        self.phase.end - self.start
-    }
-
-    fn steps(&self) -> usize {
-        self.phase.steps.nominal()
-    }
-
-    /// The number of the last step.
-    fn last(&self) -> usize {
-        self.first + self.steps()
-    }
-
-    fn is_automatic(&self) -> bool {
-        self.phase.steps.accuracy().is_some()
-    }
-
-    fn is_equal(&self) -> bool {
-        matches!(self.phase.steps, Steps::Equal(_))
-    }
-
-    /// Time at a place of an automatic phase, s; the end to the last bit.
-    fn time_at(&self, at: u64) -> f64 {
-        if at >= 1 << DEEPEST {
-            self.phase.end
-        } else {
-            self.start + self.length() * (at as f64 / (1u64 << DEEPEST) as f64)
-        }
-    }
-
-    /// Time at the end over the number of steps, whose round-off is that of the step length.
-    fn mean(&self) -> f64 {
-        self.phase.end / self.steps() as f64
-    }
-
-    /// Length of step n, s.
-    fn k_of(&self, n: usize) -> f64 {
-        let Steps::Made(ends) = &self.phase.steps else { return self.k };
-        let made = n.saturating_sub(self.first).max(1);
-        self.length() * ((place(ends, made) - place(ends, made - 1)) as f64 / PLACES as f64)
-    }
-
-    /// The lengths of all steps, s; of equal ones that of one of them.
-    fn lengths(&self) -> Vec<f64> {
-        let last = if matches!(self.phase.steps, Steps::Made(_)) { self.last() } else { self.first + 1 };
-        (self.first + 1..=last).map(|n| self.k_of(n)).collect()
-    }
-
-    fn instant(&self, n: usize, phase: usize) -> Instant {
-        Instant { n, t: self.time(n), k: self.k_of(n), phase, analysis: self.phase.analysis }
-    }
 }
 
 impl Timeline {
