@@ -7,6 +7,9 @@
 //! Sources: C. Johnson, B. Mercier, Numer. Math. 30 (1978) 103–116 (plane); J. Gopalakrishnan, J. Guzmán, J. J. Lee,
 //! "The Johnson–Mercier elasticity element in any dimensions" (2024).
 
+use faer::Mat;
+use faer::prelude::Solve;
+
 use crate::tensor::{MANDEL, Point, Sym, mandel_index, mandel_len};
 
 /// The element on the simplex with the vertices 0, e_1 … e_d.
@@ -90,7 +93,7 @@ impl Composite {
             }
             rows.push((row, Some((dim + 1) * dim * dim + k)));
         }
-        Composite { dim, inverse: solved(rows, Composite::data(dim)) }
+        Composite { dim, inverse: solved(&rows, Composite::data(dim)) }
     }
 
     /// The stresses of the reference simplex at node `node` of part `part`; node s of part s is the centre.
@@ -186,32 +189,13 @@ impl SimplexMap {
     }
 }
 
-/// Solves for all unknowns per datum that is 1, by Gauss–Jordan elimination with the largest pivot.
-fn solved(rows: Vec<(Vec<f64>, Option<usize>)>, data: usize) -> Vec<Vec<f64>> {
+/// All unknowns per datum that is 1.
+fn solved(rows: &[(Vec<f64>, Option<usize>)], data: usize) -> Vec<Vec<f64>> {
     let size = rows.len();
-    let mut a: Vec<Vec<f64>> = rows
-        .into_iter()
-        .map(|(mut row, datum)| {
-            row.resize(size + data, 0.0);
-            if let Some(datum) = datum {
-                row[size + datum] = 1.0;
-            }
-            row
-        })
-        .collect();
-    for column in 0..size {
-        let pivot = (column..size).max_by(|&i, &j| a[i][column].abs().total_cmp(&a[j][column].abs()));
-        a.swap(column, pivot.unwrap_or(column));
-        let scale = a[column][column].recip();
-        a[column].iter_mut().for_each(|x| *x *= scale);
-        let own = std::mem::take(&mut a[column]);
-        for row in a.iter_mut().filter(|row| !row.is_empty() && row[column] != 0.0) {
-            let factor = row[column];
-            row.iter_mut().zip(&own).skip(column).for_each(|(x, y)| *x -= factor * y);
-        }
-        a[column] = own;
-    }
-    a.into_iter().map(|row| row[size..].to_vec()).collect()
+    let matrix = Mat::from_fn(size, size, |i, j| rows[i].0[j]);
+    let right = Mat::from_fn(size, data, |i, j| f64::from(u8::from(rows[i].1 == Some(j))));
+    let solution = matrix.partial_piv_lu().solve(right);
+    (0..size).map(|i| (0..data).map(|j| solution[(i, j)]).collect()).collect()
 }
 
 #[cfg(test)]
