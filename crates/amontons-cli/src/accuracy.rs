@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, CaseError};
 use amontons::mesh::RefinementRounds;
-use amontons::output::{ErrorOfRun, FolderLock, OutputError, Sink, per_cent};
+use amontons::output::{ErrorOfRun, FolderLock, OutputError, per_cent};
 use amontons::run::{self, Settings};
 
 use crate::after::After;
 use crate::arguments::{CertificateChoice, Common, OutputFormat};
 use crate::print;
-use crate::progress::{Progress, StepSink};
+use crate::progress::Progress;
 use crate::single;
 use crate::status::CommandFailure;
 
@@ -62,9 +62,13 @@ pub fn execute(
             format!("--accuracy: found {accuracy}, expected a part of the solution between 0 and 1, such as 0.01");
         return Err(CommandFailure::Usage(found));
     }
+    // What is made before the mesh is found is not kept: the program then ends at once.
+    let progress = Progress::new(common);
+    let interrupt = progress.interrupt_flag();
+    progress.begin_refining();
     let Adapted { case, levels, ending } = adapted(file, accuracy, common)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    single::run_into(&case, &out, (after, certificate), common)?;
+    single::run_into(&case, &out, (after, certificate), (progress, interrupt), common)?;
     let path = out.join(HISTORY);
     let _lock = FolderLock::take(&out)?;
     fs::write(&path, csv(&levels)).map_err(|source| OutputError::Io { doing: "write", path, source })?;
@@ -92,11 +96,19 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
         .rounds
         .clone()
         .unwrap_or_else(|| RefinementRounds { cells: start.problem.mesh.cell_count(), marked: Vec::new() });
-    let mut case = start;
+    let (mut case, mut before): (Case, Option<Case>) = (start, None);
     let mut levels: Vec<RefinedRun> = Vec::new();
     loop {
-        let judged = judged(&case, common)?;
-        let worst = judged.worst().map_err(|refused| CommandFailure::Usage(no_bound(&refused.to_string())))?;
+        let judged = judged(&case)?;
+        let worst = match (judged.worst(), before.take()) {
+            (Ok(worst), _) => worst,
+            // The bound of a finer mesh may take too much memory.
+            (Err(refused), Some(case)) => {
+                let ending = AccuracyEnding::NoMesh(refused.reason().to_owned());
+                return Ok(Adapted { case, levels, ending });
+            }
+            (Err(refused), None) => return Err(CommandFailure::Usage(no_bound(&refused.to_string()))),
+        };
         let level = RefinedRun {
             cells: case.problem.mesh.cell_count(),
             nodes: case.problem.mesh.points.len(),
@@ -112,15 +124,15 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
         if relative(now).is_some_and(|relative| relative <= accuracy) {
             return Ok(Adapted { case, levels, ending: AccuracyEnding::Reached });
         }
-        let before = now.checked_sub(PATIENCE).and_then(relative);
-        if marked.is_empty() || before.zip(relative(now)).is_some_and(|(before, now)| now > FALLEN * before) {
+        let earlier = now.checked_sub(PATIENCE).and_then(relative);
+        if marked.is_empty() || earlier.zip(relative(now)).is_some_and(|(earlier, now)| now > FALLEN * earlier) {
             return Ok(Adapted { case, levels, ending: AccuracyEnding::Stands });
         }
         rounds.marked.push(marked);
         let next = source.with_file(CELLS, rounds.to_string().into_bytes());
         let with_cells: Vec<String> = set.iter().cloned().chain([format!("mesh.refined_cells=\"{CELLS}\"")]).collect();
         match case::parse(&next, &with_cells) {
-            Ok(finer) => case = finer,
+            Ok(finer) => before = Some(std::mem::replace(&mut case, finer)),
             Err(error @ CaseError::Faults { .. }) => {
                 let why = error.to_string().lines().next().unwrap_or_default().to_owned();
                 return Ok(Adapted { case, levels, ending: AccuracyEnding::NoMesh(why) });
@@ -131,19 +143,10 @@ fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, Comma
 }
 
 /// The error of the run of a case, which writes no results.
-fn judged(case: &Case, common: &Common) -> Result<ErrorOfRun, CommandFailure> {
-    let progress = Progress::new(common);
+fn judged(case: &Case) -> Result<ErrorOfRun, CommandFailure> {
     let mut judge = ErrorOfRun::every(case.every);
-    let mut steps = StepSink(&progress);
-    let settings = Settings {
-        interrupt: Some(progress.interrupt_flag()),
-        certificate: false,
-        watch: Some(progress.watch()),
-        pulse: progress.pulse(),
-        ..Settings::default()
-    };
-    let sinks: &mut [&mut dyn Sink] = &mut [&mut judge, &mut steps];
-    let made = run::run(&case.problem, &settings, sinks);
+    let settings = Settings { certificate: false, ..Settings::default() };
+    let made = run::run(&case.problem, &settings, &mut [&mut judge]);
     made.map_err(|error| CommandFailure::Run { error, hint: None })?;
     Ok(judge)
 }

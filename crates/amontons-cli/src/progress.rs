@@ -158,9 +158,10 @@ impl ProgressPlace {
         value
     }
 
-    /// True if the command is a single run that has made no step: there is nothing to finish or to keep.
+    /// True if the command is a single run that has made no step, or has not found its mesh: there is nothing to finish
+    /// or to keep.
     fn has_nothing(&self) -> bool {
-        self.part.is_empty() && matches!(self.phase, "certificate" | "assembly" | "factor")
+        self.part.is_empty() && matches!(self.phase, REFINING | "certificate" | "assembly" | "factor")
     }
 
     /// Message after a first signal.
@@ -175,6 +176,9 @@ impl ProgressPlace {
         format!("{signal}: the run ends in or after {first}, and {kept}; a second Ctrl-C stops at once")
     }
 }
+
+/// The phase in which a mesh is refined until the error is small.
+const REFINING: &str = "refinement";
 
 /// Text of a duration: `3 s`, `2 min 10 s`, `1 h 5 min`.
 fn duration(seconds: f64) -> String {
@@ -284,6 +288,11 @@ impl Progress {
     /// Begins the steps of a study.
     pub fn begin_steps(&self) {
         self.shared.phase("steps");
+    }
+
+    /// Begins the runs that look for a mesh, which keep nothing.
+    pub fn begin_refining(&self) {
+        self.shared.phase(REFINING);
     }
 
     /// Notes the number of finished steps of a study.

@@ -1,6 +1,8 @@
 //! One run in its results folder: started, resumed, and what is printed of it.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use amontons::case::Case;
 use amontons::mesh::Skipped;
@@ -21,22 +23,24 @@ pub fn start(
     (choice, again): (CertificateChoice, bool),
     common: &Common,
 ) -> Result<(), CommandFailure> {
+    let progress = Progress::new(common);
     let case = common.case(file)?;
     let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
     let out = if again { free(named) } else { named };
-    run_into(&case, &out, (after, choice), common)
+    let interrupt = progress.interrupt_flag();
+    run_into(&case, &out, (after, choice), (progress, interrupt), common)
 }
 
-/// Runs a case from its start into a folder.
+/// Runs a case from its start into a folder. The flag that ends it is one that its progress has made.
 pub fn run_into(
     case: &Case,
     out: &Path,
     (after, choice): (After, CertificateChoice),
+    (progress, interrupt): (Progress, Arc<AtomicBool>),
     common: &Common,
 ) -> Result<(), CommandFailure> {
-    let progress = Progress::new(common);
     let certificate = choice.of(case);
-    let settings = settings(case, out, certificate, &progress);
+    let settings = settings(case, out, certificate, (&progress, interrupt));
     let folder = Folder::create(out, options(case, certificate, common))?;
     drive(case, None, (folder, out, after), &settings, progress, common)
 }
@@ -72,7 +76,8 @@ pub fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Comm
     if let Some((why, step)) = checkpoint.as_ref().and_then(|c| Some((c.fallback.as_ref()?, c.state.step))) {
         note(&format!("{why}; going on from the checkpoint before, of step {step}"), common);
     }
-    let settings = settings(&case, dir, certificate, &progress);
+    let interrupt = progress.interrupt_flag();
+    let settings = settings(&case, dir, certificate, (&progress, interrupt));
     drive(&case, checkpoint, (folder, out, after), &settings, progress, common)
 }
 
@@ -84,11 +89,16 @@ fn note(text: &str, common: &Common) {
 }
 
 /// Settings of a run, with the certificate found in `dir` for the same inputs.
-fn settings(case: &Case, dir: &Path, certificate: bool, progress: &Progress) -> Settings {
+fn settings(
+    case: &Case,
+    dir: &Path,
+    certificate: bool,
+    (progress, interrupt): (&Progress, Arc<AtomicBool>),
+) -> Settings {
     Settings {
         // Commands run in a pool with the requested number of threads.
         threads: None,
-        interrupt: Some(progress.interrupt_flag()),
+        interrupt: Some(interrupt),
         certificate,
         known: output::known_certificate(dir, &case.fingerprint()),
         watch: Some(progress.watch()),

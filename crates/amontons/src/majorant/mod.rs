@@ -34,6 +34,7 @@ use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::field::Field;
 use crate::linalg::{Layout, System, max_abs};
+use crate::machine;
 use crate::mesh::{CellMap, FacetMap, FacetSet};
 use crate::problem::{BoundaryCondition, Problem};
 use crate::state::{State, StepReport};
@@ -117,7 +118,13 @@ impl DiscretizationError {
     /// ‖u_h − u‖/‖u_h‖ is at most this; zero if nothing is deformed but by round-off.
     #[must_use]
     pub fn relative(&self) -> f64 {
-        if self.energy <= self.round_off { 0.0 } else { (self.energy / self.of_solution).sqrt() }
+        if self.is_at_rest() { 0.0 } else { (self.energy / self.of_solution).sqrt() }
+    }
+
+    /// True if nothing is deformed but by round-off, and the error is no more.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.energy.max(self.of_solution) <= self.round_off
     }
 
     /// True if the number is a proven bound.
@@ -146,6 +153,7 @@ impl Majorant {
     /// If there is no bound for the problem.
     pub fn new(problem: &Problem, discrete: &Discretization) -> Result<Majorant, Refused> {
         scope::check(problem, discrete)?;
+        scope::check_memory(&problem.mesh, machine::memory())?;
         Ok(Majorant { skeleton: Skeleton::new(&problem.mesh)?, system: None })
     }
 

@@ -6,9 +6,10 @@ use super::{Refused, Remarks};
 use crate::contact::{Contact, ContactPoint, Quadrature};
 use crate::discretization::Discretization;
 use crate::field::Field;
+use crate::machine::FreeMemory;
 use crate::material::Dilatation;
 use crate::mesh::{Block, Mesh};
-use crate::problem::{Coupling, Physics, Problem};
+use crate::problem::{Coupling, Physics, Problem, RegionLoad};
 use crate::quadrature::Shape;
 use crate::state::{State, StepReport};
 use crate::tensor::{Point, length, minus};
@@ -42,6 +43,24 @@ pub(super) fn check(problem: &Problem, discrete: &Discretization) -> Result<(), 
         return refuse("rigid parts");
     }
     problem.contacts.iter().filter(|contact| contact.acts()).try_for_each(check_contact)
+}
+
+/// Bytes that a cell takes with its facets and patches, by dimension: measured with P1 and rounded up.
+const PER_CELL: [f64; 3] = [4e3, 16e3, 100e3];
+
+/// Refuses a mesh whose bound does not fit into memory.
+pub(super) fn check_memory(mesh: &Mesh, free: Option<FreeMemory>) -> Result<(), Refused> {
+    const GIGABYTE: f64 = 1e9;
+    let cells = mesh.cell_count();
+    let need = cells as f64 * PER_CELL[mesh.dim.clamp(1, 3) - 1];
+    match free {
+        Some(FreeMemory { bytes, .. }) if need > bytes => Err(Refused(format!(
+            "{cells} cells, whose bound takes about {:.1} GB of memory, and {:.1} GB are free",
+            need / GIGABYTE,
+            bytes / GIGABYTE
+        ))),
+        _ => Ok(()),
+    }
 }
 
 fn check_contact(contact: &Contact) -> Result<(), Refused> {
@@ -128,6 +147,17 @@ pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t
     if has_distorted_quadrilaterals(&problem.mesh) {
         remarks.estimate("quadrilaterals are no parallelograms: integrals are taken by quadrature");
     }
+    let varies = |load: &RegionLoad| {
+        load.gravity.iter().any(|(gravity, density)| {
+            let acts = !gravity.iter().all(Field::is_zero);
+            acts && (density.varies() || gravity.iter().any(Field::depends_on_space))
+        })
+    };
+    if problem.region_loads.iter().any(varies) {
+        remarks.estimate(
+            "gravity or the density varies in space: the deviation from the mean of each cell is not counted",
+        );
+    }
     let loads = problem.body_force.iter();
     let loads = loads.chain(problem.region_loads.iter().flat_map(|load| &load.body_force));
     if loads.into_iter().any(Field::depends_on_space) {
@@ -135,6 +165,11 @@ pub(super) fn remark(problem: &Problem, laws: &StepLaws, contacts: &[Contact], t
     }
     if problem.materials.iter().any(|m| m.expansion.varies()) {
         remarks.estimate("the expansion varies within cells: integrals are taken by quadrature");
+    }
+    if problem.physics.has_heat()
+        && problem.materials.iter().any(|m| m.expansion.constant().is_none_or(|t| t.norm() > 0.0))
+    {
+        remarks.note("the temperature is the computed one");
     }
     let held =
         problem.boundary.iter().flat_map(|b| b.displacement.iter().flatten().flatten().chain(&b.normal_displacement));

@@ -94,11 +94,33 @@ pub fn per_cent(part: f64) -> String {
     if (-2..=6).contains(&digits) { format!("{up:.*} %", digits.max(0) as usize) } else { format!("{up:.2e} %") }
 }
 
+/// The bounds of the phase of a run that is made.
+#[derive(Debug, Default)]
+pub(super) struct PhaseBounds {
+    /// The bounds of the phase with this number.
+    prepared: Option<(usize, Result<Majorant, Refused>)>,
+}
+
+impl PhaseBounds {
+    /// The bound of the step that led to a snapshot; `None` at t = 0.
+    pub fn at(&mut self, now: &Snapshot) -> Option<Result<DiscretizationError, Refused>> {
+        let report = now.report?;
+        let phase = now.state.made(&now.problem.timeline).phase;
+        if self.prepared.as_ref().is_none_or(|(known, _)| *known != phase) {
+            self.prepared = Some((phase, Majorant::new(now.problem, now.discretization)));
+        }
+        let (_, prepared) = self.prepared.as_mut()?;
+        Some(match prepared {
+            Ok(majorant) => majorant.at(now.problem, now.discretization, (now.state, report)),
+            Err(refused) => Err(refused.clone()),
+        })
+    }
+}
+
 /// The bounds of a run.
 #[derive(Debug, Default)]
 pub(super) struct ErrorTable {
-    /// The bound of the phase with this number.
-    prepared: Option<(usize, Result<Majorant, Refused>)>,
+    bounds: PhaseBounds,
     rows: Vec<(usize, String)>,
     /// The newest bound, and its step.
     pub last: Option<(usize, ErrorSummary)>,
@@ -118,16 +140,7 @@ impl ErrorTable {
 
     /// The bound of the step that led to a snapshot; `None` at t = 0 and if there is none.
     pub fn take(&mut self, now: &Snapshot) -> Option<DiscretizationError> {
-        let report = now.report?;
-        let phase = now.state.made(&now.problem.timeline).phase;
-        if self.prepared.as_ref().is_none_or(|(known, _)| *known != phase) {
-            self.prepared = Some((phase, Majorant::new(now.problem, now.discretization)));
-        }
-        let (_, prepared) = self.prepared.as_mut()?;
-        let found = match prepared {
-            Ok(majorant) => majorant.at(now.problem, now.discretization, (now.state, report)),
-            Err(refused) => Err(refused.clone()),
-        };
+        let found = self.bounds.at(now)?;
         let step = now.state.step;
         self.last = Some((step, ErrorSummary::of(&found)));
         let found = found.ok()?;

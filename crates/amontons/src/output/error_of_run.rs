@@ -1,15 +1,15 @@
 //! The discretization error of a whole run.
 
+use super::discretization_error::PhaseBounds;
 use super::{OutputError, RunStart, Sink, Snapshot, Summary};
-use crate::majorant::{DiscretizationError, Majorant, Refused};
+use crate::majorant::{DiscretizationError, Refused};
 
 /// The error of a run, the largest of all steps at which it is asked for.
 #[derive(Debug, Default)]
 pub struct ErrorOfRun {
     /// Steps between those at which it is asked for; 0 for the ends of phases alone.
     every: usize,
-    /// The bounds of the phase with this number.
-    prepared: Option<(usize, Majorant)>,
+    bounds: PhaseBounds,
     worst: Option<DiscretizationError>,
     /// Largest energy of the solution, J.
     of_solution: f64,
@@ -40,7 +40,7 @@ impl ErrorOfRun {
     #[must_use]
     pub fn relative(&self) -> f64 {
         match &self.worst {
-            Some(worst) if worst.energy > worst.round_off => (worst.energy / self.of_solution).sqrt(),
+            Some(worst) if !worst.is_at_rest() => (worst.energy / self.of_solution).sqrt(),
             _ => 0.0,
         }
     }
@@ -52,24 +52,19 @@ impl ErrorOfRun {
     }
 
     fn take(&mut self, now: &Snapshot) {
-        let Some(report) = now.report.filter(|_| self.refused.is_none()) else { return };
-        let phase = now.state.made(&now.problem.timeline).phase;
-        if self.prepared.as_ref().is_none_or(|(known, _)| *known != phase) {
-            match Majorant::new(now.problem, now.discretization) {
-                Ok(majorant) => self.prepared = Some((phase, majorant)),
-                Err(refused) => self.refused = Some(refused),
-            }
+        if self.refused.is_some() {
+            return;
         }
-        let Some((_, majorant)) = &mut self.prepared else { return };
-        match majorant.at(now.problem, now.discretization, (now.state, report)) {
-            Ok(found) => {
+        match self.bounds.at(now) {
+            None => {}
+            Some(Err(refused)) => self.refused = Some(refused),
+            Some(Ok(found)) => {
                 self.of_solution = self.of_solution.max(found.of_solution);
                 self.is_guaranteed &= found.is_guaranteed();
                 if self.worst.as_ref().is_none_or(|worst| found.energy > worst.energy) {
                     self.worst = Some(found);
                 }
             }
-            Err(refused) => self.refused = Some(refused),
         }
     }
 }
