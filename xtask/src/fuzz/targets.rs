@@ -100,6 +100,7 @@ pub fn names() -> Vec<&'static str> {
         "override",
         "expression",
         "table",
+        "rounds",
         "gmsh",
         "inp",
         "contents",
@@ -124,6 +125,8 @@ enum Kind {
     Override,
     Expression,
     Table,
+    /// Cells that are refined in rounds.
+    Rounds,
     Gmsh,
     Inp,
     /// Mesh files under another ending.
@@ -164,6 +167,7 @@ impl Target {
                 texts(&["sin(pi*x)*exp(-t)", "if(x < 0.5, 1, y^2)", "-(1 + 2)*max(x, y, z)/3e-2", "abs(t)^-2"]),
             ),
             "table" => (Kind::Table, texts(&["t,f\n0,1\n1,2\n", "0;1\n1;2", "# c\n\"t\"\tf\n0\t1\n", "0 1\n1 2\n"])),
+            "rounds" => (Kind::Rounds, texts(&["cells 8\n0 3\n1\n", "# a\ncells 8\n\n7\n0 1 2\n"])),
             "gmsh" => (Kind::Gmsh, meshes("msh")),
             "inp" => (Kind::Inp, [meshes("inp"), texts(&[MODEL])].concat()),
             "contents" => (Kind::Contents, ["inp", "msh", "vtu"].into_iter().flat_map(meshes).collect()),
@@ -276,6 +280,11 @@ impl Target {
             Kind::Table => {
                 let files = BTreeMap::from([("f.csv".to_owned(), Arc::from(bytes))]);
                 let case = SMALL.replace("heat_source = 1", "heat_source = { table = \"f.csv\" }");
+                told(case::parse(&Source { files: Files::Memory(files), ..Source::new("case", case) }, &[]))
+            }
+            Kind::Rounds => {
+                let files = BTreeMap::from([("cells.txt".to_owned(), Arc::from(bytes))]);
+                let case = SMALL.replace("n = 2", "n = 2\nrefined_cells = \"cells.txt\"");
                 told(case::parse(&Source { files: Files::Memory(files), ..Source::new("case", case) }, &[]))
             }
             Kind::Gmsh => told(gmsh::parse(bytes).map(|mesh| mesh.cell_count())),

@@ -119,6 +119,27 @@ fn run_refines_until_the_error_is_as_small_as_asked() {
         let more = history(&finer);
         assert!(more[0][1..] == last[1..] && more.len() > 1, "{more:?}");
     }
+    // Before the mesh is found there is nothing to keep: Ctrl-C ends the program at once, between two meshes, too.
+    #[cfg(unix)]
+    {
+        let case = folder.path().join("endless.toml");
+        fs::write(&case, PRESSED.replace("ELEMENTS", "P2")).expect("a case");
+        let [case, out] = [&case, &folder.path().join("endless")].map(|path| path.display().to_string());
+        let mut run = Command::new(env!("CARGO_BIN_EXE_amontons"));
+        run.args(["run", &case, "--accuracy", "1e-12", "--out", &out, "--progress", "none"]);
+        let mut run =
+            run.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().expect("a run");
+        let mut line = String::new();
+        let mut told = std::io::BufReader::new(run.stdout.take().expect("a pipe"));
+        // A number of meshes is done.
+        while !line.starts_with("    6 ") {
+            line.clear();
+            assert!(std::io::BufRead::read_line(&mut told, &mut line).expect("a line") > 0, "it ended by itself");
+        }
+        Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("kill");
+        assert_eq!(run.wait().expect("an end").code(), Some(130));
+        assert!(!Path::new(&out).exists());
+    }
     // Without a bound there is a reason and a way out.
     let out = folder.path().join("none").display().to_string();
     let done = amontons(&["run", &paper(), "--set", "mesh.n=4", "--accuracy", "0.1", "--out", &out]);

@@ -55,7 +55,7 @@ pub(super) fn check_memory(mesh: &Mesh, free: Option<FreeMemory>) -> Result<(), 
     let need = cells as f64 * PER_CELL[mesh.dim.clamp(1, 3) - 1];
     match free {
         Some(FreeMemory { bytes, .. }) if need > bytes => Err(Refused(format!(
-            "{cells} cells, whose bound takes about {:.1} GB of memory, and {:.1} GB are free",
+            "{cells} cells, whose bound takes about {:.2} GB of memory, and {:.2} GB are free",
             need / GIGABYTE,
             bytes / GIGABYTE
         ))),
@@ -218,4 +218,22 @@ fn is_given(contact: &Contact, _t: f64) -> bool {
     let is_same = |a: f64, b: f64| a.to_bits() == b.to_bits();
     let no_cone = contact.friction.cone(&[0.0; 3], &[0.0, 0.0, 1.0]).is_none();
     no_cone && tries.into_iter().all(|bound| is_same(bound.value, first.value) && is_same(bound.by_pressure.abs(), 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Elements;
+
+    #[test]
+    fn a_mesh_whose_bound_does_not_fit_is_refused() {
+        let Ok(mesh) = Mesh::box_([1.0; 3], [3, 3, 3], Elements::P1) else { panic!("a mesh") };
+        let free = |bytes: f64| Some(FreeMemory { bytes, limit: None });
+        assert_eq!(
+            (mesh.cell_count(), check_memory(&mesh, free(2e7)), check_memory(&mesh, None)),
+            (162, Ok(()), Ok(()))
+        );
+        let told = check_memory(&mesh, free(1e7)).err().map(|refused| refused.reason().to_owned());
+        assert_eq!(told.as_deref(), Some("162 cells, whose bound takes about 0.02 GB of memory, and 0.01 GB are free"));
+    }
 }

@@ -41,6 +41,67 @@ fn meshes_refined_by_the_bound_have_the_best_rate() {
     }
 }
 
+/// A block that is pressed and pulled over a foundation with Tresca's friction.
+fn block(turn: f64, mirror: f64, stiffness: f64, origin: [f64; 2], elements: &str) -> String {
+    let (s, c) = turn.sin_cos();
+    let held = [0.03 * mirror, -0.1];
+    let [dx, dy] = [c * held[0] - s * held[1], s * held[0] + c * held[1]];
+    let bound = 0.02 * stiffness;
+    format!(
+        "name = \"block\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"blocks\"\nblocks = [{{ name = \"body\", \
+         size = [2.0, 1.0], n = [4, 2], elements = \"{elements}\", origin = {origin:?}, turn = {{ angle = {turn} }}, \
+         DIAGONAL }}]\n[time]\nend = 1.0\nsteps = 2\n[material]\ndensity = 0.0\n\
+         elasticity = {{ law = \"isotropic\", young = {stiffness}, poisson = 0.3, stress_state = \"plane-strain\" }}\n\
+         [[boundary]]\non = \"body_top\"\ndisplacement = [\"{dx}*t\", \"{dy}*t\"]\n[contact]\non = \"body_bottom\"\n\
+         gap = 0.01\nnormal = {{ law = \"signorini\" }}\nfriction = {{ law = \"tresca\", bound = {bound} }}\n"
+    )
+}
+
+/// The errors of four meshes, each with the marks of the one before.
+fn errors(text: &str) -> Vec<(usize, f64)> {
+    let start = parsed(text, &[]);
+    let mut bisection = Bisection::new(&start.mesh);
+    let (mut problem, mut rows) = (start, Vec::new());
+    for _ in 0..4 {
+        let found = bound(&problem, &solve(&problem)).expect("a bound");
+        rows.push((problem.mesh.cell_count(), found.relative()));
+        bisection.refine(&found.marked()).expect("a finer mesh");
+        let mesh = bisection.mesh();
+        problem = changed(&problem, |data| data.mesh = Arc::new(mesh));
+    }
+    rows
+}
+
+/// Meshes and errors are those of the body, wherever it lies, whatever the axes and the units are.
+#[test]
+fn the_meshes_of_a_body_do_not_know_where_it_lies() {
+    for elements in ["P1", "P2", "Q1"] {
+        let diagonal = |text: &str, which: &str| {
+            let with = if elements == "Q1" { String::new() } else { format!("diagonal = \"{which}\"") };
+            text.replace(", DIAGONAL", &if with.is_empty() { with } else { format!(", {with}") })
+        };
+        let of = |turn: f64, mirror: f64, stiffness: f64, origin: [f64; 2]| {
+            let which = if mirror > 0.0 { "right" } else { "left" };
+            errors(&diagonal(&block(turn, mirror, stiffness, origin, elements), which))
+        };
+        let plain = of(0.0, 1.0, 1.0, [0.0; 2]);
+        assert!(plain[3].1 < 0.6 * plain[0].1, "{elements}: {plain:?}");
+        let others = [
+            ("turned", of(0.7, 1.0, 1.0, [0.0; 2])),
+            ("upside down", of(std::f64::consts::PI, 1.0, 1.0, [0.0; 2])),
+            ("mirrored", of(0.0, -1.0, 1.0, [0.0; 2])),
+            ("stiffer", of(0.0, 1.0, 2.1e11, [0.0; 2])),
+            ("moved", of(0.0, 1.0, 1.0, [1e-9, 1e3])),
+        ];
+        for (name, other) in others {
+            for (plain, other) in plain.iter().zip(&other) {
+                let is_same = plain.0 == other.0 && (plain.1 - other.1).abs() < 1e-6 * plain.1;
+                assert!(is_same, "{elements} {name}: {plain:?} {other:?}");
+            }
+        }
+    }
+}
+
 /// Of cells with equal errors all are marked or none, and they have half of the energy.
 #[test]
 fn marked_cells_are_few_and_symmetric() {

@@ -193,6 +193,41 @@ fn friction_that_a_support_takes_adds_nothing() {
     );
 }
 
+/// Quadrilaterals that are no parallelograms, as those of a disc: the integrals are no sums at points.
+#[test]
+fn distorted_quadrilaterals_have_an_estimate() {
+    let mesh = Mesh::rectangle_of(Elements::Q1, [1.0, 1.0], [2, 2], Diagonal::Right).expect("a mesh");
+    let moved = |by: f64| {
+        let mut mesh = mesh.clone();
+        mesh.points.iter_mut().filter(|x| x[0] == 0.5 && x[1] == 0.5).for_each(|x| x[0] += by);
+        let mut data = plane(Elements::Q1);
+        data.mesh = Arc::new(mesh);
+        bounded(&checked(data))
+    };
+    assert!(moved(0.0).is_guaranteed() && moved(1e-13).is_guaranteed());
+    assert_eq!(moved(0.05).estimate, ["quadrilaterals are no parallelograms: integrals are taken by quadrature"]);
+}
+
+/// Gravity is a load that is constant in a cell where its density is; where it is not, the bound is no proof.
+#[test]
+fn gravity_on_a_density_that_varies_has_an_estimate() {
+    let text = |density: &str| {
+        format!(
+            "name = \"heavy\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 3\n\
+             [time]\nend = 1.0\nsteps = 1\nanalysis = \"quasistatic\"\n[material]\ndensity = {density}\n\
+             elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.2, stress_state = \"plane-strain\" }}\n\
+             [[boundary]]\non = \"left\"\ndisplacement = [0, 0]\n[[load]]\ngravity = [0, -0.1]\n"
+        )
+    };
+    for (density, is_proven) in [("2.0", true), ("\"2 + 0*x\"", false), ("\"1 + 3*y^2\"", false)] {
+        let problem = parsed(&text(density), &[]);
+        let (error, found) = compared(&problem, 3);
+        assert!(found.is_guaranteed() == is_proven, "{density}: {:?}", found.estimate);
+        assert!(found.estimate.iter().all(|why| why.starts_with("gravity or the density varies")));
+        assert!(found.energy >= error, "{density}: {error:e} {:e}", found.energy);
+    }
+}
+
 /// The mesh turned about an axis, or in the plane.
 fn turned(mut mesh: Mesh, angle: f64) -> Mesh {
     let (s, c) = angle.sin_cos();
