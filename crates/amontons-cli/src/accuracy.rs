@@ -1,13 +1,17 @@
-//! `run --accuracy`: runs on meshes that are finer where the error is, until its bound is small enough.
+//! `run --accuracy`: runs on meshes that are finer where it matters, until the error is small enough.
 
 use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use amontons::case::{self, Case, CaseError};
-use amontons::mesh::RefinementRounds;
-use amontons::output::{ErrorOfRun, FolderLock, OutputError, per_cent};
-use amontons::run::{self, Settings};
+use amontons::accuracy::{
+    AccuracyEnding, AccuracyError, AccuracyNews, AccuracyRequest, AccurateCase, BarRow, EnergyLevel, ValueLevel,
+    bars_csv, of_energy, of_values,
+};
+use amontons::case::{self, Case, Source};
+use amontons::output::{ACCURACY, BARS, per_cent};
+use amontons::run::Settings;
 
 use crate::after::After;
 use crate::arguments::{CertificateChoice, Common, OutputFormat};
@@ -16,164 +20,169 @@ use crate::progress::Progress;
 use crate::single;
 use crate::status::CommandFailure;
 
-/// Name of the file with the marked cells, in the case that is run.
-const CELLS: &str = "refined-cells.txt";
-/// The history in the results folder.
-const HISTORY: &str = "accuracy.csv";
-/// Rounds over which the error has to fall to [`FALLEN`] of it: it does so where cells are the reason for it.
-const PATIENCE: usize = 4;
-const FALLEN: f64 = 0.9;
-
-/// A run on one of the meshes.
-struct RefinedRun {
-    cells: usize,
-    nodes: usize,
-    relative: f64,
-    energy: f64,
-    is_guaranteed: bool,
-}
-
-/// Why the last mesh is the last.
-enum AccuracyEnding {
-    Reached,
-    /// The next mesh cannot be had: the reason.
-    NoMesh(String),
-    /// The error does not fall any more.
-    Stands,
-}
-
-/// The runs so far, and the case of the last one.
-struct Adapted {
+/// The runs as the program shows them: the last case, its tables, and what is missing of what was asked.
+struct Refined {
     case: Case,
-    levels: Vec<RefinedRun>,
+    tables: Vec<(&'static str, String)>,
     ending: AccuracyEnding,
+    /// The error of the last level, relative, as a number and in words.
+    relative: f64,
+    error: String,
 }
 
-/// Refines until the relative error in the norm of the energy is at most `accuracy`, and runs the case on the last mesh
-/// into its results folder.
-pub fn execute(
+/// Runs a case from its start into its folder, with cells and steps that are refined if an accuracy is asked for.
+pub fn start(
     file: &Path,
-    accuracy: f64,
-    (after, certificate): (After, CertificateChoice),
+    (relative, of): (Option<f64>, &[String]),
+    after: After,
+    (choice, again): (CertificateChoice, bool),
     common: &Common,
 ) -> Result<(), CommandFailure> {
-    if !(accuracy > 0.0 && accuracy < 1.0) {
-        let found =
-            format!("--accuracy: found {accuracy}, expected a part of the solution between 0 and 1, such as 0.01");
-        return Err(CommandFailure::Usage(found));
-    }
-    // What is made before the mesh is found is not kept: the program then ends at once.
     let progress = Progress::new(common);
+    let source = common.source(file)?;
+    let case = case::parse(&source, &common.set)?;
+    let out = single::folder(&case, again, common);
     let interrupt = progress.interrupt_flag();
+    match Asked::new(relative, of, &case) {
+        Some(asked) => refine(&source, &asked, &out, (after, choice), (progress, interrupt), common),
+        None => single::run_into((&case, Vec::new()), &out, (after, choice), (progress, interrupt), common),
+    }
+}
+
+/// What is asked for: an error relative to the solution, and the numbers that are to be as accurate. Without numbers it
+/// is the error in the norm of the energy.
+struct Asked {
+    relative: f64,
+    of: Vec<String>,
+}
+
+impl Asked {
+    /// What the arguments, or else the case, ask for; `None` if the case is run as it is.
+    fn new(relative: Option<f64>, of: &[String], case: &Case) -> Option<Asked> {
+        let in_case = case.accuracy.as_ref();
+        let relative = relative.or_else(|| in_case.filter(|asked| !asked.refined).map(|asked| asked.relative))?;
+        let of = if of.is_empty() { in_case.map(|asked| asked.of.clone()).unwrap_or_default() } else { of.to_vec() };
+        Some(Asked { relative, of })
+    }
+}
+
+/// Refines until the error is at most as large as asked, and runs the case on the last mesh into a results folder.
+fn refine(
+    source: &Source,
+    asked: &Asked,
+    out: &Path,
+    (after, certificate): (After, CertificateChoice),
+    (progress, interrupt): (Progress, Arc<AtomicBool>),
+    common: &Common,
+) -> Result<(), CommandFailure> {
+    // What is made before the mesh is found is not kept: the program then ends at once.
     progress.begin_refining();
-    let Adapted { case, levels, ending } = adapted(file, accuracy, common)?;
-    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    single::run_into(&case, &out, (after, certificate), (progress, interrupt), common)?;
-    let path = out.join(HISTORY);
-    let _lock = FolderLock::take(&out)?;
-    fs::write(&path, csv(&levels)).map_err(|source| OutputError::Io { doing: "write", path, source })?;
+    let settings = Settings::default();
+    let request = AccuracyRequest { source, overrides: &common.set, relative: asked.relative, settings: &settings };
+    let Refined { case, tables, ending, relative, error } =
+        if asked.of.is_empty() { energy(&request, common)? } else { values(&request, &asked.of, common)? };
+    single::run_into((&case, tables), out, (after, certificate), (progress, interrupt), common)?;
     let why = match ending {
         AccuracyEnding::Reached => return Ok(()),
         AccuracyEnding::NoMesh(why) => format!("the next mesh cannot be had: {why}"),
-        AccuracyEnding::Stands => "it does not fall with finer cells any more".to_owned(),
+        AccuracyEnding::Stands(why) => why,
     };
-    let last = levels.last().map_or(f64::NAN, |level| level.relative);
-    let message = format!(
-        "an error of at most {} was asked for, and that of the results is at most {}: {why}",
-        per_cent(accuracy),
-        per_cent(last)
-    );
-    let table = serde_json::json!({ "asked": accuracy, "relative": last, "why": why });
+    let wanted = per_cent(asked.relative);
+    let message = format!("an error of at most {wanted} was asked for, and that of the results is {error}: {why}");
+    let table = serde_json::json!({ "asked": asked.relative, "relative": relative, "why": why });
     Err(CommandFailure::Verification { message, table })
 }
 
-/// Runs on finer and finer meshes.
-fn adapted(file: &Path, accuracy: f64, common: &Common) -> Result<Adapted, CommandFailure> {
-    let source = common.source(file)?;
-    let set: Vec<String> = common.set.iter().cloned().chain(["output.error=true".to_owned()]).collect();
-    let start = case::parse(&source, &set)?;
-    let mut rounds = start
-        .rounds
-        .clone()
-        .unwrap_or_else(|| RefinementRounds { cells: start.problem.mesh.cell_count(), marked: Vec::new() });
-    let (mut case, mut before): (Case, Option<Case>) = (start, None);
-    let mut levels: Vec<RefinedRun> = Vec::new();
-    loop {
-        let judged = judged(&case)?;
-        let worst = match (judged.worst(), before.take()) {
-            (Ok(worst), _) => worst,
-            // The bound of a finer mesh may take too much memory.
-            (Err(refused), Some(case)) => {
-                let ending = AccuracyEnding::NoMesh(refused.reason().to_owned());
-                return Ok(Adapted { case, levels, ending });
-            }
-            (Err(refused), None) => return Err(CommandFailure::Usage(no_bound(&refused.to_string()))),
-        };
-        let level = RefinedRun {
-            cells: case.problem.mesh.cell_count(),
-            nodes: case.problem.mesh.points.len(),
-            relative: judged.relative(),
-            energy: worst.energy,
-            is_guaranteed: judged.is_guaranteed(),
-        };
-        tell(levels.len(), &level, common)?;
-        let marked = worst.marked();
-        levels.push(level);
-        let relative = |n: usize| levels.get(n).map(|level| level.relative);
-        let now = levels.len() - 1;
-        if relative(now).is_some_and(|relative| relative <= accuracy) {
-            return Ok(Adapted { case, levels, ending: AccuracyEnding::Reached });
-        }
-        let earlier = now.checked_sub(PATIENCE).and_then(relative);
-        if marked.is_empty() || earlier.zip(relative(now)).is_some_and(|(earlier, now)| now > FALLEN * earlier) {
-            return Ok(Adapted { case, levels, ending: AccuracyEnding::Stands });
-        }
-        rounds.marked.push(marked);
-        let next = source.with_file(CELLS, rounds.to_string().into_bytes());
-        let with_cells: Vec<String> = set.iter().cloned().chain([format!("mesh.refined_cells=\"{CELLS}\"")]).collect();
-        match case::parse(&next, &with_cells) {
-            Ok(finer) => before = Some(std::mem::replace(&mut case, finer)),
-            Err(error @ CaseError::Faults { .. }) => {
-                let why = error.to_string().lines().next().unwrap_or_default().to_owned();
-                return Ok(Adapted { case, levels, ending: AccuracyEnding::NoMesh(why) });
-            }
-            Err(error) => return Err(error.into()),
+impl From<AccuracyError> for CommandFailure {
+    fn from(error: AccuracyError) -> CommandFailure {
+        match error {
+            AccuracyError::Case(error) => error.into(),
+            AccuracyError::Run(error) => CommandFailure::Run { error, hint: None },
+            AccuracyError::Refused(message) => CommandFailure::Usage(message),
         }
     }
 }
 
-/// The error of the run of a case, which writes no results.
-fn judged(case: &Case) -> Result<ErrorOfRun, CommandFailure> {
-    let mut judge = ErrorOfRun::every(case.every);
-    let settings = Settings { certificate: false, ..Settings::default() };
-    let made = run::run(&case.problem, &settings, &mut [&mut judge]);
-    made.map_err(|error| CommandFailure::Run { error, hint: None })?;
-    Ok(judge)
-}
-
-fn no_bound(why: &str) -> String {
-    format!("--accuracy: {why}; refine the mesh by hand (mesh.n, mesh.refine_where) and compare (amontons converge)")
-}
-
-/// Prints what a mesh has brought.
-fn tell(number: usize, level: &RefinedRun, common: &Common) -> Result<(), CommandFailure> {
-    if common.quiet || common.format == OutputFormat::Json {
-        return Ok(());
+/// Prints a text about a level, if anyone reads it.
+fn tell(text: &str, common: &Common) {
+    if !common.quiet && common.format == OutputFormat::Text {
+        // The results do not depend on it.
+        let _ = print::text(text);
     }
-    let mut text = String::new();
-    if number == 0 {
-        let _ = writeln!(text, "{:>5} {:>9} {:>9}  error in the norm of the energy", "mesh", "cells", "nodes");
-    }
-    let RefinedRun { cells, nodes, relative, is_guaranteed, .. } = level;
-    let word = if *is_guaranteed { "at most" } else { "about" };
-    let _ = writeln!(text, "{number:>5} {cells:>9} {nodes:>9}  {word} {}", per_cent(*relative));
-    Ok(print::text(&text)?)
 }
 
-fn csv(levels: &[RefinedRun]) -> String {
+/// Refines by the bound in the norm of the energy.
+fn energy(request: &AccuracyRequest, common: &Common) -> Result<Refined, CommandFailure> {
+    tell(&format!("{:>5} {:>9} {:>9}  error in the norm of the energy\n", "mesh", "cells", "nodes"), common);
+    let mut number = 0;
+    let found = of_energy(request, &mut |level| {
+        let EnergyLevel { cells, nodes, relative, is_guaranteed, .. } = level;
+        let word = if *is_guaranteed { "at most" } else { "about" };
+        tell(&format!("{number:>5} {cells:>9} {nodes:>9}  {word} {}\n", per_cent(*relative)), common);
+        number += 1;
+    })?;
+    let AccurateCase { case, levels, ending } = found;
+    let relative = levels.last().map_or(f64::NAN, |level| level.relative);
     let mut text = "mesh,cells,nodes,relative,energy,guaranteed\n".to_owned();
-    for (number, RefinedRun { cells, nodes, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
+    for (number, EnergyLevel { cells, nodes, relative, energy, is_guaranteed }) in levels.iter().enumerate() {
         let _ = writeln!(text, "{number},{cells},{nodes},{relative:?},{energy:?},{}", u8::from(*is_guaranteed));
     }
-    text
+    let error = format!("at most {}", per_cent(relative));
+    Ok(Refined { case, tables: vec![(ACCURACY, text)], ending, relative, error })
+}
+
+/// Refines by the bars of numbers at the end of the run.
+fn values(request: &AccuracyRequest, of: &[String], common: &Common) -> Result<Refined, CommandFailure> {
+    tell(&format!("{:>5} {:>9} {:>9} {:>7}  at the end\n", "mesh", "cells", "nodes", "steps"), common);
+    let (mut number, mut said) = (0, false);
+    let found = of_values(request, of, &mut |news| {
+        let level = match news {
+            AccuracyNews::Level(level) => level,
+            AccuracyNews::Steps(steps, change) => {
+                let so_far = format!("{:>25} {steps:>7}  changed by {} by halving the steps\n", "", per_cent(change));
+                return tell(&so_far, common);
+            }
+        };
+        let ValueLevel { cells, nodes, steps, goals, unweighted, .. } = level;
+        let head = format!("{number:>5} {cells:>9} {nodes:>9} {steps:>7}  ");
+        let lines: Vec<String> =
+            goals.iter().map(|goal| format!("{} ({})", with_bar(&goal.row), per_cent(goal.relative))).collect();
+        tell(&format!("{head}{}\n", lines.join(&format!("\n{:>width$}", "", width = head.len()))), common);
+        if let Some(why) = unweighted.as_ref().filter(|_| !said) {
+            tell(
+                &format!("{:>5} cells are refined where stresses and fluxes jump, without derivatives: {why}\n", ""),
+                common,
+            );
+            said = true;
+        }
+        number += 1;
+    })?;
+    let AccurateCase { case, levels, ending } = found;
+    let mut history = "mesh,cells,nodes,steps,quantity,value,bar,mesh_part,steps_part,relative\n".to_owned();
+    for (number, level) in levels.iter().enumerate() {
+        let ValueLevel { cells, nodes, steps, goals, .. } = level;
+        for goal in goals {
+            let BarRow { name, value, mesh, steps: of_steps, .. } = &goal.row;
+            let (bar, relative) = (goal.row.bar(), goal.relative);
+            let _ = writeln!(
+                history,
+                "{number},{cells},{nodes},{steps},{name},{value:?},{bar:?},{mesh:?},{of_steps:?},{relative:?}"
+            );
+        }
+    }
+    let worst = levels.last().map(|level| &level.goals[..]).unwrap_or_default();
+    let worst = worst.iter().max_by(|a, b| a.relative.total_cmp(&b.relative));
+    let relative = worst.map_or(f64::NAN, |goal| goal.relative);
+    let error = worst.map_or_else(String::new, |goal| format!("about {} of {}", per_cent(relative), goal.row.name));
+    let bars = bars_csv(levels.last().map(|level| &level.bars[..]).unwrap_or_default());
+    Ok(Refined { case, tables: vec![(ACCURACY, history), (BARS, bars)], ending, relative, error })
+}
+
+/// A number with its bar: `pressure 0.49961 +- 0.0021 (cells 0.0018, steps 0.0003)`.
+fn with_bar(row: &BarRow) -> String {
+    let BarRow { name, value, mesh, steps, .. } = row;
+    let bar = row.bar();
+    // Two digits of the bar, and those of the value down to them.
+    let digits = if bar > 0.0 && bar < value.abs() { (value.abs() / bar).log10().ceil() as usize + 1 } else { 6 };
+    format!("{name} {value:.digits$e} +- {bar:.1e} (cells {mesh:.1e}, steps {steps:.1e})")
 }

@@ -36,9 +36,14 @@ pub enum Command {
         /// Bound the discretization error, as with `output.error=true`
         #[arg(long)]
         error: bool,
-        /// Refine the mesh until the error in the norm of the energy is at most this part of the solution
-        #[arg(long, value_name = "PART", conflicts_with_all = ["each", "again"])]
+        /// Refine until the error is at most this part of the solution: in the norm of the energy, or of the numbers
+        /// after `--of`
+        #[arg(long, value_name = "PART", conflicts_with = "each")]
         accuracy: Option<f64>,
+        /// With `--accuracy`: the probes, or columns of `history.csv` and `probes.csv`, whose value at the end is to be
+        /// as accurate
+        #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',', requires = "accuracy")]
+        of: Vec<String>,
         #[command(flatten)]
         certificate: CertificateChoice,
         /// Keep the results of earlier runs: write into the first of NAME, NAME-2, NAME-3, … that is not there

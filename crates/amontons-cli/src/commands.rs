@@ -27,11 +27,9 @@ pub fn execute(command: Command) -> Result<(), CommandFailure> {
             let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate };
             sweep::execute(&case, &request, &common)
         }
-        Command::Run { case, plot, report, certificate, accuracy: Some(accuracy), common, .. } => {
-            accuracy::execute(&case, accuracy, (After { pictures: plot, report }, certificate), &common)
-        }
-        Command::Run { case, plot, report, certificate, again, common, .. } => {
-            single::start(&case, After { pictures: plot, report }, (certificate, again), &common)
+        Command::Run { case, plot, report, certificate, accuracy, of, again, common, .. } => {
+            let after = After { pictures: plot, report };
+            accuracy::start(&case, (accuracy, &of), after, (certificate, again), &common)
         }
         Command::Resume { dir, plot, report, certificate, common } => {
             single::resume(&dir, After { pictures: plot, report }, certificate, &common)

@@ -16,24 +16,16 @@ use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::CommandFailure;
 
-/// Runs a case from its start into its folder.
-pub fn start(
-    file: &Path,
-    after: After,
-    (choice, again): (CertificateChoice, bool),
-    common: &Common,
-) -> Result<(), CommandFailure> {
-    let progress = Progress::new(common);
-    let case = common.case(file)?;
+/// The results folder of a run from its start; with `again` one that is not there.
+pub fn folder(case: &Case, again: bool, common: &Common) -> PathBuf {
     let named = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    let out = if again { free(named) } else { named };
-    let interrupt = progress.interrupt_flag();
-    run_into(&case, &out, (after, choice), (progress, interrupt), common)
+    if again { free(named) } else { named }
 }
 
-/// Runs a case from its start into a folder. The flag that ends it is one that its progress has made.
+/// Runs a case from its start into a folder, beside tables of what was found before. The flag that ends it is one that
+/// its progress has made.
 pub fn run_into(
-    case: &Case,
+    (case, tables): (&Case, Vec<(&'static str, String)>),
     out: &Path,
     (after, choice): (After, CertificateChoice),
     (progress, interrupt): (Progress, Arc<AtomicBool>),
@@ -41,7 +33,7 @@ pub fn run_into(
 ) -> Result<(), CommandFailure> {
     let certificate = choice.of(case);
     let settings = settings(case, out, certificate, (&progress, interrupt));
-    let folder = Folder::create(out, options(case, certificate, common))?;
+    let folder = Folder::create(out, FolderOptions { tables, ..options(case, certificate, common) })?;
     drive(case, None, (folder, out, after), &settings, progress, common)
 }
 

@@ -54,7 +54,11 @@ struct ParameterSweep<'a> {
 /// Makes the runs of all combinations. Results of an earlier sweep are reused, and its unfinished runs are continued.
 pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), CommandFailure> {
     let source = common.source(file)?;
-    let name = case::parse(&source, &common.set)?.problem.name.clone();
+    let first = case::parse(&source, &common.set)?;
+    if first.accuracy.as_ref().is_some_and(|asked| !asked.refined) && !common.quiet {
+        print::note("the runs of a sweep have the cells and steps of the case: [accuracy] is for single runs");
+    }
+    let name = first.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-sweep")));
     // Faults of all cases are reported before the first run begins.
     let parts = variants(request.each)?.into_iter().map(|variant| {

@@ -34,6 +34,8 @@
 pub struct Readme;
 
 mod account;
+#[cfg(feature = "case")]
+pub mod accuracy;
 pub mod adjoint;
 pub mod arrays;
 #[cfg(feature = "case")]

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod accuracy;
 mod book;
 mod decks;
 mod hostile;

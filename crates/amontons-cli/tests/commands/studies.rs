@@ -5,15 +5,15 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn amontons(arguments: &[&str]) -> Output {
+pub fn amontons(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_amontons")).args(arguments).output().expect("the program starts")
 }
 
-fn paper() -> String {
+pub fn paper() -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml").display().to_string()
 }
 
-fn text(path: &Path) -> String {
+pub fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
@@ -57,100 +57,6 @@ fn converge_writes_table_and_picture_and_reuses_finished_levels() {
     fs::write(out.join("levels/8.bin"), b"spoiled").expect("a file");
     assert_eq!(amontons(&arguments).status.code(), Some(0));
     assert_eq!(text(&out.join("convergence.csv")), first);
-}
-
-const PRESSED: &str = r#"
-name = "pressed"
-units = "dimensionless"
-[mesh]
-kind = "rectangle"
-size = [2.0, 1.0]
-n = [4, 2]
-elements = "ELEMENTS"
-[time]
-end = 1.0
-steps = 2
-[material]
-density = 0.0
-elasticity = { law = "isotropic", young = 1.0, poisson = 0.3, stress_state = "plane-strain" }
-[[boundary]]
-on = "top"
-displacement = [0.0, "-0.1*t"]
-[contact]
-on = "bottom"
-gap = "0.05*x"
-normal = { law = "signorini" }
-"#;
-
-/// A block that is pressed on a wedge: the mesh becomes finer at the contact edge and at the corners until the bound is
-/// small. The last run is an ordinary one, which its own case repeats and refines further.
-#[test]
-fn run_refines_until_the_error_is_as_small_as_asked() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for (elements, asked) in [("P2", "0.02"), ("Q1", "0.06")] {
-        let case = folder.path().join("pressed.toml");
-        fs::write(&case, PRESSED.replace("ELEMENTS", elements)).expect("a case");
-        let [out, again, finer] =
-            ["out", "again", "finer"].map(|name| folder.path().join(format!("{name}-{elements}")));
-        let run = |case: &Path, out: &Path, more: &[&str]| {
-            let (case, out) = (case.display().to_string(), out.display().to_string());
-            let done = amontons(&[&["run", &case, "--out", &out], more].concat());
-            assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
-            String::from_utf8_lossy(&done.stdout).into_owned()
-        };
-        let told = run(&case, &out, &["--accuracy", asked]);
-        let history = |out: &Path| -> Vec<Vec<f64>> {
-            let rows = text(&out.join("accuracy.csv"));
-            rows.lines().skip(1).map(|row| row.split(',').map(|n| n.parse().expect("a number")).collect()).collect()
-        };
-        let rows = history(&out);
-        println!("{told}\n{rows:?}");
-        let (first, last, asked) = (&rows[0], &rows[rows.len() - 1], asked.parse::<f64>().expect("a number"));
-        assert!(rows.len() > 3 && last[3] <= asked && rows[rows.len() - 2][3] > asked, "{rows:?}");
-        assert!(rows.windows(2).all(|pair| pair[1][1] > pair[0][1]) && first[5] > 0.0, "{rows:?}");
-        // Uniform cells would be far more: the error of the corners falls with the root of the size.
-        let uniform = first[1] * (first[3] / asked).powi(2);
-        assert!(elements == "Q1" || last[1] < 0.5 * uniform, "{} cells, uniform {uniform}", last[1]);
-        let kept = text(&out.join("case.toml"));
-        assert!(kept.contains("refined_cells = \"inputs/refined-cells.txt\""), "{kept}");
-        run(&out.join("case.toml"), &again, &[]);
-        assert_eq!(text(&out.join("history.csv")), text(&again.join("history.csv")));
-        run(&out.join("case.toml"), &finer, &["--accuracy", &(0.7 * asked).to_string()]);
-        let more = history(&finer);
-        assert!(more[0][1..] == last[1..] && more.len() > 1, "{more:?}");
-    }
-    // Before the mesh is found there is nothing to keep: Ctrl-C ends the program at once, between two meshes, too.
-    #[cfg(unix)]
-    {
-        let case = folder.path().join("endless.toml");
-        fs::write(&case, PRESSED.replace("ELEMENTS", "P2")).expect("a case");
-        let [case, out] = [&case, &folder.path().join("endless")].map(|path| path.display().to_string());
-        let mut run = Command::new(env!("CARGO_BIN_EXE_amontons"));
-        run.args(["run", &case, "--accuracy", "1e-12", "--out", &out, "--progress", "none"]);
-        let mut run =
-            run.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().expect("a run");
-        let mut line = String::new();
-        let mut told = std::io::BufReader::new(run.stdout.take().expect("a pipe"));
-        // A number of meshes is done.
-        while !line.starts_with("    6 ") {
-            line.clear();
-            assert!(std::io::BufRead::read_line(&mut told, &mut line).expect("a line") > 0, "it ended by itself");
-        }
-        Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("kill");
-        assert_eq!(run.wait().expect("an end").code(), Some(130));
-        assert!(!Path::new(&out).exists());
-    }
-    // Without a bound there is a reason and a way out.
-    let out = folder.path().join("none").display().to_string();
-    let done = amontons(&["run", &paper(), "--set", "mesh.n=4", "--accuracy", "0.1", "--out", &out]);
-    let told = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert!(
-        done.status.code() == Some(2) && told.contains("no bound here: ") && told.contains("amontons converge"),
-        "{told}"
-    );
-    let done = amontons(&["run", &paper(), "--accuracy", "5", "--out", &out]);
-    assert!(String::from_utf8_lossy(&done.stderr).contains("between 0 and 1"));
-    assert!(!folder.path().join("none").exists());
 }
 
 /// The pad that is stopped: its data were made with 0.42, 0.15, 0.0015 and 900 W/(m² K), and noise.

@@ -137,8 +137,7 @@ pub fn gradient(request: &GradientRequest) -> Result<GradientTable, GradientErro
 fn gradient_of(request: &GradientRequest) -> Result<GradientTable, GradientError> {
     let base = PhasedInstance::new(request.problem);
     scope::check(&base)?;
-    let named = |name: &String| GradientOutput::named(name, request.problem, request.probes);
-    let outputs = request.outputs.iter().map(named).collect::<Result<Vec<GradientOutput>, GradientError>>()?;
+    let outputs = outputs_of(request)?;
     let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
     let mut history = RunHistory::new(&base, request.memory.unwrap_or(GRANTED), &go_on)?;
     let equilibrium = Equilibrium::of(&base)?;
@@ -168,6 +167,42 @@ fn gradient_of(request: &GradientRequest) -> Result<GradientTable, GradientError
         beyond,
         nearest: nearest.and_then(place),
     })
+}
+
+/// Called with an output and the multipliers of (4.1) and (4.2) of a step, node-major: the derivatives of the output by
+/// a force and by a supply of heat at each node in that step. Those of (4.2) are empty without temperature.
+pub type SeeMultipliers<'a> = dyn FnMut(usize, [&[f64]; 2]) + 'a;
+
+/// Shows the multipliers of all outputs, of each step from the last one to the first. The parameters are not used.
+///
+/// # Errors
+/// As [`gradient`].
+pub fn multipliers(request: &GradientRequest, see: &mut SeeMultipliers) -> Result<(), GradientError> {
+    let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+    match chosen::made_steps(request.problem, &go_on)? {
+        Some(made) => {
+            let problem = &chosen::with_steps(request.problem, &made);
+            multipliers_of(&GradientRequest { problem, ..*request }, see)
+        }
+        None => multipliers_of(request, see),
+    }
+}
+
+/// The multipliers of a run whose steps are given.
+fn multipliers_of(request: &GradientRequest, see: &mut SeeMultipliers) -> Result<(), GradientError> {
+    let base = PhasedInstance::new(request.problem);
+    scope::check(&base)?;
+    let outputs = outputs_of(request)?;
+    let go_on = || !request.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed));
+    let mut history = RunHistory::new(&base, request.memory.unwrap_or(GRANTED), &go_on)?;
+    let request = &GradientRequest { parameters: &[], ..*request };
+    let mut whole =
+        WholeSweep { request, base: &base, outputs: &outputs, history: &mut history, equilibrium: None, go_on: &go_on };
+    whole.sweep(None, &[], see).map(|_| ())
+}
+
+fn outputs_of(request: &GradientRequest) -> Result<Vec<GradientOutput>, GradientError> {
+    request.outputs.iter().map(|name| GradientOutput::named(name, request.problem, request.probes)).collect()
 }
 
 /// Sums over the steps: the derivative, its kink, and the round-off of both, by output.
@@ -203,7 +238,7 @@ impl WholeSweep<'_> {
         let (mut sizes, mut kept): (_, Vec<Option<Sums>>) = (vec![0; count], vec![None; count]);
         let mut open = vec![true; count];
         loop {
-            let (sums, near) = self.sweep(forced.as_ref(), &sizes)?;
+            let (sums, near) = self.sweep(forced.as_ref(), &sizes, &mut |_, _| {})?;
             for (j, found) in sums.into_iter().enumerate() {
                 if !open[j] {
                     continue;
@@ -244,6 +279,7 @@ impl WholeSweep<'_> {
         &mut self,
         forced: Option<&Forced>,
         sizes: &[i32],
+        see: &mut SeeMultipliers,
     ) -> Result<(Vec<Sums>, Vec<PointMargin>), GradientError> {
         let (phased, request, outputs) = (self.base, self.request, self.outputs);
         let (last, steps) = (self.last()?, self.history.steps);
@@ -254,6 +290,7 @@ impl WholeSweep<'_> {
             ended: Vec::new(),
             variants: Vec::new(),
             factors: None,
+            see,
             sums: vec![vec![[0.0; 3]; outputs.len()]; request.parameters.len()],
             near: Vec::new(),
         };
@@ -284,7 +321,7 @@ impl WholeSweep<'_> {
 }
 
 /// A sweep backward, as far as it has come.
-struct BackSweep<'a> {
+struct BackSweep<'a, 's> {
     outputs: &'a [GradientOutput],
     /// The sizes of the steps of the parameters.
     sizes: &'a [i32],
@@ -292,11 +329,12 @@ struct BackSweep<'a> {
     ended: Vec<OutputWeights>,
     variants: Vec<Variants>,
     factors: Option<StepFactors>,
+    see: &'a mut SeeMultipliers<'s>,
     sums: Vec<Sums>,
     near: Vec<PointMargin>,
 }
 
-impl BackSweep<'_> {
+impl BackSweep<'_, '_> {
     /// Takes the weights to the start of a step, and adds what its equations have of the parameters. A sweep, and the
     /// step to an equilibrium, `begins` with the problem and the parameters; `last` is the end of the run.
     fn visit(
@@ -326,6 +364,7 @@ impl BackSweep<'_> {
             step.back(&mut made, (state, before), direct.take().as_ref())
         });
         let multiplied = of_outputs.collect::<Result<Vec<Multiplied>, GradientError>>()?;
+        multiplied.iter().enumerate().for_each(|(i, multiplied)| (self.see)(i, multiplied.of_step()));
         let sizes: Vec<f64> = multiplied.iter().map(|multiplied| multiplied.size(&here)).collect();
         for (variants, sums) in self.variants.iter().zip(&mut self.sums) {
             let residual =

@@ -433,6 +433,11 @@ pub(super) struct Around<'a> {
 }
 
 impl Multiplied {
+    /// The multipliers of (4.1) and (4.2), node-major.
+    pub fn of_step(&self) -> [&[f64]; 2] {
+        [&self.transposed.y, &self.heat[0]]
+    }
+
     /// The derivative of the output by a parameter through this step, how much of a kink there is, as
     /// [`stencil::central`] has it, and the round-off of both; `through` are the derivatives of (4.1) and (4.2) that
     /// are known, and `size` that of the numbers whose sum it is.

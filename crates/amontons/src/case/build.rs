@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::accuracy::AskedAccuracy;
 use super::files::{Files, Loader};
 use super::nearest::meant;
 use super::path::{Doubtful, Path, Segment};
@@ -80,11 +81,13 @@ pub(super) fn problem(
     };
     data.backend = backend(raw.solver.solver, &data);
     let (probes, stability) = (build.probes(&raw.probe, &data), build.stability(raw.stability));
+    let accuracy = build.asked_accuracy(raw.accuracy, &probes, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(PathFault::from)));
     let (findings, (inputs, references), skipped) = (build.certain(), build.loader.copies(), build.of_file.skipped);
     let rounds = build.rounds;
-    let built = |problem| Built { problem, probes, stability, exact, verify, inputs, references, skipped, rounds };
+    let built =
+        |problem| Built { problem, probes, accuracy, stability, exact, verify, inputs, references, skipped, rounds };
     (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
@@ -192,6 +195,8 @@ fn coupling(raw: raw::Coupling) -> Coupling {
 pub(super) struct Built {
     pub problem: Problem,
     pub probes: Vec<Probe>,
+    /// The accuracy that is asked for.
+    pub accuracy: Option<AskedAccuracy>,
     pub stability: Search,
     pub exact: Option<Exact>,
     pub verify: Option<Verify>,

@@ -5,7 +5,7 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use crate::output::{Identity, Input};
 
 /// Tables and keys that states do not depend on. The step length is compared with the checkpoint instead.
-const APART: [&str; 6] = ["name", "time", "output", "stability", "expected", "verify"];
+const APART: [&str; 7] = ["name", "time", "output", "accuracy", "stability", "expected", "verify"];
 
 /// The identity of a case with this text, which is TOML.
 pub(super) fn identity(text: &str, inputs: &[Input]) -> Identity {

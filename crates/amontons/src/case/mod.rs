@@ -14,6 +14,7 @@
 //! # Ok::<(), case::CaseError>(())
 //! ```
 
+mod accuracy;
 mod automatic;
 mod benchmark;
 mod blocks;
@@ -64,6 +65,7 @@ mod table;
 mod text;
 mod verify;
 
+pub use accuracy::AskedAccuracy;
 pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
 pub use gradient::{family, parameter, settings};
@@ -74,7 +76,7 @@ pub use reference::{
 };
 pub use request::{ReferenceRequest, StudyRequest, StudyRequestError};
 pub use schema::schema;
-pub use study::{meshes, study};
+pub use study::{divided_steps, meshes, study};
 pub use verify::{Check, ColumnTake, Comparison, ErrorName, Expected, Verify};
 
 /// A small complete case with every key explained, written by `amontons new`.

@@ -2,6 +2,7 @@
 
 use toml::de::DeTable;
 
+use super::accuracy::AskedAccuracy;
 use super::fault::{CaseError, Lines, Source};
 use super::files::Files;
 use super::identity::identity;
@@ -40,6 +41,8 @@ pub struct Case {
     pub probes: Vec<Probe>,
     /// Values that a run must reproduce.
     pub expected: Option<Expected>,
+    /// The accuracy up to which `amontons run` refines cells and steps.
+    pub accuracy: Option<AskedAccuracy>,
     /// The search for modes of the state at the end.
     pub stability: Search,
     /// The exact solution in closed form.
@@ -191,8 +194,8 @@ fn build_case(
     let notes = build::SchemaNotes { doubtful: &doubtful, limits: &limits, scale };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
-    let case =
-        built.map(|build::Built { problem, probes, stability, exact, verify, inputs, references, skipped, rounds }| {
+    let case = built.map(
+        |build::Built { problem, probes, accuracy, stability, exact, verify, inputs, references, skipped, rounds }| {
             (
                 Case {
                     problem,
@@ -203,6 +206,7 @@ fn build_case(
                     checkpoint,
                     probes,
                     expected,
+                    accuracy,
                     stability,
                     exact,
                     verify,
@@ -217,6 +221,7 @@ fn build_case(
                 },
                 references,
             )
-        });
+        },
+    );
     (case, findings)
 }

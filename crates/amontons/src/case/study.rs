@@ -5,6 +5,7 @@ use super::parse::{Case, parse};
 use super::request::{ReferenceRequest, StudyRequest, StudyRequestError};
 use crate::convergence::{Reference, Study, StudyLevel, Vary};
 use crate::output::final_values;
+use crate::time::{Steps, TimePhase};
 
 fn refuse<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T, StudyRequestError> {
     Err(StudyRequestError::Request { found: found.into(), expected: expected.into() })
@@ -64,6 +65,20 @@ pub fn meshes(source: &Source, overrides: &[String], levels: &[usize]) -> Result
         Ok(StudyLevel { level, problem: case.problem, text: case.text, measured: None })
     };
     levels.iter().map(level).collect()
+}
+
+/// The overrides that divide each step of a case into `parts`; the accuracy of chosen steps is divided.
+#[must_use]
+pub fn divided_steps(case: &Case, parts: usize) -> Vec<String> {
+    let timeline = &case.problem.timeline;
+    let of = |(i, phase): (usize, &TimePhase)| {
+        let table = if timeline.has_phases() { format!("phase[{i}]") } else { "time".to_owned() };
+        match phase.steps.refined(parts) {
+            Steps::Automatic { accuracy } => format!("{table}.accuracy={accuracy:?}"),
+            steps => format!("{table}.steps={}", steps.nominal()),
+        }
+    };
+    timeline.phases().enumerate().map(of).collect()
 }
 
 fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {

@@ -17,4 +17,5 @@ pub use study::{
     ErrorRow, Reference, ReferenceProgress, Study, StudyError, StudyLevel, StudySettings, StudyTable, Vary, slope,
 };
 pub use transfer::{Transfer, TransferError};
+pub(crate) use values::rounded;
 pub use values::{FinalValue, FinalValues, LastStep, LevelValue, ValueRow, csv as values_csv};

@@ -63,6 +63,11 @@ impl fmt::Debug for FinalValues {
 const OWN: f64 = 1e-10;
 const OF_GROUP: f64 = 1e-13;
 
+/// Round-off and the tolerance of the solver in a number, from its largest size and that of its group.
+pub(crate) fn rounded(own: f64, of_group: f64) -> f64 {
+    OWN * own + OF_GROUP * of_group
+}
+
 /// A number on a level, with the order and the limit from this level and those before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelValue {
@@ -122,7 +127,7 @@ pub(super) fn rows(levels: &[OfLevel], refined: impl Fn(&OfLevel) -> f64) -> Vec
         if values.iter().all(|value| value.abs() <= 0.0) {
             continue;
         }
-        let error = OWN * largest(&|value| value.name == *name) + OF_GROUP * largest(&|value| value.group == *group);
+        let error = rounded(largest(&|value| value.name == *name), largest(&|value| value.group == *group));
         let points: Vec<(f64, Constant)> =
             levels.iter().zip(&values).map(|(level, &value)| (refined(level), Constant { value, error })).collect();
         let of_levels = levels.iter().zip(&points).enumerate().map(|(i, (level, (_, constant)))| {

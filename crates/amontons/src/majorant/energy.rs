@@ -46,6 +46,12 @@ impl CellEnergy {
         (sum + self.constant).max(0.0)
     }
 
+    /// The size of moments whose energy is that of the stress of the cell, N.
+    pub fn size_of_moments(&self) -> f64 {
+        let stiffest = (0..self.size).map(|k| self.gram(k, k)).fold(0.0, f64::max);
+        if stiffest > 0.0 { (2.0 * self.constant / stiffest).sqrt() } else { 0.0 }
+    }
+
     /// Adds ½ weight ‖Σ b_k f_k + first‖² of fields at a point, in the norm of the compliance.
     fn add(&mut self, weight: f64, compliance: &super::stress::LocalCompliance, first: &Sym, fields: &[(usize, Sym)]) {
         self.constant += 0.5 * weight * compliance.product(first, first);

@@ -20,7 +20,6 @@ mod composite;
 mod contact;
 mod dense;
 mod energy;
-mod marking;
 mod relax;
 mod scope;
 mod skeleton;
@@ -35,7 +34,7 @@ use crate::discretization::Discretization;
 use crate::field::Field;
 use crate::linalg::{Layout, System, max_abs};
 use crate::machine;
-use crate::mesh::{CellMap, FacetMap, FacetSet};
+use crate::mesh::{CellMap, FacetMap, FacetSet, decisive_cells};
 use crate::problem::{BoundaryCondition, Problem};
 use crate::state::{State, StepReport};
 use crate::tensor::{Point, length};
@@ -119,6 +118,12 @@ impl DiscretizationError {
     #[must_use]
     pub fn relative(&self) -> f64 {
         if self.is_at_rest() { 0.0 } else { (self.energy / self.of_solution).sqrt() }
+    }
+
+    /// The cells that have half of the energy of the error together, as few as possible.
+    #[must_use]
+    pub fn marked(&self) -> Vec<usize> {
+        decisive_cells(&self.cells)
     }
 
     /// True if nothing is deformed but by round-off, and the error is no more.

@@ -208,6 +208,8 @@ impl TractionDescent<'_> {
         let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let largest = forces.iter().flat_map(|cell| &cell.load).map(length).fold(largest, f64::max);
         let largest = self.given.iter().map(|facet| facet.size).fold(largest, f64::max);
+        // Round-off has the size of the stresses, which need not have forces: those of one cell may cancel.
+        let largest = self.energies.iter().map(CellEnergy::size_of_moments).fold(largest, f64::max);
         let d = self.mesh.dim;
         let is_wrong = |cell: usize| {
             let (b, nodes) = (self.of_cell(cell, x), self.skeleton.nodes(self.mesh, cell));

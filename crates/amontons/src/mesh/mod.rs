@@ -30,7 +30,7 @@ pub mod vtu;
 
 use std::collections::BTreeMap;
 
-pub use bisect::{Bisection, RefinementRounds, RoundSide, RoundsError};
+pub use bisect::{Bisection, MarkedCells, RefinementRounds, RoundSide, RoundsError, decisive_cells};
 pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};

@@ -22,6 +22,11 @@ impl Mesh {
     /// # Errors
     /// [`MeshError::TooLarge`] if there are too many nodes.
     pub fn refined(&self) -> Result<Mesh, MeshError> {
+        self.refined_with_origins().map(|(mesh, _)| mesh)
+    }
+
+    /// [`Mesh::refined`], and for each new node, from the last existing one on, those between which it lies.
+    pub(super) fn refined_with_origins(&self) -> Result<(Mesh, Vec<Vec<u32>>), MeshError> {
         let mut nodes = RefinedNodes::new(self);
         let mut blocks: Vec<Block> = Vec::new();
         for block in &self.blocks {
@@ -52,7 +57,14 @@ impl Mesh {
         if nodes.points.len() > u32::MAX as usize {
             return Err(MeshError::TooLarge { found: nodes.points.len() as f64 });
         }
-        Ok(Mesh { points: nodes.points, blocks, facets, edges, regions: self.regions.clone(), ..*self })
+        let mut origins = vec![Vec::new(); nodes.points.len() - self.points.len()];
+        for (weights, node) in nodes.known {
+            if let Some(origin) = (node as usize).checked_sub(self.points.len()).and_then(|new| origins.get_mut(new)) {
+                *origin = weights.into_iter().map(|(node, _)| node).collect();
+            }
+        }
+        let mesh = Mesh { points: nodes.points, blocks, facets, edges, regions: self.regions.clone(), ..*self };
+        Ok((mesh, origins))
     }
 }
 

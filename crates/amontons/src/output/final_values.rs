@@ -1,10 +1,12 @@
-//! Numbers at the end of a run that a study compares: energies, resultants and extremes of `history.csv`, and probes.
+//! Numbers of a step that a study or a run for an accuracy compares: energies, resultants and extremes of `history.csv`,
+//! and probes.
 
 use super::columns::{history_measures, history_names, history_values};
 use super::probe::ProbeSet;
 use super::probe_place::Probe;
-use super::{Snapshot, Work};
-use crate::convergence::{FinalValue, FinalValues, LastStep};
+use super::{OutputError, RunStart, Sink, Snapshot, Summary, Work};
+use crate::convergence::{FinalValue, FinalValues};
+use crate::problem::Problem;
 use crate::units::Measure;
 
 /// The columns of `history.csv` at the end that measure a quantity of physics, and all probes. Counts, times and the
@@ -12,45 +14,91 @@ use crate::units::Measure;
 #[must_use]
 pub fn final_values(probes: Vec<Probe>) -> FinalValues {
     FinalValues::new(move |last| {
-        let mut values = of_history(last);
-        values.extend(of_probes(last, &probes));
-        values
+        ValueReader::new(last.problem, &probes).of(&Snapshot {
+            problem: last.problem,
+            discretization: last.discretization,
+            state: last.state,
+            report: Some(last.report),
+            work: Work::default(),
+            scheme: None,
+        })
     })
 }
 
-fn snapshot<'a>(last: &LastStep<'a>) -> Snapshot<'a> {
-    Snapshot {
-        problem: last.problem,
-        discretization: last.discretization,
-        state: last.state,
-        report: Some(last.report),
-        work: Work::default(),
-        scheme: None,
+/// Reads the numbers of the steps of a problem.
+struct ValueReader {
+    /// Place, name and group of the columns of `history.csv` that are compared.
+    history: Vec<(usize, String, String)>,
+    /// The probes that have a place on the mesh.
+    probes: Vec<(String, ProbeSet)>,
+}
+
+impl ValueReader {
+    fn new(problem: &Problem, probes: &[Probe]) -> ValueReader {
+        let measures = history_measures(problem);
+        let group = |name: &str| {
+            let (_, measure) = measures.iter().find(|(known, _)| known == name)?;
+            let is_counted = matches!(measure, Measure::Number | Measure::Time);
+            (!is_counted && !name.ends_with("closing_error")).then(|| format!("{measure:?}"))
+        };
+        let names = history_names(problem).into_iter().enumerate();
+        let history = names.filter_map(|(place, (name, _))| Some((place, group(&name)?, name)));
+        let set = |probe: &Probe| Some((probe.name.clone(), ProbeSet::new(problem, std::slice::from_ref(probe)).ok()?));
+        ValueReader {
+            history: history.map(|(place, group, name)| (place, name, group)).collect(),
+            probes: probes.iter().filter_map(set).collect(),
+        }
+    }
+
+    /// The numbers of a step.
+    fn of(&self, now: &Snapshot) -> Vec<FinalValue> {
+        let columns = history_values(now).unwrap_or_default();
+        let of_history = self.history.iter().filter_map(|(place, name, group)| {
+            Some(FinalValue { name: name.clone(), group: group.clone(), value: *columns.get(*place)? })
+        });
+        let of_probe = |(probe, set): &(String, ProbeSet)| -> Vec<FinalValue> {
+            let named = set.columns().iter().zip(set.values(now));
+            named.map(|(name, value)| FinalValue { name: name.clone(), group: probe.clone(), value }).collect()
+        };
+        of_history.chain(self.probes.iter().flat_map(of_probe)).collect()
     }
 }
 
-fn of_history(last: &LastStep) -> Vec<FinalValue> {
-    let values = history_values(&snapshot(last)).unwrap_or_default();
-    let compared = |(name, measure): &(String, Measure)| {
-        !matches!(measure, Measure::Number | Measure::Time) && !name.ends_with("closing_error")
-    };
-    let measures = history_measures(last.problem);
-    let of_name = |name: &str| measures.iter().find(|measure| measure.0 == name).filter(|measure| compared(measure));
-    let named = history_names(last.problem).into_iter().zip(values);
-    let value = |((name, _), value): ((String, _), f64)| {
-        let group = format!("{:?}", of_name(&name)?.1);
-        Some(FinalValue { name, group, value })
-    };
-    named.filter_map(value).collect()
+/// The numbers of all steps of a run.
+#[derive(Default)]
+pub struct ValuesOfRun {
+    probes: Vec<Probe>,
+    reader: Option<ValueReader>,
+    /// Time in s, and the numbers, which are the same ones in all steps.
+    pub steps: Vec<(f64, Vec<FinalValue>)>,
 }
 
-/// The probes; none if a probe has no place on the mesh of the level.
-fn of_probes(last: &LastStep, probes: &[Probe]) -> Vec<FinalValue> {
-    let mut all = Vec::new();
-    for probe in probes {
-        let Ok(set) = ProbeSet::new(last.problem, std::slice::from_ref(probe)) else { continue };
-        let values = set.columns().iter().zip(set.values(&snapshot(last)));
-        all.extend(values.map(|(name, value)| FinalValue { name: name.clone(), group: probe.name.clone(), value }));
+impl ValuesOfRun {
+    /// Takes the numbers of `history.csv`, and those of probes.
+    #[must_use]
+    pub fn new(probes: Vec<Probe>) -> ValuesOfRun {
+        ValuesOfRun { probes, ..ValuesOfRun::default() }
     }
-    all
+}
+
+impl Sink for ValuesOfRun {
+    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        if now.report.is_some() {
+            let reader = self.reader.get_or_insert_with(|| ValueReader::new(now.problem, &self.probes));
+            self.steps.push((now.state.t, reader.of(now)));
+        }
+        Ok(())
+    }
+
+    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
 }

@@ -62,6 +62,9 @@ pub struct FolderOptions {
     pub error: bool,
     /// The overrides already applied in the text.
     pub overrides: Vec<String>,
+    /// Tables of what was found before the run, with the names of their files: [`ACCURACY`](super::ACCURACY) and
+    /// [`BARS`](super::BARS).
+    pub tables: Vec<(&'static str, String)>,
 }
 
 /// The interval between checkpoints, in addition to those at the start, after the first step and at the end. A
@@ -95,6 +98,7 @@ impl FolderOptions {
             certificate: true,
             error: false,
             overrides: Vec::new(),
+            tables: Vec::new(),
         }
     }
 
@@ -270,6 +274,9 @@ impl Folder {
         self.list_names(&mut manifest);
         manifest.write(&root)?;
         write_atomically(&root.join(CASE), |out| out.write_all(self.options.text.as_bytes()))?;
+        for (name, text) in &self.options.tables {
+            write_atomically(&root.join(name), |out| out.write_all(text.as_bytes()))?;
+        }
         write_inputs(&root, &self.options.inputs)
     }
 
@@ -277,7 +284,10 @@ impl Folder {
     fn list_names(&self, manifest: &mut Manifest) {
         FILES.into_iter().filter(|name| *name != MANIFEST).for_each(|name| manifest.name(name));
         self.options.inputs.iter().for_each(|input| manifest.list(&input.path, Some(WrittenFile::of(&input.bytes))));
-        manifest.list(CASE, Some(WrittenFile::of(self.options.text.as_bytes())));
+        let tables = self.options.tables.iter().map(|(name, text)| (*name, text));
+        for (name, text) in tables.chain([(CASE, &self.options.text)]) {
+            manifest.list(name, Some(WrittenFile::of(text.as_bytes())));
+        }
     }
 
     /// Replaces the results of the earlier run by those of this one.

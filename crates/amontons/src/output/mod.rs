@@ -26,6 +26,7 @@ mod identified;
 mod identity;
 mod inputs;
 mod inspect;
+mod jumps;
 mod limits;
 mod lock;
 mod manifest;
@@ -67,17 +68,18 @@ pub use error_of_run::ErrorOfRun;
 pub(crate) use files::write_file;
 #[cfg(feature = "case")]
 pub(crate) use files::{LONGEST, sha256};
-pub use final_values::final_values;
+pub use final_values::{ValuesOfRun, final_values};
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
 pub use gradient::GradientFolder;
 pub use identified::IdentifiedFolder;
 pub use identity::Identity;
 pub use inputs::{Input, fingerprint};
 pub use inspect::{Inspection, inspect};
+pub use jumps::{JumpsOfRun, gradient_jumps};
 pub use lock::FolderLock;
 pub use memory::Memory;
 pub use modes::{ModesFolder, ModesOf, modes_json};
-pub use names::INPUTS;
+pub use names::{ACCURACY, BARS, INPUTS};
 pub use packed::FieldsFormat;
 #[cfg(feature = "case")]
 pub(crate) use packed::StoredFields;

@@ -14,6 +14,10 @@ pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const HISTORY: &str = "history.csv";
 /// The bounds of the discretization error, one row per snapshot.
 pub(crate) const ERROR: &str = "error.csv";
+/// The meshes of a run for an accuracy, and the bars of its numbers.
+pub const ACCURACY: &str = "accuracy.csv";
+/// See [`ACCURACY`].
+pub const BARS: &str = "bars.csv";
 /// The values of the probes, one row per step.
 pub(crate) const PROBES: &str = "probes.csv";
 /// One row per contact point after the last step.
@@ -34,12 +38,14 @@ pub(super) const CONTACT_FOLDER: &str = "contact";
 pub(super) const CHECKPOINT_FOLDER: &str = "checkpoint";
 
 /// The files that a run may write, except copies of inputs and snapshots.
-pub(super) const FILES: [&str; 14] = [
+pub(super) const FILES: [&str; 16] = [
     CASE,
     CERTIFICATE,
     HISTORY,
     PROBES,
     ERROR,
+    ACCURACY,
+    BARS,
     CONTACT,
     SIDES,
     FIELDS,

@@ -24,6 +24,8 @@ pub struct ConvergencePlot {
     pub y_label: String,
     /// The errors.
     pub series: Vec<ErrorSeries>,
+    /// True if the legend has the order of each error on the two finest levels.
+    pub has_orders: bool,
 }
 
 /// Errors by level.
@@ -67,6 +69,7 @@ impl ConvergencePlot {
             x_label,
             y_label: "error".to_owned(),
             series: series.collect::<Result<_, PlotError>>()?,
+            has_orders: true,
         })
     }
 }
@@ -195,8 +198,8 @@ fn style(series: usize) -> Stroke {
 
 fn legend(plot: &ConvergencePlot) -> Vec<(Sign, String)> {
     let entry = |(s, series): (usize, &ErrorSeries)| {
-        let order =
-            series.order(&plot.sizes).map_or_else(String::new, |order| format!(", order {order:.2}").replace('-', "−"));
+        let order = series.order(&plot.sizes).filter(|_| plot.has_orders);
+        let order = order.map_or_else(String::new, |order| format!(", order {order:.2}").replace('-', "−"));
         (Sign::Line(style(s), Some(MARKERS[s % MARKERS.len()])), format!("{}{order}", series.label))
     };
     plot.series.iter().enumerate().map(entry).collect()

@@ -16,6 +16,7 @@
 // Pixels and counts are computed as reals; a cast turns a negative one into zero.
 #![allow(clippy::cast_sign_loss)]
 
+mod accuracy;
 mod animation;
 mod axes;
 mod body;
@@ -342,6 +343,10 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
         )?;
         make()?;
         paths.extend(convergence(&plot)?.save(&into.join("convergence"), options.pixels)?);
+    }
+    if let Some((_, Some(picture))) = accuracy::meshes(dir)? {
+        make()?;
+        paths.extend(picture.save(&into.join("accuracy"), options.pixels)?);
     }
     if !is_study || folder::has_fields(dir) {
         let runs = DrawnRun::frames(dir, &options.times)?;

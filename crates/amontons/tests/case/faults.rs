@@ -58,9 +58,9 @@ spoiled! {
     coupling_unknown: "[output]" => "[scheme]\ncoupling = \"monolitic\"\n[output]"
         "paper.toml:70:12: scheme.coupling: found \"monolitic\", expected \"staggered\", \"extrapolated\", \"fixed-point\" or \"monolithic\" (how mechanics and heat are coupled within a step); did you mean \"monolithic\"?";
     unknown_table: "[output]" => "[outputs]"
-        "paper.toml:69:2: outputs: found an unknown key, expected one of boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `output`?";
+        "paper.toml:69:2: outputs: found an unknown key, expected one of accuracy, boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `output`?";
     unknown_key_at_the_root: "name = \"paper\"" => "name = \"paper\"\nsteps = 4"
-        "paper.toml:11:1: steps: found an unknown key, expected one of boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; `steps` belongs to [output.checkpoint] or [[phase]] or [time]";
+        "paper.toml:11:1: steps: found an unknown key, expected one of accuracy, boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; `steps` belongs to [output.checkpoint] or [[phase]] or [time]";
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
         "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\" or [contact.friction] with law = \"expression\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
@@ -98,7 +98,7 @@ spoiled! {
         "paper.toml:20:7: time.end: found the date 2025-01-01, expected a number > 0 (end of the time interval in s)";
     number_for_table: "[output]\nevery = 16" => "output = 16\n[load2]"
         "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, state, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
-        "paper.toml:70:2: load2: found an unknown key, expected one of boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `load`?";
+        "paper.toml:70:2: load2: found an unknown key, expected one of accuracy, boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `load`?";
     number_for_vector: "traction = [1.4, 0.4]" => "traction = 1.4"
         "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry per component)";
     table_for_boundary: "[[boundary]]                         # Γ_D: (2.5), (2.7)\non = \"top\"\ndisplacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹: (2.6), (2.7)\non = \"left\"\ntraction = [1.4, 0.4]\ntemperature = 0\n[[boundary]]                         # Γ_N²: (2.6), (2.7)\non = \"right\"" => "[boundary]\non = \"right\""
@@ -292,7 +292,7 @@ spoiled! {
     set_unknown_key: "" => "" set "mesh.m=4"
         "--set mesh.m=4: mesh.m: found an unknown key, expected one of axisymmetric, diagonal, elements, kind, n, origin, refine_where, refined_cells, size";
     set_unknown_table: "" => "" set "contcat.gap=4"
-        "--set contcat.gap=4: contcat: found an unknown key, expected one of boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `contact`?";
+        "--set contcat.gap=4: contcat: found an unknown key, expected one of accuracy, boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `contact`?";
     set_wrong_value: "" => "" set "mesh.n=0"
         "--set mesh.n=0: mesh.n: found 0, expected an integer ≥ 1 (cells per side)";
     set_wrong_in_vector: "" => "" set "boundary.1.traction[0]=\"x+\""
@@ -300,7 +300,7 @@ spoiled! {
     set_bad_law: "" => "" set "contact.friction.law=trescas"
         "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\", \"expression\" or \"orthotropic\"; did you mean \"tresca\"?";
     set_missing: "initial]" => "initia]" set "initial.temprature=5"
-        "paper.toml:64:2: initia: found an unknown key, expected one of boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `initial`?"
+        "paper.toml:64:2: initia: found an unknown key, expected one of accuracy, boundary, constants, contact, cyclic, exact, expected, initial, load, material, mesh, name, output, phase, probe, region, rigid, scheme, side, solver, stability, thickness, time, units, verify; did you mean `initial`?"
         "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, state, temperature, velocity; did you mean `temperature`?";
     set_bracket: "" => "" set "boundary[0.on=4"
         "--set boundary[0.on=4: found `[` without `]`, expected a dotted key, such as mesh.n or boundary[1].traction";
@@ -314,6 +314,12 @@ spoiled! {
         "--set contact.normal={ law = 'table', penetration = [0], pressure = [0] }: contact.normal.penetration: found 1 points, expected two at the least";
     residual_above_the_peak: "" => "" set "contact.normal={ law = 'softening', stiffness = 1e4, peak = 1, softening = 1e3, residual = 2 }"
         "--set contact.normal={ law = 'softening', stiffness = 1e4, peak = 1, softening = 1e3, residual = 2 }: contact.normal.residual: found 2.0, expected at most the peak, 1.0";
+    accuracy_of_nothing_known: "" => "" set "accuracy={ of = ['elastics'], relative = 0.01 }"
+        "--set accuracy={ of = ['elastics'], relative = 0.01 }: accuracy.of[0]: found \"elastics\", expected the name of a probe, or of a column of history.csv; did you mean \"elastic\"?";
+    accuracy_of_nothing: "" => "" set "accuracy={ of = [], relative = 0.01 }"
+        "--set accuracy={ of = [], relative = 0.01 }: accuracy.of: found no name, expected the name of a probe, or of a column of history.csv";
+    accuracy_of_all: "" => "" set "accuracy={ of = ['elastic'], relative = 1 }"
+        "--set accuracy={ of = ['elastic'], relative = 1 }: accuracy.relative: found 1.0, expected a part of the number between 0 and 1, such as 0.01";
     exponent_below_one: "" => "" set "contact.normal={ law = 'power', stiffness = 1e4, exponent = 0.5 }"
         "--set contact.normal={ law = 'power', stiffness = 1e4, exponent = 0.5 }: contact.normal.exponent: found 0.5, expected a number ≥ 1 (exponent m of the penetration; 1.5 for a sphere)";
     static_below_kinetic: "" => "" set "contact.friction={ law = 'static-kinetic', static = 0.1, kinetic = 0.2 }"

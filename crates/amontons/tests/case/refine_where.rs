@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::{spoil, told};
 use amontons::case::{self, Case, Files, Source};
 use amontons::mesh::defects::defects;
-use amontons::mesh::{Bisection, Block, Mesh};
+use amontons::mesh::{Bisection, Block, MarkedCells, Mesh, RefinementRounds};
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
 
@@ -260,7 +260,10 @@ fn cells_of_a_file_are_refined_in_rounds() {
         bisection.refine(marked).expect("cells");
     }
     assert_eq!(bisection.mesh().points, case.problem.mesh.points);
-    assert_eq!(case.rounds.as_ref().map(|rounds| rounds.marked.clone()), Some(vec![vec![0, 3], vec![1]]));
+    assert_eq!(
+        case.rounds.as_ref().map(|rounds| rounds.marked.clone()),
+        Some([vec![0, 3], vec![1]].map(MarkedCells::These).to_vec())
+    );
     assert!(case.text.contains("refined_cells = \"inputs/rounds.txt\""), "{}", case.text);
     assert_eq!(case.inputs.len(), 1);
 }
@@ -270,8 +273,8 @@ fn faults_of_refined_cells_are_told_with_their_places() {
     let hint = "leave the key out, or take the file of a run with --accuracy of the same mesh";
     for (text, expected) in [
         ("0 3\n", "line 1: found `0 3`, expected `cells N` with the number of cells of the mesh"),
-        ("cells 8\n0 x\n", "line 2: found `x`, expected numbers of cells, whole and not negative"),
-        ("cells 8\n-1\n", "line 2: found `-1`, expected numbers of cells, whole and not negative"),
+        ("cells 8\n0 x\n", "line 2: found `x`, expected numbers of cells, whole and not negative, or `all`"),
+        ("cells 8\n-1\n", "line 2: found `-1`, expected numbers of cells, whole and not negative, or `all`"),
         ("cells 12\n0\n", "the first round: found cells of a mesh of 12, expected those of this one of 8"),
         ("cells 8\n8\n", "round 1: found cell 8 is marked, expected one below 8, the number of cells"),
     ] {
@@ -279,5 +282,42 @@ fn faults_of_refined_cells_are_told_with_their_places() {
         let (place, rest) = expected.split_once(": found ").expect("a place");
         let told_of = format!("bar.toml:6:17: mesh.refined_cells: found rounds.txt: {place}: {rest}; {hint}");
         assert_eq!(told, told_of);
+    }
+}
+
+/// A round of all cells divides them into cells of their own kind, and the nodes of round sides stay on them.
+#[test]
+fn a_round_of_all_cells_halves_every_edge() {
+    let start = Mesh::rectangle_of(amontons::mesh::Elements::Q1, [2.0, 1.0], [3, 2], amontons::mesh::Diagonal::Right);
+    let start = start.expect("a mesh");
+    let rounds = RefinementRounds { cells: 6, marked: vec![MarkedCells::All, MarkedCells::These(vec![0])] };
+    assert_eq!(RefinementRounds::parse(&rounds.to_string()), Ok(rounds.clone()));
+    let halved =
+        RefinementRounds { cells: 6, marked: vec![MarkedCells::All] }.refined(&start, Vec::new()).expect("cells");
+    assert_eq!(halved.points, start.refined().expect("a mesh").points);
+    assert!(halved.cell_count() == 24 && halved.blocks.iter().all(|block| block.element.nodes.len() == 4));
+    let mixed = rounds.refined(&start, Vec::new()).expect("cells");
+    assert!(defects(&mixed).is_empty() && mixed.cell_count() > 24, "{:?}", defects(&mixed));
+    for (kind, elements) in [("disc", "P1"), ("disc", "Q2"), ("ring", "Q1"), ("ring", "P2")] {
+        let shape = if kind == "disc" { "radius = 2.0\nn = [2, 8]" } else { "radii = [1.0, 2.0]\nn = [2, 12]" };
+        let text = format!(
+            "name = \"r\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"{kind}\"\n{shape}\nelements = \"{elements}\"\n\
+             refined_cells = \"rounds.txt\"\n[time]\nend = 1.0\nsteps = 1\nanalysis = \"quasistatic\"\n[material]\n\
+             elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.3, stress_state = \"plane-strain\" }}\n\
+             [[boundary]]\non = \"outer\"\ndisplacement = [0.0, 0.0]\n"
+        );
+        let plain = text.replace("refined_cells = \"rounds.txt\"\n", "");
+        let coarse = case::parse(&Source::new("r.toml", &*plain), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let count = coarse.problem.mesh.cell_count();
+        let source = Source::new("r.toml", &*text)
+            .with_file("rounds.txt", format!("cells {count}\nall\n0 1\nall\n").into_bytes());
+        let fine = case::parse(&source, &[]).unwrap_or_else(|error| panic!("{kind} {elements}: {error}"));
+        let mesh = &fine.problem.mesh;
+        assert!(defects(mesh).is_empty(), "{kind} {elements}: {:?}", defects(mesh));
+        assert!(mesh.cell_count() > 16 * count, "{kind} {elements}: {} of {count}", mesh.cell_count());
+        for node in mesh.facets["outer"].node_list() {
+            let x = mesh.points[node as usize];
+            assert!((x[0].hypot(x[1]) - 2.0).abs() < 1e-12, "{kind} {elements}: {x:?}");
+        }
     }
 }

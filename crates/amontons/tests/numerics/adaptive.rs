@@ -42,7 +42,7 @@ fn meshes_refined_by_the_bound_have_the_best_rate() {
 }
 
 /// A block that is pressed and pulled over a foundation with Tresca's friction.
-fn block(turn: f64, mirror: f64, stiffness: f64, origin: [f64; 2], elements: &str) -> String {
+pub(super) fn block(turn: f64, mirror: f64, stiffness: f64, origin: [f64; 2], elements: &str) -> String {
     let (s, c) = turn.sin_cos();
     let held = [0.03 * mirror, -0.1];
     let [dx, dy] = [c * held[0] - s * held[1], s * held[0] + c * held[1]];

@@ -6,6 +6,7 @@ mod bodies;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod accuracy;
 mod acting;
 mod adaptive;
 mod backends;
@@ -28,6 +29,7 @@ mod jumps;
 mod kinks;
 mod layers;
 mod majorant;
+mod majorant_parts;
 mod manufactured;
 mod newton;
 mod orders;

@@ -319,7 +319,7 @@ fn random_body(random: &mut Random, elements: Elements, dim: usize) -> ProblemDa
 }
 
 /// The energy of the difference to a mesh with every edge halved `times` times, that of the bound, and its kind.
-fn compared(problem: &Problem, times: usize) -> (f64, DiscretizationError) {
+pub(super) fn compared(problem: &Problem, times: usize) -> (f64, DiscretizationError) {
     let memory = solve(problem);
     let found = bound(problem, &memory)
         .unwrap_or_else(|refused| panic!("{refused}: {:?} {:?}", problem.boundary, problem.contacts));
@@ -390,7 +390,7 @@ fn the_bound_of_random_bodies_is_above_the_error() {
 }
 
 /// A plane body in contact with everything that its cells feel: loads, a layer with friction, and a held side.
-fn plane(elements: Elements) -> ProblemData {
+pub(super) fn plane(elements: Elements) -> ProblemData {
     let mesh = Mesh::rectangle_of(elements, [1.2, 0.8], [5, 3], Diagonal::Right).expect("a mesh");
     let material = Material::new(2, Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
     let mut data = ProblemData::new("plane", mesh, material, 1.0, 1);
@@ -406,7 +406,7 @@ fn plane(elements: Elements) -> ProblemData {
     data
 }
 
-fn bounded(problem: &Problem) -> DiscretizationError {
+pub(super) fn bounded(problem: &Problem) -> DiscretizationError {
     bound(problem, &solve(problem)).unwrap_or_else(|refused| panic!("{refused}"))
 }
 

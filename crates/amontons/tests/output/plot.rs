@@ -369,6 +369,7 @@ fn study() -> ConvergencePlot {
         sizes,
         x_label: "h = k".to_owned(),
         y_label: "error".to_owned(),
+        has_orders: true,
         series,
     }
 }

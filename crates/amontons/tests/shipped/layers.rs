@@ -31,7 +31,7 @@ const LAYERS: &[&[&str]] = &[
     &["adjoint"],
     &["identification"],
     &["run", "case"],
-    &["plot"],
+    &["accuracy", "plot"],
     &["contract", "verify"],
 ];
 

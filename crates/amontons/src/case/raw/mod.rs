@@ -4,6 +4,7 @@
 //! [`super::check`] walks: a key is described here and nowhere else. The first paragraph of a
 //! comment goes into messages, so it starts with what the number is and names its unit.
 
+mod accuracy;
 mod boundary;
 mod contact;
 mod contact_loads;
@@ -24,6 +25,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub(in crate::case) use accuracy::Accuracy;
 pub(in crate::case) use boundary::{Boundary, Releasing, Support};
 pub(in crate::case) use contact::{Automatic, Contact, Contacts, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use contact_loads::{Fluid, Foundation, Preload};
@@ -117,6 +119,9 @@ pub(in crate::case) struct Case {
     /// Values recorded after every step in probes.csv, one entry per probe.
     #[serde(default)]
     pub probe: Vec<Probe>,
+    /// The accuracy up to which `amontons run` refines cells and steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// What `amontons modes` looks for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stability: Option<Stability>,

@@ -6,6 +6,7 @@
 //! quadrilateral is first cut into four triangles about its centre, a hexahedron or prism into pyramids and tetrahedra.
 
 mod cell;
+mod marking;
 mod nodes;
 mod order;
 mod rounds;
@@ -13,10 +14,11 @@ mod rounds;
 use std::collections::BTreeMap;
 
 use self::cell::{CutCell, Cuttable, Cutter, middles_of};
+pub use self::marking::decisive_cells;
 use self::nodes::BisectionNodes;
 pub use self::nodes::RoundSide;
 use self::order::EdgeOrder;
-pub use self::rounds::{RefinementRounds, RoundsError};
+pub use self::rounds::{MarkedCells, RefinementRounds, RoundsError};
 use super::{Block, FacetSet, Mesh, MeshError};
 use crate::element::{ALL, Element};
 
@@ -121,6 +123,18 @@ impl Bisection {
             let is_own = blocks.get(cell.block).is_some_and(|block| std::ptr::eq(block.element, cell.element));
             (cell.block, !is_own, kind(cell.element))
         });
+        Ok(())
+    }
+
+    /// Halves every edge, as [`Mesh::refined`] does: a quadrilateral becomes four. Later rounds begin with the longest
+    /// edges of the new cells.
+    ///
+    /// # Errors
+    /// [`MeshError::TooLarge`].
+    pub fn halve(&mut self) -> Result<(), MeshError> {
+        let (mut mesh, origins) = self.mesh().refined_with_origins()?;
+        let sides = self.cutter.nodes.halved(&mut mesh, &origins);
+        *self = sides.into_iter().fold(Bisection::new(&mesh), |made, (nodes, side)| made.around(&nodes, side));
         Ok(())
     }
 

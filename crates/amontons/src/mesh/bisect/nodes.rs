@@ -76,6 +76,25 @@ impl BisectionNodes {
         self.rounds.push(round);
     }
 
+    /// Puts the new nodes of a mesh whose every edge was halved onto the round sides, given the nodes between which each
+    /// lies. Returns the nodes of the round sides with these.
+    pub(super) fn halved(&self, mesh: &mut Mesh, origins: &[Vec<u32>]) -> Vec<(Vec<u32>, RoundSide)> {
+        let mut sides: Vec<(Vec<u32>, RoundSide)> = self.rounds.iter().map(|round| (Vec::new(), *round)).collect();
+        for (&node, &round) in &self.round {
+            sides.iter_mut().skip(round).take(1).for_each(|(nodes, _)| nodes.push(node));
+        }
+        for (new, origin) in origins.iter().enumerate() {
+            let Some(round) = origin.first().and_then(|first| self.round.get(first)) else { continue };
+            let Some((nodes, side)) = sides.get_mut(*round) else { continue };
+            if origin.iter().all(|node| self.round.get(node) == Some(round)) {
+                let node = mesh.points.len() - origins.len() + new;
+                mesh.points[node] = side.onto(&mesh.points[node]);
+                nodes.push(node as u32);
+            }
+        }
+        sides
+    }
+
     /// Forgets the edges and faces that earlier rounds have cut: no cell has them any more.
     pub(super) fn start_round(&mut self) {
         self.cut.clear();

@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 /// The cells of a mesh that are marked in rounds, one after the other, as [`Bisection`](super::Bisection) numbers them.
 ///
 /// As a text: a line `cells N` with the number of cells before the first round, then a line per round with the numbers
-/// of the marked cells, ascending, from 0. Lines that begin with `#` say what they like.
+/// of the marked cells, ascending, from 0, or with the word `all`. Lines that begin with `#` say what they like.
 ///
 /// ```
 /// use amontons::mesh::{Mesh, RefinementRounds};
@@ -23,7 +23,16 @@ pub struct RefinementRounds {
     /// Number of cells of the mesh before the first round.
     pub cells: usize,
     /// The cells that are marked, per round.
-    pub marked: Vec<Vec<usize>>,
+    pub marked: Vec<MarkedCells>,
+}
+
+/// The cells that are refined in a round.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MarkedCells {
+    /// These, and what else has to be cut: [`Bisection::refine`](super::Bisection::refine).
+    These(Vec<usize>),
+    /// All, into cells of their own kind: [`Bisection::halve`](super::Bisection::halve).
+    All,
 }
 
 /// Why a text is not one of rounds, or not one for a mesh.
@@ -58,9 +67,13 @@ impl RefinementRounds {
         let mut marked = Vec::new();
         for (n, line) in lines {
             let of = |word: &str| {
-                word.parse::<usize>().map_err(|_| told(n + 1, word, "numbers of cells, whole and not negative"))
+                word.parse::<usize>()
+                    .map_err(|_| told(n + 1, word, "numbers of cells, whole and not negative, or `all`"))
             };
-            marked.push(line.split_whitespace().map(of).collect::<Result<Vec<usize>, RoundsError>>()?);
+            marked.push(match line.trim() {
+                "all" => MarkedCells::All,
+                these => MarkedCells::These(these.split_whitespace().map(of).collect::<Result<_, RoundsError>>()?),
+            });
         }
         Ok(RefinementRounds { cells, marked })
     }
@@ -80,7 +93,11 @@ impl RefinementRounds {
         }
         let mut bisection = round.into_iter().fold(Bisection::new(mesh), |made, (nodes, of)| made.around(&nodes, of));
         for (n, marked) in self.marked.iter().enumerate() {
-            bisection.refine(marked).map_err(|error| RoundsError {
+            let made = match marked {
+                MarkedCells::These(cells) => bisection.refine(cells),
+                MarkedCells::All => bisection.halve(),
+            };
+            made.map_err(|error| RoundsError {
                 place: format!("round {}", n + 1),
                 found: error.found(),
                 expected: error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned()),
@@ -94,7 +111,8 @@ impl fmt::Display for RefinementRounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "cells {}", self.cells)?;
         self.marked.iter().try_for_each(|marked| {
-            let words: Vec<String> = marked.iter().map(ToString::to_string).collect();
+            let MarkedCells::These(cells) = marked else { return writeln!(f, "all") };
+            let words: Vec<String> = cells.iter().map(ToString::to_string).collect();
             writeln!(f, "{}", words.join(" "))
         })
     }

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::accuracy::meshes;
 use super::color::ColorMap;
 use super::convergence::ConvergencePlot;
 use super::folder::{Results, has_fields};
@@ -41,6 +42,8 @@ struct Contents {
     summary: Option<Summary>,
     /// Names of columns and rows of a convergence study, and its picture as SVG.
     study: Option<(CsvTable, String)>,
+    /// The meshes of a run for an accuracy, and their picture as SVG.
+    accuracy: Option<(CsvTable, Option<String>)>,
     /// Probes, resultants and energies at the end on each level of the study.
     values: Vec<ValueRow>,
     /// Descriptions of the drawings, and their arrays.
@@ -124,6 +127,7 @@ impl Contents {
             case,
             text,
             summary: None,
+            accuracy: meshes(dir)?.map(|(table, picture)| (table, picture.map(|picture| picture.svg()))),
             study,
             values,
             data: Value::Null,

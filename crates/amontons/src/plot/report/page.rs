@@ -104,6 +104,10 @@ fn sections(contents: &Contents) -> Vec<(&'static str, &'static str, String)> {
         let picture = image(picture, "Errors over the refinement");
         all.push(("convergence", "Convergence", self::table(table) + &picture + &values(&contents.values)));
     }
+    if let Some((table, picture)) = &contents.accuracy {
+        let picture = picture.as_ref().map_or_else(String::new, |picture| image(picture, "Errors on the meshes"));
+        all.push(("accuracy", "Accuracy", self::table(table) + &picture));
+    }
     // Requested results come first, theory on request last.
     let findings = contents.summary.as_ref().map_or_else(String::new, |summary| findings(&summary.findings));
     if !findings.is_empty() {
