@@ -261,12 +261,15 @@ impl Build<'_> {
     }
 }
 
+/// Refinements after which no mesh fits anywhere.
+const MOST_REFINED: u32 = 64;
+
 /// The size of a mesh file after `refine` refinements.
 pub(super) fn measured(mesh: &Mesh, contact_on: &[&str], refine: u32) -> MeshSize {
     let contact_nodes: usize =
         contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
     // Each refinement doubles the nodes along every direction.
-    let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
+    let times = |dim: usize| 2f64.powi(dim as i32 * refine.min(MOST_REFINED) as i32);
     let of_block = |block: &Block| block.element.neighbours;
     MeshSize {
         dim: mesh.dim,

@@ -89,18 +89,25 @@ impl Build<'_> {
         if !self.is_sound {
             return Some(mesh);
         }
-        let made = RefinementRounds::parse(&String::from_utf8_lossy(&bytes)).and_then(|rounds| {
-            let finer = rounds.refined(&mesh, round_sides(raw, &mesh))?;
-            Ok((rounds, finer))
-        });
-        let (rounds, finer) = match made {
-            Ok(made) => made,
-            Err(RoundsError { place, found, expected }) => {
-                let hint = "leave the key out, or take the file of a run with --accuracy of the same mesh";
-                self.note(KEY, At::Value, format!("{name}: {place}: {found}"), expected, Some(hint));
-                return None;
-            }
+        let told = |build: &mut Self, RoundsError { place, found, expected }: RoundsError| {
+            let hint = "leave the key out, or take the file of a run with --accuracy of the same mesh";
+            build.note(KEY, At::Value, format!("{name}: {place}: {found}"), expected, Some(hint));
         };
+        let rounds =
+            RefinementRounds::parse(&String::from_utf8_lossy(&bytes)).map_err(|error| told(self, error)).ok()?;
+        // Halving all cells a few times more would take all memory before the mesh is there to be measured.
+        let least = MeshDemand::of(&measured(&mesh, &sides.contact, rounds.halvings()), self.solver);
+        if !self.affordable(
+            KEY,
+            &format!("{} halvings of all cells", rounds.halvings()),
+            "take fewer rounds",
+            &least,
+            available,
+        ) {
+            return None;
+        }
+        let made = rounds.refined(&mesh, round_sides(raw, &mesh));
+        let finer = made.map_err(|error| told(self, error)).ok()?;
         self.rounds = Some(rounds);
         let demand = MeshDemand::of(&measured(&finer, &sides.contact, 0), self.solver);
         let what = format!("{} cells", finer.cell_count());

@@ -285,6 +285,18 @@ fn faults_of_refined_cells_are_told_with_their_places() {
     }
 }
 
+/// So many rounds of all cells that no memory has room for them are refused before one is made.
+#[test]
+fn too_many_halvings_are_refused() {
+    for halvings in [25, 70, 1000] {
+        let told = told(&rounds_of(&format!("cells 8\n{}", "all\n".repeat(halvings))), &[]);
+        assert!(
+            told.starts_with("bar.toml:6:17: mesh.refined_cells: found ") && told.contains("take fewer rounds"),
+            "{told}"
+        );
+    }
+}
+
 /// A round of all cells divides them into cells of their own kind, and the nodes of round sides stay on them.
 #[test]
 fn a_round_of_all_cells_halves_every_edge() {

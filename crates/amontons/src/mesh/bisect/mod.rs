@@ -132,7 +132,12 @@ impl Bisection {
     /// # Errors
     /// [`MeshError::TooLarge`].
     pub fn halve(&mut self) -> Result<(), MeshError> {
-        let (mut mesh, origins) = self.mesh().refined_with_origins()?;
+        let mesh = self.mesh();
+        let found = mesh.points.len() as f64 * 2f64.powi(mesh.dim as i32);
+        if found > f64::from(u32::MAX) {
+            return Err(MeshError::TooLarge { found });
+        }
+        let (mut mesh, origins) = mesh.refined_with_origins()?;
         let sides = self.cutter.nodes.halved(&mut mesh, &origins);
         *self = sides.into_iter().fold(Bisection::new(&mesh), |made, (nodes, side)| made.around(&nodes, side));
         Ok(())

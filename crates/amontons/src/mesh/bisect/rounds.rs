@@ -78,6 +78,12 @@ impl RefinementRounds {
         Ok(RefinementRounds { cells, marked })
     }
 
+    /// Number of rounds in which all cells are halved.
+    #[must_use]
+    pub fn halvings(&self) -> u32 {
+        self.marked.iter().filter(|marked| **marked == MarkedCells::All).count() as u32
+    }
+
     /// A mesh refined in all rounds. New nodes of the sides in `round` are put on their circles.
     ///
     /// # Errors
