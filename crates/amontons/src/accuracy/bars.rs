@@ -39,13 +39,13 @@ impl BarRow {
 }
 
 /// Numbers of the steps of a run, with their times.
-pub(super) type Steps = [(f64, Vec<FinalValue>)];
+pub(super) type ValuesOfSteps = [(f64, Vec<FinalValue>)];
 
 /// The numbers of a run with their bars, from the same run with whole cells, and that with whole steps, at the instants
 /// that all three have.
-pub(super) fn bars(fine: &Steps, of_mesh: &Steps, of_steps: &Steps) -> Vec<BarRow> {
+pub(super) fn bars(fine: &ValuesOfSteps, of_mesh: &ValuesOfSteps, of_steps: &ValuesOfSteps) -> Vec<BarRow> {
     let end = fine.last().map_or(0.0, |(t, _)| *t);
-    let at = |steps: &'_ Steps, t: f64| -> Option<usize> {
+    let at = |steps: &'_ ValuesOfSteps, t: f64| -> Option<usize> {
         let place = steps.partition_point(|(other, _)| *other < t - SAME_TIME * end);
         steps.get(place).filter(|(other, _)| *other <= t + SAME_TIME * end).map(|_| place)
     };
@@ -67,8 +67,8 @@ pub(super) fn bars(fine: &Steps, of_mesh: &Steps, of_steps: &Steps) -> Vec<BarRo
     rows
 }
 
-/// Raises the parts of the cells to half of the change of each number since the level before: where halving hits the same
-/// number by chance, an error is told by that.
+/// Raises the parts of the cells to half of the change of each number since the level before: where halving hits the
+/// same number by chance, an error is told by that.
 pub(super) fn raise(rows: &mut [BarRow], before: &[BarRow]) {
     let known: HashMap<(u64, &str), f64> =
         before.iter().map(|row| ((row.t.to_bits(), row.name.as_str()), row.value)).collect();
@@ -89,4 +89,47 @@ pub fn bars_csv(rows: &[BarRow]) -> String {
         let _ = writeln!(text, "{t:?},{name},{value:?},{:?},{mesh:?},{steps:?}", row.bar());
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(t: f64, values: &[(&str, f64)]) -> (f64, Vec<FinalValue>) {
+        let of =
+            |(name, value): &(&str, f64)| FinalValue { name: (*name).to_owned(), group: "g".to_owned(), value: *value };
+        (t, values.iter().map(of).collect())
+    }
+
+    /// Bars stand at the instants that all three runs have, 5/4 of the changes, and are zero for round-off.
+    #[test]
+    fn bars_are_the_changes_at_common_instants() {
+        let fine = [step(0.25, &[("a", 1.0)]), step(0.5, &[("a", 2.0), ("b", 1e-16)]), step(1.0, &[("a", 4.0)])];
+        let coarse = [step(0.5, &[("a", 2.4), ("b", 3e-16)]), step(1.0 + 1e-15, &[("a", 4.0)])];
+        let long = [step(0.5, &[("a", 1.8), ("b", 0.0)]), step(1.0, &[("a", 4.0 + 1e-12)])];
+        let rows = bars(&fine, &coarse, &long);
+        let shown: Vec<(f64, &str)> = rows.iter().map(|row| (row.t, row.name.as_str())).collect();
+        assert_eq!(shown, [(0.5, "a"), (0.5, "b"), (1.0, "a")]);
+        assert!((rows[0].mesh - 0.5).abs() < 1e-12 && (rows[0].steps - 0.25).abs() < 1e-12, "{rows:?}");
+        assert!(rows[1..].iter().all(|row| row.bar() <= 0.0), "{rows:?}");
+        assert!(bars_csv(&rows).starts_with("t,quantity,value,bar,mesh,steps\n0.5,a,2.0,0.75,"), "{}", bars_csv(&rows));
+    }
+
+    /// Half of the change since the level before counts, unless the number is round-off.
+    #[test]
+    fn the_change_since_the_level_before_raises_a_bar() {
+        let row = |value: f64, mesh: f64| BarRow {
+            t: 1.0,
+            name: "a".to_owned(),
+            group: "g".to_owned(),
+            value,
+            mesh,
+            steps: 0.0,
+        };
+        for (mesh, raised) in [(0.1, 0.5), (0.7, 0.7), (0.0, 0.0)] {
+            let mut rows = [row(2.0, mesh)];
+            raise(&mut rows, &[row(1.2, 0.1)]);
+            assert!((rows[0].mesh - raised).abs() < 1e-12, "{rows:?}");
+        }
+    }
 }

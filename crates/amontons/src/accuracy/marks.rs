@@ -1,9 +1,10 @@
 //! The cells that cause the errors of numbers.
 //!
-//! The error of an output is the sum over the steps of the residual times the multipliers z of the step: the residual is
-//! weighted by z − I z, what the mesh cannot represent of z, since z itself is a test function (R. Becker, R. Rannacher,
-//! Acta Numerica 10 (2001) 1–102). A cell has about ‖σ − σ̄‖ ‖∇z − ∇z̄‖ of it, with the jumps of stress and of the
-//! gradient of z: [`crate::output::JumpsOfRun`]. The product says where to refine; how large the error is, is measured.
+//! The error of an output is the sum over the steps of the residual times the multipliers z of the step: the residual
+//! is weighted by z − I z, what the mesh cannot represent of z, since z itself is a test function (R. Becker,
+//! R. Rannacher, Acta Numerica 10 (2001) 1–102). A cell has about ‖σ − σ̄‖ ‖∇z − ∇z̄‖ of it, with the jumps of stress
+//! and of the gradient of z: [`crate::output::JumpsOfRun`]. The product says where to refine; how large the error is,
+//! is measured.
 
 use super::AccuracyRequest;
 use super::goals::Goal;

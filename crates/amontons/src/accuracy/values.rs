@@ -1,13 +1,13 @@
 //! Until the bars of numbers at the end of the run are small enough.
 //!
-//! A level is five runs: on a mesh with the steps, halved and quartered, and on the mesh with halved cells with the steps
-//! and halved. The last one is the result. Its change by halving the cells is at least the error of its mesh if halving
-//! takes half of the error or more, its change by halving the steps at least the error of its steps: 5/4 of both
-//! together are the bar. It is an index of grid convergence with order one (P. J. Roache, J. Fluids Eng. 116 (1994)
-//! 405–413), and an estimate, not a bound.
+//! A level is five runs: on a mesh with the steps, halved and quartered, and on the mesh with halved cells with the
+//! steps and halved. The last one is the result. Its change by halving the cells is at least the error of its mesh if
+//! halving takes half of the error or more, its change by halving the steps at least the error of its steps: 5/4 of
+//! both together are the bar. It is an index of grid convergence with order one (P. J. Roache, J. Fluids Eng. 116
+//! (1994) 405–413), and an estimate, not a bound.
 //!
-//! Halving may hit the same number by chance. So the first level is never the last, and half of the change from level to
-//! level counts as one by halving.
+//! Halving may hit the same number by chance. So the first level is never the last, and half of the change from level
+//! to level counts as one by halving.
 //!
 //! Steps are halved until their part is at most a quarter of the bar that is asked for, first on the mesh with whole
 //! cells, where it is cheap, and where two halvings have to agree. Then the cells are marked that cause the rest.

@@ -4,19 +4,9 @@ use super::build::Build;
 use super::nearest::meant;
 use super::place::At;
 use super::raw;
+use super::request::AskedAccuracy;
 use crate::output::{Probe, history_columns};
 use crate::problem::ProblemData;
-
-/// The accuracy that a case asks for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AskedAccuracy {
-    /// Names of probes, or of columns of `history.csv` and `probes.csv`.
-    pub of: Vec<String>,
-    /// The largest error of each, relative to it.
-    pub relative: f64,
-    /// True if cells and steps are refined already.
-    pub refined: bool,
-}
 
 impl Build<'_> {
     /// The accuracy that a case asks for.

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::accuracy::AskedAccuracy;
 use super::files::{Files, Loader};
 use super::nearest::meant;
 use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
 use super::place::{At, PathFault};
 use super::raw;
+use super::request::AskedAccuracy;
 use super::schema::Limits;
 use super::side_facts::SideFacts;
 use super::side_names::SideNames;

@@ -65,7 +65,6 @@ mod table;
 mod text;
 mod verify;
 
-pub use accuracy::AskedAccuracy;
 pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
 pub use gradient::{family, parameter, settings};
@@ -74,7 +73,7 @@ pub use parse::{Case, parse, read, source};
 pub use reference::{
     GlossaryEntry, Word, explain, json as reference_json, markdown as reference_markdown, reference, similar,
 };
-pub use request::{ReferenceRequest, StudyRequest, StudyRequestError};
+pub use request::{AskedAccuracy, ReferenceRequest, StudyRequest, StudyRequestError};
 pub use schema::schema;
 pub use study::{divided_steps, meshes, study};
 pub use verify::{Check, ColumnTake, Comparison, ErrorName, Expected, Verify};

@@ -2,13 +2,13 @@
 
 use toml::de::DeTable;
 
-use super::accuracy::AskedAccuracy;
 use super::fault::{CaseError, Lines, Source};
 use super::files::Files;
 use super::identity::identity;
 use super::overrides::Applied;
 use super::path::Doubtful;
 use super::place::{At, CaseOrigin, PathFault};
+use super::request::AskedAccuracy;
 use super::schema::rules;
 use super::text::text as file_text;
 use super::verify::{Expected, Verify};

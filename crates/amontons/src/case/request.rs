@@ -42,3 +42,14 @@ pub enum StudyRequestError {
         expected: String,
     },
 }
+
+/// The accuracy that a case asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AskedAccuracy {
+    /// Names of probes, or of columns of `history.csv` and `probes.csv`.
+    pub of: Vec<String>,
+    /// The largest error of each, relative to it.
+    pub relative: f64,
+    /// True if cells and steps are refined already.
+    pub refined: bool,
+}

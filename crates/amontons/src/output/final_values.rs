@@ -1,5 +1,5 @@
-//! Numbers of a step that a study or a run for an accuracy compares: energies, resultants and extremes of `history.csv`,
-//! and probes.
+//! Numbers of a step that a study or a run for an accuracy compares: energies, resultants and extremes of
+//! `history.csv`, and probes.
 
 use super::columns::{history_measures, history_names, history_values};
 use super::probe::ProbeSet;

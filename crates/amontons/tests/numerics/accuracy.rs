@@ -142,6 +142,45 @@ fn a_number_without_a_limit_is_named() {
     assert!(last.goals[1].relative < 0.001, "{:?}", last.goals);
 }
 
+/// A block that meets its foundation in the middle of a step, with a gap and friction: two and four steps have the same
+/// end to the last digit, eight another one by half a per cent. One halving alone does not show that.
+#[test]
+fn steps_that_hit_the_same_number_by_chance_are_halved_again() {
+    let text = r#"
+name = "dragged"
+units = "dimensionless"
+[mesh]
+kind = "rectangle"
+size = [0.897091, 1.0]
+n = [5, 5]
+elements = "Q1"
+[time]
+end = 1.0
+steps = 2
+analysis = "quasistatic"
+[material]
+elasticity = { law = "isotropic", young = 1.0, poisson = 0.0201307, stress_state = "plane-strain" }
+[[boundary]]
+on = "top"
+displacement = ["0.0746992*t^2", "-0.0673042*t^2"]
+[contact]
+on = "bottom"
+gap = 0.01
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.434619 }
+[[probe]]
+name = "d"
+quantity = "displacement_y"
+at = [0.712882, 0.306302]
+"#;
+    let found = refined(text, &[], "d", 0.01).expect("levels");
+    let last = &found.levels[found.levels.len() - 1];
+    // Of a mesh of 160 × 160 cells with 64 steps.
+    let (value, reference) = (last.goals[0].row.value, -0.033_653_2_f64);
+    assert!(last.steps >= 8 && found.ending == AccuracyEnding::Reached, "{} steps", last.steps);
+    assert!((value / reference - 1.0).abs() < 0.01, "{value}");
+}
+
 /// Cells become finer where they matter for the number, and by derivatives less elsewhere than by jumps alone: the
 /// number at one side does not see the corners at the other.
 #[test]

@@ -45,7 +45,7 @@ pub fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 31] = [
+const RESULTS: [&str; 32] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -59,6 +59,7 @@ const RESULTS: [&str; 31] = [
     "history.csv",
     "probes.csv",
     "error.csv",
+    "bars.csv",
     "contact.csv",
     "accuracy.csv",
     "refined-cells.txt",

@@ -76,8 +76,8 @@ impl BisectionNodes {
         self.rounds.push(round);
     }
 
-    /// Puts the new nodes of a mesh whose every edge was halved onto the round sides, given the nodes between which each
-    /// lies. Returns the nodes of the round sides with these.
+    /// Puts the new nodes of a mesh whose every edge was halved onto the round sides, given the nodes between which
+    /// each lies. Returns the nodes of the round sides with these.
     pub(super) fn halved(&self, mesh: &mut Mesh, origins: &[Vec<u32>]) -> Vec<(Vec<u32>, RoundSide)> {
         let mut sides: Vec<(Vec<u32>, RoundSide)> = self.rounds.iter().map(|round| (Vec::new(), *round)).collect();
         for (&node, &round) in &self.round {
