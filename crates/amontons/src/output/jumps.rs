@@ -3,7 +3,9 @@
 //! The gradient v of a discrete field jumps from cell to cell, that of a smooth one does not. At each vertex of a cell
 //! v is compared with its mean v̄ over the cells of the region around the vertex, weighted by their volumes: the square
 //! of the jumps of a cell K is the mean of |v − v̄|² over its vertices times |K|, about ∫_K |v − v̄|². It shows where
-//! an error is, not how large it is. Source: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Methods Eng. 24 (1987) 337–357.
+//! an error is, not how large it is.
+//!
+//! Source: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Methods Eng. 24 (1987) 337–357.
 
 use super::cells::{Evaluator, Tables};
 use super::{OutputError, RunStart, Sink, Snapshot, Summary};
