@@ -10,7 +10,7 @@ use amontons::accuracy::{
     bars_csv, of_energy, of_values,
 };
 use amontons::case::{self, Case, Source};
-use amontons::output::{ACCURACY, BARS, per_cent};
+use amontons::output::{ACCURACY, BARS, Folder, per_cent};
 use amontons::run::Settings;
 
 use crate::after::After;
@@ -75,6 +75,7 @@ fn refine(
     (progress, interrupt): (Progress, Arc<AtomicBool>),
     common: &Common,
 ) -> Result<(), CommandFailure> {
+    Folder::check(out, common.force)?;
     // What is made before the mesh is found is not kept: the program then ends at once.
     progress.begin_refining();
     let settings = Settings::default();

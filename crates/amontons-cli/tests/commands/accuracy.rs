@@ -131,6 +131,10 @@ fn run_refines_until_numbers_are_as_accurate_as_asked() {
     assert!(text(&out.join("inputs/refined-cells.txt")).ends_with("\nall\n"));
     assert_eq!(run(&out.join("case.toml"), &again, &[]).status.code(), Some(0));
     assert_eq!(text(&out.join("history.csv")), text(&again.join("history.csv")));
+    // A folder that may not be replaced is refused before the first mesh.
+    let done = run(&case, &out, &["--accuracy", "0.01", "--of", "p"]);
+    let told = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(done.status.code() == Some(2) && done.stdout.is_empty() && told.contains("--force"), "{told}");
     // What is not there is named, with what is, before any result.
     let none = folder.path().join("none");
     let told = |more: &[&str]| {

@@ -168,6 +168,20 @@ impl Folder {
         Ok(folder)
     }
 
+    /// Checks that a new run may write into a folder, without a trace: before work whose results it is to hold.
+    ///
+    /// # Errors
+    /// The folder holds results and `force` is false, or files of others under names of results.
+    pub fn check(path: &Path, force: bool) -> Result<(), OutputError> {
+        if !path.exists() {
+            return Ok(());
+        }
+        match Manifest::find(path)? {
+            Some(run) if run.is_started() && !force => Err(owned::told(path, &run)),
+            earlier => owned::refuse_strangers(path, earlier.as_ref(), &[]),
+        }
+    }
+
     fn prepare(path: PathBuf, options: FolderOptions) -> Result<Folder, OutputError> {
         create_folder(&path)?;
         let lock = FolderLock::take(&path)?;
