@@ -190,9 +190,13 @@ impl Refining<'_> {
             let quartered = self.run(&self.rounds, 4 * self.parts)?;
             let worst = halved.change(&whole, &goals);
             changes.push(worst);
-            let why = "its bar does not fall with shorter steps: it may depend on the instant at which a point sticks, \
-                       slips or meets the other side";
-            let stands = stands(changes.iter().copied()).then(|| why.to_owned());
+            let why = if worst.is_nan() {
+                "it has no value at the end of the run, as the centre of a contact that has parted"
+            } else {
+                "its bar does not fall with shorter steps: it may depend on the instant at which a point sticks, slips \
+                 or meets the other side"
+            };
+            let stands = (worst.is_nan() || stands(changes.iter().copied())).then(|| why.to_owned());
             let is_small = |change: f64| change <= OF_STEPS * self.request.relative;
             if is_small(worst) && is_small(quartered.change(&halved, &goals)) || stands.is_some() {
                 return Ok((goals, [whole, halved], stands));
