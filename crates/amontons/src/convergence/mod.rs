@@ -17,5 +17,6 @@ pub use study::{
     ErrorRow, Reference, ReferenceProgress, Study, StudyError, StudyLevel, StudySettings, StudyTable, Vary, slope,
 };
 pub use transfer::{Transfer, TransferError};
+#[cfg(feature = "case")]
 pub(crate) use values::rounded;
 pub use values::{FinalValue, FinalValues, LastStep, LevelValue, ValueRow, csv as values_csv};
