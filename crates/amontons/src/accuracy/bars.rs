@@ -105,14 +105,14 @@ mod tests {
     #[test]
     fn bars_are_the_changes_at_common_instants() {
         let fine = [step(0.25, &[("a", 1.0)]), step(0.5, &[("a", 2.0), ("b", 1e-16)]), step(1.0, &[("a", 4.0)])];
-        let coarse = [step(0.5, &[("a", 2.4), ("b", 3e-16)]), step(1.0 + 1e-15, &[("a", 4.0)])];
-        let long = [step(0.5, &[("a", 1.8), ("b", 0.0)]), step(1.0, &[("a", 4.0 + 1e-12)])];
+        let coarse = [step(0.5, &[("a", 2.5), ("b", 3e-16)]), step(1.0 + 1e-15, &[("a", 4.0)])];
+        let long = [step(0.5, &[("a", 1.75), ("b", 0.0)]), step(1.0, &[("a", 4.0 + 1e-12)])];
         let rows = bars(&fine, &coarse, &long);
         let shown: Vec<(f64, &str)> = rows.iter().map(|row| (row.t, row.name.as_str())).collect();
         assert_eq!(shown, [(0.5, "a"), (0.5, "b"), (1.0, "a")]);
-        assert!((rows[0].mesh - 0.5).abs() < 1e-12 && (rows[0].steps - 0.25).abs() < 1e-12, "{rows:?}");
+        assert!((rows[0].mesh - 0.625).abs() < 1e-12 && (rows[0].steps - 0.3125).abs() < 1e-12, "{rows:?}");
         assert!(rows[1..].iter().all(|row| row.bar() <= 0.0), "{rows:?}");
-        assert!(bars_csv(&rows).starts_with("t,quantity,value,bar,mesh,steps\n0.5,a,2.0,0.75,"), "{}", bars_csv(&rows));
+        assert!(bars_csv(&rows).starts_with("t,quantity,value,bar,mesh,steps\n0.5,a,2.0,0.9375,"), "{}", bars_csv(&rows));
     }
 
     /// Half of the change since the level before counts, unless the number is round-off.
