@@ -112,7 +112,11 @@ mod tests {
         assert_eq!(shown, [(0.5, "a"), (0.5, "b"), (1.0, "a")]);
         assert!((rows[0].mesh - 0.625).abs() < 1e-12 && (rows[0].steps - 0.3125).abs() < 1e-12, "{rows:?}");
         assert!(rows[1..].iter().all(|row| row.bar() <= 0.0), "{rows:?}");
-        assert!(bars_csv(&rows).starts_with("t,quantity,value,bar,mesh,steps\n0.5,a,2.0,0.9375,"), "{}", bars_csv(&rows));
+        assert!(
+            bars_csv(&rows).starts_with("t,quantity,value,bar,mesh,steps\n0.5,a,2.0,0.9375,"),
+            "{}",
+            bars_csv(&rows)
+        );
     }
 
     /// Half of the change since the level before counts, unless the number is round-off.
