@@ -185,5 +185,6 @@ fn with_bar(row: &BarRow) -> String {
     let bar = row.bar();
     // Two digits of the bar, and those of the value down to them.
     let digits = if bar > 0.0 && bar < value.abs() { (value.abs() / bar).log10().ceil() as usize + 1 } else { 6 };
+    let digits = digits.min(f64::DIGITS as usize);
     format!("{name} {value:.digits$e} +- {bar:.1e} (cells {mesh:.1e}, steps {steps:.1e})")
 }

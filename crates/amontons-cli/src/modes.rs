@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use amontons::adjoint::Parameter;
 use amontons::case::{self, Case, Source};
 use amontons::contact::names;
-use amontons::output::{ModesFolder, ModesOf, OutputError, RunStart, Sink, Snapshot, Summary, modes_json};
+use amontons::output::{ModesFolder, ModesOf, OutputError, Sink, Snapshot, modes_json};
 use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::problem::Problem;
 use amontons::run::{self, FoundModes, ModeSlopesError, Settings};
@@ -155,20 +155,8 @@ struct ToldSteps<'a> {
 }
 
 impl Sink for ToldSteps<'_> {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         self.progress.done(now.state.step);
-        Ok(())
-    }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

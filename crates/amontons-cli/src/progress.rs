@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use amontons::contact::Status;
-use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{OutputError, RunStart, Sink, Snapshot};
 use amontons::pulse::Pulse;
 use amontons::run::{Phase, Watch};
 use amontons::units::{Measure, Units};
@@ -425,14 +425,6 @@ impl Sink for StepSink<'_> {
             place.steps = steps_in_all(now, place.steps);
         }
         self.0.shared.step(now.state.step, Some(now.state.t), contact);
-        Ok(())
-    }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

@@ -175,14 +175,6 @@ impl Sink for Count<'_, '_> {
         self.0.progress.done(self.0.made.fetch_add(1, Ordering::Relaxed) + 1);
         Ok(())
     }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
-        Ok(())
-    }
 }
 
 /// A row of the table.

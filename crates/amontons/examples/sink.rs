@@ -4,7 +4,7 @@ use amontons::contact::{Compliance, Contact};
 use amontons::expression::Expression;
 use amontons::material::{Isotropic, Material, StressState::PlaneStress};
 use amontons::mesh::{Elements, Mesh};
-use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{OutputError, Sink, Snapshot, Summary};
 use amontons::problem::{BoundaryCondition, Physics, ProblemData};
 use amontons::run::{Settings, run};
 
@@ -13,18 +13,10 @@ use amontons::run::{Settings, run};
 pub struct Forces(pub Vec<[f64; 2]>);
 
 impl Sink for Forces {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         if let Some(report) = now.report {
             self.0.push([now.state.t, report.contact.force[0].abs()]);
         }
-        Ok(())
-    }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use crate::case::{
 };
 use crate::convergence::{ErrorRow, Reference, Study, StudyError, StudyLevel, StudySettings, Vary, slope};
 use crate::output::{
-    OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values,
+    OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, history_columns, history_values,
 };
 use crate::run::{RunError, Settings, run};
 use crate::stability::{Modes, Search, StabilityError, modes};
@@ -355,10 +355,6 @@ impl Sink for Recorder {
             let wanted = wanted.wanted(last.problem, None);
             self.modes = Some(modes(last.problem, last.discretization, last.state, report, &wanted));
         }
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

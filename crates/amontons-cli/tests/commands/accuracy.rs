@@ -147,3 +147,35 @@ fn run_refines_until_numbers_are_as_accurate_as_asked() {
     assert!(code == Some(2) && alone.contains("--accuracy"), "{alone}");
     assert!(!none.exists());
 }
+
+/// A case that asks for an accuracy itself: its results are those of the refined case, which runs as it is, with another
+/// number of threads, too. They go with its tables when another run takes the folder.
+#[test]
+fn a_case_asks_for_the_accuracy_of_its_numbers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [case, plain, out, again] =
+        ["asking.toml", "plain.toml", "out", "again"].map(|name| folder.path().join(name).display().to_string());
+    let asked = "[accuracy]\nof = [\"contact_force_y\"]\nrelative = 0.01\n";
+    fs::write(&plain, PRESSED.replace("ELEMENTS", "P2")).expect("a case");
+    fs::write(&case, PRESSED.replace("ELEMENTS", "P2") + asked).expect("a case");
+    let run = |arguments: &[&str]| {
+        let done = amontons(&[&["run"], arguments].concat());
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8_lossy(&done.stdout).into_owned()
+    };
+    let told = run(&[&case, "--out", &out, "--plot", "--report", "--threads", "1"]);
+    assert!(told.contains("contact_force_y ") && told.contains(" +- "), "{told}");
+    let at = |name: &str| Path::new(&out).join(name);
+    assert!(text(&at("case.toml")).contains("refined = true"), "{}", text(&at("case.toml")));
+    assert!(at("plots/accuracy.svg").exists() && text(&at("report.html")).contains("Errors on the meshes"));
+    let of_case = at("case.toml").display().to_string();
+    let told = run(&[&of_case, "--out", &again, "--threads", "2"]);
+    assert!(!told.contains("+-"), "{told}");
+    assert_eq!(text(&at("history.csv")), text(&Path::new(&again).join("history.csv")));
+    assert!(at("accuracy.csv").exists() && at("bars.csv").exists());
+    run(&[&plain, "--out", &out, "--force"]);
+    assert!(!at("accuracy.csv").exists() && !at("bars.csv").exists());
+    let sweep = folder.path().join("sweep").display().to_string();
+    let done = amontons(&["run", &case, "--each", "contact.gap=0,0.01", "--out", &sweep]);
+    assert!(done.status.success() && String::from_utf8_lossy(&done.stderr).contains("[accuracy] is for single runs"));
+}

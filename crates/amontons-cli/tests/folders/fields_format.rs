@@ -10,7 +10,7 @@ use crate::common::{
     self, amontons, assert_code, assert_same_results, files, output, paper, read, run_paper, stderr, summary,
 };
 use amontons::case;
-use amontons::output::{Folder, OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{Folder, OutputError, Sink, Snapshot};
 use amontons::run::{self, RunError, Settings};
 use tempfile::tempdir;
 
@@ -44,17 +44,8 @@ fn copy(from: &Path, to: &Path) {
 struct Stop(usize, Arc<AtomicBool>);
 
 impl Sink for Stop {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         self.1.store(now.state.step == self.0, Ordering::Relaxed);
-        Ok(())
-    }
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

@@ -11,9 +11,7 @@ use crate::common::{
     self, amontons, assert_code, assert_same_results, files, json, output, paper, read, run_paper, stderr, summary,
 };
 use amontons::case::{self, Case};
-use amontons::output::{
-    Checkpoint, CheckpointInterval, Folder, FolderOptions, OutputError, RunStart, Sink, Snapshot, Summary,
-};
+use amontons::output::{Checkpoint, CheckpointInterval, Folder, FolderOptions, OutputError, Sink, Snapshot};
 use amontons::run::{self, RunError, Settings};
 use tempfile::{TempDir, tempdir};
 
@@ -23,17 +21,8 @@ const STEPS: usize = 10;
 struct At<F: FnMut() -> Result<(), OutputError>>(usize, F);
 
 impl<F: FnMut() -> Result<(), OutputError>> Sink for At<F> {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         if now.state.step == self.0 { (self.1)() } else { Ok(()) }
-    }
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
-        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@ use super::nearest::meant;
 use super::place::At;
 use super::raw;
 use super::request::AskedAccuracy;
-use crate::output::{Probe, history_columns};
+use crate::output::{Probe, compared_columns};
 use crate::problem::ProblemData;
 
 impl Build<'_> {
@@ -26,10 +26,11 @@ impl Build<'_> {
             let endings = probe.quantity.columns(data.mesh.dim).into_iter();
             endings.map(|ending| format!("{}{ending}", probe.name)).collect::<Vec<_>>()
         });
-        let known: Vec<String> = names.iter().cloned().chain(columns).chain(history_columns(data)).collect();
+        let of_history = compared_columns(data).into_iter().map(|(_, name, _)| name);
+        let known: Vec<String> = names.iter().cloned().chain(columns).chain(of_history).collect();
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
         let probes = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
-        let expected = format!("the name of a probe{probes}, or of a column of history.csv");
+        let expected = format!("the name of a probe{probes}, or of a column of history.csv with a unit");
         if of.is_empty() {
             self.note("accuracy.of", At::Value, "no name", expected.clone(), None);
         }

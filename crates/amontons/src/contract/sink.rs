@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::contact::{Compliance, Contact};
 use crate::material::{Isotropic, Material, StressState};
 use crate::mesh::{Elements, Mesh};
-use crate::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use crate::output::{OutputError, Sink, Snapshot};
 use crate::problem::{BoundaryCondition, Physics, Problem, ProblemData};
 use crate::run::{RunError, Settings, run};
 
@@ -26,17 +26,8 @@ fn rod() -> Problem {
 struct Stop(Arc<AtomicBool>);
 
 impl Sink for Stop {
-    fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
     fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
         self.0.store(true, Ordering::Relaxed);
-        Ok(())
-    }
-    fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-    fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

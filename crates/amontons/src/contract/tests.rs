@@ -7,7 +7,7 @@ use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::linalg::{Pencil, SolveError};
 use crate::material::OperatorConstants;
 use crate::material::{Isotropic, StressState};
-use crate::output::{Memory, OutputError, RunStart, Sink, Snapshot, Summary};
+use crate::output::{Memory, OutputError, Sink, Snapshot};
 use crate::step::March;
 use crate::tensor::{Point, SymMap};
 use crate::time::TimeScheme;
@@ -44,17 +44,8 @@ fn a_sink_in_memory_keeps_its_contract() {
 struct Full;
 
 impl Sink for Full {
-    fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
     fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
         Err(OutputError::Io { doing: "write", path: "a full disk".into(), source: std::io::Error::other("no space") })
-    }
-    fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-    fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
-        Ok(())
     }
 }
 

@@ -1,7 +1,7 @@
 //! The discretization error of a whole run.
 
 use super::discretization_error::PhaseBounds;
-use super::{OutputError, RunStart, Sink, Snapshot, Summary};
+use super::{OutputError, Sink, Snapshot};
 use crate::majorant::{DiscretizationError, Refused};
 
 /// The error of a run, the largest of all steps at which it is asked for.
@@ -70,24 +70,12 @@ impl ErrorOfRun {
 }
 
 impl Sink for ErrorOfRun {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         let timeline = &now.problem.timeline;
         let is_due = self.every > 0 && now.state.step.is_multiple_of(self.every);
         if is_due || timeline.is_between(now.state.step, &now.state.pace) {
             self.take(now);
         }
-        Ok(())
-    }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

@@ -4,13 +4,12 @@
 use super::columns::{history_measures, history_names, history_values};
 use super::probe::ProbeSet;
 use super::probe_place::Probe;
-use super::{OutputError, RunStart, Sink, Snapshot, Summary, Work};
+use super::{OutputError, Sink, Snapshot, Work};
 use crate::convergence::{FinalValue, FinalValues};
-use crate::problem::Problem;
+use crate::problem::{Problem, ProblemData};
 use crate::units::Measure;
 
-/// The columns of `history.csv` at the end that measure a quantity of physics, and all probes. Counts, times and the
-/// errors by which the audit closes are left out.
+/// The columns of `history.csv` at the end that measure a quantity of physics, and all probes.
 #[must_use]
 pub fn final_values(probes: Vec<Probe>) -> FinalValues {
     FinalValues::new(move |last| {
@@ -25,6 +24,19 @@ pub fn final_values(probes: Vec<Probe>) -> FinalValues {
     })
 }
 
+/// Place, name and group of the columns of `history.csv` that measure a quantity of physics: no counts, no times, and
+/// none of the errors by which the audit closes.
+pub(crate) fn compared_columns(problem: &ProblemData) -> Vec<(usize, String, String)> {
+    let measures = history_measures(problem);
+    let group = |name: &str| {
+        let (_, measure) = measures.iter().find(|(known, _)| known == name)?;
+        let is_counted = matches!(measure, Measure::Number | Measure::Time);
+        (!is_counted && !name.ends_with("closing_error")).then(|| format!("{measure:?}"))
+    };
+    let names = history_names(problem).into_iter().enumerate();
+    names.filter_map(|(place, (name, _))| group(&name).map(|group| (place, name, group))).collect()
+}
+
 /// Reads the numbers of the steps of a problem.
 struct ValueReader {
     /// Place, name and group of the columns of `history.csv` that are compared.
@@ -35,19 +47,8 @@ struct ValueReader {
 
 impl ValueReader {
     fn new(problem: &Problem, probes: &[Probe]) -> ValueReader {
-        let measures = history_measures(problem);
-        let group = |name: &str| {
-            let (_, measure) = measures.iter().find(|(known, _)| known == name)?;
-            let is_counted = matches!(measure, Measure::Number | Measure::Time);
-            (!is_counted && !name.ends_with("closing_error")).then(|| format!("{measure:?}"))
-        };
-        let names = history_names(problem).into_iter().enumerate();
-        let history = names.filter_map(|(place, (name, _))| Some((place, group(&name)?, name)));
         let set = |probe: &Probe| Some((probe.name.clone(), ProbeSet::new(problem, std::slice::from_ref(probe)).ok()?));
-        ValueReader {
-            history: history.map(|(place, group, name)| (place, name, group)).collect(),
-            probes: probes.iter().filter_map(set).collect(),
-        }
+        ValueReader { history: compared_columns(problem), probes: probes.iter().filter_map(set).collect() }
     }
 
     /// The numbers of a step.
@@ -82,23 +83,11 @@ impl ValuesOfRun {
 }
 
 impl Sink for ValuesOfRun {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         if now.report.is_some() {
             let reader = self.reader.get_or_insert_with(|| ValueReader::new(now.problem, &self.probes));
             self.steps.push((now.state.t, reader.of(now)));
         }
-        Ok(())
-    }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

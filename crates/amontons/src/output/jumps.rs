@@ -8,7 +8,7 @@
 //! Source: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Methods Eng. 24 (1987) 337–357.
 
 use super::cells::{Evaluator, Tables};
-use super::{OutputError, RunStart, Sink, Snapshot, Summary};
+use super::{OutputError, Sink, Snapshot};
 use crate::arrays::all_at_once;
 use crate::element::{Element, ShapeTable};
 use crate::material::material_arrays;
@@ -157,22 +157,10 @@ impl JumpsOfRun {
 }
 
 impl Sink for JumpsOfRun {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         if now.report.is_some() {
             self.take(now);
         }
-        Ok(())
-    }
-
-    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

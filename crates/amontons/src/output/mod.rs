@@ -68,6 +68,8 @@ pub use error_of_run::ErrorOfRun;
 pub(crate) use files::write_file;
 #[cfg(feature = "case")]
 pub(crate) use files::{LONGEST, sha256};
+#[cfg(feature = "case")]
+pub(crate) use final_values::compared_columns;
 pub use final_values::{ValuesOfRun, final_values};
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
 pub use gradient::GradientFolder;
@@ -113,23 +115,33 @@ pub fn shown() -> Vec<Shown> {
 }
 
 /// A receiver of the results of a run. A run calls `start` once, `step` after every step, and at its end, for whatever
-/// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed.
+/// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed. A method that a sink leaves out
+/// does nothing.
 pub trait Sink {
     /// Called when the system is set up, before the first step.
     ///
     /// # Errors
     /// The sink cannot take results: the run ends.
-    fn start(&mut self, start: &RunStart) -> Result<(), OutputError>;
+    fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        let _ = start;
+        Ok(())
+    }
     /// Called after each step.
     ///
     /// # Errors
     /// The step cannot be kept: the run ends.
-    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError>;
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        let _ = now;
+        Ok(())
+    }
     /// Called when the run is over; `last` is the last good step, whatever the outcome.
     ///
     /// # Errors
     /// The results cannot be kept.
-    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError>;
+    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        let _ = last;
+        Ok(())
+    }
     /// Called instead of `last` if the run was asked to stop; the sink should finish soon.
     ///
     /// # Errors
@@ -141,7 +153,10 @@ pub trait Sink {
     ///
     /// # Errors
     /// The results cannot be kept.
-    fn finish(&mut self, summary: &Summary) -> Result<(), OutputError>;
+    fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {
+        let _ = summary;
+        Ok(())
+    }
 }
 
 /// Information available when a run starts.

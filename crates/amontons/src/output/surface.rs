@@ -333,7 +333,7 @@ mod tests {
 
     use super::*;
     use crate::case::{self, Source};
-    use crate::output::{RunStart, Sink, Summary};
+    use crate::output::Sink;
     use crate::run::{self, Settings};
 
     /// Two blocks on each other, or one on a foundation, pressed, sheared and warm at the top.
@@ -384,18 +384,6 @@ mod tests {
     struct Last(Vec<Vec<SideNode>>, ContactReport);
 
     impl Sink for Last {
-        fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-            Ok(())
-        }
-
-        fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-            Ok(())
-        }
-
-        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
-            Ok(())
-        }
-
         fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
             self.1 = last.report.unwrap().contact.clone();
             let boundary = boundary(last, &self.1);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::adjoint::Parameter;
 use crate::adjoint::stencil::{STEP, central};
-use crate::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use crate::output::{OutputError, Sink, Snapshot};
 use crate::problem::{Fault, Problem};
 use crate::stability::{DifferentiableModes, Modes, Reason, Search, StabilityError, SteadyState, modes};
 use crate::state::State;
@@ -55,14 +55,6 @@ struct OfLastState<'a, T> {
 }
 
 impl<T> Sink for OfLastState<'_, T> {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn step(&mut self, _now: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-
     fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
         let Snapshot { problem, discretization: discrete, state, report: Some(report), .. } = *last else {
             return Ok(());
@@ -70,10 +62,6 @@ impl<T> Sink for OfLastState<'_, T> {
         if state.is_last(&problem.timeline) {
             self.found = (self.take)(SteadyState { problem, discrete, state, report });
         }
-        Ok(())
-    }
-
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

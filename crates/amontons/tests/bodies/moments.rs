@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use amontons::case::{Case, Source};
 use amontons::field::Field;
-use amontons::output::{Memory, OutputError, Probe, ProbePlace, ProbeSet, RunStart, Sink, Snapshot, Summary, Take};
+use amontons::output::{Memory, OutputError, Probe, ProbePlace, ProbeSet, Sink, Snapshot, Take};
 use amontons::problem::Problem;
 use amontons::run::run;
 use amontons::tensor::{Point, Rotation, length};
@@ -22,17 +22,8 @@ fn probe(quantity: &str, on: &str, about: Option<Point>) -> Probe {
 fn values(problem: &Problem, probes: &[Probe]) -> (Vec<f64>, Memory) {
     struct Last(ProbeSet, Vec<f64>);
     impl Sink for Last {
-        fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-            Ok(())
-        }
         fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
             self.1 = self.0.values(now);
-            Ok(())
-        }
-        fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-            Ok(())
-        }
-        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
             Ok(())
         }
     }

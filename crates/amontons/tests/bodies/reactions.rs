@@ -7,7 +7,7 @@ use std::fs;
 use crate::at_rest::{folder, options, parse, probe, read, settings};
 use crate::common::told;
 use amontons::case::{Case, Source};
-use amontons::output::{Folder, Memory, ProbeSet, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{Folder, Memory, ProbeSet, Sink, Snapshot};
 use amontons::output::{OutputError, ProbePlace, Take};
 use amontons::run::run;
 
@@ -31,17 +31,8 @@ fn read_probe(name: &str, quantity: &str, on: &str) -> String {
 fn rows(case: &Case) -> Vec<(Vec<f64>, [f64; 3])> {
     struct Rows(ProbeSet, Vec<(Vec<f64>, [f64; 3])>);
     impl Sink for Rows {
-        fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-            Ok(())
-        }
         fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
             self.1.push((self.0.values(now), now.report.unwrap().contact.force));
-            Ok(())
-        }
-        fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-            Ok(())
-        }
-        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
             Ok(())
         }
     }

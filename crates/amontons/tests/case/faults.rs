@@ -315,9 +315,11 @@ spoiled! {
     residual_above_the_peak: "" => "" set "contact.normal={ law = 'softening', stiffness = 1e4, peak = 1, softening = 1e3, residual = 2 }"
         "--set contact.normal={ law = 'softening', stiffness = 1e4, peak = 1, softening = 1e3, residual = 2 }: contact.normal.residual: found 2.0, expected at most the peak, 1.0";
     accuracy_of_nothing_known: "" => "" set "accuracy={ of = ['elastics'], relative = 0.01 }"
-        "--set accuracy={ of = ['elastics'], relative = 0.01 }: accuracy.of[0]: found \"elastics\", expected the name of a probe, or of a column of history.csv; did you mean \"elastic\"?";
+        "--set accuracy={ of = ['elastics'], relative = 0.01 }: accuracy.of[0]: found \"elastics\", expected the name of a probe, or of a column of history.csv with a unit; did you mean \"elastic\"?";
     accuracy_of_nothing: "" => "" set "accuracy={ of = [], relative = 0.01 }"
-        "--set accuracy={ of = [], relative = 0.01 }: accuracy.of: found no name, expected the name of a probe, or of a column of history.csv";
+        "--set accuracy={ of = [], relative = 0.01 }: accuracy.of: found no name, expected the name of a probe, or of a column of history.csv with a unit";
+    accuracy_of_a_count: "" => "" set "accuracy={ of = ['stick'], relative = 0.01 }"
+        "--set accuracy={ of = ['stick'], relative = 0.01 }: accuracy.of[0]: found \"stick\", expected the name of a probe, or of a column of history.csv with a unit; add a [[probe]] to the case";
     accuracy_of_all: "" => "" set "accuracy={ of = ['elastic'], relative = 1 }"
         "--set accuracy={ of = ['elastic'], relative = 1 }: accuracy.relative: found 1.0, expected a part of the number between 0 and 1, such as 0.01";
     exponent_below_one: "" => "" set "contact.normal={ law = 'power', stiffness = 1e4, exponent = 0.5 }"

@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};
 use amontons::material::StressState;
-use amontons::output::{
-    FolderOptions, OutputError, Probe, ProbePlace, ProbeSet, Quantity, RunStart, Sink, Snapshot, Summary,
-};
+use amontons::output::{FolderOptions, OutputError, Probe, ProbePlace, ProbeSet, Quantity, RunStart, Sink};
 use amontons::run::{Settings, run};
 use amontons::tensor::Sym;
 
@@ -59,15 +57,6 @@ pub fn read(case: &Case, probes: &[Probe]) -> Vec<f64> {
     impl Sink for Start {
         fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
             self.1 = self.0.values(&start.from);
-            Ok(())
-        }
-        fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-            Ok(())
-        }
-        fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-            Ok(())
-        }
-        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
             Ok(())
         }
     }

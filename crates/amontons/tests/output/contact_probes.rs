@@ -2,7 +2,7 @@
 //! them.
 
 use amontons::case::{self, Case, Source};
-use amontons::output::{OutputError, ProbeSet, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{OutputError, ProbeSet, Sink, Snapshot};
 use amontons::run::{Settings, run};
 
 const BODY: &str = body!(
@@ -66,9 +66,6 @@ impl End {
 }
 
 impl Sink for End {
-    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         let probes = self.probes.as_ref().unwrap();
         self.values = probes.columns().iter().cloned().zip(probes.values(now)).collect();
@@ -79,12 +76,6 @@ impl Sink for End {
                 (point.x, point.weight, state.pressure, state.q.map(|q| -q), state.slip, *wear)
             })
             .collect();
-        Ok(())
-    }
-    fn last(&mut self, _now: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }

@@ -13,7 +13,7 @@ use crate::common::{self, told};
 use amontons::case::{self, Case, Source};
 use amontons::material::StressState;
 use amontons::output::{Checkpoint, Folder, Memory, Probe, Sink, Take};
-use amontons::output::{OutputError, ProbePlace, RunStart, Snapshot, Summary};
+use amontons::output::{OutputError, ProbePlace, Snapshot};
 use amontons::run::{Settings, resume, run};
 use amontons::tensor::Sym;
 use amontons::verify::verify;
@@ -196,17 +196,8 @@ fn probes_go_on_with_the_run() {
     /// Ends a run after its third step.
     struct Stop(std::sync::Arc<std::sync::atomic::AtomicBool>);
     impl Sink for Stop {
-        fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-            Ok(())
-        }
         fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
             self.0.store(now.state.step == 3, std::sync::atomic::Ordering::Relaxed);
-            Ok(())
-        }
-        fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-            Ok(())
-        }
-        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
             Ok(())
         }
     }

@@ -2,7 +2,7 @@
 //! points changes what a pair means.
 
 use amontons::case::{self, Case, Source};
-use amontons::output::{Memory, OutputError, ProbeSet, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{Memory, OutputError, ProbeSet, Sink, Snapshot, Summary};
 use amontons::run::{self, Settings};
 use amontons::state::State;
 
@@ -160,19 +160,10 @@ fn the_turn_of_a_pair_of_revolution_is_that_of_with() {
 struct Probes(Option<ProbeSet>, Vec<(String, f64)>);
 
 impl Sink for Probes {
-    fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
-        Ok(())
-    }
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         if let Some(set) = &self.0 {
             self.1 = set.columns().iter().cloned().zip(set.values(now)).collect();
         }
-        Ok(())
-    }
-    fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
-        Ok(())
-    }
-    fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
         Ok(())
     }
 }
