@@ -140,7 +140,8 @@ fn values(request: &AccuracyRequest, of: &[String], common: &Common) -> Result<R
         let level = match news {
             AccuracyNews::Level(level) => level,
             AccuracyNews::Steps(steps, change) => {
-                let so_far = format!("{:>25} {steps:>7}  changed by {} by halving the steps\n", "", per_cent(change));
+                let so_far =
+                    format!("{:>25} {steps:>7}  halving the steps changed a number by {}\n", "", per_cent(change));
                 return tell(&so_far, common);
             }
         };
@@ -150,10 +151,11 @@ fn values(request: &AccuracyRequest, of: &[String], common: &Common) -> Result<R
             goals.iter().map(|goal| format!("{} ({})", with_bar(&goal.row), per_cent(goal.relative))).collect();
         tell(&format!("{head}{}\n", lines.join(&format!("\n{:>width$}", "", width = head.len()))), common);
         if let Some(why) = unweighted.as_ref().filter(|_| !said) {
-            tell(
-                &format!("{:>5} cells are refined where stresses and fluxes jump, without derivatives: {why}\n", ""),
-                common,
-            );
+            // What else there are gradients of is no help here.
+            let why = why.split(", expected").next().unwrap_or(why);
+            let text =
+                "the cells with the largest jumps of stress and heat flux are refined: these numbers have no gradients";
+            tell(&format!("{:>5} {text} ({why})\n", ""), common);
             said = true;
         }
         number += 1;

@@ -96,7 +96,7 @@ pub fn of_values(
         levels.push(made.level);
         let corner = "its bar does not fall with finer cells and steps: the number may have no limit, as a maximum at a \
                       corner";
-        let ending = if worst <= request.relative && (levels.len() > 1 || made.marked.is_empty()) {
+        let ending = if worst <= request.relative && (levels.len() > 1 || made.next.is_none()) {
             Some(AccuracyEnding::Reached)
         } else if let Some(why) = made.stands {
             Some(AccuracyEnding::Stands(why))
@@ -108,9 +108,7 @@ pub fn of_values(
         if let Some(ending) = ending {
             return Ok(AccurateCase { case: made.case, levels, ending });
         }
-        if !made.marked.is_empty() {
-            refining.rounds.marked.push(MarkedCells::These(made.marked));
-        }
+        refining.rounds.marked.extend(made.next);
         last = Some(made.case);
     }
 }
@@ -132,7 +130,7 @@ struct MadeLevel {
     level: ValueLevel,
     case: Case,
     /// The cells to refine next, if the mesh is too coarse.
-    marked: Vec<usize>,
+    next: Option<MarkedCells>,
     /// Why halving steps is no use, if it is none.
     stands: Option<String>,
 }
@@ -231,7 +229,7 @@ impl Refining<'_> {
             bars,
             unweighted: None,
         };
-        let mut marked = Vec::new();
+        let mut next = None;
         let asked = self.request.relative;
         // A first level may hit the same number twice by chance: a second one shows it.
         if is_first && level.worst() > 0.0 || level.worst() > asked {
@@ -243,12 +241,25 @@ impl Refining<'_> {
             if is_first || shares(|row| row.mesh) > (1.0 - OF_STEPS) * asked {
                 let most = goals.iter().map(|goal| (goal, asked * goal.scale(fine.end())));
                 let most: Vec<(&Goal, f64)> = most.filter(|(_, most)| *most > 0.0).collect();
-                let found = marks::marked(&whole.case, &whole.jumps, &most, self.request).map_err(interrupted)?;
-                (marked, level.unweighted) = found;
+                (next, level.unweighted) = self.marked(&whole, &most)?;
             }
             self.parts *= if of_steps > OF_STEPS * asked { 2 } else { 1 };
         }
-        Ok(MadeLevel { level, case: fine.case, marked, stands })
+        Ok(MadeLevel { level, case: fine.case, next, stands })
+    }
+
+    /// The cells to refine, if any cause an error, and why derivatives do not weight them if they do not. The sides of a
+    /// sector have to keep the same mesh: it is refined as a whole.
+    fn marked(
+        &self,
+        whole: &LevelRun,
+        goals: &[(&Goal, f64)],
+    ) -> Result<(Option<MarkedCells>, Option<String>), AccuracyError> {
+        if !whole.case.problem.cyclic.is_empty() {
+            return Ok((Some(MarkedCells::All), None));
+        }
+        let (cells, unweighted) = marks::marked(&whole.case, &whole.jumps, goals, self.request).map_err(interrupted)?;
+        Ok(((!cells.is_empty()).then_some(MarkedCells::These(cells)), unweighted))
     }
 }
 

@@ -97,6 +97,21 @@ fn the_pressure_of_a_press_fit_has_a_bar_above_its_error() {
     assert!(found.levels.len() > 1);
 }
 
+/// The sides of a sector keep the same mesh: it is refined as a whole. Closed form: u_y = 5.2e-3 (1 − 1/r²) x.
+#[test]
+fn a_sector_is_refined_as_a_whole() {
+    let sector = with_probe(
+        &format!("{BENCHMARKS}/twisted-sector.toml"),
+        "name = \"q\"\nquantity = \"displacement_y\"\nat = [1.7, 0.4]",
+    );
+    let found = refined(&sector, &["mesh.elements=\"P1\""], "q", 0.0005).expect("levels");
+    assert!(found.ending == AccuracyEnding::Reached && found.levels.len() > 2, "{:?}", found.ending);
+    let exact = 5.2e-3 * (1.0 - 1.0 / (1.7_f64.powi(2) + 0.4_f64.powi(2))) * 1.7;
+    for (value, bar) in numbers(&found).into_iter().skip(1) {
+        assert!((value - exact).abs() <= bar, "{value} +- {bar}, exact {exact}");
+    }
+}
+
 /// A block between two plates, whose clamped corners have singular stresses.
 const CLAMPED: &str = r#"
 name = "clamped"
