@@ -241,25 +241,23 @@ impl Refining<'_> {
             if is_first || shares(|row| row.mesh) > (1.0 - OF_STEPS) * asked {
                 let most = goals.iter().map(|goal| (goal, asked * goal.scale(fine.end())));
                 let most: Vec<(&Goal, f64)> = most.filter(|(_, most)| *most > 0.0).collect();
-                (next, level.unweighted) = self.marked(&whole, &most)?;
+                let (cells, unweighted) = self.marked(&whole, &most)?;
+                (next, level.unweighted) = (Some(cells), unweighted);
             }
             self.parts *= if of_steps > OF_STEPS * asked { 2 } else { 1 };
         }
         Ok(MadeLevel { level, case: fine.case, next, stands })
     }
 
-    /// The cells to refine, if any cause an error, and why derivatives do not weight them if they do not. The sides of a
-    /// sector have to keep the same mesh: it is refined as a whole.
-    fn marked(
-        &self,
-        whole: &LevelRun,
-        goals: &[(&Goal, f64)],
-    ) -> Result<(Option<MarkedCells>, Option<String>), AccuracyError> {
+    /// The cells to refine, and why derivatives do not weight them if they do not. The sides of a sector have to keep the
+    /// same mesh: it is refined as a whole. So is a mesh without jumps, as that of bodies under uniform stress, whose
+    /// sides alone make an error.
+    fn marked(&self, whole: &LevelRun, goals: &[(&Goal, f64)]) -> Result<(MarkedCells, Option<String>), AccuracyError> {
         if !whole.case.problem.cyclic.is_empty() {
-            return Ok((Some(MarkedCells::All), None));
+            return Ok((MarkedCells::All, None));
         }
         let (cells, unweighted) = marks::marked(&whole.case, &whole.jumps, goals, self.request).map_err(interrupted)?;
-        Ok(((!cells.is_empty()).then_some(MarkedCells::These(cells)), unweighted))
+        Ok((if cells.is_empty() { MarkedCells::All } else { MarkedCells::These(cells) }, unweighted))
     }
 }
 
