@@ -249,9 +249,9 @@ impl Refining<'_> {
         Ok(MadeLevel { level, case: fine.case, next, stands })
     }
 
-    /// The cells to refine, and why derivatives do not weight them if they do not. The sides of a sector have to keep the
-    /// same mesh: it is refined as a whole. So is a mesh without jumps, as that of bodies under uniform stress, whose
-    /// sides alone make an error.
+    /// The cells to refine, and why derivatives do not weight them if they do not. The sides of a sector have to keep
+    /// the same mesh: it is refined as a whole. So is a mesh without jumps, as that of bodies under uniform stress,
+    /// whose sides alone make an error.
     fn marked(&self, whole: &LevelRun, goals: &[(&Goal, f64)]) -> Result<(MarkedCells, Option<String>), AccuracyError> {
         if !whole.case.problem.cyclic.is_empty() {
             return Ok((MarkedCells::All, None));
