@@ -148,8 +148,8 @@ fn run_refines_until_numbers_are_as_accurate_as_asked() {
     assert!(!none.exists());
 }
 
-/// A case that asks for an accuracy itself: its results are those of the refined case, which runs as it is, with another
-/// number of threads, too. They go with its tables when another run takes the folder.
+/// A case that asks for an accuracy itself: its results are those of the refined case, which runs as it is, with
+/// another number of threads, too. They go with its tables when another run takes the folder.
 #[test]
 fn a_case_asks_for_the_accuracy_of_its_numbers() {
     let folder = tempfile::tempdir().expect("a folder");

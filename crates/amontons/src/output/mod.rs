@@ -115,8 +115,8 @@ pub fn shown() -> Vec<Shown> {
 }
 
 /// A receiver of the results of a run. A run calls `start` once, `step` after every step, and at its end, for whatever
-/// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed. A method that a sink leaves out
-/// does nothing.
+/// reason, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed. A method that a sink leaves
+/// out does nothing.
 pub trait Sink {
     /// Called when the system is set up, before the first step.
     ///
