@@ -12,14 +12,26 @@ use amontons::mesh::Block;
 use amontons::problem::Problem;
 use amontons::time::Rule;
 
-/// Bodies that are hard for an iteration, as words of a case: quadratic and hexahedral cells, thin cells, materials 10⁴
-/// apart, a nearly incompressible one, a body that nothing but contact holds. With the most iterations that they take.
-const BODIES: [(&str, usize, &[&str]); 8] = [
+/// Bodies that are hard for an iteration, as words of a case: quadratic and hexahedral cells, flat and long cells,
+/// materials 10⁴ apart, a nearly incompressible one, a body that nothing but contact holds. With the most iterations
+/// that they take.
+const BODIES: [(&str, usize, &[&str]); 19] = [
     ("P1", 32, &[]),
     ("Q1", 30, &["mesh.elements=\"Q1\""]),
     ("P2", 65, &["mesh.elements=\"P2\"", "mesh.n=[5, 5, 5]"]),
     ("Q2", 58, &["mesh.elements=\"Q2\"", "mesh.n=[5, 5, 5]"]),
-    ("thin", 105, &["mesh.size=[1, 1, 0.02]"]),
+    ("thin", 50, &["mesh.size=[1, 1, 0.02]"]),
+    ("flat 200", 30, &["mesh.size=[200, 1, 200]"]),
+    ("flat 200, held at an edge", 60, &["mesh.size=[200, 200, 1]"]),
+    ("upright 50", 45, &["mesh.size=[1, 50, 50]"]),
+    ("long 50", 35, &["mesh.size=[1, 50, 1]"]),
+    ("oblong", 45, &["mesh.size=[400, 20, 1]"]),
+    ("flat 200, Q1", 80, &["mesh.size=[200, 1, 200]", "mesh.elements=\"Q1\""]),
+    ("flat 20, Q1, held at an edge", 80, &["mesh.size=[20, 20, 1]", "mesh.elements=\"Q1\""]),
+    ("flat 200, P2", 100, &["mesh.size=[200, 1, 200]", "mesh.elements=\"P2\"", "mesh.n=[5, 5, 5]"]),
+    ("flat 10, P2, held at an edge", 115, &["mesh.size=[10, 10, 1]", "mesh.elements=\"P2\"", "mesh.n=[5, 5, 5]"]),
+    ("flat 200, Q2", 115, &["mesh.size=[200, 1, 200]", "mesh.elements=\"Q2\"", "mesh.n=[5, 5, 5]"]),
+    ("flat 10, Q2, held at an edge", 100, &["mesh.size=[10, 10, 1]", "mesh.elements=\"Q2\"", "mesh.n=[5, 5, 5]"]),
     (
         "incompressible",
         360,
@@ -72,6 +84,7 @@ fn halved(problem: &Problem) -> Problem {
 /// A preconditioned iteration takes a few dozen products whatever the body, and leaves what double precision leaves.
 #[test]
 fn hard_bodies_take_few_iterations() {
+    let mut wrong = Vec::new();
     for (name, most, overrides) in BODIES {
         let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
         let case = case::parse(&Source::new("body.toml", BODY), &overrides).unwrap_or_else(|f| panic!("{name}: {f}"));
@@ -92,8 +105,11 @@ fn hard_bodies_take_few_iterations() {
         let left = norm(&mut sum.iter().zip(&b).map(|(s, b)| s - b)) / norm(&mut b.iter().copied());
         println!("{name}: {} unknowns, {} iterations, {left:.1e}", b.len(), system.iterations());
         assert!(left <= 1e-11, "{name}: {left:.1e} after {} iterations", system.iterations());
-        assert!(system.iterations() <= most, "{name}: {} iterations", system.iterations());
+        if system.iterations() > most {
+            wrong.push(format!("{name}: {} iterations", system.iterations()));
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }
 
 /// A body pressed onto a curved foundation and dragged over it, with friction at Gauss points, more of which act than

@@ -1,41 +1,123 @@
-//! Aggregates of nodes with their modes: the coarse spaces of smoothed aggregation.
+//! Aggregates of strongly coupled nodes: the nodes of the coarser levels of smoothed aggregation.
 //!
 //! P. Vaněk, J. Mandel, M. Brezina, "Algebraic multigrid by smoothed aggregation for second and fourth order elliptic
 //! problems", Computing 56 (1996) 179–196.
 
-use super::blocks::{BlockRowBuilder, BlockRowMatrix};
+use rayon::prelude::*;
 
-/// Fraction of √(‖A_ii‖ ‖A_jj‖) above which two nodes are strongly coupled.
-const STRONG: f64 = 0.02;
-/// Fraction of its length below which a mode of an aggregate counts as a combination of those before.
-const DEPENDENT: f64 = 1e-6;
+use super::blocks::BlockRowMatrix;
+use crate::tensor::Point;
+
+/// Fraction of √(s_i s_j) above which two nodes are strongly coupled; s_i is the largest s_ij with j ≠ i. In cells as
+/// wide as high all neighbours are, in cells four times as wide as high those across alone.
+const STRONG: f64 = 0.15;
+/// Mean number of nodes of an aggregate below which neighbouring aggregates are joined: a row of nodes has aggregates of
+/// three, and with the six unknowns of a coarse node its levels would be larger than the matrix.
+const FEW: usize = 5;
+
+/// Nodes per task.
+const NODES: usize = 1024;
+
+/// Neighbours of each node.
+pub(super) struct Neighbours {
+    start: Vec<u32>,
+    nodes: Vec<u32>,
+}
+
+impl Neighbours {
+    /// Neighbours of `count` nodes: `add` adds those of a node.
+    fn by_rows(count: usize, add: impl Fn(usize, &mut Vec<u32>) + Sync) -> Neighbours {
+        let row = |i: usize| {
+            let mut row = Vec::new();
+            add(i, &mut row);
+            row
+        };
+        let rows: Vec<Vec<u32>> = (0..count).into_par_iter().with_min_len(NODES).map(row).collect();
+        let mut start = vec![0];
+        start.extend(rows.iter().scan(0, |end, row| {
+            *end += row.len() as u32;
+            Some(*end)
+        }));
+        Neighbours { start, nodes: rows.concat() }
+    }
+
+    /// Neighbours of a node, in ascending order.
+    pub fn of(&self, node: usize) -> &[u32] {
+        &self.nodes[self.start[node] as usize..self.start[node + 1] as usize]
+    }
+}
 
 /// Aggregate per node, or `None` for a node that no unknown of the coarse space moves.
 pub(super) type Aggregates = Vec<Option<u32>>;
 
-/// Strongly coupled neighbours per node, the node itself not included.
-pub(super) fn strong(matrix: &BlockRowMatrix<f64>) -> BlockRowMatrix<f64> {
-    let norm = |block: &[f64]| block.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let diagonal: Vec<f64> =
-        (0..matrix.len()).map(|i| matrix.row(i).find(|(j, _)| *j == i).map_or(0.0, |(_, block)| norm(block))).collect();
-    BlockRowMatrix::from_rows(matrix.len(), matrix.width, [0, 0], |range| {
-        let mut rows = BlockRowBuilder::default();
-        for i in range {
-            let joined =
-                |&(j, block): &(usize, &[f64])| j != i && norm(block) > STRONG * (diagonal[i] * diagonal[j]).sqrt();
-            rows.columns.extend(matrix.row(i).filter(joined).map(|(j, _)| j as u32));
-            rows.ends.push(rows.columns.len() as u32);
-        }
-        rows
+/// Strongly coupled neighbours per node, the node itself not included: along their couplings, error that the smoother
+/// leaves varies slowly. Two measures have to agree, s_ij = ‖A_ij‖ and s_ij = 1/|x_i − x_j|². The first one sees
+/// coefficients; the second one sees flat hexahedra and quadratic cells, whose matrices have large entries sideways, as
+/// a mass matrix has them. `points` may be empty: then the first measure decides.
+pub(super) fn strong(matrix: &BlockRowMatrix<f64>, points: &[Point]) -> Neighbours {
+    let norm = |_: usize, (_, block): (usize, &[f64])| block.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let near = |i: usize, (j, _): (usize, &[f64])| match (points.get(i), points.get(j)) {
+        (Some(x), Some(y)) => (0..3).map(|c| (x[c] - y[c]).powi(2)).sum::<f64>().recip(),
+        _ => 1.0,
+    };
+    let largest = |measure: &(dyn Fn(usize, (usize, &[f64])) -> f64 + Sync)| -> Vec<f64> {
+        let of_row = |i: usize| {
+            let others = matrix.row(i).filter(|(j, _)| *j != i).map(|other| measure(i, other));
+            others.filter(|s| s.is_finite()).fold(0.0, f64::max)
+        };
+        (0..matrix.len()).into_par_iter().with_min_len(NODES).map(of_row).collect()
+    };
+    let (largest_norm, nearest) = (largest(&norm), largest(&near));
+    Neighbours::by_rows(matrix.len(), |i, row| {
+        let exceeds = |s: f64, of: &[f64], j: usize| s > STRONG * (of[i] * of[j]).sqrt();
+        let is_strong = |&other: &(usize, &[f64])| {
+            let j = other.0;
+            j != i && exceeds(norm(i, other), &largest_norm, j) && exceeds(near(i, other), &nearest, j)
+        };
+        row.extend(matrix.row(i).filter(is_strong).map(|(j, _)| j as u32));
     })
 }
 
-/// Groups nodes into aggregates: a node without an aggregated neighbour takes all its neighbours; the remaining nodes
-/// join the aggregate of a neighbour, or form one with remaining neighbours.
-pub(super) fn aggregates(strong: &BlockRowMatrix<f64>, takes_part: &[bool]) -> (Aggregates, usize) {
+/// Mean points of the nodes of each aggregate.
+pub(super) fn centers(of: &Aggregates, count: usize, points: &[Point]) -> Vec<Point> {
+    let mut sums = vec![([0.0; 3], 0.0); count];
+    for (aggregate, point) in of.iter().zip(points) {
+        if let Some((sum, nodes)) = aggregate.and_then(|a| sums.get_mut(a as usize)) {
+            sum.iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
+            *nodes += 1.0;
+        }
+    }
+    if points.is_empty() { Vec::new() } else { sums.into_iter().map(|(sum, nodes)| sum.map(|x| x / nodes)).collect() }
+}
+
+/// Groups nodes into aggregates of strongly coupled nodes, and groups of few nodes once more.
+pub(super) fn aggregates(strong: &Neighbours, takes_part: &[bool]) -> (Aggregates, usize) {
+    let (of, count) = grouped(strong, takes_part);
+    let nodes = takes_part.iter().filter(|takes_part| **takes_part).count();
+    if nodes >= FEW * count {
+        return (of, count);
+    }
+    let mut members = vec![Vec::new(); count];
+    for (i, aggregate) in of.iter().enumerate() {
+        if let Some(a) = aggregate {
+            members[*a as usize].push(i);
+        }
+    }
+    let between = Neighbours::by_rows(count, |a, row| {
+        let near = members[a].iter().flat_map(|&i| strong.of(i)).filter_map(|&j| of[j as usize]);
+        row.extend(near.filter(|b| *b as usize != a));
+        row.sort_unstable();
+        row.dedup();
+    });
+    let (joined, count) = grouped(&between, &vec![true; count]);
+    (of.into_iter().map(|aggregate| aggregate.and_then(|a| joined[a as usize])).collect(), count)
+}
+
+/// Groups nodes: a node without a grouped neighbour takes all its neighbours; the remaining nodes join the group of a
+/// neighbour, or form one with remaining neighbours.
+fn grouped(near: &Neighbours, takes_part: &[bool]) -> (Aggregates, usize) {
     let n = takes_part.len();
-    let neighbours =
-        |i: usize| strong.columns[strong.start[i] as usize..strong.start[i + 1] as usize].iter().map(|&j| j as usize);
+    let neighbours = |i: usize| near.of(i).iter().map(|&j| j as usize);
     let (mut of, mut count): (Aggregates, u32) = (vec![None; n], 0);
     for i in (0..n).filter(|&i| takes_part[i]) {
         if of[i].is_none() && neighbours(i).all(|j| of[j].is_none()) && neighbours(i).any(|j| takes_part[j]) {
@@ -62,75 +144,4 @@ pub(super) fn aggregates(strong: &BlockRowMatrix<f64>, takes_part: &[bool]) -> (
         }
     }
     (of, count as usize)
-}
-
-/// The tentative prolongation, with the modes of the finer level as an orthonormal basis per aggregate, and the coarse
-/// modes in this basis. `modes` has a block of `size` × m per node.
-pub(super) fn tentative(
-    of: &Aggregates,
-    count: usize,
-    modes: &[f64],
-    [size, m]: [usize; 2],
-) -> (BlockRowMatrix<f64>, Vec<f64>) {
-    let mut members = vec![Vec::new(); count];
-    for (i, aggregate) in of.iter().enumerate() {
-        if let Some(a) = aggregate {
-            members[*a as usize].push(i);
-        }
-    }
-    let (mut basis, mut coarse) = (vec![0.0; of.len() * size * m], vec![0.0; count * m * m]);
-    for (aggregate, nodes) in members.iter().enumerate() {
-        let mut columns: Vec<Vec<f64>> = (0..m)
-            .map(|k| nodes.iter().flat_map(|&i| (0..size).map(move |c| modes[(i * size + c) * m + k])).collect())
-            .collect();
-        let r = &mut coarse[aggregate * m * m..][..m * m];
-        orthonormalize(&mut columns, r);
-        for (k, column) in columns.iter().enumerate() {
-            for (value, (&i, c)) in column.iter().zip(nodes.iter().flat_map(|i| (0..size).map(move |c| (i, c)))) {
-                basis[(i * size + c) * m + k] = *value;
-            }
-        }
-    }
-    let prolongation = BlockRowMatrix::from_rows(of.len(), count, [size, m], |range| {
-        let mut rows = BlockRowBuilder::default();
-        for i in range {
-            if let Some(a) = of[i] {
-                rows.columns.push(a);
-                rows.values.extend(&basis[i * size * m..][..size * m]);
-            }
-            rows.ends.push(rows.columns.len() as u32);
-        }
-        rows
-    });
-    (prolongation, coarse)
-}
-
-/// Makes columns orthonormal, and linearly dependent ones zero; `r` is the upper triangle, by rows.
-fn orthonormalize(columns: &mut [Vec<f64>], r: &mut [f64]) {
-    let m = columns.len();
-    for k in 0..m {
-        let (before, rest) = columns.split_at_mut(k);
-        let column = &mut rest[0];
-        let size = dot(column, column).sqrt();
-        for _ in 0..2 {
-            for (l, other) in before.iter().enumerate() {
-                let c = dot(other, column);
-                r[l * m + k] += c;
-                column.iter_mut().zip(other).for_each(|(v, o)| *v -= c * o);
-            }
-        }
-        let length = dot(column, column).sqrt();
-        if length > DEPENDENT * size {
-            r[k * m + k] = length;
-            for v in column.iter_mut() {
-                *v /= length;
-            }
-        } else {
-            column.fill(0.0);
-        }
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

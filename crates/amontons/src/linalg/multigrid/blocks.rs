@@ -171,20 +171,6 @@ impl<T: Real> BlockRowMatrix<T> {
         BlockPattern { start: &self.start, columns: &self.columns }
     }
 
-    /// Changes the blocks of each row. `change` gets the number of the row, the columns of its blocks and the blocks.
-    pub fn change_rows(&mut self, change: impl Fn(usize, &[u32], &mut [T]) + Sync) {
-        let BlockRowMatrix { shape: [r, c], start, columns, values, .. } = self;
-        let (start, columns) = (&start[..], &columns[..]);
-        parted(values, start, *r * *c, CHUNK).into_par_iter().for_each(|(rows, mut values)| {
-            for i in rows {
-                let range = start[i] as usize..start[i + 1] as usize;
-                let (own, others) = values.split_at_mut(range.len() * *r * *c);
-                values = others;
-                change(i, &columns[range], own);
-            }
-        });
-    }
-
     /// Computes y = A x, or y += A x if `adds`.
     pub fn apply(&self, x: &[T], y: &mut [T], adds: bool) {
         let [r, c] = self.shape;

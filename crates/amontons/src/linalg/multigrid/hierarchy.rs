@@ -4,12 +4,14 @@
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
-use super::aggregate::{aggregates, strong, tentative};
+use super::aggregate::{aggregates, centers, strong};
 use super::blocks::{BlockRowMatrix, add_product};
+use super::prolongation::{ProlongationSmoother, tentative};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Lu, Square};
 use crate::linalg::stop::StopFlag;
 use crate::linalg::vectors::{BLOCK, dot, max_abs};
+use crate::tensor::Point;
 
 /// Number of unknowns below which a level is solved with a dense factor, and largest number of levels.
 const COARSEST: usize = 600;
@@ -73,6 +75,8 @@ struct Changed {
 pub(super) struct HierarchyPlan<'a> {
     /// Matrix, with unit blocks at degrees of freedom that are left out.
     pub matrix: &'a BlockRowMatrix<f64>,
+    /// Point per node, or nothing.
+    pub points: &'a [Point],
     /// Zero-energy modes: a block of `size` × m per node.
     pub modes: &'a [f64],
     pub count: usize,
@@ -91,6 +95,7 @@ impl Hierarchy {
             plan.takes_part.chunks_exact(size).map(|node| node.iter().any(|t| *t)).collect();
         let mut masked: Option<Vec<bool>> = Some(plan.takes_part.to_vec());
         let (mut matrix, mut modes) = (std::borrow::Cow::Borrowed(plan.matrix), plan.modes.to_vec());
+        let mut points = plan.points.to_vec();
         let mut levels = Vec::new();
         loop {
             plan.stop.go_on()?;
@@ -113,17 +118,21 @@ impl Hierarchy {
                 levels.push(single(None));
                 break;
             }
-            let (of, count) = aggregates(&strong(&matrix), &takes_part);
+            let strong = strong(&matrix, &points);
+            let (of, count) = aggregates(&strong, &takes_part);
             if 2 * count > matrix.len() {
                 levels.push(single(None));
                 break;
             }
             let (tentative, coarse_modes) = tentative(&of, count, &modes, [level_size, plan.count]);
-            let smoothed = smoothed(&matrix, &diagonal, &tentative, largest, masked.take().as_deref());
+            let smoother = ProlongationSmoother { matrix: &matrix, strong: &strong, diagonal: &diagonal, largest };
+            let smoothed = smoother.smoothed(&tentative, masked.take().as_deref());
+            drop(strong);
             let restriction = smoothed.transposed();
             let coarse = with_unit_blocks(restriction.around(&matrix, &smoothed));
             levels.push(single(Some([smoothed.single(1.0), restriction.single(1.0)])));
             (matrix, modes) = (std::borrow::Cow::Owned(coarse), coarse_modes);
+            points = centers(&of, count, &points);
             takes_part = vec![true; count];
         }
         let is_small = matrix.len() * matrix.shape[0] <= COARSEST;
@@ -336,34 +345,6 @@ fn size(block: &[f32], n: usize) -> f64 {
     };
     let largest = |stride, from| (0..n).map(|k| sum(k, stride, from)).fold(0.0, f64::max);
     (largest(1, n) * largest(n, 1)).sqrt()
-}
-
-/// Smoothed prolongation P = (I − 4/3λ D⁻¹A) T, with λ the largest eigenvalue of D⁻¹A. Rows of degrees of freedom that
-/// are left out are zero.
-fn smoothed(
-    matrix: &BlockRowMatrix<f64>,
-    diagonal: &[f64],
-    tentative: &BlockRowMatrix<f64>,
-    largest: f64,
-    takes_part: Option<&[bool]>,
-) -> BlockRowMatrix<f64> {
-    let (mut smoothed, n, m) = (matrix.times(tentative), tentative.shape[0], tentative.shape[1]);
-    let omega = 4.0 / (3.0 * largest);
-    smoothed.change_rows(|i, columns, values| {
-        let inverse = &diagonal[i * n * n..][..n * n];
-        let own = tentative.row(i).next();
-        let mut product = vec![0.0; n * m];
-        for (&j, block) in columns.iter().zip(values.chunks_exact_mut(n * m)) {
-            product.fill(0.0);
-            add_product(inverse, block, &mut product, [n, n, m]);
-            let tentative = own.filter(|(a, _)| *a == j as usize).map(|(_, t)| t);
-            for (k, value) in block.iter_mut().enumerate() {
-                let is_left_out = takes_part.is_some_and(|takes_part| !takes_part[i * n + k / m]);
-                *value = if is_left_out { 0.0 } else { tentative.map_or(0.0, |t| t[k]) - omega * product[k] };
-            }
-        }
-    });
-    smoothed
 }
 
 /// Gives modes that an aggregate lacks, whose diagonal entries are zero, the mean of the diagonal of the block, or 1.

@@ -1,8 +1,8 @@
 //! Iterative solver for large systems: Krylov iteration with algebraic multigrid, without a factor. All unknowns are
 //! kept, so that S is K.
 //!
-//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`], [`precondition`]) between two local
-//! solutions where contact acts ([`local`]).
+//! The preconditioner is smoothed aggregation with rigid-body modes ([`aggregate`], [`prolongation`], [`hierarchy`],
+//! [`precondition`]) between two local solutions where contact acts ([`local`]).
 
 mod aggregate;
 mod blocks;
@@ -12,6 +12,7 @@ mod local;
 mod masked;
 mod precondition;
 mod product;
+mod prolongation;
 mod relieved;
 mod surface;
 

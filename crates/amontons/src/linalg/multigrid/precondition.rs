@@ -35,8 +35,9 @@ impl Preconditioner {
         let (components, _) = body.matrix.block_shape();
         let (modes, count) = modes(body, components);
         let matrix = restricted(body);
-        let hierarchy =
-            Hierarchy::new(&HierarchyPlan { matrix: &matrix, modes: &modes, count, takes_part: body.free, stop })?;
+        let points = if body.points.len() == matrix.len() { body.points } else { &[] };
+        let plan = HierarchyPlan { matrix: &matrix, points, modes: &modes, count, takes_part: body.free, stop };
+        let hierarchy = Hierarchy::new(&plan)?;
         Ok(Preconditioner { hierarchy, local: None })
     }
 
