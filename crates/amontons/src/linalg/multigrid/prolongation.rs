@@ -137,7 +137,9 @@ impl ProlongationSmoother<'_> {
             made.values.resize(first + n * m, 0.0);
             let block = &mut made.values[first..];
             add_product(inverse, product, block, [n, n, m]);
-            block.iter_mut().for_each(|value| *value *= -omega);
+            for value in &mut *block {
+                *value *= -omega;
+            }
             if let Some((_, t)) = tentative.row(i).next().filter(|(b, _)| *b == a as usize) {
                 block.iter_mut().zip(t).for_each(|(value, t)| *value += t);
             }
