@@ -141,8 +141,9 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method from
-    /// there; where that does not end, from the body at rest if it is nearly a solution; then from the end of a path of
-    /// steps with smooth friction; and where that does not end either, by proximal steps.
+    /// there; where that does not end, from the body at rest if it is nearly a solution; then from the step without
+    /// friction, whose pattern of contact is near where much closes at once; then from the end of a path of steps with
+    /// smooth friction; and where that does not end either, by proximal steps.
     fn on_branches(
         &self,
         condensed: &mut dyn Condensed,
@@ -161,9 +162,17 @@ impl Mechanical<'_> {
             }
         }
         if made.failure.is_some() {
-            let (start, before) = self.path(condensed, right, &held)?;
-            made = iterate(self, condensed, right, start, &SECOND)?;
-            iterations += before + made.iterations;
+            let (minimum, before) = self.without_friction(condensed, right, &held)?;
+            iterations += before;
+            if self.rises() {
+                made = iterate(self, condensed, right, minimum.clone(), &FIRST)?;
+                iterations += made.iterations;
+            }
+            if made.failure.is_some() {
+                let (start, before) = self.path(condensed, right, minimum, &held)?;
+                made = iterate(self, condensed, right, start, &SECOND)?;
+                iterations += before + made.iterations;
+            }
         }
         match made.failure {
             None => Ok((made.end, iterations)),
@@ -179,13 +188,28 @@ impl Mechanical<'_> {
         Iterate { x: vec![0.0; right.guess.len()], multipliers: before.iter().enumerate().map(of).collect() }
     }
 
-    /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
-    /// then with smooth friction, ever sharper. Where the step has one solution, so has each of these (book, Theorem
-    /// 2), and smooth steps are what Newton's method is made for.
-    fn path(&self, condensed: &mut dyn Condensed, right: &Right, held: &[bool]) -> Result<(Mechanics, usize), Failure> {
-        let (x, mut iterations) =
-            if self.rises() { self.descend(condensed, right)? } else { (right.guess.to_vec(), 0) };
-        let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
+    /// The step without friction, or with it as a drag, where pressures do not fall; else the guess.
+    fn without_friction(
+        &self,
+        condensed: &mut dyn Condensed,
+        right: &Right,
+        held: &[bool],
+    ) -> Result<(Mechanics, usize), Failure> {
+        let (x, iterations) = if self.rises() { self.descend(condensed, right)? } else { (right.guess.to_vec(), 0) };
+        Ok((Iterate { multipliers: self.at_minimum(&x, held), x }, iterations))
+    }
+
+    /// A path that leads to the solution: from the step without friction on with smooth friction, ever sharper. Where
+    /// the step has one solution, so has each of these (book, Theorem 2), and smooth steps are what Newton's method is
+    /// made for.
+    fn path(
+        &self,
+        condensed: &mut dyn Condensed,
+        right: &Right,
+        mut now: Mechanics,
+        held: &[bool],
+    ) -> Result<(Mechanics, usize), Failure> {
+        let mut iterations = 0;
         let slips = |i: &usize| !self.contact(*i).friction.never_slips();
         let fastest = (0..self.interface.len()).filter(slips).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);
         let is_smooth = |contact: &Contact| contact.friction.is_frictionless() || contact.friction.never_slips();
