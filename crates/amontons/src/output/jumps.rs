@@ -1,9 +1,10 @@
 //! Jumps between cells: where a mesh is too coarse for a field.
 //!
 //! The gradient v of a discrete field jumps from cell to cell, that of a smooth one does not. At each vertex of a cell
-//! v is compared with its mean v̄ over the cells of the region around the vertex, weighted by their volumes: the square
-//! of the jumps of a cell K is the mean of |v − v̄|² over its vertices times |K|, about ∫_K |v − v̄|². It shows where
-//! an error is, not how large it is.
+//! v is compared with its mean v̄ over the cells of the region around the vertex: the square of the jumps of a cell K is
+//! the mean of |v − v̄|² over its vertices times |K|, about ∫_K |v − v̄|². It shows where an error is, not how large it
+//! is. Every cell counts alike in the mean: weighted by volumes, a large cell beside small ones would be the mean, and
+//! its own jump, which is that of its size, would vanish.
 //!
 //! Source: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Methods Eng. 24 (1987) 337–357.
 
@@ -64,14 +65,14 @@ fn squares<const N: usize>(mesh: &Mesh, values: &[Vec<[f64; N]>]) -> Vec<f64> {
         };
         let cells = |block: &'_ Block| (points(block.element).points.len(), block.element.shape.vertices());
         let mut means = vec![([0.0; N], 0.0); mesh.points.len()];
-        for (_, ((block, values), sizes)) in blocks() {
+        for (_, ((block, values), _)) in blocks() {
             let (count, vertices) = cells(block);
-            for ((cell, values), size) in block.cells().zip(values.chunks_exact(count)).zip(sizes) {
+            for (cell, values) in block.cells().zip(values.chunks_exact(count)) {
                 for (a, &node) in cell.iter().take(vertices).enumerate() {
-                    let Some((sum, weight)) = means.get_mut(node as usize) else { continue };
+                    let Some((sum, around)) = means.get_mut(node as usize) else { continue };
                     let here = at_vertex(values, a);
-                    sum.iter_mut().zip(here).for_each(|(sum, here)| *sum += size * here);
-                    *weight += size;
+                    sum.iter_mut().zip(here).for_each(|(sum, here)| *sum += here);
+                    *around += 1.0;
                 }
             }
         }
@@ -79,9 +80,9 @@ fn squares<const N: usize>(mesh: &Mesh, values: &[Vec<[f64; N]>]) -> Vec<f64> {
             let (count, vertices) = cells(block);
             let of_cell = |((cell, values), size): ((&[u32], &[[f64; N]]), &f64)| {
                 let of_vertex = |(a, node): (usize, &u32)| -> f64 {
-                    let Some((sum, weight)) = means.get(*node as usize) else { return 0.0 };
+                    let Some((sum, around)) = means.get(*node as usize) else { return 0.0 };
                     let here = at_vertex(values, a);
-                    here.iter().zip(sum).map(|(here, sum)| (here - sum / weight).powi(2)).sum()
+                    here.iter().zip(sum).map(|(here, sum)| (here - sum / around).powi(2)).sum()
                 };
                 let sum: f64 = cell.iter().take(vertices).enumerate().map(of_vertex).sum();
                 size * sum / vertices as f64
@@ -175,6 +176,10 @@ mod tests {
     fn a_kink_of_a_rod_is_shared_by_its_halves() -> Result<(), MeshError> {
         let mesh = Mesh::interval(1.0, 2, Elements::P1)?;
         assert_eq!(gradient_jumps(&mesh, 1, &[0.0, 1.0, 1.0]), [0.25, 0.25]);
+        // A half beside a quarter has twice its square.
+        let mut uneven = mesh.clone();
+        uneven.points[2][0] = 0.75;
+        assert_eq!(gradient_jumps(&uneven, 1, &[0.0, 1.0, 1.0]), [0.25, 0.125]);
         // Regions have gradients of their own.
         let mut halves = mesh.clone();
         let nodes = halves.blocks[0].nodes.split_off(2);
