@@ -11,6 +11,7 @@
 //! | `view` | arrays without copies |
 //! | `errors` | exceptions with the texts of the program |
 
+mod accuracy;
 mod attend;
 mod case;
 mod errors;
@@ -32,6 +33,7 @@ fn _amontons(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<snapshot::Snapshot>()?;
     module.add_class::<stepping::Saved>()?;
     module.add_class::<stepping::Stepping>()?;
+    module.add_function(wrap_pyfunction!(accuracy::accurate, module)?)?;
     module.add_function(wrap_pyfunction!(case::read, module)?)?;
     module.add_function(wrap_pyfunction!(case::check, module)?)?;
     module.add_function(wrap_pyfunction!(case::converge, module)?)?;

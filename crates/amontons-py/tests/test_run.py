@@ -243,6 +243,22 @@ ROD = {
 }
 
 
+def test_numbers_come_with_bars():
+    # With the body force f = 1 the stress is σ₁ + f (1 − x), σ₁ = −c (U − g + f/(2E))/(1 + c/E) = −0.78.
+    case = amontons.Case({**ROD, "load": {"body_force": [1.0]}})
+    exact = (0.22**3 + 0.78**3) / 12
+    found = case.accurate("elastic", 0.01)
+    assert found["reached"] and found["why"] is None
+    goal = found["levels"][-1]["goals"][0]
+    assert goal["name"] == "elastic" and goal["t"] == 1.0
+    assert abs(goal["value"] - exact) <= goal["bar"] <= 0.01 * exact
+    assert {row["t"] for row in found["bars"] if row["name"] == "contact_force_x"} >= {0.5, 1.0}
+    with pytest.raises(amontons.RequestError, match="between 0 and 1"):
+        case.accurate("elastic", 2)
+    with pytest.raises(amontons.RequestError, match="nothing"):
+        case.accurate(["elastic", "nothing"], 0.01)
+
+
 def test_gradient_is_that_of_a_formula():
     # u = (E U/L + c g)/(E/L + c), p = c (E/L) (U − g)/(E/L + c)
     e, c, u, g = 2.0, 3.0, 0.5, 0.1

@@ -100,6 +100,19 @@ class Case:
         slopes = np.array(table["derivatives"]).reshape(len(names), len(wrt))
         return (float(values[0]), slopes[0]) if isinstance(of, str) else (values, slopes)
 
+    def accurate(
+        self, of: Union[str, Sequence[str]], relative: float, *, threads: Optional[int] = None
+    ) -> dict[str, Any]:
+        """Numbers at the end of the run to an accuracy: cells and steps are refined until each has its bar.
+
+        `of` names probes or columns of the history or the probes, `relative` is the largest bar as a part of each
+        number. The dict has `reached`, and `why` if it is false; `levels`, each with `cells`, `nodes`, `steps` and the
+        `goals` with `value` and `bar`; and `bars`, those of all numbers of the last level at all common instants. A
+        bar is an estimate, at least the error where halving takes half of it or more.
+        """
+        names = [of] if isinstance(of, str) else list(of)
+        return json.loads(_amontons.accurate(self._checked, names, float(relative), threads))
+
     def fit(
         self,
         data: Union[str, "os.PathLike[str]", Mapping[str, Any]],
