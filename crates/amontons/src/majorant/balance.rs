@@ -10,9 +10,8 @@ use rayon::prelude::*;
 
 use super::Refused;
 use super::dense::Semidefinite;
+use super::discrete::CellStress;
 use super::skeleton::Skeleton;
-use super::stress::{StepLaws, StepMotion};
-use crate::mesh::{CellMap, FacetMap};
 use crate::tensor::{Point, length};
 
 /// What is known of the traction on a facet.
@@ -66,6 +65,11 @@ impl FacetGiven {
         self.free.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
     }
 
+    /// True if all directions are known, or none.
+    pub fn is_whole(&self, dim: usize) -> bool {
+        self.is_known() || self.kept(dim).is_empty()
+    }
+
     /// True if no direction is unknown.
     pub fn is_known(&self) -> bool {
         self.free.iter().flatten().all(|x| x.abs() < 0.5 * f64::EPSILON)
@@ -92,70 +96,37 @@ pub(super) struct CellForces {
     pub rest: Vec<Point>,
     /// ∫ f φ per vertex, N.
     pub load: Vec<Point>,
-    /// Volume, and size of the compliance.
+    /// Volume times size of the compliance, m³/Pa.
     pub softness: f64,
+    /// Volume, m³.
+    pub volume: f64,
 }
 
 /// The moments of the tractions, by facet and vertex.
-pub(super) type FacetMoments = Vec<Vec<Point>>;
+pub(super) type FacetMoments = Vec<[Point; 3]>;
 
 /// Largest part of the forces of a star that may be left unbalanced, relative to the largest force of the body: more
 /// than round-off is a force on a point or an edge.
 const LEFT: f64 = 1e-8;
 
 /// Moments of σν on the facets: the mean of both cells, weighted by their compliance over their height, and the weight.
-pub(super) fn means(
-    laws: &StepLaws,
-    skeleton: &Skeleton,
-    forces: &[CellForces],
-    motion: &StepMotion,
-) -> (FacetMoments, Vec<f64>) {
+pub(super) fn means(skeleton: &Skeleton, forces: &[CellForces], stresses: &[CellStress]) -> (FacetMoments, Vec<f64>) {
     let of_facet = |facet: usize| {
         let known = &skeleton.facets[facet];
-        let (mut sum, mut weight, mut area) = (vec![[0.0; 3]; known.vertices.len()], 0.0, 1.0);
+        let (mut sum, mut weight, mut area) = ([[0.0; 3]; 3], 0.0, 1.0);
         for &(cell, local) in &known.cells {
-            let moments;
-            (moments, area) = traction(laws, skeleton, (cell, local), motion);
+            area = stresses[cell].areas[local];
             let softness = forces[cell].softness / area;
             weight += softness;
             let sign = known.sign(cell);
-            for (sum, moment) in sum.iter_mut().zip(&moments) {
+            for (sum, moment) in sum.iter_mut().zip(&stresses[cell].moments[local]) {
                 (0..3).for_each(|c| sum[c] += sign * softness * moment[c]);
             }
         }
-        let mean = sum.iter().map(|sum| sum.map(|c| c / weight)).collect::<Vec<Point>>();
         // ∫ t² is about |b|²/|F|, and costs compliance times height.
-        (mean, weight / area)
+        (sum.map(|sum| sum.map(|c| c / weight)), weight / area)
     };
     (0..skeleton.facets.len()).into_par_iter().map(of_facet).unzip()
-}
-
-/// Moments ∫_F σν φ of the stress of a cell per vertex of a facet, and the area of the facet.
-fn traction(
-    laws: &StepLaws,
-    skeleton: &Skeleton,
-    (cell, local): (usize, usize),
-    motion: &StepMotion,
-) -> (Vec<Point>, f64) {
-    let (tables, nodes) = (skeleton.tables(cell), skeleton.nodes(laws.mesh, cell));
-    let (points, facet) = (&tables.facets[local], &skeleton.facets[skeleton.cells[cell].facets[local]]);
-    let own: Vec<u32> = tables.element.facets[local].nodes.iter().map(|&node| nodes[node]).collect();
-    let mut map = CellMap::new(laws.mesh, &points.table);
-    let mut on_facet = FacetMap::new(laws.mesh, &points.own);
-    let (mut moments, mut area) = (vec![[0.0; 3]; facet.vertices.len()], 0.0);
-    for (q, hats) in points.hats.iter().enumerate() {
-        map.at(nodes, q);
-        on_facet.at(&own, q);
-        let weight = points.own.weights[q] * on_facet.area;
-        area += weight;
-        let traction = laws.at(laws.region(skeleton, cell), &map, nodes, motion).apply(&on_facet.normal);
-        for (value, node) in hats.iter().zip(&own) {
-            if let Some(place) = facet.place(*node) {
-                (0..3).for_each(|c| moments[place][c] += weight * value * traction[c]);
-            }
-        }
-    }
-    (moments, area)
 }
 
 /// The moments of tractions that balance all cells.
@@ -174,7 +145,7 @@ pub(super) fn balanced(
     let problem = StarProblem { skeleton, dim, given, forces, means, weights, largest };
     let stars: Vec<Result<Vec<(usize, usize, Point)>, Refused>> =
         (0..skeleton.stars.len()).into_par_iter().map(|vertex| problem.solve(vertex)).collect();
-    let mut moments: FacetMoments = skeleton.facets.iter().map(|facet| vec![[0.0; 3]; facet.vertices.len()]).collect();
+    let mut moments: FacetMoments = vec![[[0.0; 3]; 3]; skeleton.facets.len()];
     for star in stars {
         for (facet, place, moment) in star? {
             moments[facet][place] = moment;
@@ -216,34 +187,20 @@ impl StarProblem<'_> {
         let mut moments: Vec<(usize, usize, Point)> =
             facets.iter().map(|&(facet, place)| (facet, place, first(facet, place))).collect();
         let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
-        let n = star.len() * d;
-        let mut matrix = vec![vec![0.0; n]; n];
         let mut right: Vec<f64> =
             star.iter().flat_map(|&(cell, local)| self.forces[cell].rest[local].into_iter().take(d)).collect();
         for &(facet, _, moment) in &moments {
-            let of = &self.skeleton.facets[facet];
-            let rows: Vec<(usize, f64)> =
-                of.cells.iter().filter_map(|&(cell, _)| Some((row(cell)?, of.sign(cell)))).collect();
-            for &(a, sign) in &rows {
+            for (a, sign) in self.rows(facet, star) {
                 (0..d).for_each(|c| right[a * d + c] -= sign * moment[c]);
-                for &(b, other) in &rows {
-                    for i in 0..d {
-                        for j in 0..d {
-                            matrix[a * d + i][b * d + j] +=
-                                sign * other * self.given[facet].free[i][j] / self.weights[facet];
-                        }
-                    }
-                }
             }
         }
-        let multipliers = Semidefinite::new(matrix.clone()).solve(&right);
-        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(&multipliers).map(|(a, x)| a * x).sum() };
-        let left = matrix.iter().zip(&right).map(|(row, right)| (right - product(row)).abs()).fold(0.0, f64::max);
-        if left > LEFT * self.largest {
-            return Err(Refused::new(
-                "a force acts on a point or an edge, where no stress of finite energy balances it",
-            ));
-        }
+        // Components are apart if each traction is known or unknown as a whole.
+        let is_apart = facets.iter().all(|&(facet, _)| self.given[facet].is_whole(d));
+        let multipliers = if is_apart {
+            self.by_component(star, &facets, &right)?
+        } else {
+            self.solution(self.matrix(star, &facets, d), &right)?
+        };
         for (facet, _, moment) in &mut moments {
             let of = &self.skeleton.facets[*facet];
             let mut sum = [0.0; 3];
@@ -256,5 +213,68 @@ impl StarProblem<'_> {
             (0..3).for_each(|c| moment[c] += change[c]);
         }
         Ok(moments)
+    }
+
+    /// The cells of a facet in a star, with signs.
+    fn rows(&self, facet: usize, star: &[(usize, usize)]) -> Vec<(usize, f64)> {
+        let of = &self.skeleton.facets[facet];
+        let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
+        of.cells.iter().filter_map(|&(cell, _)| Some((row(cell)?, of.sign(cell)))).collect()
+    }
+
+    /// The matrix of the multipliers of the cells, for the first components.
+    fn matrix(&self, star: &[(usize, usize)], facets: &[(usize, usize)], d: usize) -> Vec<Vec<f64>> {
+        let n = star.len() * d;
+        let mut matrix = vec![vec![0.0; n]; n];
+        for &(facet, _) in facets {
+            let rows = self.rows(facet, star);
+            let free = &self.given[facet].free;
+            for &(a, sign) in &rows {
+                for &(b, other) in &rows {
+                    for i in 0..d {
+                        for j in 0..d {
+                            matrix[a * d + i][b * d + j] += sign * other * free[i][j] / self.weights[facet];
+                        }
+                    }
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The multipliers of a star, one component after the other.
+    fn by_component(
+        &self,
+        star: &[(usize, usize)],
+        facets: &[(usize, usize)],
+        right: &[f64],
+    ) -> Result<Vec<f64>, Refused> {
+        let d = self.dim;
+        let matrix = self.matrix(star, facets, 1);
+        let factor = Semidefinite::new(&matrix);
+        let mut all = vec![0.0; right.len()];
+        for c in 0..d {
+            let own: Vec<f64> = right.iter().skip(c).step_by(d).copied().collect();
+            let solution = self.tested((&matrix, &factor), &own)?;
+            all.iter_mut().skip(c).step_by(d).zip(solution).for_each(|(all, x)| *all = x);
+        }
+        Ok(all)
+    }
+
+    fn solution(&self, matrix: Vec<Vec<f64>>, right: &[f64]) -> Result<Vec<f64>, Refused> {
+        self.tested((&matrix, &Semidefinite::new(&matrix)), right)
+    }
+
+    /// A solution of the equations of a star.
+    fn tested(&self, (matrix, factor): (&[Vec<f64>], &Semidefinite), right: &[f64]) -> Result<Vec<f64>, Refused> {
+        let multipliers = factor.solve(right);
+        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(&multipliers).map(|(a, x)| a * x).sum() };
+        let left = matrix.iter().zip(right).map(|(row, right)| (right - product(row)).abs()).fold(0.0, f64::max);
+        if left > LEFT * self.largest {
+            return Err(Refused::new(
+                "a force acts on a point or an edge, where no stress of finite energy balances it",
+            ));
+        }
+        Ok(multipliers)
     }
 }

@@ -53,6 +53,8 @@ pub(super) struct ContactFacet {
     element: &'static Element,
     pub nodes: Vec<u32>,
     pub normal: Point,
+    /// Area over that of the reference facet, m².
+    area: f64,
     /// g at the nodes, m.
     gap: Vec<f64>,
     /// Slip in the step at the nodes, m.
@@ -136,7 +138,7 @@ impl<'a> Touching<'a> {
         let table = ShapeTable::new(element, 1);
         let mut map = FacetMap::new(mesh, &table);
         map.at(nodes, 0);
-        let normal = map.normal;
+        let (normal, area) = (map.normal, map.area);
         let gap = nodes.iter().map(|&node| self.gap(contact, node, motion)).collect::<Result<Vec<f64>, Refused>>()?;
         let slip =
             nodes.iter().map(|&node| self.slip(contact, node, motion)).collect::<Result<Vec<Point>, Refused>>()?;
@@ -144,7 +146,7 @@ impl<'a> Touching<'a> {
         let zero = (vec![0.0; vertices], vec![[0.0; 3]; vertices], vec![0.0; vertices]);
         let (pressure, friction, bound) = zero;
         let nodes = nodes.to_vec();
-        Ok(ContactFacet { facet, contact, element, nodes, normal, gap, slip, pressure, friction, bound })
+        Ok(ContactFacet { facet, contact, element, nodes, normal, area, gap, slip, pressure, friction, bound })
     }
 
     fn at_node(&self, node: u32, values: &[f64]) -> Point {
@@ -266,6 +268,46 @@ impl<'a> Touching<'a> {
                 let traction = sum.map(|c| c / count);
                 let (p, q, s) = self.law(facet, place, &traction, motion.u);
                 (facet.pressure[place], facet.friction[place], facet.bound[place]) = (p, q, s);
+            }
+        }
+        self.facets = facets;
+        self.relieve(motion.u);
+    }
+
+    /// True if a quadratic facet on a rigid foundation is open but for one vertex or edge: the contact ends there.
+    fn is_open(&self, facet: &ContactFacet, u: &[f64]) -> bool {
+        let n = facet.pressure.len();
+        if self.kinds[facet.contact] != Some(NormalKind::Rigid) || facet.nodes.len() == n {
+            return false;
+        }
+        let opens: Vec<bool> = (0..facet.nodes.len()).map(|place| self.penetration(facet, place, u) < 0.0).collect();
+        let is_beside = |place: usize| edge(n, place).into_iter().any(|end| opens[end]);
+        opens[..n].contains(&true) && (n..opens.len()).all(|place| opens[place] || !is_beside(place))
+    }
+
+    /// Gives the force of a vertex to those of its facets that are closed: a linear pressure would press on the open
+    /// ones.
+    fn relieve(&mut self, u: &[f64]) {
+        let opens: Vec<bool> = self.facets.iter().map(|facet| self.is_open(facet, u)).collect();
+        let mut areas: HashMap<(usize, u32), [f64; 2]> = HashMap::new();
+        for (facet, is_open) in self.facets.iter().zip(&opens) {
+            for &node in &facet.nodes[..facet.pressure.len()] {
+                let [all, closed] = areas.entry((facet.contact, node)).or_default();
+                *all += facet.area;
+                *closed += if *is_open { 0.0 } else { facet.area };
+            }
+        }
+        let mut facets = std::mem::take(&mut self.facets);
+        for (facet, is_open) in facets.iter_mut().zip(opens) {
+            for place in 0..facet.pressure.len() {
+                let node = facet.nodes[place];
+                let [all, closed] = areas.get(&(facet.contact, node)).copied().unwrap_or([1.0; 2]);
+                let is_force = self.state(facet.contact, node).is_some() && !self.solved.holds(node, &facet.normal);
+                if is_open && closed > 0.0 {
+                    facet.pressure[place] = 0.0;
+                } else if is_force && closed > 0.0 {
+                    facet.pressure[place] *= all / closed;
+                }
             }
         }
         self.facets = facets;

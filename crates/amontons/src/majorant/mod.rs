@@ -19,9 +19,15 @@ mod balance;
 mod composite;
 mod contact;
 mod dense;
+mod discrete;
 mod energy;
+mod modes;
+mod patches;
+mod quadrilateral;
 mod relax;
 mod scope;
+mod shapes;
+mod simplex;
 mod skeleton;
 mod stress;
 
@@ -41,8 +47,11 @@ use crate::tensor::{Point, length};
 use crate::time::Rule;
 use balance::{CellForces, FacetGiven, balanced, means};
 use contact::{SolvedContact, Touching};
-use energy::{CellEnergy, StressEvaluation};
+use discrete::CellStress;
+use energy::{CellEnergy, EnergyEvaluation};
+use patches::{PatchData, Patches};
 use relax::TractionDescent;
+use shapes::CellShapes;
 use skeleton::Skeleton;
 use stress::{StepLaws, StepMotion};
 
@@ -144,6 +153,15 @@ impl DiscretizationError {
 pub struct Majorant {
     skeleton: Skeleton,
     system: Option<(Rule, System)>,
+    shared: Option<(Rule, Shared)>,
+}
+
+/// What the steps of a rule share: the shapes of cells and the patches of facets.
+#[derive(Debug)]
+struct Shared {
+    shapes: CellShapes,
+    patches: Patches,
+    is_warm: bool,
 }
 
 /// Roundings of the energy of a body that tractions leave at rest.
@@ -159,7 +177,7 @@ impl Majorant {
     pub fn new(problem: &Problem, discrete: &Discretization) -> Result<Majorant, Refused> {
         scope::check(problem, discrete)?;
         scope::check_memory(&problem.mesh, machine::memory())?;
-        Ok(Majorant { skeleton: Skeleton::new(&problem.mesh)?, system: None })
+        Ok(Majorant { skeleton: Skeleton::new(&problem.mesh)?, system: None, shared: None })
     }
 
     /// The bound of the error of the step that led to a state.
@@ -206,10 +224,27 @@ impl Majorant {
         touching.enter(&self.skeleton, &mut given, &mut right);
         let corrected = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
         let balanced_motion = StepMotion { u: &corrected, ..motion };
-        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t };
+        self.share((&laws, rule), &given, !theta.is_empty())?;
+        let Some((_, shared)) = &self.shared else { return Err(held_by_contact()) };
+        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t, shared };
         let parts = step.parts(&given, &balanced_motion, (&motion, &touching))?;
         let round_off = step.round_off(touching.largest_traction());
         Ok(DiscretizationError { round_off, ..step.sum(parts, (&state.u, repaired.as_deref()), remarks) })
+    }
+
+    /// Makes what the steps of a rule share, if it is not known.
+    fn share(&mut self, (laws, rule): (&StepLaws, Rule), given: &[FacetGiven], is_warm: bool) -> Result<(), Refused> {
+        let skeleton = &self.skeleton;
+        let fits = |(known, shared): &(Rule, Shared)| {
+            *known == rule && shared.is_warm == is_warm && shared.patches.fits(given)
+        };
+        if !self.shared.as_ref().is_some_and(fits) {
+            self.shared = None;
+            let shapes = CellShapes::new(laws, skeleton, is_warm)?;
+            let patches = Patches::new(&PatchData { mesh: laws.mesh, skeleton, given, shapes: &shapes });
+            self.shared = Some((rule, Shared { shapes, patches, is_warm }));
+        }
+        Ok(())
     }
 
     /// What is known of the tractions on the facets: zero outside, loads, and directions that are held.
@@ -347,6 +382,7 @@ struct MadeStep<'a> {
     laws: &'a StepLaws<'a>,
     problem: &'a Problem,
     t: f64,
+    shared: &'a Shared,
 }
 
 /// Parts of the energy: per cell from the body, and per contact facet with its cell.
@@ -377,7 +413,7 @@ impl MadeStep<'_> {
         let load: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| outer[node])).collect();
         let of_stress: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| inner[node])).collect();
         let rest = of_stress.iter().zip(&load).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect();
-        CellForces { rest, load, softness: softness * volume }
+        CellForces { rest, load, softness: softness * volume, volume }
     }
 
     fn body_force(&self, region: usize, map: &CellMap) -> Point {
@@ -401,15 +437,18 @@ impl MadeStep<'_> {
         let cells = 0..self.skeleton.cells.len();
         let forces: Vec<CellForces> =
             cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion)).collect();
-        let (means, weights) = means(self.laws, self.skeleton, &forces, balanced_motion);
+        let stress = |cell: usize| CellStress::new(self.laws, self.skeleton, balanced_motion, cell);
+        let stresses: Vec<CellStress> = cells.clone().into_par_iter().map(stress).collect();
+        let (means, weights) = means(self.skeleton, &forces, &stresses);
+        drop(stresses);
         let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
-        let evaluation = StressEvaluation::new(self.laws, self.skeleton, motion);
-        let of_cell = |cell: usize| {
-            evaluation.of_cell(cell, &forces[cell]).ok_or_else(|| Refused::new("a stiffness that is not positive"))
-        };
-        let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
+        let Shared { shapes, patches, .. } = self.shared;
         let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
-        let cells = TractionDescent { mesh, skeleton, given, energies: &energies }.least(&moments, &forces)?;
+        let evaluation = EnergyEvaluation { laws: self.laws, skeleton, motion, shapes };
+        let of_cell = |cell: usize| evaluation.of_cell(cell, &forces[cell]);
+        let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
+        let descent = TractionDescent { mesh, skeleton, given, energies: &energies, patches };
+        let cells = descent.least(&moments, &forces)?;
         let of_facet = |facet: &contact::ContactFacet| {
             let cell = self.skeleton.facets[facet.facet].cells.first().map_or(0, |first| first.0);
             (cell, touching.term(facet, motion.u))

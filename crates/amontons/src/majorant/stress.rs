@@ -54,11 +54,6 @@ impl LocalCompliance {
         Some(LocalCompliance { inverse, m })
     }
 
-    /// τ:C⁻¹:σ.
-    pub fn product(&self, tau: &Sym, sigma: &Sym) -> f64 {
-        (0..self.m).map(|i| tau.0[i] * (0..self.m).map(|j| self.inverse[i][j] * sigma.0[j]).sum::<f64>()).sum()
-    }
-
     /// C⁻¹:σ.
     pub fn times(&self, sigma: &Sym) -> Sym {
         Sym(std::array::from_fn(|i| (0..self.m).map(|j| self.inverse[i][j] * sigma.0[j]).sum()))
@@ -112,6 +107,16 @@ impl<'a> StepLaws<'a> {
     pub fn varies(&self, region: usize) -> bool {
         let material = self.material(region);
         material.elasticity.graded().is_some() || material.viscosity.graded().is_some()
+    }
+
+    /// True if the stress of a cell is linear in a simplex.
+    pub fn is_linear(&self, skeleton: &Skeleton, cell: usize, motion: &StepMotion) -> bool {
+        let (region, element) = (self.region(skeleton, cell), skeleton.tables(cell).element);
+        let is_warm_linear = || element.degree <= 1 && self.material(region).expansion.constant().is_some();
+        element.is_simplex()
+            && element.gradient_degree <= 1
+            && !self.varies(region)
+            && (motion.theta.is_empty() || is_warm_linear())
     }
 
     fn stiffness(&self, region: usize, x: &Point) -> SymMap {

@@ -7,7 +7,8 @@ use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::problem::{BoundaryCondition, Physics};
 
 use super::common::{changed, checked};
-use super::majorant::{ROD, bounded, compared, parsed, plane};
+use super::majorant::{ROD, bounded, parsed, plane};
+use super::majorant_random::compared;
 
 /// The same rod, warmed: E u'' = M θ' − f, and the bound is the error (M θ' − f)²h²/12.
 #[test]

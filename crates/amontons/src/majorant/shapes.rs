@@ -1,0 +1,203 @@
+//! What cells of equal shape share: the matrices of their complementary energies.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use super::Refused;
+use super::quadrilateral::QuadrilateralShape;
+use super::simplex::{ReferenceStresses, SimplexForm, vertex};
+use super::skeleton::{ElementTables, Skeleton};
+use super::stress::{LocalCompliance, StepLaws};
+use crate::element::{Element, ShapeTable};
+use crate::mesh::CellMap;
+use crate::tensor::Point;
+
+/// The shape of a simplex.
+#[derive(Debug)]
+pub(super) struct SimplexShape {
+    pub form: SimplexForm,
+    /// G in the components of the tractions on the facets, outward, in the order of the cell.
+    pub gram: Vec<f64>,
+}
+
+/// The shape of a cell.
+#[derive(Debug)]
+pub(super) enum Shape {
+    Simplex(SimplexShape),
+    Quadrilateral(Box<QuadrilateralShape>),
+}
+
+impl Shape {
+    /// G in the components of the tractions on the facets.
+    pub fn gram(&self) -> &[f64] {
+        match self {
+            Shape::Simplex(shape) => &shape.gram,
+            Shape::Quadrilateral(shape) => &shape.gram,
+        }
+    }
+}
+
+/// The shapes of the cells of a mesh with the laws of a rule in time.
+#[derive(Debug)]
+pub(super) struct CellShapes {
+    pub stresses: ReferenceStresses,
+    pub shapes: Vec<Shape>,
+    /// The shape of each cell.
+    pub of_cell: Vec<u32>,
+    /// The points of the parts of a simplex in the cells of each block of simplices.
+    pub tables: Vec<Option<ShapeTable>>,
+}
+
+/// Binary digits of coordinates, relative to the size of a cell, in which cells of one shape agree.
+const DIGITS: i32 = 40;
+
+/// What tells shapes apart: the block, the order of the vertices by their numbers, and their positions about the first
+/// vertex in parts of the size of the cell, and that size.
+fn key(laws: &StepLaws, skeleton: &Skeleton, cell: usize) -> Vec<i64> {
+    let nodes = skeleton.nodes(laws.mesh, cell);
+    let nodes = &nodes[..skeleton.tables(cell).element.shape.vertices()];
+    let at = |node: u32| &laws.mesh.points[node as usize];
+    let edges = nodes.iter().flat_map(|&node| (0..3).map(move |c| at(node)[c] - at(nodes[0])[c]));
+    let size = edges.clone().fold(0.0f64, |most, x| most.max(x.abs()));
+    // A size that is a power of two is far from where the exponent changes.
+    let exponent = (size * std::f64::consts::SQRT_2).log2().floor() as i32;
+    let mut key = vec![skeleton.cells[cell].block as i64, i64::from(exponent)];
+    if laws.varies(laws.region(skeleton, cell)) {
+        key.push(cell as i64);
+    }
+    key.extend(nodes.iter().map(|node| nodes.iter().filter(|&other| other < node).count() as i64));
+    let unit = f64::from(DIGITS - exponent).exp2();
+    key.extend(edges.map(|x| (x * unit).round() as i64));
+    key
+}
+
+impl CellShapes {
+    /// The shapes, with points at which the energies of discrete stresses are integrated.
+    ///
+    /// # Errors
+    /// If a stiffness is not positive definite.
+    pub fn new(laws: &StepLaws, skeleton: &Skeleton, is_warm: bool) -> Result<CellShapes, Refused> {
+        let dim = laws.mesh.dim;
+        let degree = |of: &ElementTables| {
+            let element = of.element;
+            let warm = if is_warm { element.degree } else { 0 };
+            2 * warm.max(element.gradient_degree).max(1) + if element.is_simplex() { 0 } else { 4 }
+        };
+        let varies = laws.mesh.blocks.iter().any(|block| laws.varies(block.region));
+        let degree = skeleton.tables.iter().map(degree).max().unwrap_or(2) + if varies { 4 } else { 0 };
+        let stresses = ReferenceStresses::new(dim, degree);
+        let table = |element: &'static Element| {
+            let at = |in_simplex: &Vec<f64>| -> Point {
+                std::array::from_fn(|c| in_simplex.iter().zip(element.nodes).map(|(a, x)| a * x[c]).sum())
+            };
+            let points = stresses.points.iter().map(|point| at(&point.in_simplex));
+            element.is_simplex().then(|| ShapeTable::at(element, &points.collect::<Vec<_>>()))
+        };
+        let tables: Vec<Option<ShapeTable>> = skeleton.tables.iter().map(|tables| table(tables.element)).collect();
+        let keys: Vec<Vec<i64>> =
+            (0..skeleton.cells.len()).into_par_iter().map(|cell| key(laws, skeleton, cell)).collect();
+        let (mut known, mut first, mut of_cell) = (HashMap::new(), Vec::new(), Vec::new());
+        for (cell, key) in keys.into_iter().enumerate() {
+            let number = *known.entry(key).or_insert_with(|| {
+                first.push(cell);
+                first.len() as u32 - 1
+            });
+            of_cell.push(number);
+        }
+        let shape = |cell: usize| {
+            let table = tables[skeleton.cells[cell].block].as_ref();
+            let shape = match table {
+                Some(table) => simplex(laws, skeleton, cell, (&stresses, table)).map(Shape::Simplex),
+                None => QuadrilateralShape::new(laws, skeleton, cell, &stresses)
+                    .map(|shape| Shape::Quadrilateral(Box::new(shape))),
+            };
+            shape.ok_or_else(|| Refused::new("a stiffness that is not positive"))
+        };
+        let shapes = first.into_par_iter().map(shape).collect::<Result<Vec<Shape>, Refused>>()?;
+        Ok(CellShapes { stresses, shapes, of_cell, tables })
+    }
+
+    /// The shape of a cell.
+    pub fn of(&self, cell: usize) -> &Shape {
+        &self.shapes[self.of_cell[cell] as usize]
+    }
+}
+
+/// The form on a simplex; `None` if its stiffness is not positive definite. `at` goes to a point.
+pub(super) fn form(
+    laws: &StepLaws,
+    region: usize,
+    stresses: &ReferenceStresses,
+    vertices: &[Point],
+    mut at: impl FnMut(usize) -> Point,
+) -> Option<SimplexForm> {
+    let thickness = laws.mesh.thickness();
+    if laws.varies(region) {
+        let compliance: Option<Vec<LocalCompliance>> =
+            (0..stresses.points.len()).map(|q| laws.compliance(region, &at(q))).collect();
+        return Some(SimplexForm::varying(stresses, vertices, &compliance?, thickness));
+    }
+    Some(SimplexForm::new(stresses, vertices, &laws.compliance(region, &vertices[0])?, thickness))
+}
+
+fn simplex(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    cell: usize,
+    (stresses, table): (&ReferenceStresses, &ShapeTable),
+) -> Option<SimplexShape> {
+    let (mesh, dim) = (laws.mesh, laws.mesh.dim);
+    let (nodes, region) = (skeleton.nodes(mesh, cell), laws.region(skeleton, cell));
+    let vertices: Vec<Point> = nodes[..=dim].iter().map(|&node| mesh.points[node as usize]).collect();
+    let mut map = CellMap::new(mesh, table);
+    let form = form(laws, region, stresses, &vertices, |q| {
+        map.at(nodes, q);
+        map.position
+    })?;
+    let k = dim * dim;
+    let blocks: Vec<(usize, Vec<f64>)> = (0..=dim)
+        .map(|local| {
+            let facet = skeleton.cells[cell].facets[local];
+            let first = skeleton.opposite(cell, local) * dim;
+            let mut block = vec![0.0; k * k];
+            for column in 0..k {
+                let mut y = [0.0; 9];
+                y[column] = 1.0;
+                let moments = skeleton.modes[facet].moments(&y);
+                for place in 0..dim {
+                    let node = nodes[vertex(dim, first + place)];
+                    let slot = skeleton.facets[facet].place(node).unwrap_or(0);
+                    let moment = form.map.inverse_times(&moments[slot]);
+                    (0..dim).for_each(|c| block[(place * dim + c) * k + column] = moment[c]);
+                }
+            }
+            (first * dim, block)
+        })
+        .collect();
+    let gram = congruent(&form.of_moments(), k, &blocks);
+    Some(SimplexShape { form, gram })
+}
+
+/// XᵀGX, X of square blocks, each with its first row in G.
+pub(super) fn congruent(gram: &[f64], k: usize, blocks: &[(usize, Vec<f64>)]) -> Vec<f64> {
+    let n = k * blocks.len();
+    let mut half = vec![0.0; n * n];
+    for (row, of_row) in gram.chunks_exact(n).zip(half.chunks_exact_mut(n)) {
+        for ((first, block), out) in blocks.iter().zip(of_row.chunks_exact_mut(k)) {
+            for (x, weights) in row[*first..][..k].iter().zip(block.chunks_exact(k)) {
+                out.iter_mut().zip(weights).for_each(|(out, weight)| *out += x * weight);
+            }
+        }
+    }
+    let mut whole = vec![0.0; n * n];
+    for ((first, block), rows) in blocks.iter().zip(whole.chunks_exact_mut(k * n)) {
+        for (i, weights) in block.chunks_exact(k).enumerate() {
+            let image = &half[(first + i) * n..][..n];
+            for (row, weight) in rows.chunks_exact_mut(n).zip(weights) {
+                row.iter_mut().zip(image).for_each(|(out, x)| *out += weight * x);
+            }
+        }
+    }
+    whole
+}
