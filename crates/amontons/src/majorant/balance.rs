@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use super::Refused;
-use super::dense::Semidefinite;
+use super::dense::{Semidefinite, product};
 use super::discrete::CellStress;
 use super::skeleton::Skeleton;
 use crate::tensor::{Point, length};
@@ -93,9 +93,9 @@ impl FacetGiven {
 #[derive(Clone, Debug)]
 pub(super) struct CellForces {
     /// ∫ σ∇φ − ∫ f φ per vertex, N.
-    pub rest: Vec<Point>,
+    pub rest: [Point; 4],
     /// ∫ f φ per vertex, N.
-    pub load: Vec<Point>,
+    pub load: [Point; 4],
     /// Volume times size of the compliance, m³/Pa.
     pub softness: f64,
     /// Volume, m³.
@@ -164,76 +164,87 @@ struct StarProblem<'a> {
     largest: f64,
 }
 
+/// A facet of a star: its place of the vertex, and its cells in the star with signs.
+struct StarFacet {
+    facet: usize,
+    place: usize,
+    cells: [(usize, f64); 2],
+    count: usize,
+}
+
+impl StarFacet {
+    fn cells(&self) -> &[(usize, f64)] {
+        &self.cells[..self.count]
+    }
+}
+
 impl StarProblem<'_> {
-    /// The facets of a star with the place of its vertex.
-    fn facets(&self, vertex: u32, star: &[(usize, usize)]) -> Vec<(usize, usize)> {
-        let cells = star.iter().flat_map(|(cell, _)| &self.skeleton.cells[*cell].facets);
-        let mut facets: Vec<(usize, usize)> =
-            cells.filter_map(|&facet| Some((facet, self.skeleton.facets[facet].place(vertex)?))).collect();
-        facets.sort_unstable();
-        facets.dedup();
-        facets
+    /// The facets of a star.
+    fn facets(&self, vertex: u32, star: &[(usize, usize)]) -> Vec<StarFacet> {
+        let mut sides: Vec<(usize, usize, usize)> = Vec::with_capacity(star.len() * self.dim);
+        for (row, (cell, _)) in star.iter().enumerate() {
+            for &facet in &self.skeleton.cells[*cell].facets {
+                if let Some(place) = self.skeleton.facets[facet].place(vertex) {
+                    sides.push((facet, row, place));
+                }
+            }
+        }
+        sides.sort_unstable();
+        let of_facet = |sides: &[(usize, usize, usize)]| {
+            let (facet, _, place) = sides[0];
+            let side = |(_, row, _): &(usize, usize, usize)| (*row, self.skeleton.facets[facet].sign(star[*row].0));
+            let cells = [side(&sides[0]), side(&sides[sides.len() - 1])];
+            StarFacet { facet, place, cells, count: sides.len().min(2) }
+        };
+        sides.chunk_by(|a, b| a.0 == b.0).map(of_facet).collect()
     }
 
     /// Moments of the facets of a vertex: facet, place of the vertex, moment.
     fn solve(&self, vertex: usize) -> Result<Vec<(usize, usize, Point)>, Refused> {
         let (star, d) = (&self.skeleton.stars[vertex], self.dim);
         let facets = self.facets(vertex as u32, star);
-        let first = |facet: usize, place: usize| -> Point {
-            let given = &self.given[facet];
-            let (known, free) = (given.known(place), given.project(&self.means[facet][place]));
+        let first = |of: &StarFacet| -> Point {
+            let given = &self.given[of.facet];
+            let (known, free) = (given.known(of.place), given.project(&self.means[of.facet][of.place]));
             std::array::from_fn(|c| known[c] + free[c])
         };
-        let mut moments: Vec<(usize, usize, Point)> =
-            facets.iter().map(|&(facet, place)| (facet, place, first(facet, place))).collect();
-        let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
+        let mut moments: Vec<(usize, usize, Point)> = facets.iter().map(|of| (of.facet, of.place, first(of))).collect();
         let mut right: Vec<f64> =
             star.iter().flat_map(|&(cell, local)| self.forces[cell].rest[local].into_iter().take(d)).collect();
-        for &(facet, _, moment) in &moments {
-            for (a, sign) in self.rows(facet, star) {
+        for (of, (_, _, moment)) in facets.iter().zip(&moments) {
+            for &(a, sign) in of.cells() {
                 (0..d).for_each(|c| right[a * d + c] -= sign * moment[c]);
             }
         }
         // Components are apart if each traction is known or unknown as a whole.
-        let is_apart = facets.iter().all(|&(facet, _)| self.given[facet].is_whole(d));
+        let is_apart = facets.iter().all(|of| self.given[of.facet].is_whole(d));
         let multipliers = if is_apart {
-            self.by_component(star, &facets, &right)?
+            self.by_component(star.len(), &facets, &right)?
         } else {
-            self.solution(self.matrix(star, &facets, d), &right)?
+            let matrix = self.matrix(star.len(), &facets, d);
+            self.tested((&matrix, &Semidefinite::new(&matrix)), &right)?
         };
-        for (facet, _, moment) in &mut moments {
-            let of = &self.skeleton.facets[*facet];
+        for (of, (_, _, moment)) in facets.iter().zip(&mut moments) {
             let mut sum = [0.0; 3];
-            for &(cell, _) in &of.cells {
-                if let Some(a) = row(cell) {
-                    (0..d).for_each(|c| sum[c] += of.sign(cell) * multipliers[a * d + c] / self.weights[*facet]);
-                }
+            for &(a, sign) in of.cells() {
+                (0..d).for_each(|c| sum[c] += sign * multipliers[a * d + c] / self.weights[of.facet]);
             }
-            let change = self.given[*facet].project(&sum);
+            let change = self.given[of.facet].project(&sum);
             (0..3).for_each(|c| moment[c] += change[c]);
         }
         Ok(moments)
     }
 
-    /// The cells of a facet in a star, with signs.
-    fn rows(&self, facet: usize, star: &[(usize, usize)]) -> Vec<(usize, f64)> {
-        let of = &self.skeleton.facets[facet];
-        let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
-        of.cells.iter().filter_map(|&(cell, _)| Some((row(cell)?, of.sign(cell)))).collect()
-    }
-
     /// The matrix of the multipliers of the cells, for the first components.
-    fn matrix(&self, star: &[(usize, usize)], facets: &[(usize, usize)], d: usize) -> Vec<Vec<f64>> {
-        let n = star.len() * d;
-        let mut matrix = vec![vec![0.0; n]; n];
-        for &(facet, _) in facets {
-            let rows = self.rows(facet, star);
-            let free = &self.given[facet].free;
-            for &(a, sign) in &rows {
-                for &(b, other) in &rows {
+    fn matrix(&self, cells: usize, facets: &[StarFacet], d: usize) -> Vec<Vec<f64>> {
+        let mut matrix = vec![vec![0.0; cells * d]; cells * d];
+        for of in facets {
+            let free = &self.given[of.facet].free;
+            for &(a, sign) in of.cells() {
+                for &(b, other) in of.cells() {
                     for i in 0..d {
                         for j in 0..d {
-                            matrix[a * d + i][b * d + j] += sign * other * free[i][j] / self.weights[facet];
+                            matrix[a * d + i][b * d + j] += sign * other * free[i][j] / self.weights[of.facet];
                         }
                     }
                 }
@@ -243,14 +254,9 @@ impl StarProblem<'_> {
     }
 
     /// The multipliers of a star, one component after the other.
-    fn by_component(
-        &self,
-        star: &[(usize, usize)],
-        facets: &[(usize, usize)],
-        right: &[f64],
-    ) -> Result<Vec<f64>, Refused> {
+    fn by_component(&self, cells: usize, facets: &[StarFacet], right: &[f64]) -> Result<Vec<f64>, Refused> {
         let d = self.dim;
-        let matrix = self.matrix(star, facets, 1);
+        let matrix = self.matrix(cells, facets, 1);
         let factor = Semidefinite::new(&matrix);
         let mut all = vec![0.0; right.len()];
         for c in 0..d {
@@ -261,15 +267,11 @@ impl StarProblem<'_> {
         Ok(all)
     }
 
-    fn solution(&self, matrix: Vec<Vec<f64>>, right: &[f64]) -> Result<Vec<f64>, Refused> {
-        self.tested((&matrix, &Semidefinite::new(&matrix)), right)
-    }
-
     /// A solution of the equations of a star.
     fn tested(&self, (matrix, factor): (&[Vec<f64>], &Semidefinite), right: &[f64]) -> Result<Vec<f64>, Refused> {
         let multipliers = factor.solve(right);
-        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(&multipliers).map(|(a, x)| a * x).sum() };
-        let left = matrix.iter().zip(right).map(|(row, right)| (right - product(row)).abs()).fold(0.0, f64::max);
+        let off = |(row, right): (&Vec<f64>, &f64)| (right - product(row, &multipliers)).abs();
+        let left = matrix.iter().zip(right).map(off).fold(0.0, f64::max);
         if left > LEFT * self.largest {
             return Err(Refused::new(
                 "a force acts on a point or an edge, where no stress of finite energy balances it",

@@ -181,6 +181,12 @@ impl SimplexMap {
         pulled
     }
 
+    /// B v / det B, the divergence of a stress from that of σ̂.
+    pub fn piola(&self, v: &Point) -> Point {
+        let sum = |c: usize| (0..self.dim).map(|k| self.columns[k][c] * v[k]).sum::<f64>() / self.determinant;
+        std::array::from_fn(|c| if c < self.dim { sum(c) } else { 0.0 })
+    }
+
     /// Bᵀ ε B of a strain.
     pub fn strain(&self, strain: &Sym) -> Sym {
         let dim = self.dim;

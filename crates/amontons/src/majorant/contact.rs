@@ -52,6 +52,8 @@ pub(super) struct ContactFacet {
     pub contact: usize,
     element: &'static Element,
     pub nodes: Vec<u32>,
+    /// Distances of the vertices from the axis of a body of revolution, m; empty for other bodies.
+    radii: Vec<f64>,
     pub normal: Point,
     /// Area over that of the reference facet, m².
     area: f64,
@@ -63,6 +65,18 @@ pub(super) struct ContactFacet {
     pub pressure: Vec<f64>,
     friction: Vec<Point>,
     bound: Vec<f64>,
+}
+
+impl ContactFacet {
+    /// Values at a place of the functions by which tractions at vertices are continued: the linear ones, or those of
+    /// which the product with r is linear, as it is the force per length of a ring that balances.
+    fn shares(&self, hats: &[f64]) -> Vec<f64> {
+        if self.radii.is_empty() {
+            return hats.to_vec();
+        }
+        let r: f64 = hats.iter().zip(&self.radii).map(|(hat, r)| hat * r).sum();
+        hats.iter().zip(&self.radii).map(|(hat, own)| hat * own / r).collect()
+    }
 }
 
 /// The solved step as contact sees it.
@@ -145,8 +159,10 @@ impl<'a> Touching<'a> {
         let vertices = element.shape.vertices();
         let zero = (vec![0.0; vertices], vec![[0.0; 3]; vertices], vec![0.0; vertices]);
         let (pressure, friction, bound) = zero;
+        let radius = |&node: &u32| mesh.points[node as usize][0];
+        let radii = if mesh.axisymmetric { nodes[..vertices].iter().map(radius).collect() } else { Vec::new() };
         let nodes = nodes.to_vec();
-        Ok(ContactFacet { facet, contact, element, nodes, normal, area, gap, slip, pressure, friction, bound })
+        Ok(ContactFacet { facet, contact, element, nodes, radii, normal, area, gap, slip, pressure, friction, bound })
     }
 
     fn at_node(&self, node: u32, values: &[f64]) -> Point {
@@ -377,9 +393,10 @@ impl<'a> Touching<'a> {
                 map.at(&facet.nodes, q);
                 let hats = super::skeleton::linear_functions(shape, facet.element, x);
                 let weight = table.weights[q] * map.area;
+                let shares = facet.shares(&hats);
                 let traction: Point = std::array::from_fn(|c| {
                     let at = |v: usize| 0.0 - facet.pressure[v] * facet.normal[c] - facet.friction[v][c];
-                    hats.iter().enumerate().map(|(v, value)| value * at(v)).sum()
+                    shares.iter().enumerate().map(|(v, value)| value * at(v)).sum()
                 });
                 for (&node, value) in facet.nodes.iter().zip(map.values()) {
                     let first = node as usize * mesh.dim;
@@ -410,7 +427,7 @@ impl<'a> Touching<'a> {
         let mut sum = 0.0;
         for (q, x) in points.iter().enumerate() {
             map.at(&facet.nodes, q);
-            let hats = super::skeleton::linear_functions(shape, facet.element, x);
+            let hats = facet.shares(&super::skeleton::linear_functions(shape, facet.element, x));
             let linear = |values: &[f64]| -> f64 { hats.iter().zip(values).map(|(a, b)| a * b).sum() };
             let (p, s) = (linear(&facet.pressure), linear(&facet.bound));
             let penetration: f64 = map.values().iter().zip(&r).map(|(a, b)| a * b).sum();

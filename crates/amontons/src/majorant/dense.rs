@@ -48,6 +48,12 @@ impl Semidefinite {
     /// A solution, if there is one; the unknowns of rows that depend on others are zero.
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
         let mut x = right.to_vec();
+        self.solve_in_place(&mut x);
+        x
+    }
+
+    /// The same in the place of the right-hand side.
+    pub fn solve_in_place(&self, x: &mut [f64]) {
         let row = |i: usize| &self.l[i * (i + 1) / 2..][..=i];
         for i in 0..self.n {
             let row = row(i);
@@ -62,7 +68,6 @@ impl Semidefinite {
             let own = own[0];
             before.iter_mut().zip(row).for_each(|(x, l)| *x -= l * own);
         }
-        x
     }
 }
 
@@ -128,4 +133,27 @@ impl Constrained {
         let slope: Vec<f64> = self.times(&first).iter().zip(linear).map(|(a, b)| a + b).collect();
         first.iter().zip(&self.homogeneous(&slope)).map(|(a, b)| a + b).collect()
     }
+}
+
+/// XᵀGX, X of square blocks, each with its first row in G.
+pub(super) fn congruent(gram: &[f64], k: usize, blocks: &[(usize, Vec<f64>)]) -> Vec<f64> {
+    let n = k * blocks.len();
+    let mut half = vec![0.0; n * n];
+    for (row, of_row) in gram.chunks_exact(n).zip(half.chunks_exact_mut(n)) {
+        for ((first, block), out) in blocks.iter().zip(of_row.chunks_exact_mut(k)) {
+            for (x, weights) in row[*first..][..k].iter().zip(block.chunks_exact(k)) {
+                out.iter_mut().zip(weights).for_each(|(out, weight)| *out += x * weight);
+            }
+        }
+    }
+    let mut whole = vec![0.0; n * n];
+    for ((first, block), rows) in blocks.iter().zip(whole.chunks_exact_mut(k * n)) {
+        for (i, weights) in block.chunks_exact(k).enumerate() {
+            let image = &half[(first + i) * n..][..n];
+            for (row, weight) in rows.chunks_exact_mut(n).zip(weights) {
+                row.iter_mut().zip(image).for_each(|(out, x)| *out += weight * x);
+            }
+        }
+    }
+    whole
 }

@@ -4,15 +4,15 @@ use super::composite::{SimplexMap, volume};
 use super::skeleton::Skeleton;
 use super::stress::{StepLaws, StepMotion};
 use crate::mesh::{CellMap, FacetMap};
-use crate::tensor::{Point, Sym};
+use crate::tensor::{Point, Sym, length};
 
 /// The discrete stress of a cell as tractions see it.
 #[derive(Clone, Debug)]
 pub(super) struct CellStress {
     /// Moments ∫_F σν φ per facet and vertex of the facet, in the order of the facet, N.
-    pub moments: Vec<[Point; 3]>,
+    pub moments: [[Point; 3]; 4],
     /// Areas of the facets, m².
-    pub areas: Vec<f64>,
+    pub areas: [f64; 4],
     /// ∫ σ, N m; zero in quadrilaterals.
     pub total: Sym,
     /// True if the stress is linear in a simplex: it is the composite stress with these data.
@@ -25,9 +25,10 @@ impl CellStress {
         if laws.is_linear(skeleton, cell, motion) {
             return CellStress::of_linear(laws, skeleton, motion, cell);
         }
-        let facets = 0..skeleton.cells[cell].facets.len();
-        let of_facets = facets.map(|local| traction(laws, skeleton, (cell, local), motion));
-        let (moments, areas) = of_facets.unzip();
+        let (mut moments, mut areas) = ([[[0.0; 3]; 3]; 4], [0.0; 4]);
+        for local in 0..skeleton.cells[cell].facets.len() {
+            (moments[local], areas[local]) = traction(laws, skeleton, (cell, local), motion);
+        }
         let mut total = Sym::ZERO;
         let tables = skeleton.tables(cell);
         if tables.element.is_simplex() {
@@ -52,8 +53,8 @@ impl CellStress {
         });
         let size = volume(dim) * map.determinant * mesh.thickness();
         let mut all = CellStress {
-            moments: Vec::with_capacity(dim + 1),
-            areas: Vec::with_capacity(dim + 1),
+            moments: [[[0.0; 3]; 3]; 4],
+            areas: [0.0; 4],
             total: stresses[..=dim].iter().fold(Sym::ZERO, |sum, s| sum + (size / (dim + 1) as f64) * *s),
             is_linear: true,
         };
@@ -61,7 +62,7 @@ impl CellStress {
             let area = map.gradient(skeleton.opposite(cell, local)).map(|c| 0.0 - dim as f64 * size * c);
             // ∫ φ_a φ_b = |F| (1 + δ_ab)/(d (d + 1)).
             let share = 1.0 / (dim * (dim + 1)) as f64;
-            let mut moments = [[0.0; 3]; 3];
+            let moments = &mut all.moments[local];
             let own: [usize; 3] = std::array::from_fn(|slot| skeleton.corner(mesh, (cell, facet), slot.min(dim - 1)));
             let tractions = own.map(|v| stresses[v].apply(&area));
             for (a, moment) in moments.iter_mut().enumerate().take(dim) {
@@ -70,8 +71,7 @@ impl CellStress {
                     (0..dim).for_each(|c| moment[c] += share * traction[c]);
                 }
             }
-            all.moments.push(moments);
-            all.areas.push(crate::tensor::length(&area));
+            all.areas[local] = length(&area);
         }
         all
     }

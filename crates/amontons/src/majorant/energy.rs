@@ -4,11 +4,12 @@
 use super::Refused;
 use super::balance::CellForces;
 use super::discrete::CellStress;
-use super::shapes::{CellShapes, Shape, SimplexShape};
+use super::revolution::{KnownPoint, RevolvedTriangle};
+use super::shapes::{CellShape, CellShapes, SimplexShape};
 use super::skeleton::Skeleton;
-use super::stress::{LocalCompliance, StepLaws, StepMotion};
+use super::stress::{StepLaws, StepMotion};
 use crate::mesh::CellMap;
-use crate::tensor::{Point, Sym};
+use crate::tensor::Point;
 
 /// ½ δ·G δ + h·δ + c of the components y = y_h + δ of the outward tractions, by facet, J. The differences to the
 /// tractions y_h of the discrete stress are as small as the error, so that nothing cancels.
@@ -21,22 +22,26 @@ pub(super) struct CellEnergy<'s> {
 }
 
 impl CellEnergy<'_> {
+    /// Number of components.
+    pub fn len(&self) -> usize {
+        self.linear.len()
+    }
+
     /// G y.
-    pub fn times(&self, y: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; y.len()];
+    pub fn times(&self, y: &[f64], image: &mut [f64]) {
+        image.fill(0.0);
         for (row, y) in self.gram.chunks_exact(y.len()).zip(y) {
-            sum.iter_mut().zip(row).for_each(|(sum, g)| *sum += g * y);
+            image.iter_mut().zip(row).for_each(|(sum, g)| *sum += g * y);
         }
-        sum
     }
 
     /// G δ + h, and the energy, which round-off may make negative where it is zero.
-    pub fn slope(&self, mut y: Vec<f64>) -> (Vec<f64>, f64) {
+    pub fn slope(&self, y: &mut [f64], slope: &mut [f64]) -> f64 {
         y.iter_mut().zip(&self.discrete).for_each(|(y, own)| *y -= own);
-        let mut slope = self.times(&y);
-        let sum: f64 = slope.iter().zip(&self.linear).zip(&y).map(|((g, h), y)| (0.5 * g + h) * y).sum();
+        self.times(y, slope);
+        let sum: f64 = slope.iter().zip(&self.linear).zip(y).map(|((g, h), y)| (0.5 * g + h) * *y).sum();
         slope.iter_mut().zip(&self.linear).for_each(|(slope, h)| *slope += h);
-        (slope, (sum + self.constant).max(0.0))
+        (sum + self.constant).max(0.0)
     }
 
     /// The largest component of the tractions of the discrete stress, N.
@@ -52,6 +57,8 @@ pub(super) struct EnergyEvaluation<'a> {
     /// The motion of σ_h.
     pub motion: &'a StepMotion<'a>,
     pub shapes: &'a CellShapes,
+    /// The body force at a point of a region, N/m³.
+    pub body_force: &'a (dyn Fn(usize, &CellMap) -> Point + Sync),
 }
 
 impl<'a> EnergyEvaluation<'a> {
@@ -63,8 +70,8 @@ impl<'a> EnergyEvaluation<'a> {
         let stress = CellStress::new(self.laws, self.skeleton, self.motion, cell);
         let shape = self.shapes.of(cell);
         let found = match shape {
-            Shape::Simplex(shape) => self.of_simplex((cell, shape), &stress, forces),
-            Shape::Quadrilateral(shape) => {
+            CellShape::Simplex(shape) => self.of_simplex((cell, shape), &stress, forces),
+            CellShape::Quadrilateral(shape) => {
                 let nodes = self.skeleton.nodes(self.laws.mesh, cell);
                 // The load per volume: its moments are those of a constant.
                 let load = forces.load.iter().fold([0.0; 3], |sum: Point, f| std::array::from_fn(|c| sum[c] + f[c]));
@@ -109,7 +116,7 @@ impl<'a> EnergyEvaluation<'a> {
         };
         let places: Vec<(usize, usize)> = (0..=dim).flat_map(|l| (0..dim).map(move |s| (l, s))).map(at).collect();
         let moments = || stress.moments.iter().flat_map(|moments| &moments[..dim]);
-        let loads = forces.load.iter().copied().enumerate();
+        let loads = forces.load.iter().copied().enumerate().take(dim + 1);
         let by_vertex = places.iter().zip(moments()).map(|((vertex, _), moment)| (*vertex, *moment));
         let missing = shape.form.missing(by_vertex.chain(loads), &stress.total);
         let deviation = if stress.is_linear {
@@ -118,14 +125,21 @@ impl<'a> EnergyEvaluation<'a> {
             let mut ordered = vec![[0.0; 3]; places.len()];
             places.iter().zip(moments()).for_each(|((_, place), moment)| ordered[*place] = *moment);
             let known = self.at_points(cell)?;
-            Some(shape.form.deviation(&self.shapes.stresses, (&ordered, &stress.total), |q| known[q]))
+            let (stresses, own) = (&self.shapes.stresses, (&ordered[..], &stress.total));
+            Some(if mesh.axisymmetric {
+                let vertices = skeleton.nodes(mesh, cell)[..3].iter().map(|&node| mesh.points[node as usize]);
+                let triangle = RevolvedTriangle::new(&vertices.collect::<Vec<Point>>());
+                triangle.deviation(&shape.form, stresses, own, |q| known[q])
+            } else {
+                shape.form.deviation(stresses, own, |q| (known[q].0, &known[q].1))
+            })
         };
         let (slopes, constant) = shape.form.affine(&missing, deviation.as_ref());
         Some((places.iter().map(|(_, place)| slopes[*place]).collect(), constant))
     }
 
-    /// The stress and the compliance at the points of a simplex.
-    fn at_points(&self, cell: usize) -> Option<Vec<(Sym, LocalCompliance)>> {
+    /// The stress, the compliance and the first component of the body force at the points of a simplex.
+    fn at_points(&self, cell: usize) -> Option<Vec<KnownPoint>> {
         let nodes = self.skeleton.nodes(self.laws.mesh, cell);
         let region = self.laws.region(self.skeleton, cell);
         let table = self.shapes.tables[self.skeleton.cells[cell].block].as_ref()?;
@@ -133,7 +147,9 @@ impl<'a> EnergyEvaluation<'a> {
         (0..self.shapes.stresses.points.len())
             .map(|q| {
                 at.at(nodes, q);
-                Some((self.laws.at(region, &at, nodes, self.motion), self.laws.compliance(region, &at.position)?))
+                let compliance = self.laws.compliance(region, &at.position)?;
+                let force = (self.body_force)(region, &at)[0];
+                Some((self.laws.at(region, &at, nodes, self.motion), compliance, force))
             })
             .collect()
     }

@@ -8,8 +8,9 @@
 //!     = ½‖Cε(u_h) + σ₀ − σ̂‖² + Σ ∫_{Γ_C} Φ(r_h) + Φ*(p̂) − p̂ r_h + s‖d_h‖ − q̂·d_h,
 //! ```
 //!
-//! with the norm of C⁻¹ for stresses, C = 𝓔 + 𝓥/γ, and σ₀ all stress that does not depend on u. The right-hand side is
-//! computed and is never below the energy of the error; the chapter on the theory in the book has the proof.
+//! with the norm of C⁻¹ for stresses, C = 𝓔 + 𝓥/γ with the springs of branches, and σ₀ all stress that does not depend
+//! on u. The right-hand side is computed and is never below the energy of the error; the chapter on the theory in the
+//! book has the proof.
 //!
 //! The stress σ̂ is made in four steps: admissible tractions on Γ_C (`contact`); one solution with the matrix of the
 //! step, after which σ_h balances them on the mesh; tractions on all facets that balance each cell (`balance`); a
@@ -25,6 +26,7 @@ mod modes;
 mod patches;
 mod quadrilateral;
 mod relax;
+mod revolution;
 mod scope;
 mod shapes;
 mod simplex;
@@ -43,7 +45,7 @@ use crate::machine;
 use crate::mesh::{CellMap, FacetMap, FacetSet, decisive_cells};
 use crate::problem::{BoundaryCondition, Problem};
 use crate::state::{State, StepReport};
-use crate::tensor::{Point, length};
+use crate::tensor::{Point, dot, length};
 use crate::time::Rule;
 use balance::{CellForces, FacetGiven, balanced, means};
 use contact::{SolvedContact, Touching};
@@ -53,7 +55,7 @@ use patches::{PatchData, Patches};
 use relax::TractionDescent;
 use shapes::CellShapes;
 use skeleton::Skeleton;
-use stress::{StepLaws, StepMotion};
+use stress::{RelaxingStress, StepLaws, StepMotion};
 
 /// A reason why there is no bound of the error.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -99,7 +101,7 @@ impl Remarks {
     }
 }
 
-/// The discretization error of a step in the norm of its energy, ‖v‖² = ∫ (𝓔 + 𝓥/γ) ε(v):ε(v).
+/// The discretization error of a step in the norm of its energy, ‖v‖² = ∫ C ε(v):ε(v), C = 𝓔 + 𝓥/γ + Σ 𝓖/(1 + γ/τ).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiscretizationError {
     /// ½‖u_h − u‖² is at most this, J.
@@ -199,7 +201,12 @@ impl Majorant {
             .iter()
             .map(|contact| contact.at_time(state.t).unwrap_or_else(|| contact.clone()))
             .collect();
-        let laws = StepLaws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() })?;
+        let branches = discrete.branches.iter().zip(&state.branches);
+        let relaxing = branches.filter_map(|(branches, z)| {
+            let (time, _) = branches.uniform()?;
+            Some(RelaxingStress::new(problem, time, rule, (z, &state.u)))
+        });
+        let laws = StepLaws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() }, relaxing.collect())?;
         let mut remarks = Remarks::default();
         scope::remark(problem, &laws, &contacts, state.t, &mut remarks);
         let discrete_motion = StepMotion { u: &state.u, before: &before, theta };
@@ -222,13 +229,15 @@ impl Majorant {
         let mut given = self.given(problem, discrete, state.t, &mut remarks);
         let mut right = discrete.f.at(state.t).to_vec();
         touching.enter(&self.skeleton, &mut given, &mut right);
-        let corrected = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
+        let (corrected, inner) = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
         let balanced_motion = StepMotion { u: &corrected, ..motion };
         self.share((&laws, rule), &given, !theta.is_empty())?;
         let Some((_, shared)) = &self.shared else { return Err(held_by_contact()) };
-        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t, shared };
-        let parts = step.parts(&given, &balanced_motion, (&motion, &touching))?;
-        let round_off = step.round_off(touching.largest_traction());
+        let is_loaded = problem.body_force.iter().any(|force| !force.is_zero()) || !problem.region_loads.is_empty();
+        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t, shared, is_loaded };
+        let parts = step.parts(&given, (&balanced_motion, &inner), (&motion, &touching))?;
+        // The energy that the tractions on Γ_C would cause: they work on displacements of round-off.
+        let round_off = ROUNDINGS * f64::EPSILON * 0.5 * parts.softness * touching.largest_traction().powi(2);
         Ok(DiscretizationError { round_off, ..step.sum(parts, (&state.u, repaired.as_deref()), remarks) })
     }
 
@@ -313,7 +322,8 @@ impl Majorant {
         }
     }
 
-    /// A displacement near that of the step whose stress balances the forces in `right` on the mesh.
+    /// A displacement near that of the step whose stress balances the forces in `right` on the mesh, and the forces of
+    /// its stress per cell and node.
     fn corrected(
         &mut self,
         problem: &Problem,
@@ -321,7 +331,7 @@ impl Majorant {
         (laws, rule): (&StepLaws, Rule),
         motion: &StepMotion,
         right: &[f64],
-    ) -> Result<Vec<f64>, Refused> {
+    ) -> Result<(Vec<f64>, Vec<Vec<Point>>), Refused> {
         if self.system.as_ref().is_none_or(|(known, _)| *known != rule) {
             let matrix = Arc::new(discrete.mechanical_matrix(rule));
             let layout = Layout::of(&discrete.mesh, &discrete.v, &[]);
@@ -329,32 +339,26 @@ impl Majorant {
             self.system = Some((rule, system));
         }
         let mut u = motion.u.to_vec();
-        let Some((_, system)) = &mut self.system else { return Ok(u) };
-        for _ in 0..CORRECTIONS {
-            let rest = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
+        let Some((_, system)) = &mut self.system else { return Err(held_by_contact()) };
+        let mut corrections = 0;
+        loop {
+            let (rest, largest, forces) = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
             let mut x = system.unknowns().gather(&rest);
+            let left = max_abs(&x) / largest.max(max_abs(right)).max(f64::MIN_POSITIVE);
+            if left <= BALANCED || corrections == CORRECTIONS {
+                return if left.is_nan() || left > LEFT { Err(held_by_contact()) } else { Ok((u, forces)) };
+            }
             system.solve(&mut x).map_err(|_| held_by_contact())?;
             let mut change = vec![0.0; u.len()];
             system.unknowns().add(&x, &mut change);
             u.iter_mut().zip(&change).for_each(|(u, change)| *u += rule.gamma * change);
+            corrections += 1;
         }
-        let rest = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
-        let left = max_abs(&system.unknowns().gather(&rest));
-        let forces = self.largest(laws, motion, right);
-        if left.is_nan() || left > LEFT * forces {
-            return Err(held_by_contact());
-        }
-        Ok(u)
-    }
-
-    /// The largest force of a cell on a node, or on a node from outside, N.
-    fn largest(&self, laws: &StepLaws, motion: &StepMotion, right: &[f64]) -> f64 {
-        let of_cell = |cell: usize| laws.forces(&self.skeleton, cell, motion).iter().map(length).fold(0.0, f64::max);
-        let of_cells = (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).reduce(|| 0.0, f64::max);
-        of_cells.max(max_abs(right))
     }
 }
 
+/// What of the balance of the nodes is round-off, relative to the largest force.
+const BALANCED: f64 = 1e-14;
 /// What may be left of the balance of the nodes, relative to the largest force: more is a body that nothing holds.
 const LEFT: f64 = 1e-9;
 
@@ -362,18 +366,24 @@ fn held_by_contact() -> Refused {
     Refused::new("a body that contact alone holds")
 }
 
-/// What is left of the balance of the nodes, N.
-fn residual(laws: &StepLaws, skeleton: &Skeleton, motion: &StepMotion, right: &[f64]) -> Vec<f64> {
+/// What is left of the balance of the nodes, the largest force of a cell on a node, and these forces, N.
+fn residual(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    motion: &StepMotion,
+    right: &[f64],
+) -> (Vec<f64>, f64, Vec<Vec<Point>>) {
     let dim = laws.mesh.dim;
     let forces: Vec<Vec<Point>> =
         (0..skeleton.cells.len()).into_par_iter().map(|cell| laws.forces(skeleton, cell, motion)).collect();
-    let mut rest = right.to_vec();
+    let (mut rest, mut largest) = (right.to_vec(), 0.0f64);
     for (cell, forces) in forces.iter().enumerate() {
         for (&node, force) in skeleton.nodes(laws.mesh, cell).iter().zip(forces) {
+            largest = largest.max(dot(force, force));
             (0..dim).for_each(|c| rest[node as usize * dim + c] -= force[c]);
         }
     }
-    rest
+    (rest, largest.sqrt(), forces)
 }
 
 /// A step whose stress in balance is made.
@@ -383,37 +393,51 @@ struct MadeStep<'a> {
     problem: &'a Problem,
     t: f64,
     shared: &'a Shared,
+    /// True if a body force may act.
+    is_loaded: bool,
 }
 
 /// Parts of the energy: per cell from the body, and per contact facet with its cell.
 struct EnergyParts {
     cells: Vec<f64>,
     contact: Vec<(usize, f64)>,
+    /// ∫ of the size of the compliance, m³/Pa.
+    softness: f64,
 }
 
 impl MadeStep<'_> {
-    /// ∫ σ∇φ − ∫ f φ per vertex of a cell.
-    fn forces(&self, cell: usize, motion: &StepMotion) -> CellForces {
+    /// ∫ σ∇φ − ∫ f φ per vertex of a cell, from the forces of the stress per node.
+    fn forces(&self, cell: usize, motion: &StepMotion, inner: &[Point]) -> CellForces {
         let (mesh, tables) = (self.laws.mesh, self.skeleton.tables(cell));
         let nodes = self.skeleton.nodes(mesh, cell);
         let region = self.laws.region(self.skeleton, cell);
-        let inner = self.laws.forces(self.skeleton, cell, motion);
         let (mut outer, mut volume, mut softness) = (vec![[0.0; 3]; nodes.len()], 0.0, 0.0);
-        self.laws.integrate(&tables.load, nodes, |map, weight| {
-            let load = self.body_force(region, map);
-            for (force, value) in outer.iter_mut().zip(map.values()) {
-                (0..3).for_each(|c| force[c] += weight * value * load[c]);
+        let table = if self.is_loaded { &tables.load } else { &tables.body };
+        self.laws.integrate(table, nodes, |map, weight| {
+            if self.is_loaded {
+                let load = self.body_force(region, map);
+                for (force, value) in outer.iter_mut().zip(map.values()) {
+                    (0..3).for_each(|c| force[c] += weight * value * load[c]);
+                }
             }
             volume += weight;
-            softness = self.laws.compliance(region, &map.position).map_or(softness, |compliance| compliance.size());
+            softness += weight * self.laws.softness(region, &map.position);
         });
-        let sum = |hats: &Vec<f64>, of: &dyn Fn(usize) -> Point| -> Point {
-            std::array::from_fn(|c| hats.iter().enumerate().map(|(node, hat)| hat * of(node)[c]).sum())
-        };
-        let load: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| outer[node])).collect();
-        let of_stress: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| inner[node])).collect();
-        let rest = of_stress.iter().zip(&load).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect();
-        CellForces { rest, load, softness: softness * volume, volume }
+        let (mut load, mut rest) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
+        for ((load, rest), hats) in load.iter_mut().zip(&mut rest).zip(&tables.hats) {
+            for ((hat, outer), inner) in hats.iter().zip(&outer).zip(inner) {
+                (0..3).for_each(|c| load[c] += hat * outer[c]);
+                (0..3).for_each(|c| rest[c] += hat * (inner[c] - outer[c]));
+            }
+        }
+        // The hoop stress loads the plane of a body of revolution.
+        if mesh.axisymmetric {
+            let hoops = self.laws.hoop_forces(self.skeleton, cell, motion);
+            for (load, hats) in load.iter_mut().zip(&tables.hats) {
+                load[0] -= hats.iter().zip(&hoops).map(|(hat, hoop)| hat * hoop).sum::<f64>();
+            }
+        }
+        CellForces { rest, load, softness, volume }
     }
 
     fn body_force(&self, region: usize, map: &CellMap) -> Point {
@@ -431,12 +455,12 @@ impl MadeStep<'_> {
     fn parts(
         &self,
         given: &[FacetGiven],
-        balanced_motion: &StepMotion,
+        (balanced_motion, inner): (&StepMotion, &[Vec<Point>]),
         (motion, touching): (&StepMotion, &Touching),
     ) -> Result<EnergyParts, Refused> {
         let cells = 0..self.skeleton.cells.len();
         let forces: Vec<CellForces> =
-            cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion)).collect();
+            cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion, &inner[cell])).collect();
         let stress = |cell: usize| CellStress::new(self.laws, self.skeleton, balanced_motion, cell);
         let stresses: Vec<CellStress> = cells.clone().into_par_iter().map(stress).collect();
         let (means, weights) = means(self.skeleton, &forces, &stresses);
@@ -444,7 +468,8 @@ impl MadeStep<'_> {
         let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
         let Shared { shapes, patches, .. } = self.shared;
         let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
-        let evaluation = EnergyEvaluation { laws: self.laws, skeleton, motion, shapes };
+        let body_force = |region: usize, map: &CellMap| self.body_force(region, map);
+        let evaluation = EnergyEvaluation { laws: self.laws, skeleton, motion, shapes, body_force: &body_force };
         let of_cell = |cell: usize| evaluation.of_cell(cell, &forces[cell]);
         let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
         let descent = TractionDescent { mesh, skeleton, given, energies: &energies, patches };
@@ -453,7 +478,8 @@ impl MadeStep<'_> {
             let cell = self.skeleton.facets[facet.facet].cells.first().map_or(0, |first| first.0);
             (cell, touching.term(facet, motion.u))
         };
-        Ok(EnergyParts { cells, contact: touching.facets.par_iter().map(of_facet).collect() })
+        let softness = forces.iter().map(|cell| cell.softness).sum();
+        Ok(EnergyParts { cells, softness, contact: touching.facets.par_iter().map(of_facet).collect() })
     }
 
     /// The square of the norm of a field per cell.
@@ -469,28 +495,13 @@ impl MadeStep<'_> {
         (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).collect()
     }
 
-    /// Round-off of the energy that a traction would cause, J: the pressure works on displacements of round-off.
-    fn round_off(&self, traction: f64) -> f64 {
-        let of_cell = |cell: usize| {
-            let (region, nodes) = (self.laws.region(self.skeleton, cell), self.skeleton.nodes(self.laws.mesh, cell));
-            let mut softness = 0.0;
-            self.laws.integrate(&self.skeleton.tables(cell).load, nodes, |map, weight| {
-                let compliance = self.laws.compliance(region, &map.position);
-                softness += weight * compliance.map_or(0.0, |compliance| compliance.size());
-            });
-            softness
-        };
-        let softness: f64 = (0..self.skeleton.cells.len()).map(of_cell).sum();
-        ROUNDINGS * f64::EPSILON * 0.5 * softness * traction.powi(2)
-    }
-
     fn sum(
         &self,
         parts: EnergyParts,
         (u, repaired): (&[f64], Option<&[f64]>),
         remarks: Remarks,
     ) -> DiscretizationError {
-        let EnergyParts { mut cells, contact } = parts;
+        let EnergyParts { mut cells, contact, .. } = parts;
         let mesh: f64 = cells.iter().sum();
         let on_contact: f64 = contact.iter().map(|(_, energy)| energy).sum();
         for (cell, energy) in &contact {

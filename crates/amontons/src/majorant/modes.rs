@@ -13,7 +13,7 @@
 use crate::tensor::{Point, dot, length, minus};
 
 /// The components of a linear traction on a facet: force, moment over ℓ, and the couples without a moment, N.
-pub(super) type Modes = [f64; 9];
+pub(super) type FacetComponents = [f64; 9];
 
 /// Number of components of force and moment.
 pub(super) const fn wrench(dim: usize) -> usize {
@@ -40,7 +40,7 @@ pub(super) struct FacetModes {
 }
 
 impl FacetModes {
-    /// The frame of a point, a segment or a triangle.
+    /// The frame of a facet with these vertices.
     pub fn new(dim: usize, vertices: &[Point]) -> FacetModes {
         let n = vertices.len() as f64;
         let centre: Point = std::array::from_fn(|c| vertices.iter().map(|x| x[c]).sum::<f64>() / n);
@@ -113,7 +113,7 @@ impl FacetModes {
     }
 
     /// The components of the moments of the vertices.
-    pub fn of_moments(&self, moments: &[Point]) -> Modes {
+    pub fn of_moments(&self, moments: &[Point]) -> FacetComponents {
         let mut y = [0.0; 9];
         let mut couples = [[0.0; 3]; 2];
         for (moment, arm) in moments.iter().zip(&self.arms) {
@@ -136,7 +136,7 @@ impl FacetModes {
     }
 
     /// The slope in the components of a function whose slope in the moments is known.
-    pub fn slopes(&self, of_moments: &[Point]) -> Modes {
+    pub fn slopes(&self, of_moments: &[Point]) -> FacetComponents {
         let d = self.dim;
         let mut y = [0.0; 9];
         let mut couples = [[0.0; 3]; 2];

@@ -1,4 +1,4 @@
-//! Patches of facets at a vertex of a plane body, or at an edge in space, with the tractions that leave cells in balance.
+//! Patches of facets at a vertex of a plane body, or at an edge in space, with tractions that keep cells in balance.
 //!
 //! Two facets of each cell meet at a vertex in the plane and at an edge in space, so that the unknown facets at it form
 //! chains and rings. Cells stay in balance if one wrench, of force and moment, goes round a ring, or through a chain
@@ -30,17 +30,27 @@ struct PatchFacet {
 
 /// A ring or chain of facets.
 #[derive(Debug)]
-struct Patch {
+struct FacetPatch {
     facets: Vec<PatchFacet>,
     has_wrench: bool,
     factor: usize,
 }
 
-/// A cell in a patch: its facets there, by place in the patch, place in the cell and sign.
-#[derive(Debug)]
+/// A facet of a cell in a patch: place in the patch, place in the cell, and sign.
+type PatchEntry = (usize, usize, f64);
+
+/// A cell in a patch with its facets there, of which there are at most two.
+#[derive(Clone, Copy, Debug)]
 struct PatchCell {
     cell: usize,
-    facets: Vec<(usize, usize, f64)>,
+    facets: [PatchEntry; 2],
+    count: usize,
+}
+
+impl PatchCell {
+    fn facets(&self) -> &[PatchEntry] {
+        &self.facets[..self.count]
+    }
 }
 
 /// The factor of the energy of a patch.
@@ -55,7 +65,7 @@ struct PatchFactor {
 #[derive(Debug)]
 pub(super) struct Patches {
     dim: usize,
-    patches: Vec<Patch>,
+    all: Vec<FacetPatch>,
     factors: Vec<PatchFactor>,
     /// Directions of the facets in which tractions are unknown.
     free: Vec<[Point; 3]>,
@@ -94,15 +104,15 @@ impl PatchData<'_> {
     }
 
     /// The rings and chains at a vertex or edge, with their cells.
-    fn patches(&self, at: [u32; 2], star: &[([u32; 2], usize)]) -> Vec<(Patch, Vec<PatchCell>)> {
+    fn patches(&self, at: [u32; 2], star: &[([u32; 2], usize)]) -> Vec<(FacetPatch, Vec<PatchCell>)> {
         let facets: Vec<usize> = star.iter().map(|(_, facet)| *facet).collect();
         let mut cells: Vec<PatchCell> = Vec::new();
         for (slot, &facet) in facets.iter().enumerate() {
             for &(cell, local) in &self.skeleton.facets[facet].cells {
                 let entry = (slot, local, self.skeleton.facets[facet].sign(cell));
                 match cells.iter_mut().find(|known| known.cell == cell) {
-                    Some(known) => known.facets.push(entry),
-                    None => cells.push(PatchCell { cell, facets: vec![entry] }),
+                    Some(known) => (known.facets[1], known.count) = (entry, 2),
+                    None => cells.push(PatchCell { cell, facets: [entry; 2], count: 1 }),
                 }
             }
         }
@@ -117,9 +127,9 @@ impl PatchData<'_> {
             let mut next = 0;
             while let Some(&slot) = members.get(next) {
                 next += 1;
-                for cell in cells.iter().filter(|cell| cell.facets.iter().any(|(own, ..)| *own == slot)) {
-                    let sign = cell.facets.iter().find(|(own, ..)| *own == slot).map_or(1.0, |own| own.2);
-                    for &(other, _, of_other) in cell.facets.iter().filter(|(other, ..)| *other != slot) {
+                for cell in &cells {
+                    let Some(&(_, _, sign)) = cell.facets().iter().find(|(own, ..)| *own == slot) else { continue };
+                    for &(other, _, of_other) in cell.facets().iter().filter(|(other, ..)| *other != slot) {
                         if turns[other] == 0.0 {
                             turns[other] = -turns[slot] * sign * of_other;
                             members.push(other);
@@ -138,15 +148,16 @@ impl PatchData<'_> {
         at: [u32; 2],
         (facets, turns, members): (&[usize], &[f64], &[usize]),
         cells: &[PatchCell],
-    ) -> (Patch, Vec<PatchCell>) {
+    ) -> (FacetPatch, Vec<PatchCell>) {
         let place = |slot: usize| members.iter().position(|own| *own == slot);
         let of_patch = |cell: &PatchCell| {
-            let facets: Vec<(usize, usize, f64)> =
-                cell.facets.iter().filter_map(|&(slot, local, sign)| Some((place(slot)?, local, sign))).collect();
-            (!facets.is_empty()).then_some(PatchCell { cell: cell.cell, facets })
+            let moved = |(slot, local, sign): PatchEntry| Some((place(slot)?, local, sign));
+            // Both facets of a cell are in one patch.
+            let [first, second] = cell.facets;
+            Some(PatchCell { facets: [moved(first)?, moved(second)?], ..*cell })
         };
         let cells: Vec<PatchCell> = cells.iter().filter_map(of_patch).collect();
-        let has_wrench = cells.iter().all(|cell| cell.facets.len() == 2);
+        let has_wrench = cells.iter().all(|cell| cell.count == 2);
         let ends = at.map(|node| self.mesh.points[node as usize]);
         let modes = |slot: usize| -> &FacetModes { &self.skeleton.modes[facets[slot]] };
         let size = members.first().map_or(1.0, |&slot| modes(slot).size);
@@ -159,11 +170,11 @@ impl PatchData<'_> {
                 scale: size / own,
             }
         };
-        (Patch { facets: members.iter().map(of_facet).collect(), has_wrench, factor: 0 }, cells)
+        (FacetPatch { facets: members.iter().map(of_facet).collect(), has_wrench, factor: 0 }, cells)
     }
 
     /// What tells factors apart; `None` for a patch with a facet of which a part is known.
-    fn key(&self, patch: &Patch, cells: &[PatchCell]) -> Option<Vec<u32>> {
+    fn key(&self, patch: &FacetPatch, cells: &[PatchCell]) -> Option<Vec<u32>> {
         if patch.facets.iter().any(|of| !self.given[of.facet].is_whole(self.dim())) {
             return None;
         }
@@ -172,16 +183,16 @@ impl PatchData<'_> {
             key.push(self.shapes.of_cell[cell.cell]);
             let of =
                 |&(slot, local, sign): &(usize, usize, f64)| [slot as u32, local as u32 * 2 + u32::from(sign > 0.0)];
-            key.extend(cell.facets.iter().flat_map(of));
+            key.extend(cell.facets().iter().flat_map(of));
             key.push(u32::MAX);
         }
         Some(key)
     }
 
     /// The factor of the energy of a patch.
-    fn factor(&self, patch: &Patch, cells: &[PatchCell]) -> PatchFactor {
+    fn factor(&self, patch: &FacetPatch, cells: &[PatchCell]) -> PatchFactor {
         let d = self.dim();
-        let matrix = Assembly { d, patch, size: patch.size(d) }.matrix(self.shapes, cells);
+        let matrix = PatchMatrix { d, patch, size: patch.size(d) }.matrix(self.shapes, cells);
         let partial = patch.facets.iter().any(|of| !self.given[of.facet].is_whole(d));
         if !partial {
             return PatchFactor { factor: Semidefinite::new(&matrix), kept: None };
@@ -197,10 +208,10 @@ impl PatchData<'_> {
     }
 
     /// Rows whose products with the unknowns of a patch are known components of its tractions.
-    fn known_components(&self, patch: &Patch) -> Vec<Vec<f64>> {
+    fn known_components(&self, patch: &FacetPatch) -> Vec<Vec<f64>> {
         let (d, n) = (self.dim(), patch.size(self.dim()));
         let mut rows = Vec::new();
-        for of in patch.facets.iter() {
+        for of in &patch.facets {
             let modes = &self.skeleton.modes[of.facet];
             let columns: Vec<Vec<Point>> = (0..n)
                 .map(|k| {
@@ -263,7 +274,7 @@ fn kernel(rows: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
     basis.split_off(known)
 }
 
-impl Patch {
+impl FacetPatch {
     /// Number of unknowns: the wrench, and per facet the tractions without one.
     fn size(&self, d: usize) -> usize {
         let of_facets = self.facets.len() * (d * d - wrench(d));
@@ -307,21 +318,21 @@ impl Patch {
 }
 
 /// The matrix of the energy of a patch.
-struct Assembly<'a> {
+struct PatchMatrix<'a> {
     d: usize,
-    patch: &'a Patch,
+    patch: &'a FacetPatch,
     size: usize,
 }
 
-impl Assembly<'_> {
+impl PatchMatrix<'_> {
     /// The lower triangle.
     fn matrix(&self, shapes: &CellShapes, cells: &[PatchCell]) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; self.size]; self.size];
         for cell in cells {
             let gram = shapes.of(cell.cell).gram();
             let n = (gram.len() as f64).sqrt().round() as usize;
-            for &(slot, a, sign) in &cell.facets {
-                for &(other, b, of_other) in &cell.facets {
+            for &(slot, a, sign) in cell.facets() {
+                for &(other, b, of_other) in cell.facets() {
                     self.add((gram, n), (slot, a), (other, b), (sign * of_other, &mut matrix));
                 }
             }
@@ -372,7 +383,7 @@ impl Assembly<'_> {
     }
 }
 
-impl Patch {
+impl FacetPatch {
     /// The part of the wrench of `add_transposed`.
     fn add_wrench(&self, d: usize, slot: usize, y: &[f64; 9], x: &mut [f64; 6]) {
         let PatchFacet { turn, arm, scale, .. } = &self.facets[slot];
@@ -387,7 +398,7 @@ impl Patches {
     pub fn new(data: &PatchData) -> Patches {
         let stars = data.stars();
         let runs: Vec<&[([u32; 2], usize)]> = stars.chunk_by(|a, b| a.0 == b.0).collect();
-        let mut made: Vec<(Patch, Vec<PatchCell>)> =
+        let mut made: Vec<(FacetPatch, Vec<PatchCell>)> =
             runs.into_par_iter().flat_map_iter(|run| data.patches(run[0].0, run)).collect();
         let keys: Vec<Option<Vec<u32>>> = made.par_iter().map(|(patch, cells)| data.key(patch, cells)).collect();
         let (mut known, mut first) = (HashMap::new(), Vec::new());
@@ -403,8 +414,8 @@ impl Patches {
         }
         let factor = |number: usize| data.factor(&made[number].0, &made[number].1);
         let factors = first.into_par_iter().map(factor).collect();
-        let patches = made.into_iter().map(|(patch, _)| patch).collect();
-        Patches { dim: data.dim(), patches, factors, free: data.given.iter().map(|given| given.free).collect() }
+        let all = made.into_iter().map(|(patch, _)| patch).collect();
+        Patches { dim: data.dim(), all, factors, free: data.given.iter().map(|given| given.free).collect() }
     }
 
     /// True if the tractions of these facets are unknown in the same directions.
@@ -417,33 +428,33 @@ impl Patches {
 
     /// True if there is nothing to lower.
     pub fn is_empty(&self) -> bool {
-        self.patches.is_empty()
+        self.all.is_empty()
     }
 
-    /// The sum of the solutions of the patches for a residual, by facet and component.
-    pub fn preconditioned(&self, rest: &[f64]) -> Vec<f64> {
+    /// The sum of the solutions of the patches for a residual, by facet and component. `work` is kept between calls.
+    pub fn preconditioned(&self, rest: &[f64], work: &mut Vec<f64>) -> Vec<f64> {
         let (d, k) = (self.dim, self.dim * self.dim);
-        let solution = |patch: &Patch| {
-            let mut right = vec![0.0; patch.size(d)];
+        let solve = |(patch, x): (&FacetPatch, &mut [f64])| {
+            x.fill(0.0);
             for (slot, of) in patch.facets.iter().enumerate() {
-                patch.add_transposed(d, slot, &rest[of.facet * k..][..k], &mut right);
+                patch.add_transposed(d, slot, &rest[of.facet * k..][..k], x);
             }
             let PatchFactor { factor, kept } = &self.factors[patch.factor];
-            match kept {
-                None => factor.solve(&right),
-                Some(kept) => {
-                    let reduced: Vec<f64> = kept.iter().map(|v| product(v, &right)).collect();
-                    let mut x = vec![0.0; right.len()];
-                    for (v, a) in kept.iter().zip(factor.solve(&reduced)) {
-                        x.iter_mut().zip(v).for_each(|(x, v)| *x += a * v);
-                    }
-                    x
-                }
+            let Some(kept) = kept else { return factor.solve_in_place(x) };
+            let mut reduced: Vec<f64> = kept.iter().map(|v| product(v, x)).collect();
+            factor.solve_in_place(&mut reduced);
+            x.fill(0.0);
+            for (v, a) in kept.iter().zip(reduced) {
+                x.iter_mut().zip(v).for_each(|(x, v)| *x += a * v);
             }
         };
-        let solutions: Vec<Vec<f64>> = self.patches.par_iter().map(solution).collect();
-        let mut sum = vec![0.0; rest.len()];
-        for (patch, x) in self.patches.iter().zip(&solutions) {
+        work.resize(self.all.iter().map(|patch| patch.size(d)).sum(), 0.0);
+        let parts = split(work, self.all.iter().map(|patch| patch.size(d)));
+        self.all.par_iter().zip(parts).for_each(solve);
+        let (mut sum, mut left) = (vec![0.0; rest.len()], &work[..]);
+        for patch in &self.all {
+            let (x, after) = left.split_at(patch.size(d));
+            left = after;
             for (slot, of) in patch.facets.iter().enumerate() {
                 let y = patch.of_facet(d, slot, x);
                 sum[of.facet * k..][..k].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y);
@@ -453,6 +464,17 @@ impl Patches {
     }
 }
 
+/// A vector in parts of these lengths, one after the other.
+pub(super) fn split(whole: &mut [f64], lengths: impl Iterator<Item = usize>) -> Vec<&mut [f64]> {
+    let (mut parts, mut left) = (Vec::with_capacity(lengths.size_hint().0), whole);
+    for length in lengths {
+        let (part, after) = left.split_at_mut(length);
+        parts.push(part);
+        left = after;
+    }
+    parts
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -460,7 +482,7 @@ mod tests {
     /// The kernel is orthonormal, annihilates the rows, and has the dimension that remains.
     #[test]
     fn a_kernel_annihilates_rows_that_depend_on_each_other() {
-        let row = |seed: f64| -> Vec<f64> { (0..7).map(|k| (seed + 1.9 * k as f64).sin()).collect() };
+        let row = |seed: f64| -> Vec<f64> { (0..7).map(|k| (seed + 1.9 * f64::from(k)).sin()).collect() };
         let (a, b) = (row(0.3), row(1.1));
         let both: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 2.0 * a - b).collect();
         let found = kernel(&[a.clone(), b.clone(), both, vec![0.0; 7]], 7);

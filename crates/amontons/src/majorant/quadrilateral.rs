@@ -2,18 +2,26 @@
 //!
 //! The tractions between the triangles are those that make the complementary energy least under the balance of each.
 
-use super::dense::{Constrained, product};
-use super::shapes::{congruent, form};
-use super::simplex::{ReferenceStresses, SimplexForm, vertex};
+use super::dense::{Constrained, congruent, product};
+use super::simplex::{ReferenceStresses, SimplexForm, form, vertex};
 use super::skeleton::{Skeleton, linear_functions};
 use super::stress::{LocalCompliance, StepLaws, StepMotion};
 use crate::element::{Q1_QUADRILATERAL, ShapeTable};
 use crate::mesh::CellMap;
 use crate::quadrature;
-use crate::tensor::{Point, Sym};
+use crate::tensor::{Point, Sym, length, minus};
 
 /// Moments of a quadrilateral on its sides, and between its triangles: two components at both ends of four lines.
 const LINES: usize = 16;
+
+/// Distance of a vertex from that of a parallelogram, relative to the first side, that counts as round-off.
+const AFFINE: f64 = 1e-9;
+
+/// True if a quadrilateral is no parallelogram.
+pub(super) fn is_distorted(corners: &[Point]) -> bool {
+    let off: Point = std::array::from_fn(|c| corners[0][c] - corners[1][c] + corners[2][c] - corners[3][c]);
+    length(&off) > AFFINE * length(&minus(&corners[1], &corners[0]))
+}
 
 /// What quadrilaterals of one shape share.
 #[derive(Debug)]
@@ -29,10 +37,16 @@ pub(super) struct QuadrilateralShape {
     inner: Constrained,
     /// The least moments of a unit of each moment on the sides, all of them.
     columns: Vec<Vec<f64>>,
-    /// The points of the triangles, and of the lines from the vertices to the mean.
+    /// The points of the triangles if these are the same in all parallelograms, else none.
     tables: Vec<ShapeTable>,
+    /// The points of the lines from the vertices to the mean.
     lines: Vec<ShapeTable>,
+    vertices: Vec<Point>,
     on_line: Vec<(Point, f64)>,
+    /// The vertices and the mean.
+    corners: ShapeTable,
+    /// True if the strain of a bilinear function is linear.
+    is_parallelogram: bool,
 }
 
 #[derive(Debug)]
@@ -110,10 +124,16 @@ impl QuadrilateralShape {
             columns: Vec::new(),
             tables: Vec::new(),
             lines: Vec::new(),
+            vertices: corners.clone(),
             on_line: quadrature::rule(quadrature::Shape::Segment, 2 * element.gradient_degree + 2)
                 .iter()
                 .map(|(x, weight)| (*x, weight))
                 .collect(),
+            corners: ShapeTable::at(
+                element,
+                &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 0.0]],
+            ),
+            is_parallelogram: !is_distorted(&corners),
         };
         let region = laws.region(skeleton, cell);
         for i in 0..4 {
@@ -121,8 +141,9 @@ impl QuadrilateralShape {
             let in_part = |weights: &[f64]| -> Point {
                 std::array::from_fn(|c| weights.iter().zip(&vertices).map(|(a, x)| a * x[c]).sum())
             };
-            let points = stresses.points.iter().map(|point| in_reference(&corners, &in_part(&point.in_simplex)));
-            shape.tables.push(ShapeTable::at(element, &points.collect::<Vec<Point>>()));
+            if shape.is_parallelogram {
+                shape.tables.push(shape.table(i, stresses));
+            }
             let on_line = shape.on_line.iter().map(|(x, _)| in_part(&[1.0 - x[0], 0.0, x[0]]));
             let on_line: Vec<Point> = on_line.map(|x| in_reference(&corners, &x)).collect();
             shape.lines.push(ShapeTable::at(element, &on_line));
@@ -138,7 +159,8 @@ impl QuadrilateralShape {
     /// The least energy in the second half of the moments x = (b, y) under A_b b + A_y y = c: y = Y b + y₀.
     fn condense(&mut self, skeleton: &Skeleton, cell: usize) {
         let n = 2 * LINES;
-        for (i, triangle) in self.triangles.iter().enumerate() {
+        for (i, triangle) in self.triangles.iter_mut().enumerate() {
+            let moments = triangle.form.take_moments();
             let map = &triangle.form.map;
             let block: Vec<f64> = (0..4)
                 .map(|at| {
@@ -147,7 +169,7 @@ impl QuadrilateralShape {
                 })
                 .collect();
             let blocks: Vec<(usize, Vec<f64>)> = (0..6).map(|place| (2 * place, block.clone())).collect();
-            let gram = congruent(&triangle.form.of_moments(), 2, &blocks);
+            let gram = congruent(&moments, 2, &blocks);
             for &(a, sign, place, c) in &triangle.acting {
                 for &(b, other, at, d) in &triangle.acting {
                     self.all[a * n + b] += sign * other * gram[(2 * place + c) * 12 + 2 * at + d];
@@ -197,26 +219,29 @@ impl QuadrilateralShape {
         (sides, load): (&[[Point; 3]], &Point),
         stresses: &ReferenceStresses,
     ) -> Option<(Vec<Point>, f64)> {
-        let base = self.discrete_moments((laws, motion), (region, nodes), sides);
+        let is_linear = self.is_linear(laws, region, motion);
+        let base = self.discrete_moments((laws, motion), (region, nodes), sides, is_linear);
         let (mut linear, mut constant) = (vec![0.0; 2 * LINES], 0.0);
         let mut right = vec![0.0; 12];
         let thickness = laws.mesh.thickness();
+        let corners = if is_linear { self.at_corners(laws, motion, (region, nodes)) } else { Vec::new() };
         for (i, triangle) in self.triangles.iter().enumerate() {
-            let mut at = CellMap::new(laws.mesh, &self.tables[i]);
-            let mut known: Vec<(Sym, LocalCompliance)> = Vec::with_capacity(stresses.points.len());
-            for q in 0..stresses.points.len() {
-                at.at(nodes, q);
-                known.push((laws.at(region, &at, nodes, motion), laws.compliance(region, &at.position)?));
-            }
             let volume = triangle.area * thickness;
-            let sum = known.iter().zip(&stresses.points);
-            let total = sum.fold(Sym::ZERO, |sum, ((stress, _), point)| sum + (point.weight * volume) * *stress);
+            let known =
+                if is_linear { Vec::new() } else { self.at_points(laws, motion, (region, nodes), (i, stresses))? };
+            let total = if is_linear {
+                (volume / 3.0) * (corners[i] + corners[(i + 1) % 4] + corners[4])
+            } else {
+                let sum = known.iter().zip(&stresses.points);
+                sum.fold(Sym::ZERO, |sum, ((stress, _), point)| sum + (point.weight * volume) * *stress)
+            };
             let moments = triangle.moments(&base);
-            let deviation = triangle.form.deviation(stresses, (&moments, &total), |q| known[q]);
+            let at = |q: usize| -> (Sym, &LocalCompliance) { (known[q].0, &known[q].1) };
+            let deviation = (!is_linear).then(|| triangle.form.deviation(stresses, (&moments, &total), at));
             let loads = (0..3).map(|vertex| (vertex, load.map(|c| c * volume / 3.0)));
             let forces: Vec<(usize, Point)> = by_vertex(&moments).chain(loads).collect();
             let missing = triangle.form.missing(forces.iter().copied(), &total);
-            let (slopes, own) = triangle.form.affine(&missing, Some(&deviation));
+            let (slopes, own) = triangle.form.affine(&missing, deviation.as_ref());
             constant += own;
             for &(number, sign, place, c) in &triangle.acting {
                 linear[number] += sign * slopes[place][c];
@@ -233,25 +258,87 @@ impl QuadrilateralShape {
         Some((slopes.chunks_exact(2).map(|s| [s[0], s[1], 0.0]).collect(), constant))
     }
 
+    /// True if the discrete stress is linear: it is a composite stress in each triangle.
+    fn is_linear(&self, laws: &StepLaws, region: usize, motion: &StepMotion) -> bool {
+        let is_bilinear = self.corners.element.degree == 1;
+        self.is_parallelogram && is_bilinear && motion.theta.is_empty() && !laws.varies(region)
+    }
+
+    /// The discrete stress at the vertices and the mean.
+    fn at_corners(&self, laws: &StepLaws, motion: &StepMotion, (region, nodes): (usize, &[u32])) -> Vec<Sym> {
+        let mut at = CellMap::new(laws.mesh, &self.corners);
+        let stress = |q: usize| {
+            at.at(nodes, q);
+            laws.at(region, &at, nodes, motion)
+        };
+        (0..5).map(stress).collect()
+    }
+
+    /// The points of a triangle in the reference cell.
+    fn table(&self, triangle: usize, stresses: &ReferenceStresses) -> ShapeTable {
+        let x = &self.vertices;
+        let centre: Point = std::array::from_fn(|c| x.iter().map(|x| 0.25 * x[c]).sum());
+        let vertices = [x[triangle], x[(triangle + 1) % 4], centre];
+        let of = |weights: &Vec<f64>| {
+            let at: Point = std::array::from_fn(|c| weights.iter().zip(&vertices).map(|(a, x)| a * x[c]).sum());
+            in_reference(x, &at)
+        };
+        let points: Vec<Point> = stresses.points.iter().map(|point| of(&point.in_simplex)).collect();
+        ShapeTable::at(self.corners.element, &points)
+    }
+
+    /// The discrete stress and the compliance at the points of a triangle.
+    fn at_points(
+        &self,
+        laws: &StepLaws,
+        motion: &StepMotion,
+        (region, nodes): (usize, &[u32]),
+        (triangle, stresses): (usize, &ReferenceStresses),
+    ) -> Option<Vec<(Sym, LocalCompliance)>> {
+        let made;
+        let table = if let Some(table) = self.tables.get(triangle) {
+            table
+        } else {
+            made = self.table(triangle, stresses);
+            &made
+        };
+        let mut at = CellMap::new(laws.mesh, table);
+        let known = |q: usize| {
+            at.at(nodes, q);
+            Some((laws.at(region, &at, nodes, motion), laws.compliance(region, &at.position)?))
+        };
+        (0..table.len()).map(known).collect()
+    }
+
     /// All moments of the discrete stress.
     fn discrete_moments(
         &self,
         (laws, motion): (&StepLaws, &StepMotion),
         (region, nodes): (usize, &[u32]),
         sides: &[[Point; 3]],
+        is_linear: bool,
     ) -> Vec<f64> {
         let mut all: Vec<f64> =
             sides.iter().flat_map(|side| side[..2].iter().flat_map(|moment| moment[..2].iter().copied())).collect();
+        let corners = if is_linear { self.at_corners(laws, motion, (region, nodes)) } else { Vec::new() };
         for (i, triangle) in self.triangles.iter().enumerate() {
-            let mut at = CellMap::new(laws.mesh, &self.lines[i]);
             // Length times normal, out of triangle i, of the side opposite to its second vertex.
             let normal = triangle.form.map.gradient(1).map(|c| -2.0 * c * triangle.area * laws.mesh.thickness());
             let mut moments = [[0.0; 3]; 2];
-            for (q, (x, weight)) in self.on_line.iter().enumerate() {
-                at.at(nodes, q);
-                let traction = laws.at(region, &at, nodes, motion).apply(&normal);
-                for (moment, hat) in moments.iter_mut().zip([1.0 - x[0], x[0]]) {
-                    (0..2).for_each(|c| moment[c] += weight * hat * traction[c]);
+            let mut add = |traction: &Point, weights: [f64; 2]| {
+                for (moment, weight) in moments.iter_mut().zip(weights) {
+                    (0..2).for_each(|c| moment[c] += weight * traction[c]);
+                }
+            };
+            if is_linear {
+                add(&corners[i].apply(&normal), [1.0 / 3.0, 1.0 / 6.0]);
+                add(&corners[4].apply(&normal), [1.0 / 6.0, 1.0 / 3.0]);
+            } else {
+                let mut at = CellMap::new(laws.mesh, &self.lines[i]);
+                for (q, (x, weight)) in self.on_line.iter().enumerate() {
+                    at.at(nodes, q);
+                    let traction = laws.at(region, &at, nodes, motion).apply(&normal);
+                    add(&traction, [weight * (1.0 - x[0]), weight * x[0]]);
                 }
             }
             all.extend(moments.iter().flat_map(|moment| moment[..2].iter().copied()));

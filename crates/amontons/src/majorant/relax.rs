@@ -10,13 +10,17 @@ use super::Refused;
 use super::balance::{CellForces, FacetGiven, FacetMoments};
 use super::energy::CellEnergy;
 use super::modes::cross;
-use super::patches::Patches;
+use super::patches::{Patches, split};
 use super::skeleton::Skeleton;
 use crate::mesh::Mesh;
 use crate::tensor::{Point, dot, length};
 
+/// Components of the tractions of a tetrahedron, which has most.
+const LARGEST: usize = 36;
 /// Iterations: more change the bound by few percent.
 const ITERATIONS: usize = 4;
+/// Part of the energy that an iteration has to lower for another one to follow: half of it is that of the bound.
+const WORTH: f64 = 0.02;
 /// What may be missing to the balance of a cell, relative to the largest force of the body.
 const UNBALANCED: f64 = 1e-7;
 
@@ -29,24 +33,22 @@ pub(super) struct TractionDescent<'a> {
     pub patches: &'a Patches,
 }
 
-impl TractionDescent<'_> {
+impl<'a> TractionDescent<'a> {
     fn per_facet(&self) -> usize {
         self.mesh.dim * self.mesh.dim
     }
 
-    /// The components of a cell, outward.
-    fn of_cell(&self, cell: usize, y: &[f64]) -> Vec<f64> {
+    /// Sets the components of a cell, outward.
+    fn gather(&self, cell: usize, y: &[f64], own: &mut [f64]) {
         let k = self.per_facet();
-        let mut own = Vec::with_capacity(k * self.skeleton.cells[cell].facets.len());
-        for &facet in &self.skeleton.cells[cell].facets {
+        for (&facet, own) in self.skeleton.cells[cell].facets.iter().zip(own.chunks_exact_mut(k)) {
             let sign = self.skeleton.facets[facet].sign(cell);
-            own.extend(y[facet * k..][..k].iter().map(|y| sign * y));
+            own.iter_mut().zip(&y[facet * k..]).for_each(|(own, y)| *own = sign * y);
         }
-        own
     }
 
-    /// Σ of vectors of the cells.
-    fn summed(&self, cells: &[Vec<f64>]) -> Vec<f64> {
+    /// Σ of vectors of the cells, by facet.
+    fn summed(&self, cells: &[&mut [f64]]) -> Vec<f64> {
         let k = self.per_facet();
         let mut sum = vec![0.0; k * self.skeleton.facets.len()];
         sum.par_chunks_exact_mut(k).zip(&self.skeleton.facets).for_each(|(sum, of)| {
@@ -58,17 +60,37 @@ impl TractionDescent<'_> {
         sum
     }
 
-    /// The energy of each cell, and the slope.
-    fn slopes(&self, y: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let of_cell = |cell: usize| self.energies[cell].slope(self.of_cell(cell, y));
-        let (slopes, energies): (Vec<Vec<f64>>, Vec<f64>) =
-            (0..self.energies.len()).into_par_iter().map(of_cell).unzip();
-        (self.summed(&slopes), energies)
+    /// Σ of what a function sets of the components of the cells, and what it returns per cell. `work` is kept between
+    /// calls.
+    fn by_cell(
+        &self,
+        y: &[f64],
+        work: &mut Vec<f64>,
+        of: impl Fn(&CellEnergy<'a>, &mut [f64], &mut [f64]) -> f64 + Sync,
+    ) -> (Vec<f64>, Vec<f64>) {
+        work.resize(self.energies.iter().map(CellEnergy::len).sum(), 0.0);
+        let lengths = || self.energies.iter().map(CellEnergy::len);
+        let of_cell = |(cell, (energy, image)): (usize, (&CellEnergy<'a>, &mut [f64]))| {
+            let mut own = [0.0; LARGEST];
+            let own = &mut own[..energy.len()];
+            self.gather(cell, y, own);
+            of(energy, own, image)
+        };
+        let values = self.energies.par_iter().zip(split(work, lengths())).enumerate().map(of_cell).collect();
+        (self.summed(&split(work, lengths())), values)
     }
 
-    fn image(&self, y: &[f64]) -> Vec<f64> {
-        let of_cell = |cell: usize| self.energies[cell].times(&self.of_cell(cell, y));
-        self.summed(&(0..self.energies.len()).into_par_iter().map(of_cell).collect::<Vec<_>>())
+    /// The slope, and the energy of each cell.
+    fn slopes(&self, y: &[f64], work: &mut Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+        self.by_cell(y, work, CellEnergy::slope)
+    }
+
+    fn image(&self, y: &[f64], work: &mut Vec<f64>) -> Vec<f64> {
+        let times = |energy: &CellEnergy, own: &mut [f64], image: &mut [f64]| {
+            energy.times(own, image);
+            0.0
+        };
+        self.by_cell(y, work, times).0
     }
 
     /// The energies of the cells after a few iterations from moments in balance.
@@ -79,16 +101,20 @@ impl TractionDescent<'_> {
         let (d, k) = (self.mesh.dim, self.per_facet());
         let modes = self.skeleton.modes.iter().zip(first);
         let mut y: Vec<f64> = modes.flat_map(|(modes, own)| modes.of_moments(&own[..d]).into_iter().take(k)).collect();
-        let (mut rest, _) = self.slopes(&y);
-        rest.iter_mut().for_each(|x| *x = 0.0 - *x);
+        let (mut by_cell, mut by_patch) = (Vec::new(), Vec::new());
+        let (mut rest, cells) = self.slopes(&y, &mut by_cell);
+        let mut energy: f64 = cells.iter().sum();
+        for x in &mut rest {
+            *x = 0.0 - *x;
+        }
         let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let (mut direction, mut before) = (vec![0.0; y.len()], 0.0);
         for iteration in 0..if self.patches.is_empty() { 0 } else { ITERATIONS } {
-            let step = self.patches.preconditioned(&rest);
+            let step = self.patches.preconditioned(&rest, &mut by_patch);
             let now = product(&rest, &step);
             let beta = if iteration == 0 { 0.0 } else { now / before };
             direction.iter_mut().zip(&step).for_each(|(d, s)| *d = s + beta * *d);
-            let image = self.image(&direction);
+            let image = self.image(&direction, &mut by_cell);
             let curvature = product(&direction, &image);
             if now.is_nan() || now <= 0.0 || curvature.is_nan() || curvature <= 0.0 {
                 break;
@@ -97,9 +123,13 @@ impl TractionDescent<'_> {
             y.iter_mut().zip(&direction).for_each(|(y, d)| *y += length * d);
             rest.iter_mut().zip(&image).for_each(|(r, d)| *r -= length * d);
             before = now;
+            energy -= 0.5 * length * now;
+            if 0.5 * length * now < WORTH * energy {
+                break;
+            }
         }
         self.check(&y, forces)?;
-        Ok(self.slopes(&y).1)
+        Ok(self.slopes(&y, &mut by_cell).1)
     }
 
     /// Checks the balance of all cells, and that known components have been kept.
@@ -138,7 +168,8 @@ impl TractionDescent<'_> {
         let is_changed = |(given, moments): (&FacetGiven, &[Point; 3])| {
             let kept = given.kept(d);
             given.moments.iter().zip(moments).any(|(known, own)| {
-                kept.iter().any(|row| !((dot(row, known) - dot(row, own)).abs() <= UNBALANCED * largest))
+                let off = |row: &Point| (dot(row, known) - dot(row, own)).abs();
+                kept.iter().map(off).any(|off| off.is_nan() || off > UNBALANCED * largest)
             })
         };
         if self.given.par_iter().zip(&moments).any(is_changed) {

@@ -5,10 +5,12 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::Refused;
-use super::quadrilateral::QuadrilateralShape;
-use super::simplex::{ReferenceStresses, SimplexForm, vertex};
+use super::dense::congruent;
+use super::quadrilateral::{QuadrilateralShape, is_distorted};
+use super::revolution::RevolvedTriangle;
+use super::simplex::{ReferenceStresses, SimplexForm, form, vertex};
 use super::skeleton::{ElementTables, Skeleton};
-use super::stress::{LocalCompliance, StepLaws};
+use super::stress::StepLaws;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::CellMap;
 use crate::tensor::Point;
@@ -23,17 +25,17 @@ pub(super) struct SimplexShape {
 
 /// The shape of a cell.
 #[derive(Debug)]
-pub(super) enum Shape {
-    Simplex(SimplexShape),
+pub(super) enum CellShape {
+    Simplex(Box<SimplexShape>),
     Quadrilateral(Box<QuadrilateralShape>),
 }
 
-impl Shape {
+impl CellShape {
     /// G in the components of the tractions on the facets.
     pub fn gram(&self) -> &[f64] {
         match self {
-            Shape::Simplex(shape) => &shape.gram,
-            Shape::Quadrilateral(shape) => &shape.gram,
+            CellShape::Simplex(shape) => &shape.gram,
+            CellShape::Quadrilateral(shape) => &shape.gram,
         }
     }
 }
@@ -42,7 +44,7 @@ impl Shape {
 #[derive(Debug)]
 pub(super) struct CellShapes {
     pub stresses: ReferenceStresses,
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<CellShape>,
     /// The shape of each cell.
     pub of_cell: Vec<u32>,
     /// The points of the parts of a simplex in the cells of each block of simplices.
@@ -63,7 +65,7 @@ fn key(laws: &StepLaws, skeleton: &Skeleton, cell: usize) -> Vec<i64> {
     // A size that is a power of two is far from where the exponent changes.
     let exponent = (size * std::f64::consts::SQRT_2).log2().floor() as i32;
     let mut key = vec![skeleton.cells[cell].block as i64, i64::from(exponent)];
-    if laws.varies(laws.region(skeleton, cell)) {
+    if laws.mesh.axisymmetric || laws.varies(laws.region(skeleton, cell)) {
         key.push(cell as i64);
     }
     key.extend(nodes.iter().map(|node| nodes.iter().filter(|&other| other < node).count() as i64));
@@ -78,11 +80,26 @@ impl CellShapes {
     /// # Errors
     /// If a stiffness is not positive definite.
     pub fn new(laws: &StepLaws, skeleton: &Skeleton, is_warm: bool) -> Result<CellShapes, Refused> {
+        let is_distorted = (0..skeleton.cells.len()).any(|cell| {
+            let element = skeleton.tables(cell).element;
+            let at = |i: usize| laws.mesh.points[skeleton.nodes(laws.mesh, cell)[i] as usize];
+            !element.is_simplex() && is_distorted(&[0, 1, 2, 3].map(at))
+        });
         let dim = laws.mesh.dim;
         let degree = |of: &ElementTables| {
             let element = of.element;
-            let warm = if is_warm { element.degree } else { 0 };
-            2 * warm.max(element.gradient_degree).max(1) + if element.is_simplex() { 0 } else { 4 }
+            let degree = match (element.is_simplex(), is_warm) {
+                (true, false) => element.gradient_degree,
+                (true, true) => element.degree,
+                // Both coordinates count.
+                (false, false) => 2 * element.degree - 1,
+                (false, true) => 2 * element.degree,
+            };
+            // In a body of revolution stresses are multiplied by the radius, and one of its functions is a weight.
+            if laws.mesh.axisymmetric {
+                return 2 * (element.degree + 1) + 1;
+            }
+            2 * degree.max(1) + if is_distorted { 4 } else { 0 }
         };
         let varies = laws.mesh.blocks.iter().any(|block| laws.varies(block.region));
         let degree = skeleton.tables.iter().map(degree).max().unwrap_or(2) + if varies { 4 } else { 0 };
@@ -108,37 +125,22 @@ impl CellShapes {
         let shape = |cell: usize| {
             let table = tables[skeleton.cells[cell].block].as_ref();
             let shape = match table {
-                Some(table) => simplex(laws, skeleton, cell, (&stresses, table)).map(Shape::Simplex),
+                Some(table) => {
+                    simplex(laws, skeleton, cell, (&stresses, table)).map(|shape| CellShape::Simplex(Box::new(shape)))
+                }
                 None => QuadrilateralShape::new(laws, skeleton, cell, &stresses)
-                    .map(|shape| Shape::Quadrilateral(Box::new(shape))),
+                    .map(|shape| CellShape::Quadrilateral(Box::new(shape))),
             };
             shape.ok_or_else(|| Refused::new("a stiffness that is not positive"))
         };
-        let shapes = first.into_par_iter().map(shape).collect::<Result<Vec<Shape>, Refused>>()?;
+        let shapes = first.into_par_iter().map(shape).collect::<Result<Vec<CellShape>, Refused>>()?;
         Ok(CellShapes { stresses, shapes, of_cell, tables })
     }
 
     /// The shape of a cell.
-    pub fn of(&self, cell: usize) -> &Shape {
+    pub fn of(&self, cell: usize) -> &CellShape {
         &self.shapes[self.of_cell[cell] as usize]
     }
-}
-
-/// The form on a simplex; `None` if its stiffness is not positive definite. `at` goes to a point.
-pub(super) fn form(
-    laws: &StepLaws,
-    region: usize,
-    stresses: &ReferenceStresses,
-    vertices: &[Point],
-    mut at: impl FnMut(usize) -> Point,
-) -> Option<SimplexForm> {
-    let thickness = laws.mesh.thickness();
-    if laws.varies(region) {
-        let compliance: Option<Vec<LocalCompliance>> =
-            (0..stresses.points.len()).map(|q| laws.compliance(region, &at(q))).collect();
-        return Some(SimplexForm::varying(stresses, vertices, &compliance?, thickness));
-    }
-    Some(SimplexForm::new(stresses, vertices, &laws.compliance(region, &vertices[0])?, thickness))
 }
 
 fn simplex(
@@ -151,10 +153,17 @@ fn simplex(
     let (nodes, region) = (skeleton.nodes(mesh, cell), laws.region(skeleton, cell));
     let vertices: Vec<Point> = nodes[..=dim].iter().map(|&node| mesh.points[node as usize]).collect();
     let mut map = CellMap::new(mesh, table);
-    let form = form(laws, region, stresses, &vertices, |q| {
+    let mut position = |q: usize| {
         map.at(nodes, q);
         map.position
-    })?;
+    };
+    let mut form = if mesh.axisymmetric {
+        let compliance: Option<Vec<_>> =
+            (0..stresses.points.len()).map(|q| laws.compliance(region, &position(q))).collect();
+        RevolvedTriangle::new(&vertices).form(stresses, &vertices, &compliance?)
+    } else {
+        form(laws, region, stresses, &vertices, position)?
+    };
     let k = dim * dim;
     let blocks: Vec<(usize, Vec<f64>)> = (0..=dim)
         .map(|local| {
@@ -175,29 +184,6 @@ fn simplex(
             (first * dim, block)
         })
         .collect();
-    let gram = congruent(&form.of_moments(), k, &blocks);
+    let gram = congruent(&form.take_moments(), k, &blocks);
     Some(SimplexShape { form, gram })
-}
-
-/// XᵀGX, X of square blocks, each with its first row in G.
-pub(super) fn congruent(gram: &[f64], k: usize, blocks: &[(usize, Vec<f64>)]) -> Vec<f64> {
-    let n = k * blocks.len();
-    let mut half = vec![0.0; n * n];
-    for (row, of_row) in gram.chunks_exact(n).zip(half.chunks_exact_mut(n)) {
-        for ((first, block), out) in blocks.iter().zip(of_row.chunks_exact_mut(k)) {
-            for (x, weights) in row[*first..][..k].iter().zip(block.chunks_exact(k)) {
-                out.iter_mut().zip(weights).for_each(|(out, weight)| *out += x * weight);
-            }
-        }
-    }
-    let mut whole = vec![0.0; n * n];
-    for ((first, block), rows) in blocks.iter().zip(whole.chunks_exact_mut(k * n)) {
-        for (i, weights) in block.chunks_exact(k).enumerate() {
-            let image = &half[(first + i) * n..][..n];
-            for (row, weight) in rows.chunks_exact_mut(n).zip(weights) {
-                row.iter_mut().zip(image).for_each(|(out, x)| *out += weight * x);
-            }
-        }
-    }
-    whole
 }

@@ -1,11 +1,12 @@
 //! The complementary energy of the composite stresses of a simplex in the moments of its tractions and its mean.
 //!
-//! Moments b = B b̂ and the mean T = Σ sym(b ⊗ arm) + T₀ of a stress in balance are those of the reference simplex,
-//! T̂ = Σ sym(b̂ ⊗ â) + T̂₀: each b̂ and each component of T̂₀ has one stress there, whatever the simplex. The energies of
-//! all simplices are sums of the same products of these stresses, with the compliance Bᵀ C⁻¹ B.
+//! The moments are b = B b̂ with those of the reference simplex, and a stress in balance has the mean Σ sym(b ⊗ arm)
+//! and T₀. Each b̂ and each component of T̂₀ = B⁻¹ T₀ B⁻ᵀ has one stress in the reference simplex. The energies of all
+//! simplices are sums of the same products of these stresses, with the compliance Bᵀ C⁻¹ B.
 
 use super::composite::{Composite, SimplexMap, volume};
-use super::stress::LocalCompliance;
+use super::dense::product;
+use super::stress::{LocalCompliance, StepLaws};
 use crate::quadrature::{Shape, rule};
 use crate::tensor::{MANDEL, Point, Sym, mandel_len};
 
@@ -42,8 +43,10 @@ pub(super) struct ReferenceStresses {
     pub dim: usize,
     /// Points of the parts of a simplex.
     pub points: Vec<BarycentricPoint>,
-    /// The stresses at the points: `at_points[q][field]`.
-    at_points: Vec<Vec<Sym>>,
+    /// The stresses at the points: per field, by point and component.
+    at_points: Vec<Vec<f64>>,
+    /// Their divergences, per field and part.
+    divergences: Vec<Vec<Point>>,
     /// Means of products, per pair of components k ≤ l and then pair of fields i ≥ j.
     products: Vec<Vec<f64>>,
 }
@@ -88,14 +91,45 @@ impl ReferenceStresses {
         let value = |field: &Vec<Sym>, point: &BarycentricPoint| {
             point.in_part.iter().enumerate().fold(Sym::ZERO, |sum, (node, a)| sum + *a * field[point.part * n + node])
         };
-        let at_points = points.iter().map(|point| fields.iter().map(|field| value(field, point)).collect()).collect();
-        ReferenceStresses { dim, points, at_points, products: products(dim, &fields) }
+        let of_field = |field: &Vec<Sym>| -> Vec<f64> {
+            points.iter().flat_map(|point| value(field, point).0.into_iter().take(m)).collect()
+        };
+        let at_points = fields.iter().map(of_field).collect();
+        let divergences = fields.iter().map(|field| divergences(dim, field)).collect();
+        ReferenceStresses { dim, points, at_points, divergences, products: products(dim, &fields) }
     }
 
-    /// The stress of the reference simplex at a point.
-    fn stress(&self, q: usize, data: &[f64]) -> Sym {
-        self.at_points[q].iter().zip(data).fold(Sym::ZERO, |sum, (field, x)| sum + *x * *field)
+    /// The stresses at a point, with their divergences there.
+    pub fn fields(&self, q: usize) -> impl Iterator<Item = (Sym, &Point)> {
+        let (m, part) = (mandel_len(self.dim), self.points[q].part);
+        self.at_points.iter().zip(&self.divergences).map(move |(field, divergences)| {
+            let own = &field[q * m..(q + 1) * m];
+            (Sym(std::array::from_fn(|k| own.get(k).copied().unwrap_or(0.0))), &divergences[part])
+        })
     }
+
+    /// The stresses of the reference simplex, by point and component.
+    fn stresses(&self, data: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.at_points.first().map_or(0, Vec::len)];
+        for (field, x) in self.at_points.iter().zip(data) {
+            sum.iter_mut().zip(field).for_each(|(sum, value)| *sum += x * value);
+        }
+        sum
+    }
+}
+
+/// The divergence of a stress in each part.
+fn divergences(dim: usize, field: &[Sym]) -> Vec<Point> {
+    let n = dim + 1;
+    let vertex = |v: usize| -> Point { std::array::from_fn(|c| f64::from(u8::from(v == c + 1))) };
+    let centre: Point = std::array::from_fn(|c| if c < dim { 1.0 / n as f64 } else { 0.0 });
+    let of_part = |part: usize| {
+        let nodes: Vec<Point> = (0..n).map(|v| if v == part { centre } else { vertex(v) }).collect();
+        let map = SimplexMap::new(dim, &nodes);
+        let images = (0..n).map(|node| field[part * n + node].apply(&map.gradient(node)));
+        images.fold([0.0; 3], |sum: Point, image| std::array::from_fn(|c| sum[c] + image[c]))
+    };
+    (0..n).map(of_part).collect()
 }
 
 /// The means of the products of components of all fields.
@@ -132,7 +166,10 @@ pub(super) struct SimplexForm {
     pub map: SimplexMap,
     /// Arms of the vertices from the centre, m.
     pub arms: Vec<Point>,
+    /// G of the moments, until it is taken.
     gram: Vec<f64>,
+    /// G of all data with T̂₀.
+    coupling: Vec<f64>,
     size: usize,
     thickness: f64,
 }
@@ -177,14 +214,16 @@ impl SimplexForm {
         let mut form = SimplexForm::empty(stresses, vertices, thickness);
         let mut sum = vec![0.0; form.size * (form.size + 1) / 2];
         let m = mandel_len(stresses.dim);
-        for ((point, fields), compliance) in stresses.points.iter().zip(&stresses.at_points).zip(compliance) {
+        for (q, (point, compliance)) in stresses.points.iter().zip(compliance).enumerate() {
             let pulled = form.pulled(compliance);
             let mut places = sum.iter_mut();
-            for (i, a) in fields.iter().enumerate() {
+            let at = q * m..(q + 1) * m;
+            for (i, a) in stresses.at_points.iter().enumerate() {
+                let a = &a[at.clone()];
                 let strain: Vec<f64> =
-                    (0..m).map(|l| point.weight * (0..m).map(|k| pulled[k][l] * a.0[k]).sum::<f64>()).collect();
-                for (b, sum) in fields[..=i].iter().zip(&mut places) {
-                    *sum += strain.iter().zip(&b.0).map(|(x, y)| x * y).sum::<f64>();
+                    (0..m).map(|l| point.weight * (0..m).map(|k| pulled[k][l] * a[k]).sum::<f64>()).collect();
+                for (b, sum) in stresses.at_points[..=i].iter().zip(&mut places) {
+                    *sum += strain.iter().zip(&b[at.clone()]).map(|(x, y)| x * y).sum::<f64>();
                 }
             }
         }
@@ -192,13 +231,14 @@ impl SimplexForm {
         form
     }
 
-    fn empty(stresses: &ReferenceStresses, vertices: &[Point], thickness: f64) -> SimplexForm {
+    /// A form that is zero.
+    pub fn empty(stresses: &ReferenceStresses, vertices: &[Point], thickness: f64) -> SimplexForm {
         let share = 1.0 / vertices.len() as f64;
         let centre: Point = std::array::from_fn(|c| vertices.iter().map(|x| share * x[c]).sum());
         let arms = vertices.iter().map(|x| std::array::from_fn(|c| x[c] - centre[c])).collect();
         let size = ReferenceStresses::data(stresses.dim);
         let map = SimplexMap::new(stresses.dim, vertices);
-        SimplexForm { map, arms, gram: vec![0.0; size * size], size, thickness }
+        SimplexForm { map, arms, gram: Vec::new(), coupling: Vec::new(), size, thickness }
     }
 
     /// The compliance for stresses of the reference simplex, times the volume.
@@ -211,21 +251,17 @@ impl SimplexForm {
         std::array::from_fn(|k| std::array::from_fn(|l| factor * images[k].dot(&strains[l])))
     }
 
-    fn fill(&mut self, packed: &[f64]) {
-        let mut values = packed.iter();
-        for i in 0..self.size {
-            for j in 0..=i {
-                let value = values.next().copied().unwrap_or(0.0);
-                self.gram[i * self.size + j] = value;
-                self.gram[j * self.size + i] = value;
-            }
-        }
+    /// Sets the matrix from its lower triangle.
+    pub fn fill(&mut self, packed: &[f64]) {
+        let n = ReferenceStresses::moments(self.map.dim);
+        let at = |i: usize, j: usize| packed[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        self.gram = (0..n).flat_map(|i| (0..n).map(move |j| at(i, j))).collect();
+        self.coupling = (0..self.size).flat_map(|i| (n..self.size).map(move |j| at(i, j))).collect();
     }
 
-    /// The part of G of all moments, as a square matrix.
-    pub fn of_moments(&self) -> Vec<f64> {
-        let n = ReferenceStresses::moments(self.map.dim);
-        self.gram.chunks_exact(self.size).take(n).flat_map(|row| row[..n].iter().copied()).collect()
+    /// Gives the part of G of all moments away, as a square matrix.
+    pub fn take_moments(&mut self) -> Vec<f64> {
+        std::mem::take(&mut self.gram)
     }
 
     /// T₀ of moments and loads, by vertex, and the integral of a stress: what its mean has too little, N m.
@@ -244,11 +280,11 @@ impl SimplexForm {
     pub fn affine(&self, missing: &Sym, deviation: Option<&Deviation>) -> (Vec<Point>, f64) {
         let (dim, n) = (self.map.dim, ReferenceStresses::moments(self.map.dim));
         let missing = &self.map.pulled(missing)[..mandel_len(dim)];
-        let product = |row: &[f64]| -> f64 { row[n..].iter().zip(missing).map(|(a, b)| a * b).sum() };
-        let mut slopes: Vec<f64> = self.gram.chunks_exact(self.size).map(product).collect();
+        let product = |row: &[f64]| -> f64 { row.iter().zip(missing).map(|(a, b)| a * b).sum() };
+        let mut slopes: Vec<f64> = self.coupling.chunks_exact(mandel_len(dim)).map(product).collect();
         let mut constant = 0.5 * slopes[n..].iter().zip(missing).map(|(a, b)| a * b).sum::<f64>();
         if let Some(deviation) = deviation {
-            constant += deviation.energy + product(&deviation.slopes);
+            constant += deviation.energy + product(&deviation.slopes[n..]);
             slopes.iter_mut().zip(&deviation.slopes).for_each(|(a, b)| *a += b);
         }
         let slopes = slopes[..n].chunks_exact(dim).map(|slope| {
@@ -258,14 +294,9 @@ impl SimplexForm {
         (slopes.collect(), constant)
     }
 
-    /// What a stress, known at the points with its strain C⁻¹σ by a function, has beside the composite stress with its
-    /// moments, by the places of the composite element, and its integral.
-    pub fn deviation(
-        &self,
-        stresses: &ReferenceStresses,
-        (moments, total): (&[Point], &Sym),
-        mut at: impl FnMut(usize) -> (Sym, LocalCompliance),
-    ) -> Deviation {
+    /// The data of the reference simplex of a stress with moments, by the places of the composite element, and an
+    /// integral.
+    pub fn data(&self, moments: &[Point], total: &Sym) -> Vec<f64> {
         let dim = self.map.dim;
         let mut data = Vec::with_capacity(self.size);
         for moment in moments {
@@ -274,21 +305,32 @@ impl SimplexForm {
         let forces = moments.iter().enumerate().map(|(at, moment)| (vertex(dim, at), *moment));
         let rest = -1.0 * self.missing(forces, total);
         data.extend_from_slice(&self.map.pulled(&rest)[..mandel_len(dim)]);
-        let mut deviation = Deviation { slopes: vec![0.0; self.size], energy: 0.0 };
-        let volume = volume(dim);
-        for (q, point) in stresses.points.iter().enumerate() {
+        data
+    }
+
+    /// What a stress, known at the points with its strain C⁻¹σ by a function, has beside the composite stress with its
+    /// moments, by the places of the composite element, and its integral.
+    pub fn deviation<'c>(
+        &self,
+        stresses: &ReferenceStresses,
+        (moments, total): (&[Point], &Sym),
+        at: impl Fn(usize) -> (Sym, &'c LocalCompliance),
+    ) -> Deviation {
+        let (dim, data) = (self.map.dim, self.data(moments, total));
+        let m = mandel_len(dim);
+        let (mut strains, mut energy) = (Vec::with_capacity(stresses.points.len() * m), 0.0);
+        let composite = stresses.stresses(&data);
+        for (q, (point, composite)) in stresses.points.iter().zip(composite.chunks_exact(m)).enumerate() {
             let (stress, compliance) = at(q);
-            let composite = self.map.stress(&stresses.stress(q, &data));
-            let off = stress - self.thickness.recip() * composite;
+            let composite = Sym(std::array::from_fn(|k| composite.get(k).copied().unwrap_or(0.0)));
+            let off = stress - self.thickness.recip() * self.map.stress(&composite);
             let strain = compliance.times(&off);
-            let weight = point.weight * volume;
-            deviation.energy += 0.5 * weight * self.map.determinant * self.thickness * off.dot(&strain);
-            let pulled = self.map.strain(&strain);
-            for (slope, field) in deviation.slopes.iter_mut().zip(&stresses.at_points[q]) {
-                *slope -= weight * field.dot(&pulled);
-            }
+            let weight = point.weight * volume(dim);
+            energy += 0.5 * weight * self.map.determinant * self.thickness * off.dot(&strain);
+            strains.extend(self.map.strain(&strain).0.iter().take(m).map(|x| weight * x));
         }
-        deviation
+        let slopes = stresses.at_points.iter().map(|field| 0.0 - product(field, &strains)).collect();
+        Deviation { slopes, energy }
     }
 }
 
@@ -296,4 +338,21 @@ impl SimplexForm {
 pub(super) fn vertex(dim: usize, at: usize) -> usize {
     let (facet, place) = (at / dim, at % dim);
     if place < facet { place } else { place + 1 }
+}
+
+/// The form on a simplex; `None` if its stiffness is not positive definite. `at` goes to a point.
+pub(super) fn form(
+    laws: &StepLaws,
+    region: usize,
+    stresses: &ReferenceStresses,
+    vertices: &[Point],
+    mut at: impl FnMut(usize) -> Point,
+) -> Option<SimplexForm> {
+    let thickness = laws.mesh.thickness();
+    if laws.varies(region) {
+        let compliance: Option<Vec<LocalCompliance>> =
+            (0..stresses.points.len()).map(|q| laws.compliance(region, &at(q))).collect();
+        return Some(SimplexForm::varying(stresses, vertices, &compliance?, thickness));
+    }
+    Some(SimplexForm::new(stresses, vertices, &laws.compliance(region, &vertices[0])?, thickness))
 }
