@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p amontons-core --bench bound` prints the seconds of a step with its factorization, of the first bound
 //! and of a further one, for plane and cubic blocks on a rigid foundation. Arguments after `--`: cells per edge in the
-//! plane, cells per edge in space.
+//! plane, cells per edge in space, and a part of the name of the bodies that are measured.
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a program for developers")]
 
 use std::sync::Arc;
@@ -74,6 +74,7 @@ fn measure(name: &str, problem: &Problem) {
 
 fn main() {
     let mut numbers = std::env::args().skip(1).filter_map(|a| a.parse::<usize>().ok());
+    let only = std::env::args().skip(1).find(|a| !a.starts_with('-') && a.parse::<usize>().is_err());
     let (plane, space) = (numbers.next().unwrap_or(80), numbers.next().unwrap_or(12));
     let bodies = [
         (2, "P1", false),
@@ -86,6 +87,11 @@ fn main() {
         (3, "P2", false),
     ];
     for (axes, elements, is_moved) in bodies {
+        let (name, after) = (["plane", "space"][axes - 2], if is_moved { ", moved" } else { "" });
+        let name = format!("{name}, {elements}{after}");
+        if only.as_ref().is_some_and(|only| !name.contains(only)) {
+            continue;
+        }
         let n = match (axes, elements) {
             (2, _) => plane,
             (_, "P2") => space / 2,
@@ -96,13 +102,12 @@ fn main() {
         } else {
             format!("kind = \"box\"\nsize = [1.0, 1.0, 1.0]\nn = [{n}, {n}, {n}]")
         };
-        let source = Source::new("block.toml", &block(&mesh, axes, elements));
+        let source = Source::new("block.toml", block(&mesh, axes, elements));
         let mut problem = case::parse(&source, &[]).expect("a case").problem;
         if is_moved {
             let mesh = moved((*problem.mesh).clone(), 1.0 / n as f64);
             problem = problem.with(|data| data.mesh = Arc::new(mesh)).expect("a problem");
         }
-        let (name, after) = (["plane", "space"][axes - 2], if is_moved { ", moved" } else { "" });
-        measure(&format!("{name}, {elements}{after}"), &problem);
+        measure(&name, &problem);
     }
 }

@@ -155,8 +155,7 @@ fn the_bound_at_a_contact_edge_is_above_the_error() {
             );
             assert!(found.is_guaranteed(), "{:?}", found.estimate);
             assert!(ratio >= 1.0, "{elements} {n}: {ratio}");
-            // Linear tractions miss the root of the distance at the tip, of which Q2 sees more than others.
-            assert!(level < 2 || ratio <= 3.0 || elements == "Q2" && ratio <= 3.5, "{elements} {n}: {ratio}");
+            assert!(level < 2 || ratio <= 3.0, "{elements} {n}: {ratio}");
         }
     }
 }

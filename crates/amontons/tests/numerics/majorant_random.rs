@@ -96,6 +96,14 @@ fn random_body(random: &mut Random, elements: Elements, dim: usize) -> ProblemDa
         }
         data.boundary.push(loaded);
     }
+    data.contacts = vec![random_contact(random, faces, dim)];
+    data
+}
+
+/// A contact with a random law.
+fn random_contact(random: &mut Random, faces: &str, dim: usize) -> Contact {
+    let mut between = |low: f64, high: f64| low + (high - low) * 0.5 * (1.0 + random.number());
+    let one = |x: f64, n: usize| (x * n as f64) as usize % n;
     let gap = if between(0.0, 1.0) < 0.5 { 0.0 } else { between(0.0, 0.1) };
     let mut contact = match one(between(0.0, 1.0), 4) {
         0 => Contact::new(faces, Compliance { stiffness: 10f64.powf(between(-1.0, 3.0)) }),
@@ -109,8 +117,7 @@ fn random_body(random: &mut Random, elements: Elements, dim: usize) -> ProblemDa
     if dim > 1 && between(0.0, 1.0) < 0.5 {
         contact = contact.friction(Tresca { bound: between(0.0, 0.1) });
     }
-    data.contacts = vec![contact];
-    data
+    contact
 }
 
 /// The energy of the difference to a mesh with every edge halved `times` times, that of the bound, and its kind.
