@@ -223,6 +223,9 @@ impl Majorant {
         let mut touching = Touching::new(solved, &self.skeleton, &discrete_motion)?;
         touching.remark(&mut remarks);
         let repaired = touching.admissible(&state.u)?;
+        if repaired.is_some() && problem.mesh.axisymmetric {
+            remarks.estimate("a side of a body of revolution penetrates between nodes: its repair is no polynomial");
+        }
         let u = repaired.as_ref().unwrap_or(&state.u);
         let motion = StepMotion { u, ..discrete_motion };
         touching.press(&laws, &self.skeleton, &motion);

@@ -69,7 +69,7 @@ fn key(laws: &StepLaws, skeleton: &Skeleton, cell: usize) -> Vec<i64> {
         key.push(cell as i64);
     }
     key.extend(nodes.iter().map(|node| nodes.iter().filter(|&other| other < node).count() as i64));
-    let unit = f64::from(DIGITS - exponent).exp2();
+    let unit = f64::from(DIGITS.saturating_sub(exponent)).exp2();
     key.extend(edges.map(|x| (x * unit).round() as i64));
     key
 }
