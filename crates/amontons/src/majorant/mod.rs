@@ -155,12 +155,12 @@ impl DiscretizationError {
 pub struct Majorant {
     skeleton: Skeleton,
     system: Option<(Rule, System)>,
-    shared: Option<(Rule, Shared)>,
+    shared: Option<(Rule, SharedShapes)>,
 }
 
 /// What the steps of a rule share: the shapes of cells and the patches of facets.
 #[derive(Debug)]
-struct Shared {
+struct SharedShapes {
     shapes: CellShapes,
     patches: Patches,
     is_warm: bool,
@@ -247,14 +247,14 @@ impl Majorant {
     /// Makes what the steps of a rule share, if it is not known.
     fn share(&mut self, (laws, rule): (&StepLaws, Rule), given: &[FacetGiven], is_warm: bool) -> Result<(), Refused> {
         let skeleton = &self.skeleton;
-        let fits = |(known, shared): &(Rule, Shared)| {
+        let fits = |(known, shared): &(Rule, SharedShapes)| {
             *known == rule && shared.is_warm == is_warm && shared.patches.fits(given)
         };
         if !self.shared.as_ref().is_some_and(fits) {
             self.shared = None;
             let shapes = CellShapes::new(laws, skeleton, is_warm)?;
             let patches = Patches::new(&PatchData { mesh: laws.mesh, skeleton, given, shapes: &shapes });
-            self.shared = Some((rule, Shared { shapes, patches, is_warm }));
+            self.shared = Some((rule, SharedShapes { shapes, patches, is_warm }));
         }
         Ok(())
     }
@@ -395,7 +395,7 @@ struct MadeStep<'a> {
     laws: &'a StepLaws<'a>,
     problem: &'a Problem,
     t: f64,
-    shared: &'a Shared,
+    shared: &'a SharedShapes,
     /// True if a body force may act.
     is_loaded: bool,
 }
@@ -469,7 +469,7 @@ impl MadeStep<'_> {
         let (means, weights) = means(self.skeleton, &forces, &stresses);
         drop(stresses);
         let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
-        let Shared { shapes, patches, .. } = self.shared;
+        let SharedShapes { shapes, patches, .. } = self.shared;
         let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
         let body_force = |region: usize, map: &CellMap| self.body_force(region, map);
         let evaluation = EnergyEvaluation { laws: self.laws, skeleton, motion, shapes, body_force: &body_force };
