@@ -9,10 +9,9 @@
 use rayon::prelude::*;
 
 use super::Refused;
-use super::dense::Semidefinite;
+use super::dense::{Semidefinite, product};
+use super::discrete::CellStress;
 use super::skeleton::Skeleton;
-use super::stress::{StepLaws, StepMotion};
-use crate::mesh::{CellMap, FacetMap};
 use crate::tensor::{Point, length};
 
 /// What is known of the traction on a facet.
@@ -66,6 +65,11 @@ impl FacetGiven {
         self.free.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
     }
 
+    /// True if all directions are known, or none.
+    pub fn is_whole(&self, dim: usize) -> bool {
+        self.is_known() || self.kept(dim).is_empty()
+    }
+
     /// True if no direction is unknown.
     pub fn is_known(&self) -> bool {
         self.free.iter().flatten().all(|x| x.abs() < 0.5 * f64::EPSILON)
@@ -89,73 +93,40 @@ impl FacetGiven {
 #[derive(Clone, Debug)]
 pub(super) struct CellForces {
     /// ∫ σ∇φ − ∫ f φ per vertex, N.
-    pub rest: Vec<Point>,
+    pub rest: [Point; 4],
     /// ∫ f φ per vertex, N.
-    pub load: Vec<Point>,
-    /// Volume, and size of the compliance.
+    pub load: [Point; 4],
+    /// Volume times size of the compliance, m³/Pa.
     pub softness: f64,
+    /// Volume, m³.
+    pub volume: f64,
 }
 
 /// The moments of the tractions, by facet and vertex.
-pub(super) type FacetMoments = Vec<Vec<Point>>;
+pub(super) type FacetMoments = Vec<[Point; 3]>;
 
 /// Largest part of the forces of a star that may be left unbalanced, relative to the largest force of the body: more
 /// than round-off is a force on a point or an edge.
 const LEFT: f64 = 1e-8;
 
 /// Moments of σν on the facets: the mean of both cells, weighted by their compliance over their height, and the weight.
-pub(super) fn means(
-    laws: &StepLaws,
-    skeleton: &Skeleton,
-    forces: &[CellForces],
-    motion: &StepMotion,
-) -> (FacetMoments, Vec<f64>) {
+pub(super) fn means(skeleton: &Skeleton, forces: &[CellForces], stresses: &[CellStress]) -> (FacetMoments, Vec<f64>) {
     let of_facet = |facet: usize| {
         let known = &skeleton.facets[facet];
-        let (mut sum, mut weight, mut area) = (vec![[0.0; 3]; known.vertices.len()], 0.0, 1.0);
+        let (mut sum, mut weight, mut area) = ([[0.0; 3]; 3], 0.0, 1.0);
         for &(cell, local) in &known.cells {
-            let moments;
-            (moments, area) = traction(laws, skeleton, (cell, local), motion);
+            area = stresses[cell].areas[local];
             let softness = forces[cell].softness / area;
             weight += softness;
             let sign = known.sign(cell);
-            for (sum, moment) in sum.iter_mut().zip(&moments) {
+            for (sum, moment) in sum.iter_mut().zip(&stresses[cell].moments[local]) {
                 (0..3).for_each(|c| sum[c] += sign * softness * moment[c]);
             }
         }
-        let mean = sum.iter().map(|sum| sum.map(|c| c / weight)).collect::<Vec<Point>>();
         // ∫ t² is about |b|²/|F|, and costs compliance times height.
-        (mean, weight / area)
+        (sum.map(|sum| sum.map(|c| c / weight)), weight / area)
     };
     (0..skeleton.facets.len()).into_par_iter().map(of_facet).unzip()
-}
-
-/// Moments ∫_F σν φ of the stress of a cell per vertex of a facet, and the area of the facet.
-fn traction(
-    laws: &StepLaws,
-    skeleton: &Skeleton,
-    (cell, local): (usize, usize),
-    motion: &StepMotion,
-) -> (Vec<Point>, f64) {
-    let (tables, nodes) = (skeleton.tables(cell), skeleton.nodes(laws.mesh, cell));
-    let (points, facet) = (&tables.facets[local], &skeleton.facets[skeleton.cells[cell].facets[local]]);
-    let own: Vec<u32> = tables.element.facets[local].nodes.iter().map(|&node| nodes[node]).collect();
-    let mut map = CellMap::new(laws.mesh, &points.table);
-    let mut on_facet = FacetMap::new(laws.mesh, &points.own);
-    let (mut moments, mut area) = (vec![[0.0; 3]; facet.vertices.len()], 0.0);
-    for (q, hats) in points.hats.iter().enumerate() {
-        map.at(nodes, q);
-        on_facet.at(&own, q);
-        let weight = points.own.weights[q] * on_facet.area;
-        area += weight;
-        let traction = laws.at(laws.region(skeleton, cell), &map, nodes, motion).apply(&on_facet.normal);
-        for (value, node) in hats.iter().zip(&own) {
-            if let Some(place) = facet.place(*node) {
-                (0..3).for_each(|c| moments[place][c] += weight * value * traction[c]);
-            }
-        }
-    }
-    (moments, area)
 }
 
 /// The moments of tractions that balance all cells.
@@ -174,7 +145,7 @@ pub(super) fn balanced(
     let problem = StarProblem { skeleton, dim, given, forces, means, weights, largest };
     let stars: Vec<Result<Vec<(usize, usize, Point)>, Refused>> =
         (0..skeleton.stars.len()).into_par_iter().map(|vertex| problem.solve(vertex)).collect();
-    let mut moments: FacetMoments = skeleton.facets.iter().map(|facet| vec![[0.0; 3]; facet.vertices.len()]).collect();
+    let mut moments: FacetMoments = vec![[[0.0; 3]; 3]; skeleton.facets.len()];
     for star in stars {
         for (facet, place, moment) in star? {
             moments[facet][place] = moment;
@@ -193,68 +164,119 @@ struct StarProblem<'a> {
     largest: f64,
 }
 
+/// A facet of a star: its place of the vertex, and its cells in the star with signs.
+struct StarFacet {
+    facet: usize,
+    place: usize,
+    cells: [(usize, f64); 2],
+    count: usize,
+}
+
+impl StarFacet {
+    fn cells(&self) -> &[(usize, f64)] {
+        &self.cells[..self.count]
+    }
+}
+
 impl StarProblem<'_> {
-    /// The facets of a star with the place of its vertex.
-    fn facets(&self, vertex: u32, star: &[(usize, usize)]) -> Vec<(usize, usize)> {
-        let cells = star.iter().flat_map(|(cell, _)| &self.skeleton.cells[*cell].facets);
-        let mut facets: Vec<(usize, usize)> =
-            cells.filter_map(|&facet| Some((facet, self.skeleton.facets[facet].place(vertex)?))).collect();
-        facets.sort_unstable();
-        facets.dedup();
-        facets
+    /// The facets of a star.
+    fn facets(&self, vertex: u32, star: &[(usize, usize)]) -> Vec<StarFacet> {
+        let mut sides: Vec<(usize, usize, usize)> = Vec::with_capacity(star.len() * self.dim);
+        for (row, (cell, _)) in star.iter().enumerate() {
+            for &facet in &self.skeleton.cells[*cell].facets {
+                if let Some(place) = self.skeleton.facets[facet].place(vertex) {
+                    sides.push((facet, row, place));
+                }
+            }
+        }
+        sides.sort_unstable();
+        let of_facet = |sides: &[(usize, usize, usize)]| {
+            let (facet, _, place) = sides[0];
+            let side = |(_, row, _): &(usize, usize, usize)| (*row, self.skeleton.facets[facet].sign(star[*row].0));
+            let cells = [side(&sides[0]), side(&sides[sides.len() - 1])];
+            StarFacet { facet, place, cells, count: sides.len().min(2) }
+        };
+        sides.chunk_by(|a, b| a.0 == b.0).map(of_facet).collect()
     }
 
     /// Moments of the facets of a vertex: facet, place of the vertex, moment.
     fn solve(&self, vertex: usize) -> Result<Vec<(usize, usize, Point)>, Refused> {
         let (star, d) = (&self.skeleton.stars[vertex], self.dim);
         let facets = self.facets(vertex as u32, star);
-        let first = |facet: usize, place: usize| -> Point {
-            let given = &self.given[facet];
-            let (known, free) = (given.known(place), given.project(&self.means[facet][place]));
+        let first = |of: &StarFacet| -> Point {
+            let given = &self.given[of.facet];
+            let (known, free) = (given.known(of.place), given.project(&self.means[of.facet][of.place]));
             std::array::from_fn(|c| known[c] + free[c])
         };
-        let mut moments: Vec<(usize, usize, Point)> =
-            facets.iter().map(|&(facet, place)| (facet, place, first(facet, place))).collect();
-        let row = |cell: usize| star.iter().position(|(own, _)| *own == cell);
-        let n = star.len() * d;
-        let mut matrix = vec![vec![0.0; n]; n];
+        let mut moments: Vec<(usize, usize, Point)> = facets.iter().map(|of| (of.facet, of.place, first(of))).collect();
         let mut right: Vec<f64> =
             star.iter().flat_map(|&(cell, local)| self.forces[cell].rest[local].into_iter().take(d)).collect();
-        for &(facet, _, moment) in &moments {
-            let of = &self.skeleton.facets[facet];
-            let rows: Vec<(usize, f64)> =
-                of.cells.iter().filter_map(|&(cell, _)| Some((row(cell)?, of.sign(cell)))).collect();
-            for &(a, sign) in &rows {
+        for (of, (_, _, moment)) in facets.iter().zip(&moments) {
+            for &(a, sign) in of.cells() {
                 (0..d).for_each(|c| right[a * d + c] -= sign * moment[c]);
-                for &(b, other) in &rows {
+            }
+        }
+        // Components are apart if each traction is known or unknown as a whole.
+        let is_apart = facets.iter().all(|of| self.given[of.facet].is_whole(d));
+        let multipliers = if is_apart {
+            self.by_component(star.len(), &facets, &right)?
+        } else {
+            let matrix = self.matrix(star.len(), &facets, d);
+            self.tested((&matrix, &Semidefinite::new(&matrix)), &right)?
+        };
+        for (of, (_, _, moment)) in facets.iter().zip(&mut moments) {
+            let mut sum = [0.0; 3];
+            for &(a, sign) in of.cells() {
+                (0..d).for_each(|c| sum[c] += sign * multipliers[a * d + c] / self.weights[of.facet]);
+            }
+            let change = self.given[of.facet].project(&sum);
+            (0..3).for_each(|c| moment[c] += change[c]);
+        }
+        Ok(moments)
+    }
+
+    /// The matrix of the multipliers of the cells, for the first components.
+    fn matrix(&self, cells: usize, facets: &[StarFacet], d: usize) -> Vec<Vec<f64>> {
+        let mut matrix = vec![vec![0.0; cells * d]; cells * d];
+        for of in facets {
+            let free = &self.given[of.facet].free;
+            for &(a, sign) in of.cells() {
+                for &(b, other) in of.cells() {
                     for i in 0..d {
                         for j in 0..d {
-                            matrix[a * d + i][b * d + j] +=
-                                sign * other * self.given[facet].free[i][j] / self.weights[facet];
+                            matrix[a * d + i][b * d + j] += sign * other * free[i][j] / self.weights[of.facet];
                         }
                     }
                 }
             }
         }
-        let multipliers = Semidefinite::new(matrix.clone()).solve(&right);
-        let product = |row: &Vec<f64>| -> f64 { row.iter().zip(&multipliers).map(|(a, x)| a * x).sum() };
-        let left = matrix.iter().zip(&right).map(|(row, right)| (right - product(row)).abs()).fold(0.0, f64::max);
+        matrix
+    }
+
+    /// The multipliers of a star, one component after the other.
+    fn by_component(&self, cells: usize, facets: &[StarFacet], right: &[f64]) -> Result<Vec<f64>, Refused> {
+        let d = self.dim;
+        let matrix = self.matrix(cells, facets, 1);
+        let factor = Semidefinite::new(&matrix);
+        let mut all = vec![0.0; right.len()];
+        for c in 0..d {
+            let own: Vec<f64> = right.iter().skip(c).step_by(d).copied().collect();
+            let solution = self.tested((&matrix, &factor), &own)?;
+            all.iter_mut().skip(c).step_by(d).zip(solution).for_each(|(all, x)| *all = x);
+        }
+        Ok(all)
+    }
+
+    /// A solution of the equations of a star.
+    fn tested(&self, (matrix, factor): (&[Vec<f64>], &Semidefinite), right: &[f64]) -> Result<Vec<f64>, Refused> {
+        let multipliers = factor.solve(right);
+        let off = |(row, right): (&Vec<f64>, &f64)| (right - product(row, &multipliers)).abs();
+        let left = matrix.iter().zip(right).map(off).fold(0.0, f64::max);
         if left > LEFT * self.largest {
             return Err(Refused::new(
                 "a force acts on a point or an edge, where no stress of finite energy balances it",
             ));
         }
-        for (facet, _, moment) in &mut moments {
-            let of = &self.skeleton.facets[*facet];
-            let mut sum = [0.0; 3];
-            for &(cell, _) in &of.cells {
-                if let Some(a) = row(cell) {
-                    (0..d).for_each(|c| sum[c] += of.sign(cell) * multipliers[a * d + c] / self.weights[*facet]);
-                }
-            }
-            let change = self.given[*facet].project(&sum);
-            (0..3).for_each(|c| moment[c] += change[c]);
-        }
-        Ok(moments)
+        Ok(multipliers)
     }
 }

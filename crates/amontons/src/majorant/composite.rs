@@ -104,26 +104,6 @@ impl Composite {
         let components: Vec<f64> = self.inverse[first..first + m].iter().map(sum).collect();
         Sym::from_fn(self.dim, |r, c| components[component(r, c)])
     }
-
-    /// The data of the reference simplex from the moments of tractions on a simplex by facet and vertex, and ∫ σ.
-    pub fn pulled_back(&self, map: &SimplexMap, moments: &[(usize, usize, Point)], total: &Sym) -> Vec<f64> {
-        let dim = self.dim;
-        let mut data = vec![0.0; Composite::data(dim)];
-        for (facet, vertex, moment) in moments {
-            let place = Composite::place(dim, *facet, *vertex);
-            let moment = map.inverse_times(moment);
-            data[place..place + dim].copy_from_slice(&moment[..dim]);
-        }
-        // B⁻¹ T B⁻ᵀ.
-        let rows: Vec<Point> =
-            (0..dim).map(|j| map.inverse_times(&std::array::from_fn(|i| get(total, i, j, dim)))).collect();
-        let column = |j: usize| -> Point { std::array::from_fn(|i| if i < dim { rows[i][j] } else { 0.0 }) };
-        let columns: Vec<Point> = (0..dim).map(|j| map.inverse_times(&column(j))).collect();
-        for (k, &(r, c)) in MANDEL.iter().enumerate().take(mandel_len(dim)) {
-            data[(dim + 1) * dim * dim + k] = 0.5 * (columns[r][c] + columns[c][r]);
-        }
-        data
-    }
 }
 
 fn get(tensor: &Sym, i: usize, j: usize, dim: usize) -> f64 {
@@ -169,8 +149,57 @@ impl SimplexMap {
         }
     }
 
+    /// B⁻¹ v.
     pub fn inverse_times(&self, v: &Point) -> Point {
         self.inverse.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// B⁻ᵀ v.
+    pub fn inverse_transposed_times(&self, v: &Point) -> Point {
+        std::array::from_fn(|c| self.inverse.iter().zip(v).map(|(row, v)| row[c] * v).sum())
+    }
+
+    /// The gradient of the linear function of a vertex, 1/m.
+    pub fn gradient(&self, vertex: usize) -> Point {
+        match vertex {
+            0 => std::array::from_fn(|c| 0.0 - self.inverse[..self.dim].iter().map(|row| row[c]).sum::<f64>()),
+            vertex => self.inverse[vertex - 1],
+        }
+    }
+
+    /// B⁻¹ T B⁻ᵀ of a symmetric tensor, by component in the order of Mandel's, which are not weighted.
+    pub fn pulled(&self, total: &Sym) -> [f64; 6] {
+        let dim = self.dim;
+        let rows: [Point; 3] =
+            std::array::from_fn(|j| self.inverse_times(&std::array::from_fn(|i| get(total, i, j, dim))));
+        let column = |j: usize| -> Point { std::array::from_fn(|i| if i < dim { rows[i][j] } else { 0.0 }) };
+        let columns: [Point; 3] = std::array::from_fn(|j| self.inverse_times(&column(j)));
+        let mut pulled = [0.0; 6];
+        for (value, &(r, c)) in pulled.iter_mut().zip(&MANDEL).take(mandel_len(dim)) {
+            *value = 0.5 * (columns[r][c] + columns[c][r]);
+        }
+        pulled
+    }
+
+    /// B v / det B, the divergence of a stress from that of σ̂.
+    pub fn piola(&self, v: &Point) -> Point {
+        let sum = |c: usize| (0..self.dim).map(|k| self.columns[k][c] * v[k]).sum::<f64>() / self.determinant;
+        std::array::from_fn(|c| if c < self.dim { sum(c) } else { 0.0 })
+    }
+
+    /// Bᵀ ε B of a strain.
+    pub fn strain(&self, strain: &Sym) -> Sym {
+        let dim = self.dim;
+        let b = |i: usize, k: usize| self.columns[k][i];
+        Sym::from_fn(dim, |k, l| {
+            let mut sum = 0.0;
+            for i in 0..dim {
+                for j in 0..dim {
+                    sum += b(i, k) * strain.get(i, j) * b(j, l);
+                }
+            }
+            sum
+        })
     }
 
     /// B σ̂ Bᵀ / det B.
@@ -241,7 +270,13 @@ mod tests {
                 .filter(|(facet, vertex)| facet != vertex)
                 .map(|(facet, vertex)| (facet, vertex, moment(facet, vertex)))
                 .collect();
-            let data = element.pulled_back(&map, &moments, &total);
+            let mut data = vec![0.0; Composite::data(dim)];
+            for (facet, vertex, moment) in &moments {
+                let moment = map.inverse_times(moment);
+                let place = Composite::place(dim, *facet, *vertex);
+                data[place..place + dim].copy_from_slice(&moment[..dim]);
+            }
+            data[(dim + 1) * dim * dim..].copy_from_slice(&map.pulled(&total)[..mandel_len(dim)]);
             let centre: Point = std::array::from_fn(|c| vertices.iter().map(|x| x[c]).sum::<f64>() / (dim + 1) as f64);
             let size = values.iter().fold(0.0, |most: f64, value| most.max(value.norm()));
             for part in 0..=dim {

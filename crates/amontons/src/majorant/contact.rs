@@ -52,7 +52,11 @@ pub(super) struct ContactFacet {
     pub contact: usize,
     element: &'static Element,
     pub nodes: Vec<u32>,
+    /// Distances of the vertices from the axis of a body of revolution, m; empty for other bodies.
+    radii: Vec<f64>,
     pub normal: Point,
+    /// Area over that of the reference facet, m².
+    area: f64,
     /// g at the nodes, m.
     gap: Vec<f64>,
     /// Slip in the step at the nodes, m.
@@ -61,6 +65,18 @@ pub(super) struct ContactFacet {
     pub pressure: Vec<f64>,
     friction: Vec<Point>,
     bound: Vec<f64>,
+}
+
+impl ContactFacet {
+    /// Values at a place of the functions by which tractions at vertices are continued: the linear ones, or those of
+    /// which the product with r is linear, as it is the force per length of a ring that balances.
+    fn shares(&self, hats: &[f64]) -> Vec<f64> {
+        if self.radii.is_empty() {
+            return hats.to_vec();
+        }
+        let r: f64 = hats.iter().zip(&self.radii).map(|(hat, r)| hat * r).sum();
+        hats.iter().zip(&self.radii).map(|(hat, own)| hat * own / r).collect()
+    }
 }
 
 /// The solved step as contact sees it.
@@ -136,15 +152,17 @@ impl<'a> Touching<'a> {
         let table = ShapeTable::new(element, 1);
         let mut map = FacetMap::new(mesh, &table);
         map.at(nodes, 0);
-        let normal = map.normal;
+        let (normal, area) = (map.normal, map.area);
         let gap = nodes.iter().map(|&node| self.gap(contact, node, motion)).collect::<Result<Vec<f64>, Refused>>()?;
         let slip =
             nodes.iter().map(|&node| self.slip(contact, node, motion)).collect::<Result<Vec<Point>, Refused>>()?;
         let vertices = element.shape.vertices();
         let zero = (vec![0.0; vertices], vec![[0.0; 3]; vertices], vec![0.0; vertices]);
         let (pressure, friction, bound) = zero;
+        let radius = |&node: &u32| mesh.points[node as usize][0];
+        let radii = if mesh.axisymmetric { nodes[..vertices].iter().map(radius).collect() } else { Vec::new() };
         let nodes = nodes.to_vec();
-        Ok(ContactFacet { facet, contact, element, nodes, normal, gap, slip, pressure, friction, bound })
+        Ok(ContactFacet { facet, contact, element, nodes, radii, normal, area, gap, slip, pressure, friction, bound })
     }
 
     fn at_node(&self, node: u32, values: &[f64]) -> Point {
@@ -269,6 +287,46 @@ impl<'a> Touching<'a> {
             }
         }
         self.facets = facets;
+        self.relieve(motion.u);
+    }
+
+    /// True if a quadratic facet on a rigid foundation is open but for one vertex or edge: the contact ends there.
+    fn is_open(&self, facet: &ContactFacet, u: &[f64]) -> bool {
+        let n = facet.pressure.len();
+        if self.kinds[facet.contact] != Some(NormalKind::Rigid) || facet.nodes.len() == n {
+            return false;
+        }
+        let opens: Vec<bool> = (0..facet.nodes.len()).map(|place| self.penetration(facet, place, u) < 0.0).collect();
+        let is_beside = |place: usize| edge(n, place).into_iter().any(|end| opens[end]);
+        opens[..n].contains(&true) && (n..opens.len()).all(|place| opens[place] || !is_beside(place))
+    }
+
+    /// Gives the force of a vertex to those of its facets that are closed: a linear pressure would press on the open
+    /// ones.
+    fn relieve(&mut self, u: &[f64]) {
+        let opens: Vec<bool> = self.facets.iter().map(|facet| self.is_open(facet, u)).collect();
+        let mut areas: HashMap<(usize, u32), [f64; 2]> = HashMap::new();
+        for (facet, is_open) in self.facets.iter().zip(&opens) {
+            for &node in &facet.nodes[..facet.pressure.len()] {
+                let [all, closed] = areas.entry((facet.contact, node)).or_default();
+                *all += facet.area;
+                *closed += if *is_open { 0.0 } else { facet.area };
+            }
+        }
+        let mut facets = std::mem::take(&mut self.facets);
+        for (facet, is_open) in facets.iter_mut().zip(opens) {
+            for place in 0..facet.pressure.len() {
+                let node = facet.nodes[place];
+                let [all, closed] = areas.get(&(facet.contact, node)).copied().unwrap_or([1.0; 2]);
+                let is_force = self.state(facet.contact, node).is_some() && !self.solved.holds(node, &facet.normal);
+                if is_open && closed > 0.0 {
+                    facet.pressure[place] = 0.0;
+                } else if is_force && closed > 0.0 {
+                    facet.pressure[place] *= all / closed;
+                }
+            }
+        }
+        self.facets = facets;
     }
 
     /// Pressure, friction and bound at a vertex, with the traction σν of the discrete stress.
@@ -335,9 +393,10 @@ impl<'a> Touching<'a> {
                 map.at(&facet.nodes, q);
                 let hats = super::skeleton::linear_functions(shape, facet.element, x);
                 let weight = table.weights[q] * map.area;
+                let shares = facet.shares(&hats);
                 let traction: Point = std::array::from_fn(|c| {
                     let at = |v: usize| 0.0 - facet.pressure[v] * facet.normal[c] - facet.friction[v][c];
-                    hats.iter().enumerate().map(|(v, value)| value * at(v)).sum()
+                    shares.iter().enumerate().map(|(v, value)| value * at(v)).sum()
                 });
                 for (&node, value) in facet.nodes.iter().zip(map.values()) {
                     let first = node as usize * mesh.dim;
@@ -368,7 +427,7 @@ impl<'a> Touching<'a> {
         let mut sum = 0.0;
         for (q, x) in points.iter().enumerate() {
             map.at(&facet.nodes, q);
-            let hats = super::skeleton::linear_functions(shape, facet.element, x);
+            let hats = facet.shares(&super::skeleton::linear_functions(shape, facet.element, x));
             let linear = |values: &[f64]| -> f64 { hats.iter().zip(values).map(|(a, b)| a * b).sum() };
             let (p, s) = (linear(&facet.pressure), linear(&facet.bound));
             let penetration: f64 = map.values().iter().zip(&r).map(|(a, b)| a * b).sum();

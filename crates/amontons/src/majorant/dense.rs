@@ -3,53 +3,71 @@
 /// Pivot relative to the diagonal below which a row depends on those before.
 const DEPENDENT: f64 = 1e-11;
 
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// The product of two vectors, with four partial sums.
+pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
+    let (fours, rest) = (a.chunks_exact(4).zip(b.chunks_exact(4)), a.len() / 4 * 4);
+    let mut sums = [0.0; 4];
+    for (a, b) in fours {
+        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
+    }
+    let rest: f64 = a[rest..].iter().zip(b.iter().skip(rest)).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 /// Cholesky's factor of a symmetric semidefinite matrix, without the rows that depend on others.
 #[derive(Debug)]
 pub(super) struct Semidefinite {
-    l: Vec<Vec<f64>>,
-    kept: Vec<usize>,
+    /// Rows of the lower triangle one after the other; the diagonal of a row that depends on others is zero.
+    l: Vec<f64>,
+    n: usize,
 }
 
 impl Semidefinite {
-    pub fn new(mut l: Vec<Vec<f64>>) -> Semidefinite {
-        let n = l.len();
-        let mut kept: Vec<usize> = Vec::with_capacity(n);
-        for j in 0..n {
-            let before: f64 = kept.iter().map(|&k| l[j][k] * l[j][k]).sum();
-            let (diagonal, pivot) = (l[j][j], l[j][j] - before);
-            if pivot.is_nan() || pivot <= DEPENDENT * diagonal {
-                continue;
+    /// The factor of a matrix whose lower triangle is given.
+    pub fn new(matrix: &[Vec<f64>]) -> Semidefinite {
+        let packed = matrix.iter().enumerate().flat_map(|(i, row)| row[..=i].iter().copied()).collect();
+        Semidefinite::packed(packed, matrix.len())
+    }
+
+    /// The factor of a matrix whose lower triangle is given, row by row.
+    pub fn packed(mut l: Vec<f64>, n: usize) -> Semidefinite {
+        for i in 0..n {
+            let (before, rest) = l.split_at_mut(i * (i + 1) / 2);
+            let row = &mut rest[..=i];
+            for j in 0..i {
+                let other = &before[j * (j + 1) / 2..][..=j];
+                let pivot = other[j];
+                row[j] = if pivot > 0.0 { (row[j] - product(&row[..j], &other[..j])) / pivot } else { 0.0 };
             }
-            let root = pivot.sqrt();
-            let own = std::mem::take(&mut l[j]);
-            for row in &mut l[j + 1..] {
-                let sum: f64 = kept.iter().map(|&k| row[k] * own[k]).sum();
-                row[j] = (row[j] - sum) / root;
-            }
-            l[j] = own;
-            l[j][j] = root;
-            kept.push(j);
+            let (diagonal, pivot) = (row[i], row[i] - product(&row[..i], &row[..i]));
+            row[i] = if pivot > DEPENDENT * diagonal { pivot.sqrt() } else { 0.0 };
         }
-        Semidefinite { l, kept }
+        Semidefinite { l, n }
     }
 
     /// A solution, if there is one; the unknowns of rows that depend on others are zero.
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let (l, kept) = (&self.l, &self.kept);
-        let mut x = vec![0.0; right.len()];
-        for (place, &i) in kept.iter().enumerate() {
-            let sum: f64 = kept[..place].iter().map(|&k| l[i][k] * x[k]).sum();
-            x[i] = (right[i] - sum) / l[i][i];
-        }
-        for (place, &i) in kept.iter().enumerate().rev() {
-            let sum: f64 = kept[place + 1..].iter().map(|&k| l[k][i] * x[k]).sum();
-            x[i] = (x[i] - sum) / l[i][i];
-        }
+        let mut x = right.to_vec();
+        self.solve_in_place(&mut x);
         x
+    }
+
+    /// The same in the place of the right-hand side.
+    pub fn solve_in_place(&self, x: &mut [f64]) {
+        let row = |i: usize| &self.l[i * (i + 1) / 2..][..=i];
+        for i in 0..self.n {
+            let row = row(i);
+            x[i] = if row[i] > 0.0 { (x[i] - product(&row[..i], &x[..i])) / row[i] } else { 0.0 };
+        }
+        for i in (0..self.n).rev() {
+            let row = row(i);
+            if row[i] > 0.0 {
+                x[i] /= row[i];
+            }
+            let (before, own) = x.split_at_mut(i);
+            let own = own[0];
+            before.iter_mut().zip(row).for_each(|(x, l)| *x -= l * own);
+        }
     }
 }
 
@@ -70,20 +88,20 @@ impl Constrained {
         let sizes: Vec<f64> = rows.iter().map(|row| product(row, row).sqrt().max(f64::MIN_POSITIVE)).collect();
         let rows: Vec<Vec<f64>> =
             rows.iter().zip(&sizes).map(|(row, size)| row.iter().map(|x| x / size).collect()).collect();
-        let normal = rows.iter().map(|a| rows.iter().map(|b| product(a, b)).collect()).collect();
-        let empty = Semidefinite::new(Vec::new());
-        let mut problem = Constrained { gram, rows, sizes, normal: Semidefinite::new(normal), inner: empty };
+        let normal: Vec<Vec<f64>> = rows.iter().map(|a| rows.iter().map(|b| product(a, b)).collect()).collect();
+        let empty = Semidefinite::new(&[]);
+        let mut problem = Constrained { gram, rows, sizes, normal: Semidefinite::new(&normal), inner: empty };
         // Z G Z + (I − Z) times a scale, Z = I − Aᵀ(AAᵀ)⁺A.
         let unit = |k: usize| -> Vec<f64> { (0..n).map(|j| f64::from(u8::from(j == k))).collect() };
         let scale = (0..n).map(|k| problem.gram[k][k]).fold(0.0, f64::max);
-        let matrix = (0..n)
+        let matrix: Vec<Vec<f64>> = (0..n)
             .map(|k| {
                 let column = problem.projected(&unit(k));
                 let image = problem.projected(&problem.times(&column));
                 (0..n).map(|l| image[l] + scale * (f64::from(u8::from(k == l)) - column[l])).collect()
             })
             .collect();
-        problem.inner = Semidefinite::new(matrix);
+        problem.inner = Semidefinite::new(&matrix);
         problem
     }
 
@@ -115,4 +133,27 @@ impl Constrained {
         let slope: Vec<f64> = self.times(&first).iter().zip(linear).map(|(a, b)| a + b).collect();
         first.iter().zip(&self.homogeneous(&slope)).map(|(a, b)| a + b).collect()
     }
+}
+
+/// XᵀGX, X of square blocks, each with its first row in G.
+pub(super) fn congruent(gram: &[f64], k: usize, blocks: &[(usize, Vec<f64>)]) -> Vec<f64> {
+    let n = k * blocks.len();
+    let mut half = vec![0.0; n * n];
+    for (row, of_row) in gram.chunks_exact(n).zip(half.chunks_exact_mut(n)) {
+        for ((first, block), out) in blocks.iter().zip(of_row.chunks_exact_mut(k)) {
+            for (x, weights) in row[*first..][..k].iter().zip(block.chunks_exact(k)) {
+                out.iter_mut().zip(weights).for_each(|(out, weight)| *out += x * weight);
+            }
+        }
+    }
+    let mut whole = vec![0.0; n * n];
+    for ((first, block), rows) in blocks.iter().zip(whole.chunks_exact_mut(k * n)) {
+        for (i, weights) in block.chunks_exact(k).enumerate() {
+            let image = &half[(first + i) * n..][..n];
+            for (row, weight) in rows.chunks_exact_mut(n).zip(weights) {
+                row.iter_mut().zip(image).for_each(|(out, x)| *out += weight * x);
+            }
+        }
+    }
+    whole
 }

@@ -8,8 +8,9 @@
 //!     = ½‖Cε(u_h) + σ₀ − σ̂‖² + Σ ∫_{Γ_C} Φ(r_h) + Φ*(p̂) − p̂ r_h + s‖d_h‖ − q̂·d_h,
 //! ```
 //!
-//! with the norm of C⁻¹ for stresses, C = 𝓔 + 𝓥/γ, and σ₀ all stress that does not depend on u. The right-hand side is
-//! computed and is never below the energy of the error; the chapter on the theory in the book has the proof.
+//! with the norm of C⁻¹ for stresses, C = 𝓔 + 𝓥/γ with the springs of branches, and σ₀ all stress that does not depend
+//! on u. The right-hand side is computed and is never below the energy of the error; the chapter on the theory in the
+//! book has the proof.
 //!
 //! The stress σ̂ is made in four steps: admissible tractions on Γ_C (`contact`); one solution with the matrix of the
 //! step, after which σ_h balances them on the mesh; tractions on all facets that balance each cell (`balance`); a
@@ -19,9 +20,16 @@ mod balance;
 mod composite;
 mod contact;
 mod dense;
+mod discrete;
 mod energy;
+mod modes;
+mod patches;
+mod quadrilateral;
 mod relax;
+mod revolution;
 mod scope;
+mod shapes;
+mod simplex;
 mod skeleton;
 mod stress;
 
@@ -37,14 +45,17 @@ use crate::machine;
 use crate::mesh::{CellMap, FacetMap, FacetSet, decisive_cells};
 use crate::problem::{BoundaryCondition, Problem};
 use crate::state::{State, StepReport};
-use crate::tensor::{Point, length};
+use crate::tensor::{Point, dot, length};
 use crate::time::Rule;
 use balance::{CellForces, FacetGiven, balanced, means};
 use contact::{SolvedContact, Touching};
-use energy::{CellEnergy, StressEvaluation};
+use discrete::CellStress;
+use energy::{CellEnergy, EnergyEvaluation};
+use patches::{PatchData, Patches};
 use relax::TractionDescent;
+use shapes::CellShapes;
 use skeleton::Skeleton;
-use stress::{StepLaws, StepMotion};
+use stress::{RelaxingStress, StepLaws, StepMotion};
 
 /// A reason why there is no bound of the error.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -90,7 +101,7 @@ impl Remarks {
     }
 }
 
-/// The discretization error of a step in the norm of its energy, ‖v‖² = ∫ (𝓔 + 𝓥/γ) ε(v):ε(v).
+/// The discretization error of a step in the norm of its energy, ‖v‖² = ∫ C ε(v):ε(v), C = 𝓔 + 𝓥/γ + Σ 𝓖/(1 + γ/τ).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiscretizationError {
     /// ½‖u_h − u‖² is at most this, J.
@@ -144,6 +155,15 @@ impl DiscretizationError {
 pub struct Majorant {
     skeleton: Skeleton,
     system: Option<(Rule, System)>,
+    shared: Option<(Rule, SharedShapes)>,
+}
+
+/// What the steps of a rule share: the shapes of cells and the patches of facets.
+#[derive(Debug)]
+struct SharedShapes {
+    shapes: CellShapes,
+    patches: Patches,
+    is_warm: bool,
 }
 
 /// Roundings of the energy of a body that tractions leave at rest.
@@ -159,7 +179,7 @@ impl Majorant {
     pub fn new(problem: &Problem, discrete: &Discretization) -> Result<Majorant, Refused> {
         scope::check(problem, discrete)?;
         scope::check_memory(&problem.mesh, machine::memory())?;
-        Ok(Majorant { skeleton: Skeleton::new(&problem.mesh)?, system: None })
+        Ok(Majorant { skeleton: Skeleton::new(&problem.mesh)?, system: None, shared: None })
     }
 
     /// The bound of the error of the step that led to a state.
@@ -181,7 +201,12 @@ impl Majorant {
             .iter()
             .map(|contact| contact.at_time(state.t).unwrap_or_else(|| contact.clone()))
             .collect();
-        let laws = StepLaws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() })?;
+        let branches = discrete.branches.iter().zip(&state.branches);
+        let relaxing = branches.filter_map(|(branches, z)| {
+            let (time, _) = branches.uniform()?;
+            Some(RelaxingStress::new(problem, time, rule, (z, &state.u)))
+        });
+        let laws = StepLaws::new(problem, if rule.is_steady() { 0.0 } else { gamma.recip() }, relaxing.collect())?;
         let mut remarks = Remarks::default();
         scope::remark(problem, &laws, &contacts, state.t, &mut remarks);
         let discrete_motion = StepMotion { u: &state.u, before: &before, theta };
@@ -198,18 +223,40 @@ impl Majorant {
         let mut touching = Touching::new(solved, &self.skeleton, &discrete_motion)?;
         touching.remark(&mut remarks);
         let repaired = touching.admissible(&state.u)?;
+        if repaired.is_some() && problem.mesh.axisymmetric {
+            remarks.estimate("a side of a body of revolution penetrates between nodes: its repair is no polynomial");
+        }
         let u = repaired.as_ref().unwrap_or(&state.u);
         let motion = StepMotion { u, ..discrete_motion };
         touching.press(&laws, &self.skeleton, &motion);
         let mut given = self.given(problem, discrete, state.t, &mut remarks);
         let mut right = discrete.f.at(state.t).to_vec();
         touching.enter(&self.skeleton, &mut given, &mut right);
-        let corrected = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
+        let (corrected, inner) = self.corrected(problem, discrete, (&laws, rule), &motion, &right)?;
         let balanced_motion = StepMotion { u: &corrected, ..motion };
-        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t };
-        let parts = step.parts(&given, &balanced_motion, (&motion, &touching))?;
-        let round_off = step.round_off(touching.largest_traction());
+        self.share((&laws, rule), &given, !theta.is_empty())?;
+        let Some((_, shared)) = &self.shared else { return Err(held_by_contact()) };
+        let is_loaded = problem.body_force.iter().any(|force| !force.is_zero()) || !problem.region_loads.is_empty();
+        let step = MadeStep { skeleton: &self.skeleton, laws: &laws, problem, t: state.t, shared, is_loaded };
+        let parts = step.parts(&given, (&balanced_motion, &inner), (&motion, &touching))?;
+        // The energy that the tractions on Γ_C would cause: they work on displacements of round-off.
+        let round_off = ROUNDINGS * f64::EPSILON * 0.5 * parts.softness * touching.largest_traction().powi(2);
         Ok(DiscretizationError { round_off, ..step.sum(parts, (&state.u, repaired.as_deref()), remarks) })
+    }
+
+    /// Makes what the steps of a rule share, if it is not known.
+    fn share(&mut self, (laws, rule): (&StepLaws, Rule), given: &[FacetGiven], is_warm: bool) -> Result<(), Refused> {
+        let skeleton = &self.skeleton;
+        let fits = |(known, shared): &(Rule, SharedShapes)| {
+            *known == rule && shared.is_warm == is_warm && shared.patches.fits(given)
+        };
+        if !self.shared.as_ref().is_some_and(fits) {
+            self.shared = None;
+            let shapes = CellShapes::new(laws, skeleton, is_warm)?;
+            let patches = Patches::new(&PatchData { mesh: laws.mesh, skeleton, given, shapes: &shapes });
+            self.shared = Some((rule, SharedShapes { shapes, patches, is_warm }));
+        }
+        Ok(())
     }
 
     /// What is known of the tractions on the facets: zero outside, loads, and directions that are held.
@@ -278,7 +325,8 @@ impl Majorant {
         }
     }
 
-    /// A displacement near that of the step whose stress balances the forces in `right` on the mesh.
+    /// A displacement near that of the step whose stress balances the forces in `right` on the mesh, and the forces of
+    /// its stress per cell and node.
     fn corrected(
         &mut self,
         problem: &Problem,
@@ -286,7 +334,7 @@ impl Majorant {
         (laws, rule): (&StepLaws, Rule),
         motion: &StepMotion,
         right: &[f64],
-    ) -> Result<Vec<f64>, Refused> {
+    ) -> Result<(Vec<f64>, Vec<Vec<Point>>), Refused> {
         if self.system.as_ref().is_none_or(|(known, _)| *known != rule) {
             let matrix = Arc::new(discrete.mechanical_matrix(rule));
             let layout = Layout::of(&discrete.mesh, &discrete.v, &[]);
@@ -294,32 +342,26 @@ impl Majorant {
             self.system = Some((rule, system));
         }
         let mut u = motion.u.to_vec();
-        let Some((_, system)) = &mut self.system else { return Ok(u) };
-        for _ in 0..CORRECTIONS {
-            let rest = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
+        let Some((_, system)) = &mut self.system else { return Err(held_by_contact()) };
+        let mut corrections = 0;
+        loop {
+            let (rest, largest, forces) = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
             let mut x = system.unknowns().gather(&rest);
+            let left = max_abs(&x) / largest.max(max_abs(right)).max(f64::MIN_POSITIVE);
+            if left <= BALANCED || corrections == CORRECTIONS {
+                return if left.is_nan() || left > LEFT { Err(held_by_contact()) } else { Ok((u, forces)) };
+            }
             system.solve(&mut x).map_err(|_| held_by_contact())?;
             let mut change = vec![0.0; u.len()];
             system.unknowns().add(&x, &mut change);
             u.iter_mut().zip(&change).for_each(|(u, change)| *u += rule.gamma * change);
+            corrections += 1;
         }
-        let rest = residual(laws, &self.skeleton, &StepMotion { u: &u, ..*motion }, right);
-        let left = max_abs(&system.unknowns().gather(&rest));
-        let forces = self.largest(laws, motion, right);
-        if left.is_nan() || left > LEFT * forces {
-            return Err(held_by_contact());
-        }
-        Ok(u)
-    }
-
-    /// The largest force of a cell on a node, or on a node from outside, N.
-    fn largest(&self, laws: &StepLaws, motion: &StepMotion, right: &[f64]) -> f64 {
-        let of_cell = |cell: usize| laws.forces(&self.skeleton, cell, motion).iter().map(length).fold(0.0, f64::max);
-        let of_cells = (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).reduce(|| 0.0, f64::max);
-        of_cells.max(max_abs(right))
     }
 }
 
+/// What of the balance of the nodes is round-off, relative to the largest force.
+const BALANCED: f64 = 1e-14;
 /// What may be left of the balance of the nodes, relative to the largest force: more is a body that nothing holds.
 const LEFT: f64 = 1e-9;
 
@@ -327,18 +369,24 @@ fn held_by_contact() -> Refused {
     Refused::new("a body that contact alone holds")
 }
 
-/// What is left of the balance of the nodes, N.
-fn residual(laws: &StepLaws, skeleton: &Skeleton, motion: &StepMotion, right: &[f64]) -> Vec<f64> {
+/// What is left of the balance of the nodes, the largest force of a cell on a node, and these forces, N.
+fn residual(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    motion: &StepMotion,
+    right: &[f64],
+) -> (Vec<f64>, f64, Vec<Vec<Point>>) {
     let dim = laws.mesh.dim;
     let forces: Vec<Vec<Point>> =
         (0..skeleton.cells.len()).into_par_iter().map(|cell| laws.forces(skeleton, cell, motion)).collect();
-    let mut rest = right.to_vec();
+    let (mut rest, mut largest) = (right.to_vec(), 0.0f64);
     for (cell, forces) in forces.iter().enumerate() {
         for (&node, force) in skeleton.nodes(laws.mesh, cell).iter().zip(forces) {
+            largest = largest.max(dot(force, force));
             (0..dim).for_each(|c| rest[node as usize * dim + c] -= force[c]);
         }
     }
-    rest
+    (rest, largest.sqrt(), forces)
 }
 
 /// A step whose stress in balance is made.
@@ -347,37 +395,52 @@ struct MadeStep<'a> {
     laws: &'a StepLaws<'a>,
     problem: &'a Problem,
     t: f64,
+    shared: &'a SharedShapes,
+    /// True if a body force may act.
+    is_loaded: bool,
 }
 
 /// Parts of the energy: per cell from the body, and per contact facet with its cell.
 struct EnergyParts {
     cells: Vec<f64>,
     contact: Vec<(usize, f64)>,
+    /// ∫ of the size of the compliance, m³/Pa.
+    softness: f64,
 }
 
 impl MadeStep<'_> {
-    /// ∫ σ∇φ − ∫ f φ per vertex of a cell.
-    fn forces(&self, cell: usize, motion: &StepMotion) -> CellForces {
+    /// ∫ σ∇φ − ∫ f φ per vertex of a cell, from the forces of the stress per node.
+    fn forces(&self, cell: usize, motion: &StepMotion, inner: &[Point]) -> CellForces {
         let (mesh, tables) = (self.laws.mesh, self.skeleton.tables(cell));
         let nodes = self.skeleton.nodes(mesh, cell);
         let region = self.laws.region(self.skeleton, cell);
-        let inner = self.laws.forces(self.skeleton, cell, motion);
         let (mut outer, mut volume, mut softness) = (vec![[0.0; 3]; nodes.len()], 0.0, 0.0);
-        self.laws.integrate(&tables.load, nodes, |map, weight| {
-            let load = self.body_force(region, map);
-            for (force, value) in outer.iter_mut().zip(map.values()) {
-                (0..3).for_each(|c| force[c] += weight * value * load[c]);
+        let table = if self.is_loaded { &tables.load } else { &tables.body };
+        self.laws.integrate(table, nodes, |map, weight| {
+            if self.is_loaded {
+                let load = self.body_force(region, map);
+                for (force, value) in outer.iter_mut().zip(map.values()) {
+                    (0..3).for_each(|c| force[c] += weight * value * load[c]);
+                }
             }
             volume += weight;
-            softness = self.laws.compliance(region, &map.position).map_or(softness, |compliance| compliance.size());
+            softness += weight * self.laws.softness(region, &map.position);
         });
-        let sum = |hats: &Vec<f64>, of: &dyn Fn(usize) -> Point| -> Point {
-            std::array::from_fn(|c| hats.iter().enumerate().map(|(node, hat)| hat * of(node)[c]).sum())
-        };
-        let load: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| outer[node])).collect();
-        let of_stress: Vec<Point> = tables.hats.iter().map(|hats| sum(hats, &|node| inner[node])).collect();
-        let rest = of_stress.iter().zip(&load).map(|(a, b)| std::array::from_fn(|c| a[c] - b[c])).collect();
-        CellForces { rest, load, softness: softness * volume }
+        let (mut load, mut rest) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
+        for ((load, rest), hats) in load.iter_mut().zip(&mut rest).zip(&tables.hats) {
+            for ((hat, outer), inner) in hats.iter().zip(&outer).zip(inner) {
+                (0..3).for_each(|c| load[c] += hat * outer[c]);
+                (0..3).for_each(|c| rest[c] += hat * (inner[c] - outer[c]));
+            }
+        }
+        // The hoop stress loads the plane of a body of revolution.
+        if mesh.axisymmetric {
+            let hoops = self.laws.hoop_forces(self.skeleton, cell, motion);
+            for (load, hats) in load.iter_mut().zip(&tables.hats) {
+                load[0] -= hats.iter().zip(&hoops).map(|(hat, hoop)| hat * hoop).sum::<f64>();
+            }
+        }
+        CellForces { rest, load, softness, volume }
     }
 
     fn body_force(&self, region: usize, map: &CellMap) -> Point {
@@ -395,26 +458,31 @@ impl MadeStep<'_> {
     fn parts(
         &self,
         given: &[FacetGiven],
-        balanced_motion: &StepMotion,
+        (balanced_motion, inner): (&StepMotion, &[Vec<Point>]),
         (motion, touching): (&StepMotion, &Touching),
     ) -> Result<EnergyParts, Refused> {
         let cells = 0..self.skeleton.cells.len();
         let forces: Vec<CellForces> =
-            cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion)).collect();
-        let (means, weights) = means(self.laws, self.skeleton, &forces, balanced_motion);
+            cells.clone().into_par_iter().map(|cell| self.forces(cell, balanced_motion, &inner[cell])).collect();
+        let stress = |cell: usize| CellStress::new(self.laws, self.skeleton, balanced_motion, cell);
+        let stresses: Vec<CellStress> = cells.clone().into_par_iter().map(stress).collect();
+        let (means, weights) = means(self.skeleton, &forces, &stresses);
+        drop(stresses);
         let moments = balanced(self.skeleton, self.laws.mesh.dim, given, &forces, (&means, &weights))?;
-        let evaluation = StressEvaluation::new(self.laws, self.skeleton, motion);
-        let of_cell = |cell: usize| {
-            evaluation.of_cell(cell, &forces[cell]).ok_or_else(|| Refused::new("a stiffness that is not positive"))
-        };
-        let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
+        let SharedShapes { shapes, patches, .. } = self.shared;
         let (mesh, skeleton) = (self.laws.mesh, self.skeleton);
-        let cells = TractionDescent { mesh, skeleton, given, energies: &energies }.least(&moments, &forces)?;
+        let body_force = |region: usize, map: &CellMap| self.body_force(region, map);
+        let evaluation = EnergyEvaluation { laws: self.laws, skeleton, motion, shapes, body_force: &body_force };
+        let of_cell = |cell: usize| evaluation.of_cell(cell, &forces[cell]);
+        let energies = cells.into_par_iter().map(of_cell).collect::<Result<Vec<CellEnergy>, Refused>>()?;
+        let descent = TractionDescent { mesh, skeleton, given, energies: &energies, patches };
+        let cells = descent.least(&moments, &forces)?;
         let of_facet = |facet: &contact::ContactFacet| {
             let cell = self.skeleton.facets[facet.facet].cells.first().map_or(0, |first| first.0);
             (cell, touching.term(facet, motion.u))
         };
-        Ok(EnergyParts { cells, contact: touching.facets.par_iter().map(of_facet).collect() })
+        let softness = forces.iter().map(|cell| cell.softness).sum();
+        Ok(EnergyParts { cells, softness, contact: touching.facets.par_iter().map(of_facet).collect() })
     }
 
     /// The square of the norm of a field per cell.
@@ -430,28 +498,13 @@ impl MadeStep<'_> {
         (0..self.skeleton.cells.len()).into_par_iter().map(of_cell).collect()
     }
 
-    /// Round-off of the energy that a traction would cause, J: the pressure works on displacements of round-off.
-    fn round_off(&self, traction: f64) -> f64 {
-        let of_cell = |cell: usize| {
-            let (region, nodes) = (self.laws.region(self.skeleton, cell), self.skeleton.nodes(self.laws.mesh, cell));
-            let mut softness = 0.0;
-            self.laws.integrate(&self.skeleton.tables(cell).load, nodes, |map, weight| {
-                let compliance = self.laws.compliance(region, &map.position);
-                softness += weight * compliance.map_or(0.0, |compliance| compliance.size());
-            });
-            softness
-        };
-        let softness: f64 = (0..self.skeleton.cells.len()).map(of_cell).sum();
-        ROUNDINGS * f64::EPSILON * 0.5 * softness * traction.powi(2)
-    }
-
     fn sum(
         &self,
         parts: EnergyParts,
         (u, repaired): (&[f64], Option<&[f64]>),
         remarks: Remarks,
     ) -> DiscretizationError {
-        let EnergyParts { mut cells, contact } = parts;
+        let EnergyParts { mut cells, contact, .. } = parts;
         let mesh: f64 = cells.iter().sum();
         let on_contact: f64 = contact.iter().map(|(_, energy)| energy).sum();
         for (cell, energy) in &contact {

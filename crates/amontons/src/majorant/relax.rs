@@ -1,72 +1,96 @@
 //! Tractions between the cells with a smaller complementary energy.
 //!
-//! All moments with which each cell stays in balance are admissible. Conjugate gradients lower the energy among them,
+//! All tractions with which each cell stays in balance are admissible. Conjugate gradients lower the energy among them,
 //! preconditioned by the sum of the exact solutions on patches: the facets at a vertex of a plane body, or at an edge
 //! in space. The result does not depend on the order of patches.
-
-use std::collections::{BTreeMap, HashMap};
 
 use rayon::prelude::*;
 
 use super::Refused;
 use super::balance::{CellForces, FacetGiven, FacetMoments};
-use super::dense::Constrained;
 use super::energy::CellEnergy;
+use super::modes::cross;
+use super::patches::{Patches, split};
 use super::skeleton::Skeleton;
 use crate::mesh::Mesh;
-use crate::tensor::{Point, length};
+use crate::tensor::{Point, dot, length};
 
+/// Components of the tractions of a tetrahedron, which has most.
+const LARGEST: usize = 36;
 /// Iterations: more change the bound by few percent.
 const ITERATIONS: usize = 4;
+/// Part of the energy that an iteration has to lower for another one to follow: half of it is that of the bound.
+const WORTH: f64 = 0.02;
 /// What may be missing to the balance of a cell, relative to the largest force of the body.
 const UNBALANCED: f64 = 1e-7;
 
-/// The cells and facets with all moments in one vector: by facet, vertex and component.
+/// The cells and facets with the components of all tractions in one vector, by facet.
 pub(super) struct TractionDescent<'a> {
     pub mesh: &'a Mesh,
     pub skeleton: &'a Skeleton,
     pub given: &'a [FacetGiven],
-    pub energies: &'a [CellEnergy],
+    pub energies: &'a [CellEnergy<'a>],
+    pub patches: &'a Patches,
 }
 
-impl TractionDescent<'_> {
+impl<'a> TractionDescent<'a> {
     fn per_facet(&self) -> usize {
         self.mesh.dim * self.mesh.dim
     }
 
-    /// Places of the moments of a cell in the vector, with signs, in the order of its energy.
-    fn places(&self, cell: usize) -> Vec<(usize, f64)> {
-        let (d, element) = (self.mesh.dim, self.skeleton.tables(cell).element);
-        let nodes = self.skeleton.nodes(self.mesh, cell);
-        let mut places = Vec::new();
-        for (local, &facet) in self.skeleton.cells[cell].facets.iter().enumerate() {
-            let of = &self.skeleton.facets[facet];
-            let sign = of.sign(cell);
-            for &node in &element.facets[local].nodes[..d.max(1)] {
-                let place = of.place(nodes[node]).unwrap_or(0);
-                places.extend((0..d).map(|c| (facet * self.per_facet() + place * d + c, sign)));
-            }
+    /// Sets the components of a cell, outward.
+    fn gather(&self, cell: usize, y: &[f64], own: &mut [f64]) {
+        let k = self.per_facet();
+        for (&facet, own) in self.skeleton.cells[cell].facets.iter().zip(own.chunks_exact_mut(k)) {
+            let sign = self.skeleton.facets[facet].sign(cell);
+            own.iter_mut().zip(&y[facet * k..]).for_each(|(own, y)| *own = sign * y);
         }
-        places
     }
 
-    fn of_cell(&self, cell: usize, x: &[f64]) -> Vec<f64> {
-        self.places(cell).into_iter().map(|(place, sign)| sign * x[place]).collect()
-    }
-
-    /// Σ of a vector per cell.
-    fn gathered(&self, of: impl Fn(&CellEnergy, &[f64]) -> Vec<f64> + Sync, x: &[f64]) -> Vec<f64> {
-        let cells: Vec<Vec<f64>> = (0..self.energies.len())
-            .into_par_iter()
-            .map(|cell| of(&self.energies[cell], &self.of_cell(cell, x)))
-            .collect();
-        let mut sum = vec![0.0; x.len()];
-        for (cell, values) in cells.iter().enumerate() {
-            for ((place, sign), value) in self.places(cell).into_iter().zip(values) {
-                sum[place] += sign * value;
+    /// Σ of vectors of the cells, by facet.
+    fn summed(&self, cells: &[&mut [f64]]) -> Vec<f64> {
+        let k = self.per_facet();
+        let mut sum = vec![0.0; k * self.skeleton.facets.len()];
+        sum.par_chunks_exact_mut(k).zip(&self.skeleton.facets).for_each(|(sum, of)| {
+            for &(cell, local) in &of.cells {
+                let sign = of.sign(cell);
+                sum.iter_mut().zip(&cells[cell][local * k..]).for_each(|(sum, x)| *sum += sign * x);
             }
-        }
+        });
         sum
+    }
+
+    /// Σ of what a function sets of the components of the cells, and what it returns per cell. `work` is kept between
+    /// calls.
+    fn by_cell(
+        &self,
+        y: &[f64],
+        work: &mut Vec<f64>,
+        of: impl Fn(&CellEnergy<'a>, &mut [f64], &mut [f64]) -> f64 + Sync,
+    ) -> (Vec<f64>, Vec<f64>) {
+        work.resize(self.energies.iter().map(CellEnergy::len).sum(), 0.0);
+        let lengths = || self.energies.iter().map(CellEnergy::len);
+        let of_cell = |(cell, (energy, image)): (usize, (&CellEnergy<'a>, &mut [f64]))| {
+            let mut own = [0.0; LARGEST];
+            let own = &mut own[..energy.len()];
+            self.gather(cell, y, own);
+            of(energy, own, image)
+        };
+        let values = self.energies.par_iter().zip(split(work, lengths())).enumerate().map(of_cell).collect();
+        (self.summed(&split(work, lengths())), values)
+    }
+
+    /// The slope, and the energy of each cell.
+    fn slopes(&self, y: &[f64], work: &mut Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+        self.by_cell(y, work, CellEnergy::slope)
+    }
+
+    fn image(&self, y: &[f64], work: &mut Vec<f64>) -> Vec<f64> {
+        let times = |energy: &CellEnergy, own: &mut [f64], image: &mut [f64]| {
+            energy.times(own, image);
+            0.0
+        };
+        self.by_cell(y, work, times).0
     }
 
     /// The energies of the cells after a few iterations from moments in balance.
@@ -74,188 +98,83 @@ impl TractionDescent<'_> {
     /// # Errors
     /// If round-off leaves a cell out of balance.
     pub fn least(&self, first: &FacetMoments, forces: &[CellForces]) -> Result<Vec<f64>, Refused> {
-        let mut x: Vec<f64> =
-            first.iter().flatten().flat_map(|moment| moment[..self.mesh.dim].iter().copied()).collect();
-        let patches = self.patches();
-        let problems: Vec<FacetPatch> = patches.into_par_iter().map(|facets| self.patch(&facets)).collect();
-        let mut rest: Vec<f64> = self.gathered(CellEnergy::slope, &x).iter().map(|x| 0.0 - x).collect();
+        let (d, k) = (self.mesh.dim, self.per_facet());
+        let modes = self.skeleton.modes.iter().zip(first);
+        let mut y: Vec<f64> = modes.flat_map(|(modes, own)| modes.of_moments(&own[..d]).into_iter().take(k)).collect();
+        let (mut by_cell, mut by_patch) = (Vec::new(), Vec::new());
+        let (mut rest, cells) = self.slopes(&y, &mut by_cell);
+        let mut energy: f64 = cells.iter().sum();
+        for x in &mut rest {
+            *x = 0.0 - *x;
+        }
         let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-        let (mut direction, mut before) = (vec![0.0; x.len()], 0.0);
-        for iteration in 0..if problems.is_empty() { 0 } else { ITERATIONS } {
-            let step = preconditioned(&problems, &rest);
+        let (mut direction, mut before) = (vec![0.0; y.len()], 0.0);
+        for iteration in 0..if self.patches.is_empty() { 0 } else { ITERATIONS } {
+            let step = self.patches.preconditioned(&rest, &mut by_patch);
             let now = product(&rest, &step);
             let beta = if iteration == 0 { 0.0 } else { now / before };
             direction.iter_mut().zip(&step).for_each(|(d, s)| *d = s + beta * *d);
-            let image = self.gathered(CellEnergy::times, &direction);
+            let image = self.image(&direction, &mut by_cell);
             let curvature = product(&direction, &image);
             if now.is_nan() || now <= 0.0 || curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
             let length = now / curvature;
-            x.iter_mut().zip(&direction).for_each(|(x, d)| *x += length * d);
+            y.iter_mut().zip(&direction).for_each(|(y, d)| *y += length * d);
             rest.iter_mut().zip(&image).for_each(|(r, d)| *r -= length * d);
             before = now;
+            energy -= 0.5 * length * now;
+            if 0.5 * length * now < WORTH * energy {
+                break;
+            }
         }
-        self.check(&x, forces)?;
-        Ok((0..self.energies.len())
-            .into_par_iter()
-            .map(|cell| self.energies[cell].value(&self.of_cell(cell, &x)))
-            .collect())
+        self.check(&y, forces)?;
+        Ok(self.slopes(&y, &mut by_cell).1)
     }
 
-    /// The facets whose tractions are not known, by vertex or edge.
-    fn patches(&self) -> Vec<Vec<usize>> {
-        let d = self.mesh.dim;
-        if d < 2 {
-            return Vec::new();
-        }
-        let mut patches: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-        for (facet, of) in self.skeleton.facets.iter().enumerate() {
-            if self.given[facet].is_known() {
-                continue;
-            }
-            for (i, &a) in of.vertices.iter().enumerate() {
-                if d == 2 {
-                    patches.entry([a, a]).or_default().push(facet);
-                }
-                for &b in of.vertices.iter().skip(i + 1).filter(|_| d == 3) {
-                    patches.entry([a, b]).or_default().push(facet);
-                }
-            }
-        }
-        patches.into_values().collect()
-    }
-
-    fn patch(&self, facets: &[usize]) -> FacetPatch {
-        let (d, per) = (self.mesh.dim, self.per_facet());
-        let slots: HashMap<usize, usize> = facets.iter().enumerate().map(|(slot, &facet)| (facet, slot)).collect();
-        let local = |place: usize| slots.get(&(place / per)).map(|slot| slot * per + place % per);
-        let size = facets.len() * per;
-        let mut gram = vec![vec![0.0; size]; size];
-        let mut rows = Vec::new();
-        let mut cells: Vec<usize> =
-            facets.iter().flat_map(|&facet| self.skeleton.facets[facet].cells.iter().map(|of| of.0)).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        for cell in cells {
-            let places: Vec<(usize, usize, f64)> = self
-                .places(cell)
-                .into_iter()
-                .enumerate()
-                .filter_map(|(own, (place, sign))| Some((own, local(place)?, sign)))
-                .collect();
-            for &(i, a, sign) in &places {
-                for &(j, b, other) in &places {
-                    gram[a][b] += sign * other * self.energies[cell].gram(i, j);
-                }
-            }
-            for row in self.resultants(cell) {
-                let mut of_patch = vec![0.0; size];
-                for &(own, at, sign) in &places {
-                    of_patch[at] = sign * row[own];
-                }
-                rows.push(of_patch);
-            }
-        }
-        // Known components keep their values.
-        for (slot, &facet) in facets.iter().enumerate() {
-            for row in self.given[facet].kept(d) {
-                for vertex in 0..d {
-                    let mut of_patch = vec![0.0; size];
-                    (0..d).for_each(|c| of_patch[slot * per + vertex * d + c] = row[c]);
-                    rows.push(of_patch);
-                }
-            }
-        }
-        let places = facets.iter().flat_map(|&facet| facet * per..(facet + 1) * per).collect();
-        FacetPatch { places, problem: Constrained::new(gram, &rows) }
-    }
-
-    /// Forces and moments about the first vertex of a cell for its moments, in the order of its energy.
-    fn resultants(&self, cell: usize) -> Vec<Vec<f64>> {
-        let (d, element) = (self.mesh.dim, self.skeleton.tables(cell).element);
-        let nodes = self.skeleton.nodes(self.mesh, cell);
-        let at = |node: u32| self.mesh.points[node as usize];
-        let origin = at(nodes[0]);
-        let arms = element.facets.iter().flat_map(|facet| &facet.nodes[..d.max(1)]).map(|&node| {
-            let x = at(nodes[node]);
-            std::array::from_fn(|c| x[c] - origin[c])
-        });
-        let arms: Vec<Point> = arms.collect();
-        let pairs: &[(usize, usize)] = [&[][..], &[(0, 1)], &[(0, 1), (1, 2), (2, 0)]][d - 1];
-        let forces = (0..d).map(|c| {
-            let unit = |(_, k): (usize, usize)| f64::from(u8::from(k == c));
-            (0..arms.len()).flat_map(|v| (0..d).map(move |k| (v, k))).map(unit).collect()
-        });
-        let moments = pairs.iter().map(|&(i, j)| {
-            let turn = |(v, k): (usize, usize)| {
-                let arm: &Point = &arms[v];
-                if k == j {
-                    arm[i]
-                } else if k == i {
-                    0.0 - arm[j]
-                } else {
-                    0.0
-                }
-            };
-            (0..arms.len()).flat_map(|v| (0..d).map(move |k| (v, k))).map(turn).collect()
-        });
-        forces.chain(moments).collect()
-    }
-
-    /// Checks the balance of all cells.
-    fn check(&self, x: &[f64], forces: &[CellForces]) -> Result<(), Refused> {
-        let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    /// Checks the balance of all cells, and that known components have been kept.
+    fn check(&self, y: &[f64], forces: &[CellForces]) -> Result<(), Refused> {
+        let (d, k) = (self.mesh.dim, self.per_facet());
+        let largest = y.iter().fold(0.0, |m: f64, y| m.max(y.abs()));
         let largest = forces.iter().flat_map(|cell| &cell.load).map(length).fold(largest, f64::max);
         let largest = self.given.iter().map(|facet| facet.size).fold(largest, f64::max);
         // Round-off has the size of the stresses, which need not have forces: those of one cell may cancel.
-        let largest = self.energies.iter().map(CellEnergy::size_of_moments).fold(largest, f64::max);
-        let d = self.mesh.dim;
+        let largest = self.energies.iter().map(CellEnergy::size).fold(largest, f64::max);
+        let moments: FacetMoments =
+            self.skeleton.modes.par_iter().zip(y.par_chunks_exact(k)).map(|(modes, y)| modes.moments(y)).collect();
         let is_wrong = |cell: usize| {
-            let (b, nodes) = (self.of_cell(cell, x), self.skeleton.nodes(self.mesh, cell));
-            let at = |node: u32| self.mesh.points[node as usize];
+            let nodes = self.skeleton.nodes(self.mesh, cell);
+            let at = |node: u32| &self.mesh.points[node as usize];
             let origin = at(nodes[0]);
-            let (mut size, mut sums) = (0.0f64, Vec::new());
-            for row in self.resultants(cell) {
-                sums.push(row.iter().zip(&b).map(|(a, b)| a * b).sum::<f64>());
-            }
-            for (load, &node) in forces[cell].load.iter().zip(nodes) {
+            let (mut force, mut moment, mut size) = ([0.0; 3], [0.0; 3], 0.0f64);
+            let mut add = |node: u32, sign: f64, own: &Point| {
                 let arm: Point = std::array::from_fn(|c| at(node)[c] - origin[c]);
-                size = size.max(length(&arm));
-                (0..d).for_each(|c| sums[c] += load[c]);
-                let turn = |i: usize, j: usize| arm[i] * load[j] - arm[j] * load[i];
-                for (sum, (i, j)) in sums.iter_mut().skip(d).zip([(0, 1), (1, 2), (2, 0)]) {
-                    *sum += turn(i, j);
-                }
+                let turn = cross(&arm, own);
+                size = size.max(dot(&arm, &arm));
+                (0..3).for_each(|c| (force[c], moment[c]) = (force[c] + sign * own[c], moment[c] + sign * turn[c]));
+            };
+            for &facet in &self.skeleton.cells[cell].facets {
+                let of = &self.skeleton.facets[facet];
+                of.vertices.iter().zip(&moments[facet]).for_each(|(&node, own)| add(node, of.sign(cell), own));
             }
-            let limit = |k: usize| UNBALANCED * largest * if k < d { 1.0 } else { size };
-            sums.iter().enumerate().any(|(k, sum)| sum.is_nan() || sum.abs() > limit(k))
+            forces[cell].load.iter().zip(nodes).for_each(|(load, &node)| add(node, 1.0, load));
+            let limit = UNBALANCED * largest;
+            let is_off = |x: &f64, limit: f64| x.is_nan() || x.abs() > limit;
+            force.iter().any(|x| is_off(x, limit)) || moment.iter().any(|x| is_off(x, limit * size.sqrt()))
         };
         if (0..self.energies.len()).into_par_iter().any(is_wrong) {
             return Err(Refused::new("round-off: the tractions of a cell are not in balance"));
         }
+        let is_changed = |(given, moments): (&FacetGiven, &[Point; 3])| {
+            let kept = given.kept(d);
+            given.moments.iter().zip(moments).any(|(known, own)| {
+                let off = |row: &Point| (dot(row, known) - dot(row, own)).abs();
+                kept.iter().map(off).any(|off| off.is_nan() || off > UNBALANCED * largest)
+            })
+        };
+        if self.given.par_iter().zip(&moments).any(is_changed) {
+            return Err(Refused::new("round-off: the tractions on a side are not those that act there"));
+        }
         Ok(())
     }
-}
-
-/// The problem of least energy in the moments of some facets.
-struct FacetPatch {
-    places: Vec<usize>,
-    problem: Constrained,
-}
-
-/// The sum of the solutions of the patches.
-fn preconditioned(patches: &[FacetPatch], rest: &[f64]) -> Vec<f64> {
-    let solutions: Vec<Vec<f64>> = patches
-        .par_iter()
-        .map(|patch| {
-            let linear: Vec<f64> = patch.places.iter().map(|&place| 0.0 - rest[place]).collect();
-            patch.problem.homogeneous(&linear)
-        })
-        .collect();
-    let mut sum = vec![0.0; rest.len()];
-    for (patch, solution) in patches.iter().zip(&solutions) {
-        patch.places.iter().zip(solution).for_each(|(&place, value)| sum[place] += value);
-    }
-    sum
 }

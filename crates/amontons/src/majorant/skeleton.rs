@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::Refused;
+use super::modes::FacetModes;
 use crate::element::{Element, ShapeTable};
 use crate::forms::data_degree;
 use crate::mesh::{FacetKey, Mesh, facet_key};
@@ -57,6 +58,8 @@ pub(super) struct ElementTables {
     /// The points at which the forms of the body are integrated, and those of loads.
     pub body: ShapeTable,
     pub load: ShapeTable,
+    /// The vertices as points.
+    pub vertices: ShapeTable,
     /// Value of the linear function of each vertex at each node: `hats[vertex][node]`.
     pub hats: Vec<Vec<f64>>,
     pub facets: Vec<FacetPoints>,
@@ -97,6 +100,7 @@ impl ElementTables {
             element,
             body: ShapeTable::new(element, mesh.gradient_products(element)),
             load: ShapeTable::new(element, data_degree(element)),
+            vertices: ShapeTable::at(element, &element.nodes[..n]),
             hats: (0..n).map(|vertex| at_nodes.iter().map(|values| values[vertex]).collect()).collect(),
             facets: facets.collect(),
         }
@@ -108,6 +112,8 @@ impl ElementTables {
 pub(super) struct Skeleton {
     pub cells: Vec<SkeletonCell>,
     pub facets: Vec<SkeletonFacet>,
+    /// The frame of each facet.
+    pub modes: Vec<FacetModes>,
     /// The cells of each node that is a vertex, with its number there.
     pub stars: Vec<Vec<(usize, usize)>>,
     /// Per block.
@@ -150,7 +156,25 @@ impl Skeleton {
             return Err(Refused::new("more than two cells share a facet"));
         }
         let tables = mesh.blocks.iter().map(|block| ElementTables::new(mesh, block.element)).collect();
-        Ok(Skeleton { cells, facets, stars, tables, by_key })
+        let at = |facet: &SkeletonFacet| {
+            let vertices: Vec<Point> = facet.vertices.iter().map(|&node| mesh.points[node as usize]).collect();
+            FacetModes::new(mesh.dim, &vertices)
+        };
+        let modes = facets.iter().map(at).collect();
+        Ok(Skeleton { cells, facets, modes, stars, tables, by_key })
+    }
+
+    /// The vertex of a simplex opposite to its facet with a number.
+    pub fn opposite(&self, cell: usize, local: usize) -> usize {
+        let element = self.tables(cell).element;
+        let n = element.shape.vertices();
+        (0..n).find(|vertex| !element.facets[local].nodes[..n - 1].contains(vertex)).unwrap_or(0)
+    }
+
+    /// The number in a cell of a vertex of a facet.
+    pub fn corner(&self, mesh: &Mesh, (cell, facet): (usize, usize), slot: usize) -> usize {
+        let node = self.facets[facet].vertices.get(slot);
+        self.nodes(mesh, cell).iter().position(|own| Some(own) == node).unwrap_or(0)
     }
 
     /// The nodes of a cell.

@@ -30,6 +30,7 @@ mod kinks;
 mod layers;
 mod majorant;
 mod majorant_parts;
+mod majorant_random;
 mod manufactured;
 mod newton;
 mod orders;
