@@ -11,8 +11,8 @@ use crate::tensor::Point;
 /// Fraction of √(s_i s_j) above which two nodes are strongly coupled; s_i is the largest s_ij with j ≠ i. In cells as
 /// wide as high all neighbours are, in cells four times as wide as high those across alone.
 const STRONG: f64 = 0.15;
-/// Mean number of nodes of an aggregate below which neighbouring aggregates are joined: a row of nodes has aggregates of
-/// three, and with the six unknowns of a coarse node its levels would be larger than the matrix.
+/// Mean number of nodes of an aggregate below which neighbouring aggregates are joined: a row of nodes has aggregates
+/// of three, and with the six unknowns of a coarse node its levels would be larger than the matrix.
 const FEW: usize = 5;
 
 /// Nodes per task.
