@@ -164,7 +164,7 @@ impl Mechanical<'_> {
         if made.failure.is_some() {
             let (minimum, before) = self.without_friction(condensed, right, &held)?;
             iterations += before;
-            if self.rises() {
+            if self.rises() && self.has_unique_multipliers() {
                 made = iterate(self, condensed, right, minimum.clone(), &FIRST)?;
                 iterations += made.iterations;
             }
@@ -186,6 +186,12 @@ impl Mechanical<'_> {
     fn at_rest(&self, right: &Right, before: &[Multiplier]) -> Mechanics {
         let of = |(i, m): (usize, &Multiplier)| Multiplier { sticks: m.sticks || !self.drops(i), ..*m };
         Iterate { x: vec![0.0; right.guess.len()], multipliers: before.iter().enumerate().map(of).collect() }
+    }
+
+    /// True if there are no more points than nodes. Gauss points may hold a body more often than it has unknowns: their
+    /// multipliers are then those that the path ends at.
+    fn has_unique_multipliers(&self) -> bool {
+        self.interface.len() <= self.step.boundary.nodes.len()
     }
 
     /// The step without friction, or with it as a drag, where pressures do not fall; else the guess.
