@@ -2,9 +2,9 @@
 //!
 //! The gradient v of a discrete field jumps from cell to cell, that of a smooth one does not. At each vertex of a cell
 //! v is compared with its mean v̄ over the cells of the region around the vertex: the square of the jumps of a cell K
-//! is the mean of |v − v̄|² over its vertices times |K|, about ∫_K |v − v̄|². It shows where an error is, not how large
-//! it is. Every cell counts alike in the mean: weighted by volumes, a large cell beside small ones would be the mean, and
-//! its own jump, which is that of its size, would vanish.
+//! is the mean of |v − v̄|² over its vertices times |K|, about ∫_K |v − v̄|². It shows where an error is, not how
+//! large it is. Every cell counts alike in the mean: weighted by volumes, a large cell beside small ones would be the
+//! mean, and its own jump, which is that of its size, would vanish.
 //!
 //! Source: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Methods Eng. 24 (1987) 337–357.
 
