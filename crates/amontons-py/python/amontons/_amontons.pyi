@@ -10,6 +10,7 @@ __all__ = [
     "Snapshot",
     "Stepping",
     "__version__",
+    "accurate",
     "benchmarks",
     "check",
     "converge",
