@@ -247,9 +247,7 @@ impl Majorant {
     /// Makes what the steps of a rule share, if it is not known.
     fn share(&mut self, (laws, rule): (&StepLaws, Rule), given: &[FacetGiven], is_warm: bool) -> Result<(), Refused> {
         let skeleton = &self.skeleton;
-        let fits = |(known, shared): &(Rule, SharedShapes)| {
-            *known == rule && shared.is_warm == is_warm && shared.patches.fits(given)
-        };
+        let fits = |(known, shared): &(Rule, SharedShapes)| *known == rule && shared.is_warm == is_warm;
         if !self.shared.as_ref().is_some_and(fits) {
             self.shared = None;
             let shapes = CellShapes::new(laws, skeleton, is_warm)?;

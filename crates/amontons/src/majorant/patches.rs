@@ -67,8 +67,6 @@ pub(super) struct Patches {
     dim: usize,
     all: Vec<FacetPatch>,
     factors: Vec<PatchFactor>,
-    /// Directions of the facets in which tractions are unknown.
-    free: Vec<[Point; 3]>,
 }
 
 /// What makes patches: the mesh and what is known of its facets.
@@ -415,15 +413,7 @@ impl Patches {
         let factor = |number: usize| data.factor(&made[number].0, &made[number].1);
         let factors = first.into_par_iter().map(factor).collect();
         let all = made.into_iter().map(|(patch, _)| patch).collect();
-        Patches { dim: data.dim(), all, factors, free: data.given.iter().map(|given| given.free).collect() }
-    }
-
-    /// True if the tractions of these facets are unknown in the same directions.
-    pub fn fits(&self, given: &[FacetGiven]) -> bool {
-        let is_same = |(a, b): (&[Point; 3], &[Point; 3])| {
-            a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| a.to_bits() == b.to_bits())
-        };
-        self.free.len() == given.len() && self.free.iter().zip(given.iter().map(|g| &g.free)).all(is_same)
+        Patches { dim: data.dim(), all, factors }
     }
 
     /// True if there is nothing to lower.

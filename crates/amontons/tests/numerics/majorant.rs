@@ -11,7 +11,7 @@ use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Physics, Problem, ProblemData};
 
-use super::common::{checked, solve};
+use super::common::{changed, checked, solve};
 use super::majorant_random::{compared, turn, turned};
 
 /// A case from its text, and overrides.
@@ -66,6 +66,26 @@ fn the_bound_of_a_rod_is_its_error() {
             assert!(found.is_guaranteed(), "{:?}", found.estimate);
             assert!((2.0 * found.energy / squared - 1.0).abs() < 1e-9, "{c} {n}: {:e}", 2.0 * found.energy);
         }
+    }
+}
+
+/// Cells of a rod that are all of another length: the bound is Σ f²h³/12, that of each cell its own.
+#[test]
+fn the_bound_of_an_uneven_rod_is_its_error() {
+    let even = parsed(ROD, &["mesh.n=12"]);
+    let problem = changed(&even, |data| {
+        let mut mesh = (*data.mesh).clone();
+        mesh.points.iter_mut().for_each(|x| x[0] = 0.3 * x[0] + 0.7 * x[0].powf(2.5));
+        data.mesh = Arc::new(mesh);
+    });
+    let found = bounded(&problem);
+    let lengths: Vec<f64> = problem.mesh.blocks[0]
+        .cells()
+        .map(|cell| (problem.mesh.points[cell[1] as usize][0] - problem.mesh.points[cell[0] as usize][0]).abs())
+        .collect();
+    assert_eq!(lengths.len(), found.cells.len());
+    for (length, energy) in lengths.iter().zip(&found.cells) {
+        assert!((24.0 * energy / length.powi(3) - 1.0).abs() < 1e-8, "{length}: {energy:e}");
     }
 }
 

@@ -127,7 +127,8 @@ fn the_bound_of_a_ring_is_above_its_error() {
     }
 }
 
-/// Rings under all that a section feels: the bound is above the difference to a mesh eight times as fine.
+/// Rings under all that a section feels: the bound is above the difference to a mesh eight times as fine, and near it
+/// also where the body force along the radius is what the hoop stress bears, as far from the axis.
 #[test]
 fn the_bound_of_loaded_rings_is_above_the_error() {
     for elements in [Elements::P1, Elements::P2] {
@@ -153,6 +154,7 @@ fn the_bound_of_loaded_rings_is_above_the_error() {
                 let ratio = (found.energy / error).sqrt();
                 println!("{elements:?} {at}: {ratio:.3}, contact {:.1e} of {:.1e}", found.contact, found.energy);
                 assert!(found.is_guaranteed() && ratio >= 1.0, "{elements:?} {at}: {error:e} {found:?}");
+                assert!(ratio < if elements == Elements::P1 { 1.7 } else { 2.5 }, "{elements:?} {at}: {ratio}");
             }
         }
     }
