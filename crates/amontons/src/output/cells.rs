@@ -1,5 +1,9 @@
 //! Values in the cells computed from a state: strains, stresses, heat fluxes, and the norm of V.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::fit::{Fit, exponents};
 use crate::arrays::all_at_once;
 use crate::element::{Element, ShapeTable};
@@ -226,18 +230,43 @@ fn branches<'a>(problem: &Problem, material: &'a Material, state: &'a State) -> 
     all.filter_map(|branch| Some((branch, &state.branches.get(number(branch)?)?[..]))).collect()
 }
 
+/// Cells whose values are computed in one go.
+const TOGETHER: usize = 1024;
+
+/// Values at the points of the tables: cell by cell, block by block.
+pub(super) fn all_values<T: Send>(
+    problem: &Problem,
+    state: &State,
+    tables: &Tables,
+    value: impl Fn(PointValues) -> T + Sync,
+) -> Vec<T> {
+    let of_cells = |block: usize, cells: Range<usize>| {
+        let (mut evaluator, count) = (Evaluator::new(problem, state, tables, block), tables.points[block].len());
+        let mut values = Vec::with_capacity(cells.len() * count);
+        for cell in cells {
+            values.extend((0..count).map(|q| value(evaluator.at(cell, q))));
+        }
+        values
+    };
+    let blocks = || problem.mesh.blocks.iter().enumerate();
+    let arrays = material_arrays(&problem.materials);
+    if !arrays.is_empty() {
+        // Laws on arrays get the points of all cells at once, on one thread.
+        return all_at_once(&arrays, || blocks().flat_map(|(b, block)| of_cells(b, 0..block.len())).collect());
+    }
+    let some = |(b, block): (usize, &Block)| {
+        let count = block.len();
+        (0..count).step_by(TOGETHER).map(move |first| (b, first..(first + TOGETHER).min(count)))
+    };
+    let parts: Vec<(usize, Range<usize>)> = blocks().flat_map(some).collect();
+    parts.into_par_iter().flat_map_iter(|(b, cells)| of_cells(b, cells)).collect()
+}
+
 /// Values at the centre of every cell, block by block.
 #[must_use]
 pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
     let tables = Tables::new(problem, |element| QuadratureRule { points: vec![element.centre()], weights: vec![1.0] });
-    all_at_once(&material_arrays(&problem.materials), || {
-        let mut values = Vec::with_capacity(problem.mesh.cell_count());
-        for (b, block) in problem.mesh.blocks.iter().enumerate() {
-            let mut evaluator = Evaluator::new(problem, state, &tables, b);
-            values.extend((0..block.len()).map(|cell| evaluator.at(cell, 0)));
-        }
-        values
-    })
+    all_values(problem, state, &tables, |values| values)
 }
 
 /// ‖ε(v)‖_{L²} of a vector field, node-major: the norm of V.

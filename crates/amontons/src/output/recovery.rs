@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::cells::{Evaluator, PointValues, Tables};
+use super::cells::{Evaluator, PointValues, Tables, all_values};
 use super::fit::{Fit, exponents};
 use crate::arrays::all_at_once;
 use crate::element::Element;
@@ -42,6 +42,8 @@ type Patch<'r> = (Vec<SamplingPoint>, Fit<'r>);
 const MOST: [f64; 3] = [1.0, 9.0, 20.0];
 /// Number of times that a patch without inner vertices grows by its neighbours.
 const GROWTH: usize = 2;
+/// Number of nodes that share patches: the patches of all nodes together would take more memory than a run.
+const TOGETHER: usize = 1024;
 
 /// Values at the nodes of each region.
 #[derive(Clone, Debug, Default)]
@@ -87,8 +89,38 @@ pub fn nodal_stress(problem: &Problem, state: &State) -> NodalStress {
 /// per run.
 #[derive(Debug)]
 pub struct StressRecovery {
-    /// By region: its nodes, ascending, each with its sampling points, numbered through all blocks, and their weights.
-    regions: Vec<Vec<(u32, Vec<(usize, f64)>)>>,
+    regions: Vec<RegionWeights>,
+}
+
+/// The nodes of a region, ascending, with the weights of sampling points, numbered through all blocks.
+#[derive(Debug, Default)]
+struct RegionWeights {
+    nodes: Vec<u32>,
+    /// The end of each node in `samples` and `weights`.
+    ends: Vec<usize>,
+    samples: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl RegionWeights {
+    /// These nodes and others after them.
+    fn followed_by(mut self, others: RegionWeights) -> RegionWeights {
+        let before = self.samples.len();
+        self.ends.extend(others.ends.iter().map(|end| before + end));
+        self.nodes.extend(others.nodes);
+        self.samples.extend(others.samples);
+        self.weights.extend(others.weights);
+        self
+    }
+
+    /// Sampling points with their weights, for each node.
+    fn of_nodes(&self) -> impl IndexedParallelIterator<Item = (u32, impl Iterator<Item = (usize, f64)>)> {
+        (0..self.nodes.len()).into_par_iter().map(|place| {
+            let range = (if place == 0 { 0 } else { self.ends[place - 1] })..self.ends[place];
+            let samples = self.samples[range.clone()].iter().map(|&sample| sample as usize);
+            (self.nodes[place], samples.zip(self.weights[range].iter().copied()))
+        })
+    }
 }
 
 impl StressRecovery {
@@ -100,12 +132,20 @@ impl StressRecovery {
         let sizes = mesh.blocks.iter().zip(&counts).map(|(block, count)| block.len() * count);
         let starts: Vec<usize> = sizes.scan(0, |end, size| Some(std::mem::replace(end, *end + size))).collect();
         let number = |(block, cell, q): SamplingPoint| {
-            starts[block as usize] + cell as usize * counts[block as usize] + q as usize
+            (starts[block as usize] + cell as usize * counts[block as usize] + q as usize) as u32
         };
-        let numbered =
-            |stencil: Stencil| stencil.into_iter().map(|(sample, weight)| (number(sample), weight)).collect();
         let of_region = |(region, nodes): (usize, &Vec<u32>)| {
-            nodes.iter().copied().zip(recovery.stencils(region).into_iter().map(numbered)).collect()
+            let of_some = |nodes: &[u32]| {
+                let mut some = RegionWeights { nodes: nodes.to_vec(), ..RegionWeights::default() };
+                for stencil in recovery.stencils(region, nodes) {
+                    some.samples.extend(stencil.iter().map(|(sample, _)| number(*sample)));
+                    some.weights.extend(stencil.iter().map(|(_, weight)| weight));
+                    some.ends.push(some.samples.len());
+                }
+                some
+            };
+            let parts: Vec<RegionWeights> = nodes.par_chunks(TOGETHER).map(of_some).collect();
+            parts.into_iter().fold(RegionWeights::default(), RegionWeights::followed_by)
         };
         StressRecovery { regions: recovery.nodes.iter().enumerate().map(of_region).collect() }
     }
@@ -114,20 +154,30 @@ impl StressRecovery {
     #[must_use]
     pub fn stress(&self, problem: &Problem, state: &State) -> NodalStress {
         let tables = Tables::new(problem, sampling);
-        let values = all_at_once(&material_arrays(&problem.materials), || {
-            let mut values: Vec<Sym> = Vec::new();
-            for (b, block) in problem.mesh.blocks.iter().enumerate() {
-                let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
-                let stresses = |cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>();
-                values.extend((0..block.len()).flat_map(stresses));
-            }
-            values
-        });
-        let value = |(sample, weight): &(usize, f64)| *weight * values.get(*sample).copied().unwrap_or(Sym::ZERO);
-        let at = |(node, stencil): &(u32, Vec<(usize, f64)>)| {
-            (*node, stencil.iter().map(value).fold(Sym::ZERO, |sum, term| sum + term))
+        let values = all_values(problem, state, &tables, |values| values.stress);
+        self.of_values(|sample| values.get(sample))
+    }
+
+    /// The recovered stress at every node of the mesh, the mean where regions meet, of a state whose values at the
+    /// centres of the cells are known: linear elements are sampled there.
+    pub(super) fn means(&self, problem: &Problem, state: &State, centres: &[PointValues]) -> Vec<Sym> {
+        let is_linear = problem.mesh.blocks.iter().all(|block| block.element.degree < 2);
+        let stress = if is_linear {
+            self.of_values(|sample| centres.get(sample).map(|values| &values.stress))
+        } else {
+            self.stress(problem, state)
         };
-        NodalStress { regions: self.regions.iter().map(|nodes| nodes.par_iter().map(at).collect()).collect() }
+        stress.means(problem.mesh.points.len())
+    }
+
+    /// The recovered stress of the stresses at the sampling points.
+    fn of_values<'v>(&self, stress: impl Fn(usize) -> Option<&'v Sym> + Sync) -> NodalStress {
+        let value = |(sample, weight): (usize, f64)| weight * stress(sample).copied().unwrap_or(Sym::ZERO);
+        let of_region = |region: &RegionWeights| {
+            let nodes = region.of_nodes();
+            nodes.map(|(node, all)| (node, all.map(value).fold(Sym::ZERO, |sum, term| sum + term))).collect()
+        };
+        NodalStress { regions: self.regions.iter().map(of_region).collect() }
     }
 }
 
@@ -272,20 +322,18 @@ impl<'m> Recovery<'m> {
         self.mean(region, node, &fits.iter().collect::<Vec<_>>())
     }
 
-    /// The values at all nodes of a region, which share the patches around its inner vertices.
-    fn stencils(&self, region: usize) -> Vec<Stencil> {
-        let nodes = self.nodes.get(region).map_or(&[][..], Vec::as_slice);
-        let centres: Vec<Vec<u32>> = nodes.par_iter().map(|&node| self.centres(region, node)).collect();
+    /// The values at some nodes of a region, which share the patches around its inner vertices.
+    fn stencils(&self, region: usize, nodes: &[u32]) -> Vec<Stencil> {
+        let centres: Vec<Vec<u32>> = nodes.iter().map(|&node| self.centres(region, node)).collect();
         let mut all: Vec<u32> = centres.iter().flatten().copied().collect();
         all.sort_unstable();
         all.dedup();
-        let fits: Vec<Patch> = all.par_iter().map(|&centre| self.patch(region, centre)).collect();
+        let fits: Vec<Patch> = all.iter().map(|&centre| self.patch(region, centre)).collect();
         let fit = |centre: &u32| all.binary_search(centre).ok().and_then(|place| fits.get(place));
-        nodes
-            .par_iter()
-            .zip(&centres)
-            .map(|(&node, centres)| self.mean(region, node, &centres.iter().filter_map(fit).collect::<Vec<_>>()))
-            .collect()
+        let at = |(&node, centres): (&u32, &Vec<u32>)| {
+            self.mean(region, node, &centres.iter().filter_map(fit).collect::<Vec<_>>())
+        };
+        nodes.iter().zip(&centres).map(at).collect()
     }
 
     /// The fit around a vertex inside a region.

@@ -3,6 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
+use rayon::prelude::*;
+
+use super::cells::PointValues;
 use super::files::{WrittenFile, write_atomically};
 use super::shown::{Lives, ResultTable, Shown};
 use super::{OutputError, Snapshot, StressRecovery, cell_values};
@@ -92,8 +95,13 @@ pub(super) fn write_fields(
     error: Option<&DiscretizationError>,
 ) -> Result<WrittenFile, OutputError> {
     let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(now.problem.physics)).collect();
-    let (points, mut cells) = (at_points(now, &fields, recovery), at_cells(now, &fields));
-    cells.extend(error.map(|error| scalars("error", error.cells.iter().copied())));
+    let values = cell_values(now.problem, now.state);
+    let recovered = recovery.map(|recovery| recovery.means(now.problem, now.state, &values));
+    let has_axes = fields.contains(&OutputField::Principal);
+    let axes = has_axes.then(|| values.par_iter().map(|v| v.stress.principal_axes()).collect::<Vec<_>>());
+    let points = at_points(now, &fields, recovered.as_deref());
+    let mut cells = at_cells(now, &fields, &values, axes.as_deref());
+    cells.extend(error.map(|error| Array::reals("error", 1, &error.cells[..])));
     write_atomically(path, |out| write(out, &now.problem.mesh.points, connectivity(now.problem), &points, &cells))
 }
 
@@ -133,69 +141,68 @@ pub(super) fn connectivity(problem: &Problem) -> Cells {
     cells
 }
 
-/// Data at the nodes.
-fn at_points<'a>(now: &Snapshot<'a>, fields: &[OutputField], recovery: Option<&StressRecovery>) -> Vec<Array<'a>> {
-    let (mesh, state, physics) = (&now.problem.mesh, now.state, now.problem.physics);
-    let in_space = |values: &[f64]| -> Vec<f64> {
-        values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect()
+/// Data at the nodes, with the recovered stresses if there are any.
+fn at_points<'a>(now: &Snapshot<'a>, fields: &[OutputField], recovered: Option<&'a [Sym]>) -> Vec<Array<'a>> {
+    let (dim, state, physics) = (now.problem.mesh.dim, now.state, now.problem.physics);
+    let in_space = |name: &'static str, values: &'a [f64]| {
+        let of_node = |v: &'a [f64]| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0));
+        Array::made(name, 3, move || values.chunks_exact(dim).flat_map(of_node).collect())
     };
     let mut point = Vec::new();
     if physics.has_mechanics() {
-        point.push(Array::reals("displacement", 3, in_space(&state.u)));
-        point.push(Array::reals("velocity", 3, in_space(&state.w)));
+        point.push(in_space("displacement", &state.u));
+        point.push(in_space("velocity", &state.w));
     }
     if physics.has_temperature() {
         point.push(Array::reals("temperature", 1, &*state.theta));
     }
-    if let Some(recovery) = recovery {
-        let stresses = recovery.stress(now.problem, state).means(mesh.points.len());
+    if let Some(stresses) = recovered {
         if fields.contains(&OutputField::NodalStress) {
-            point.push(tensors("nodal_stress", stresses.iter()));
+            point.push(tensors("nodal_stress", stresses, |stress| stress));
         }
-        point.push(scalars("nodal_von_mises", stresses.iter().map(Sym::von_mises)));
+        point.push(Array::made("nodal_von_mises", 1, || stresses.iter().map(Sym::von_mises).collect()));
     }
     point
 }
 
-/// Data of the cells.
-fn at_cells(now: &Snapshot, fields: &[OutputField]) -> Vec<Array<'static>> {
-    let (mesh, values) = (&now.problem.mesh, cell_values(now.problem, now.state));
+/// Data of the cells, with the principal axes of their stresses if they are wanted.
+fn at_cells<'a>(
+    now: &Snapshot,
+    fields: &[OutputField],
+    values: &'a [PointValues],
+    axes: Option<&'a [[(f64, Point); 3]]>,
+) -> Vec<Array<'a>> {
+    let mesh = &now.problem.mesh;
     let mut cell = Vec::new();
     if fields.contains(&OutputField::Stress) {
-        cell.push(tensors("stress", values.iter().map(|v| &v.stress)));
+        cell.push(tensors("stress", values, |v| &v.stress));
     }
     if now.problem.physics.has_mechanics() {
-        cell.push(scalars("von_mises", values.iter().map(|v| v.stress.von_mises())));
+        cell.push(Array::made("von_mises", 1, || values.iter().map(|v| v.stress.von_mises()).collect()));
     }
     let regions = mesh.blocks.iter().flat_map(|block| std::iter::repeat_n(block.region as i64, block.len()));
     cell.push(Array::counts("region", regions.collect()));
     if fields.contains(&OutputField::Strain) {
-        cell.push(tensors("strain", values.iter().map(|v| &v.strain)));
+        cell.push(tensors("strain", values, |v| &v.strain));
     }
-    if fields.contains(&OutputField::Principal) {
-        let axes: Vec<_> = values.iter().map(|v| v.stress.principal_axes()).collect();
-        cell.push(vectors("principal".to_owned(), axes.iter().map(|axes| axes.map(|(value, _)| value))));
+    if let Some(axes) = axes {
+        let principal = |of: &[(f64, Point); 3]| of.map(|(value, _)| value);
+        cell.push(Array::made("principal", 3, move || axes.iter().flat_map(principal).collect()));
         for c in 0..3 {
-            cell.push(vectors(format!("principal_direction_{}", c + 1), axes.iter().map(|axes| axes[c].1)));
+            let name = format!("principal_direction_{}", c + 1);
+            cell.push(Array::made(name, 3, move || axes.iter().flat_map(|of| of[c].1).collect()));
         }
     }
     if fields.contains(&OutputField::HeatFlux) {
-        cell.push(vectors("heat_flux".to_owned(), values.iter().map(|v| v.heat_flux)));
+        cell.push(Array::made("heat_flux", 3, || values.iter().flat_map(|v| v.heat_flux).collect()));
     }
     cell
 }
 
-fn scalars(name: &'static str, all: impl Iterator<Item = f64>) -> Array<'static> {
-    Array::reals(name, 1, all.collect::<Vec<f64>>())
-}
-
-fn vectors(name: String, all: impl Iterator<Item = Point>) -> Array<'static> {
-    Array::reals(name, 3, all.flatten().collect::<Vec<f64>>())
-}
-
 /// An array of the six components of tensors.
-fn tensors<'a>(name: &'static str, all: impl Iterator<Item = &'a Sym>) -> Array<'static> {
-    Array::reals(name, 6, all.flat_map(|tensor| VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))).collect::<Vec<f64>>())
+fn tensors<'a, T>(name: &'static str, all: &'a [T], tensor: fn(&T) -> &Sym) -> Array<'a> {
+    let components = move |of: &'a T| VTK_COMPONENTS.map(|(i, j)| tensor(of).get(i, j));
+    Array::made(name, 6, move || all.iter().flat_map(components).collect())
 }
 
 /// Writes the list of snapshots, pairs of a time and a file.

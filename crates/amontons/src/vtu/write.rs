@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderWriter;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use rayon::prelude::*;
 
@@ -23,6 +24,8 @@ pub(crate) struct WrittenArray<'a> {
 /// Numbers of an array.
 pub(crate) enum ArrayNumbers<'a> {
     Reals(Cow<'a, [f64]>),
+    /// Reals that are made when they are written: the arrays of a file are not in memory together.
+    Made(Box<dyn Fn() -> Vec<f64> + 'a>),
     /// Node numbers and similar, which may exceed 32 bits.
     Counts(Vec<i64>),
     Codes(Vec<u8>),
@@ -38,35 +41,67 @@ impl<'a> WrittenArray<'a> {
         WrittenArray { name: name.into(), components, values: ArrayNumbers::Reals(values.into()) }
     }
 
+    /// An array of reals that `make` makes when the array is written.
+    pub fn made(
+        name: impl Into<Cow<'a, str>>,
+        components: usize,
+        make: impl Fn() -> Vec<f64> + 'a,
+    ) -> WrittenArray<'a> {
+        WrittenArray { name: name.into(), components, values: ArrayNumbers::Made(Box::new(make)) }
+    }
+
     /// An array of whole numbers.
     pub fn counts(name: impl Into<Cow<'a, str>>, values: Vec<i64>) -> WrittenArray<'a> {
         WrittenArray { name: name.into(), components: 1, values: ArrayNumbers::Counts(values) }
     }
 
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let (kind, bytes): (_, Vec<u8>) = match &self.values {
-            ArrayNumbers::Reals(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
-            ArrayNumbers::Counts(values) => ("Int64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
-            ArrayNumbers::Codes(values) => ("UInt8", values.clone()),
+        let (kind, packed) = match &self.values {
+            ArrayNumbers::Reals(values) => ("Float64", PackedBlocks::of(values, f64::to_le_bytes)),
+            ArrayNumbers::Made(make) => ("Float64", PackedBlocks::of(&make(), f64::to_le_bytes)),
+            ArrayNumbers::Counts(values) => ("Int64", PackedBlocks::of(values, i64::to_le_bytes)),
+            ArrayNumbers::Codes(values) => ("UInt8", PackedBlocks::of(values, u8::to_le_bytes)),
         };
         let WrittenArray { name, components, .. } = self;
         // For scalars with an explicit single component, readers create columns.
         let components = if *components == 1 { String::new() } else { format!(" NumberOfComponents=\"{components}\"") };
         write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">")?;
-        let (header, data) = packed(&bytes);
-        out.write_all(STANDARD.encode(header).as_bytes())?;
-        out.write_all(STANDARD.encode(data).as_bytes())?;
+        packed.write(out)?;
         writeln!(out, "</DataArray>")
     }
 }
 
-/// Compressed data and their header: the number of blocks, the size of a block, the size of the last one if it is
-/// shorter, and the compressed size of each.
-fn packed(bytes: &[u8]) -> (Vec<u8>, Vec<u8>) {
-    let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(|block| compress_to_vec_zlib(block, LEVEL)).collect();
-    let sizes = blocks.iter().map(Vec::len);
-    let header = [blocks.len(), BLOCK, bytes.len() % BLOCK].into_iter().chain(sizes);
-    (header.flat_map(|count| (count as u64).to_le_bytes()).collect(), blocks.concat())
+/// Numbers of an array, compressed block by block.
+struct PackedBlocks {
+    blocks: Vec<Vec<u8>>,
+    /// Size of the last block in bytes if it is shorter than the others, else zero.
+    rest: usize,
+}
+
+impl PackedBlocks {
+    /// Compresses numbers of N bytes each.
+    fn of<T: Copy + Sync, const N: usize>(numbers: &[T], bytes: fn(T) -> [u8; N]) -> PackedBlocks {
+        let pack = |block: &[T]| {
+            let mut raw = Vec::with_capacity(block.len() * N);
+            for number in block {
+                raw.extend_from_slice(&bytes(*number));
+            }
+            compress_to_vec_zlib(&raw, LEVEL)
+        };
+        PackedBlocks { blocks: numbers.par_chunks(BLOCK / N).map(pack).collect(), rest: numbers.len() * N % BLOCK }
+    }
+
+    /// Writes the header, the number of blocks, the size of a block, that of the last one if it is shorter, and the
+    /// compressed size of each, and then the blocks, both in base64.
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let sizes = self.blocks.iter().map(Vec::len);
+        let header = [self.blocks.len(), BLOCK, self.rest].into_iter().chain(sizes);
+        let header: Vec<u8> = header.flat_map(|count| (count as u64).to_le_bytes()).collect();
+        out.write_all(STANDARD.encode(header).as_bytes())?;
+        let mut encoded = EncoderWriter::new(out, &STANDARD);
+        self.blocks.iter().try_for_each(|block| encoded.write_all(block))?;
+        encoded.finish().map(|_| ())
+    }
 }
 
 /// The cells of a grid.
