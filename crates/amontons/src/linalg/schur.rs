@@ -256,7 +256,7 @@ impl Schur {
                 |(first, size): (usize, usize)| (0..size * size).map(move |k| (first + k / size, first + k % size));
             let own = blocks.flat_map(of_block).map(|(i, j)| (i as u32, j as u32, self.s()[(i, j)]));
             let sum = own.chain(tangent.entries());
-            return Ok(Near::Coupled(Box::new(SparseLu::new(self.s().nrows(), sum)?)));
+            return Ok(Near::Coupled(Box::new(SparseLu::new(self.s().nrows(), sum, None)?)));
         }
         let own = |(first, size)| (first, Square::of(self.s().submatrix(first, first, size, size)));
         let mut blocks: Vec<(usize, Square)> = blocks.map(own).collect();

@@ -277,18 +277,21 @@ impl BlockRowMatrix<f32> {
 impl BlockRowMatrix<f64> {
     /// The matrix divided by `scale`, in single precision.
     pub fn single(&self, scale: f64) -> BlockRowMatrix<f32> {
-        BlockRowMatrix {
-            shape: self.shape,
-            width: self.width,
-            start: self.start.clone(),
-            columns: self.columns.clone(),
-            values: PagedNumbers::of(self.values.len(), |single| {
-                single
-                    .par_iter_mut()
-                    .zip(&self.values[..])
-                    .for_each(|(single, value)| *single = (value / scale) as f32);
-            }),
-        }
+        let (start, columns) = (self.start.clone(), self.columns.clone());
+        BlockRowMatrix { shape: self.shape, width: self.width, start, columns, values: self.divided(scale) }
+    }
+
+    /// The matrix in single precision, in its place.
+    pub fn into_single(self) -> BlockRowMatrix<f32> {
+        let values = self.divided(1.0);
+        let BlockRowMatrix { shape, width, start, columns, .. } = self;
+        BlockRowMatrix { shape, width, start, columns, values }
+    }
+
+    fn divided(&self, scale: f64) -> PagedNumbers<f32> {
+        PagedNumbers::of(self.values.len(), |single| {
+            single.par_iter_mut().zip(&self.values[..]).for_each(|(single, value)| *single = (value / scale) as f32);
+        })
     }
 }
 

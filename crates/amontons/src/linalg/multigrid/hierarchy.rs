@@ -130,7 +130,9 @@ impl Hierarchy {
             drop(strong);
             let restriction = smoothed.transposed();
             let coarse = with_unit_blocks(restriction.around(&matrix, &smoothed));
-            levels.push(single(Some([smoothed.single(1.0), restriction.single(1.0)])));
+            // In double precision each is dropped as soon as it can be: this is where a run has the most in memory.
+            let prolongation = smoothed.into_single();
+            levels.push(single(Some([prolongation, restriction.into_single()])));
             (matrix, modes) = (std::borrow::Cow::Owned(coarse), coarse_modes);
             points = centers(&of, count, &points);
             takes_part = vec![true; count];
@@ -257,9 +259,28 @@ impl Hierarchy {
 impl CouplingBlocks {
     /// Adds A x to y, with blocks of size n.
     fn add(&self, n: usize, x: &[f32], y: &mut [f32]) {
-        for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
-            let (x, y) = (&x[j as usize * n..][..n], &mut y[i as usize * n..][..n]);
-            add_product(block, x, y, [n, n, 1]);
+        match n {
+            1 => self.add_sized::<1>(x, y),
+            2 => self.add_sized::<2>(x, y),
+            3 => self.add_sized::<3>(x, y),
+            6 => self.add_sized::<6>(x, y),
+            _ => {
+                for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
+                    let (x, y) = (&x[j as usize * n..][..n], &mut y[i as usize * n..][..n]);
+                    add_product(block, x, y, [n, n, 1]);
+                }
+            }
+        }
+    }
+
+    /// The same, with the size known at compile time.
+    fn add_sized<const N: usize>(&self, x: &[f32], y: &mut [f32]) {
+        let ((x, _), (y, _)) = (x.as_chunks::<N>(), y.as_chunks_mut::<N>());
+        for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(N * N)) {
+            let (x, y) = (&x[j as usize], &mut y[i as usize]);
+            for (y, row) in y.iter_mut().zip(block.as_chunks::<N>().0) {
+                *y += (0..N).map(|c| row[c] * x[c]).sum::<f32>();
+            }
         }
     }
 }

@@ -50,18 +50,24 @@ struct NodeFactor {
 }
 
 impl ContactBlocks {
-    /// Builds the solver for the tangent of contact, which has at least one entry.
+    /// Builds the solver for the tangent of contact, which has at least one entry; `before` is that of an earlier one.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn new(body: &MaskedMatrix, tangent: &Tangent, turns: &[Turn]) -> Result<ContactBlocks, SolveError> {
+    pub fn new(
+        body: &MaskedMatrix,
+        tangent: &Tangent,
+        turns: &[Turn],
+        before: Option<&ContactBlocks>,
+    ) -> Result<ContactBlocks, SolveError> {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
         let entries: Vec<Entry> = tangent.entries().collect();
         let is_coupled = couples(&entries, n);
         let mut nodes = if is_coupled { joined(body, &entries) } else { seen(&entries, n) };
         let mut solver = if is_coupled {
-            LocalFactor::Surface(Box::new(ContactFactor::new(body, &nodes, &entries, &bases)?))
+            let before = before.and_then(|before| before.solver.surface());
+            LocalFactor::Surface(Box::new(ContactFactor::new(body, &nodes, &entries, &bases, before)?))
         } else {
             let of = |(node, block): (usize, Vec<f64>)| node_of(body, node, bases.get(&node), &block);
             LocalFactor::Nodes(blocks(&entries, n).into_iter().filter_map(of).collect())
@@ -185,6 +191,14 @@ impl ContactBlocks {
 }
 
 impl LocalFactor {
+    /// The factor for all nodes, if there is one.
+    fn surface(&self) -> Option<&ContactFactor> {
+        match self {
+            LocalFactor::Surface(surface) => Some(surface),
+            LocalFactor::Nodes(_) => None,
+        }
+    }
+
     /// Renumbers the degrees of freedom; those of a node stay consecutive.
     fn rename(&mut self, name: impl Fn(u32) -> u32) {
         match self {

@@ -49,7 +49,8 @@ impl Preconditioner {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
         let is_untouched = tangent.is_empty() && turns.is_empty();
-        self.local = if is_untouched { None } else { Some(ContactBlocks::new(body, tangent, turns)?) };
+        let before = self.local.take();
+        self.local = if is_untouched { None } else { Some(ContactBlocks::new(body, tangent, turns, before.as_ref())?) };
         self.hierarchy.add(&softened(body, tangent, &bases));
         Ok(())
     }

@@ -25,7 +25,8 @@ pub(super) struct ContactFactor {
 }
 
 impl ContactFactor {
-    /// Factorizes K + J on some nodes, with the entries of J by degree of freedom in the bases of the nodes.
+    /// Factorizes K + J on some nodes, with the entries of J by degree of freedom in the bases of the nodes; `before`
+    /// is a factor of an earlier J.
     ///
     /// # Errors
     /// When K + J is singular there.
@@ -34,6 +35,7 @@ impl ContactFactor {
         nodes: &[u32],
         entries: &[Entry],
         bases: &BTreeMap<usize, [Point; 3]>,
+        before: Option<&ContactFactor>,
     ) -> Result<ContactFactor, SolveError> {
         let (n, _) = body.matrix.block_shape();
         let nodes: Vec<usize> = nodes.iter().map(|node| *node as usize).collect();
@@ -57,7 +59,7 @@ impl ContactFactor {
                 sum.push((row as u32, column as u32, value));
             }
         }
-        let matrix = SparseLu::new(dofs.len(), sum.into_iter())?;
+        let matrix = SparseLu::new(dofs.len(), sum.into_iter(), before.map(|before| &before.matrix))?;
         Ok(ContactFactor { dofs, matrix })
     }
 
