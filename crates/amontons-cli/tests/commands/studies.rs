@@ -146,7 +146,7 @@ fn gradient_writes_a_table_and_refuses_what_has_no_derivative() {
     assert_eq!(with("final.contact.force.0", key).status.code(), Some(2));
     fs::remove_file(out.join("gradient.csv")).expect("the table");
     for (of, by, message) in [
-        ("final.contact.force.7", key, "found no such number"),
+        ("final.contact.force.7", key, "found no number with derivatives"),
         ("final.contact.force.0", "contact.friction.law", "expected a key with a number"),
         ("final.contact.force.0", "mesh.n", "expected"),
     ] {

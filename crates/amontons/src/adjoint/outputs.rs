@@ -80,7 +80,7 @@ impl GradientOutput {
                     known.push(WEAR_VOLUME.to_owned());
                     known.extend((0..dim).map(|c| format!("{FORCE}{c}")));
                 }
-                let fault = Fault::new(path, "no such number", format!("one of {}", known.join(", ")));
+                let fault = Fault::new(path, "no number with derivatives", format!("one of {}", known.join(", ")));
                 Err(GradientError::refused(fault.hint("add a [[probe]] to the case")))
             }
         }

@@ -261,9 +261,9 @@ fn an_iteration_judges_a_step_as_a_factor_does() {
 /// the same bits.
 #[test]
 fn a_run_goes_on_with_the_solver_that_it_began_with() {
-    let (_, text) = BENCHMARKS.iter().find(|(file, _)| *file == "greco-plate").expect("a benchmark");
+    let (_, text) = BENCHMARKS.iter().find(|(file, _)| *file == "sliding-block").expect("a benchmark");
     let few = ["time.steps=3".to_owned()];
-    let problem = case::parse(&benchmark("greco-plate", text), &few).expect("a case").problem;
+    let problem = case::parse(&benchmark("sliding-block", text), &few).expect("a case").problem;
     assert!(problem.mesh.dim == 2, "in the plane a factor is chosen");
     let settings = || Settings { certificate: false, ..Settings::default() };
     let summary = run::run(&problem, &settings(), &mut []).expect("a run");

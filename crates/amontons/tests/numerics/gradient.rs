@@ -499,7 +499,7 @@ fn what_has_no_derivative_is_refused() {
         assert!(found.contains(words), "{found}");
     }
     let found = told(&text, &["corner_z"], &young);
-    assert!(found.contains("output corner_z: found no such number, expected one of corner_x"), "{found}");
+    assert!(found.contains("output corner_z: found no number with derivatives, expected one of corner_x"), "{found}");
     let found = told(&text, &["corner_x"], &["time.steps"]);
     assert!(found.contains("time.steps: found 19.9609375, expected an integer"), "{found}");
     let found = told(&text, &["corner_x"], &["mesh.n[0]"]);

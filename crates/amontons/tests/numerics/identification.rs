@@ -452,7 +452,7 @@ fn what_cannot_be_identified_is_refused() {
         assert_eq!(found, message);
     }
     let unknown = told(mu, &[NONE], "t,warmth\n1,0.5\n");
-    assert!(unknown.starts_with("output warmth: found no such number, expected one of warm"), "{unknown}");
+    assert!(unknown.starts_with("output warmth: found no number with derivatives, expected one of warm"), "{unknown}");
     let word = case::family(&source(BLOCK), &[], &["contact.friction.coefficient".to_owned()]).map(|_| ());
     let word = word.expect_err("an expression").to_string();
     assert!(word.contains("a number in an expression can be a key of [constants]"), "{word}");
