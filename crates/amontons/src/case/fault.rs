@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::files::Files;
+use crate::linalg::Backend;
 
 /// The text of a case, its name in messages, and the files that it may refer to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,7 +18,24 @@ pub struct Source {
     pub text: String,
     /// The files that it may refer to.
     pub files: Files,
+    /// The backend that solves its linear systems in place of that of `solver.solver`, if any.
+    pub backend: GivenBackend,
 }
+
+/// A backend that a program gives to a case, or none.
+#[derive(Clone, Debug, Default)]
+pub struct GivenBackend(pub Option<Arc<dyn Backend>>);
+
+impl PartialEq for GivenBackend {
+    fn eq(&self, other: &GivenBackend) -> bool {
+        match (&self.0, &other.0) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        }
+    }
+}
+
+impl Eq for GivenBackend {}
 
 impl Source {
     /// The text with a file in memory, under a name that it may use.
@@ -29,7 +47,13 @@ impl Source {
 
     /// A text that refers to no files.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
-        Source { name: name.into(), text: text.into(), files: Files::None }
+        Source { name: name.into(), text: text.into(), files: Files::None, backend: GivenBackend::default() }
+    }
+
+    /// Solves the linear systems of the case with this backend.
+    #[must_use]
+    pub fn solved_by(self, backend: Arc<dyn Backend>) -> Source {
+        Source { backend: GivenBackend(Some(backend)), ..self }
     }
 
     /// Restricts the source to files in the folder of the case.
