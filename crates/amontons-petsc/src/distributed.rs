@@ -12,10 +12,13 @@ use amontons::linalg::{Condensed, ContactBlocks, ContactParts, KeptMatrix, Solve
 use crate::operators::{Jump, Local, Running};
 use crate::rows::{Rows, Seen};
 use crate::session::{Session, Step, mark};
-use crate::sys::{Broken, Matrix, Solver, Way};
+use crate::sys::{Broken, Iterated, LevelKind, Matrix, Solver, Way};
 
-/// Number of rows up to which the preconditioner is a factor.
+/// Number of rows up to which the preconditioner is a factor that every process has, and number up to which it becomes a
+/// distributed factor once a system has taken [`MANY`] products with levels.
 const SMALL: usize = 3000;
+const MIDDLE: usize = 300_000;
+const MANY: usize = 200;
 /// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
 /// GMRES stores two vectors per product: the number of products is [`NUMBERS`] over the number of own rows, within these
 /// limits.
@@ -43,7 +46,7 @@ impl Shared {
     /// Distributes the rows of a matrix.
     pub fn new(session: &Arc<Session>, kept: KeptMatrix) -> Result<Shared, SolveError> {
         let rows = Rows::new(session, kept.matrix(), &kept.unknowns().points);
-        let mut product = session.given(shaped(&kept, &rows, false, &BTreeSet::new()))?;
+        let mut product = session.given(shaped(&kept, &rows, None, &BTreeSet::new()))?;
         session.given(filled(&mut product, &kept, &rows, (false, &[], &BTreeSet::new())))?;
         Ok(Shared { session: Arc::clone(session), kept, rows, product })
     }
@@ -62,16 +65,21 @@ impl Shared {
 /// Blocks beside those of K: row and column in the order of the processes.
 type Beside = BTreeSet<(i32, i32)>;
 
-/// A matrix with room for the blocks of K and for some beside them.
-fn shaped(kept: &KeptMatrix, rows: &Rows, is_for_levels: bool, beside: &Beside) -> Result<Matrix, crate::sys::Failure> {
+/// A matrix with room for the blocks of K and for some beside them, for a preconditioner or else for products.
+fn shaped(
+    kept: &KeptMatrix,
+    rows: &Rows,
+    kind: Option<LevelKind>,
+    beside: &Beside,
+) -> Result<Matrix, crate::sys::Failure> {
     let mut counts = [vec![0; rows.own.len()], vec![0; rows.own.len()]];
     for (k, &node) in rows.own.iter().enumerate() {
         let mut count = |column: i32| counts[usize::from(!rows.has(column))][k] += 1;
-        kept.level_row(node as usize, is_for_levels, |j, _| count(rows.number[j]));
+        kept.level_row(node as usize, kind.is_some(), |j, _| count(rows.number[j]));
         let row = rows.number[node as usize];
         beside.range((row, i32::MIN)..=(row, i32::MAX)).for_each(|&(_, column)| count(column));
     }
-    Matrix::new(rows.size, is_for_levels, [&counts[0], &counts[1]])
+    Matrix::new(rows.size, kind, [&counts[0], &counts[1]])
 }
 
 /// Fills a matrix with the own rows of K, for products or for levels, with blocks of contact, and with zeros beside.
@@ -140,6 +148,7 @@ pub struct Distributed {
     /// Tangent in the preconditioner, or `None` if that is in other bases; and its local part.
     tangent: Option<Tangent>,
     local: Option<Local>,
+    kind: LevelKind,
     levels: Option<Levels>,
     iterations: usize,
 }
@@ -162,6 +171,7 @@ impl Distributed {
             own_turns: Vec::new(),
             tangent: None,
             local: None,
+            kind: if shared.rows.all() <= SMALL { LevelKind::Copies } else { LevelKind::Levels },
             levels: None,
             iterations: 0,
         }
@@ -173,7 +183,8 @@ impl Distributed {
             return Ok(());
         }
         let shared = Arc::clone(&self.shared);
-        let ContactParts { local, joints } = shared.kept.contact(tangent, &self.turns_by_degree)?;
+        let ContactParts { local, joints } =
+            shared.kept.contact(tangent, &self.turns_by_degree, self.kind == LevelKind::Levels)?;
         self.local = local.map(|blocks| self.local(blocks));
         self.add_levels(joints)?;
         self.tangent = Some(tangent.clone());
@@ -206,15 +217,17 @@ impl Distributed {
             before => {
                 let beside: Beside =
                     before.map(|levels| levels.beside).unwrap_or_default().union(&new).copied().collect();
-                let mut matrix = session.given(shaped(kept, rows, true, &beside))?;
-                session.given(with_modes(&mut matrix, kept, rows))?;
+                let mut matrix = session.given(shaped(kept, rows, Some(self.kind), &beside))?;
+                if self.kind == LevelKind::Levels {
+                    session.given(with_modes(&mut matrix, kept, rows))?;
+                }
                 let solver = session.given(Solver::new(rows.len()))?;
                 Levels { matrix, beside, joints: Vec::new(), solver }
             }
         };
         session.given(levels.matrix.clear())?;
         session.given(filled(&mut levels.matrix, kept, rows, (true, &joints, &levels.beside)))?;
-        session.given(levels.solver.levels(&levels.matrix, SMALL))?;
+        session.given(levels.solver.levels(&levels.matrix, self.kind))?;
         levels.joints = joints;
         self.levels = Some(levels);
         Ok(())
@@ -235,9 +248,9 @@ impl Distributed {
         Some(Jump::new(session, rows, &kept.by_degree(tangent)))
     }
 
-    /// Iterates with the present preconditioner; returns the change and the number of products.
-    fn krylov(&self, running: &Running, rest: &[f64], way: Way) -> Result<(Vec<f64>, usize), SolveError> {
-        let Some(levels) = &self.levels else { return Ok((vec![0.0; rest.len()], 0)) };
+    /// Iterates with the present preconditioner.
+    fn krylov(&self, running: &Running, rest: &[f64], way: Way) -> Result<Iterated, SolveError> {
+        let Some(levels) = &self.levels else { return Ok(Iterated::default()) };
         match levels.solver.solve(running, rest, way) {
             Ok(found) => Ok(found),
             Err(Broken::Program(error)) => Err(error),
@@ -245,10 +258,10 @@ impl Distributed {
         }
     }
 
-    /// Iterates from x = 0 until the residual is `wanted` of b, and returns own entries of the solution and its relative
-    /// residual. It uses conjugate gradients if J is symmetric, as long as they meet no energy that is not positive,
+    /// Iterates from x = 0 until the residual is `wanted` of b, and returns own entries of the solution, its relative
+    /// residual, and the number of products. It uses conjugate gradients if J is symmetric, as long as they meet no energy that is not positive,
     /// otherwise GMRES.
-    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
+    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64, usize), SolveError> {
         let jump = self.jump(tangent);
         let mut has_energy = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
@@ -263,7 +276,7 @@ impl Distributed {
             let way = Way { is_symmetric: has_energy, goal, limit: most };
             let weighed = if has_energy { rest.clone() } else { running.weighed(&rest)? };
             running.begin(has_energy);
-            let (change, made) = self.krylov(&running, &weighed, way)?;
+            let Iterated { x: change, products: made, has_broken } = self.krylov(&running, &weighed, way)?;
             products += made;
             x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
             running.leave(b, &x, &mut rest)?;
@@ -271,16 +284,29 @@ impl Distributed {
             running.leave(b, &x, &mut rest)?;
             let now = running.weight(&rest)? / whole;
             // Close to the solution a nonpositive energy is round-off.
-            has_energy &= !(running.meets_none() && now > wanted.sqrt());
+            has_energy &= !((running.meets_none() || has_broken) && now > wanted.sqrt());
             let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
             left = now;
-            if left <= NEARLY * wanted || stalls {
+            if left <= NEARLY * wanted || stalls || self.is_slow(products) {
                 break;
             }
         }
         drop(running);
         self.iterations += products;
-        Ok((x, left))
+        Ok((x, left, products))
+    }
+
+    /// Leaves the levels for a factor if they have taken many products; true if so.
+    fn is_relieved(&mut self, products: usize) -> bool {
+        let is_slow = self.is_slow(products);
+        if is_slow {
+            (self.kind, self.levels, self.tangent) = (LevelKind::Factor, None, None);
+        }
+        is_slow
+    }
+
+    fn is_slow(&self, products: usize) -> bool {
+        self.kind == LevelKind::Levels && products > MANY && self.shared.rows.all() <= MIDDLE
     }
 }
 
@@ -338,7 +364,12 @@ impl Condensed for Distributed {
             return Ok(());
         }
         self.prepare(tangent)?;
-        let (x, left) = self.iterate(tangent, &shared.own(b), enough)?;
+        let own = shared.own(b);
+        let (mut x, mut left, products) = self.iterate(tangent, &own, enough)?;
+        if self.is_relieved(products) && left > NEARLY * enough {
+            self.prepare(tangent)?;
+            (x, left, _) = self.iterate(tangent, &own, enough)?;
+        }
         b.copy_from_slice(&shared.whole(&x)?);
         // Half of the requested digits suffice for a stalled iteration.
         if left <= enough.sqrt() {
@@ -367,8 +398,8 @@ impl Condensed for Distributed {
         running.begin_plain();
         let goal = SEEN * running.length(&own)?;
         let way = Way { is_symmetric: true, goal, limit: PRODUCTS[0] * LOOKS };
-        let (_, made) = self.krylov(&running, &own, way)?;
-        let (is_met, residual) = (running.meets_none(), running.last() / running.length(&own)?);
+        let Iterated { products: made, has_broken, .. } = self.krylov(&running, &own, way)?;
+        let (is_met, residual) = (running.meets_none() || has_broken, running.last() / running.length(&own)?);
         drop(running);
         self.iterations += made;
         if is_met {

@@ -123,8 +123,9 @@ int am_gather(const double *own, int count, double *all, const int *counts, cons
 static PetscErrorCode around(Vec vec, const double *values) { return VecPlaceArray(vec, (PetscScalar *)(uintptr_t)values); }
 
 /* A matrix of own nodes with blocks of `size`² entries, by the numbers of blocks per row among the own columns and among
- * those of other processes. Levels need a matrix by entries; products are faster by blocks. */
-int am_matrix_new(int nodes, int size, int is_for_levels, const int *inside, const int *outside, am_matrix **out)
+ * those of other processes: for a preconditioner, or for products if `kind` is negative. Preconditioners need a matrix by
+ * entries; products are faster by blocks. A matrix with the contact as it is need not be symmetric. */
+int am_matrix_new(int nodes, int size, int kind, const int *inside, const int *outside, am_matrix **out)
 {
   am_matrix *made;
   PetscFunctionBeginUser;
@@ -135,11 +136,11 @@ int am_matrix_new(int nodes, int size, int is_for_levels, const int *inside, con
   PetscCall(MatCreate(PETSC_COMM_WORLD, &made->mat));
   PetscCall(MatSetSizes(made->mat, nodes * size, nodes * size, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetBlockSize(made->mat, size));
-  PetscCall(MatSetType(made->mat, is_for_levels || size == 1 ? MATAIJ : MATBAIJ));
+  PetscCall(MatSetType(made->mat, kind >= 0 || size == 1 ? MATAIJ : MATBAIJ));
   PetscCall(MatXAIJSetPreallocation(made->mat, size, inside, outside, NULL, NULL));
   PetscCall(MatSetOption(made->mat, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
   PetscCall(MatSetOption(made->mat, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
-  PetscCall(MatSetOption(made->mat, MAT_SYMMETRIC, PETSC_TRUE));
+  if (kind <= AM_LEVELS) PetscCall(MatSetOption(made->mat, MAT_SYMMETRIC, PETSC_TRUE));
   PetscCall(MatGetOwnershipRange(made->mat, &made->first, NULL));
   made->first /= size;
   PetscCall(VecCreateMPIWithArray(PETSC_COMM_WORLD, size, nodes * size, PETSC_DECIDE, NULL, &made->in));
@@ -315,29 +316,46 @@ int am_solver_new(int rows, am_solver **out)
   PetscFunctionReturn(0);
 }
 
-/* The levels of a matrix: by smoothed aggregation, or a factor if there are at most `small` rows. Called again with the
- * same matrix and other entries it keeps the interpolations between the levels. */
-int am_levels(am_solver *solver, am_matrix *matrix, int small)
+static PetscErrorCode set_kind(PC pc, int kind)
 {
-  PetscInt rows;
+  KSP copy;
+  PC lu;
+  PetscFunctionBegin;
+  switch (kind) {
+  case AM_COPIES:
+    /* A distributed factor of a small matrix would only send messages. */
+    PetscCall(PCSetType(pc, PCREDUNDANT));
+    PetscCall(PCRedundantGetKSP(pc, &copy));
+    PetscCall(KSPGetPC(copy, &lu));
+    PetscCall(PCSetType(lu, PCLU));
+    PetscCall(PCFactorSetShiftType(lu, MAT_SHIFT_NONZERO));
+    break;
+  case AM_FACTOR:
+    PetscCall(PCSetType(pc, PCLU));
+    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+    break;
+  default:
+    PetscCall(PCSetType(pc, PCGAMG));
+    PetscCall(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
+    PetscCall(PCGAMGSetCoarseEqLim(pc, 500));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Makes the preconditioner of a kind from a matrix. Called again with the same matrix and other entries it keeps the
+ * interpolations between levels, or the order of elimination. */
+int am_levels(am_solver *solver, am_matrix *matrix, int kind)
+{
   Mat before = NULL;
   PetscFunctionBeginUser;
   message[0] = 0;
-  PetscCall(MatGetSize(matrix->mat, &rows, NULL));
   if (solver->levels) PetscCall(PCGetOperators(solver->levels, NULL, &before));
   if (before != matrix->mat) {
     PetscCall(PCDestroy(&solver->levels));
     PetscCall(PCCreate(PETSC_COMM_WORLD, &solver->levels));
     PetscCall(PCSetOptionsPrefix(solver->levels, "amontons_"));
     PetscCall(PCSetOperators(solver->levels, matrix->mat, matrix->mat));
-    if (rows <= small) {
-      PetscCall(PCSetType(solver->levels, PCLU));
-      PetscCall(PCFactorSetMatSolverType(solver->levels, MATSOLVERMUMPS));
-    } else {
-      PetscCall(PCSetType(solver->levels, PCGAMG));
-      PetscCall(PCGAMGSetReuseInterpolation(solver->levels, PETSC_TRUE));
-      PetscCall(PCGAMGSetCoarseEqLim(solver->levels, 500));
-    }
+    PetscCall(set_kind(solver->levels, kind));
     PetscCall(PCSetFromOptions(solver->levels));
   } else {
     PetscCall(PCSetOperators(solver->levels, matrix->mat, matrix->mat));

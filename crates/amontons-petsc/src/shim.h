@@ -27,6 +27,8 @@ typedef struct {
   int is_symmetric; /* by conjugate gradients; else by flexible GMRES */
 } am_callbacks;
 
+/* The preconditioner of am_levels: smoothed aggregation, a factor that every process has, a distributed factor. */
+enum { AM_LEVELS = 0, AM_COPIES = 1, AM_FACTOR = 2 };
 /* How am_solve ended. */
 enum { AM_REACHED = 0, AM_LIMIT = 1, AM_STOPPED = 2, AM_FAILED = 3 };
 
@@ -43,7 +45,7 @@ int am_share(void *bytes, int count);
 int am_sum(double *values, int count);
 int am_gather(const double *own, int count, double *all, const int *counts, const int *starts);
 
-int am_matrix_new(int nodes, int size, int is_for_levels, const int *inside, const int *outside, am_matrix **out);
+int am_matrix_new(int nodes, int size, int kind, const int *inside, const int *outside, am_matrix **out);
 int am_matrix_clear(am_matrix *matrix);
 int am_matrix_add(am_matrix *matrix, int node, int count, const int *nodes, const double *blocks);
 int am_matrix_ready(am_matrix *matrix);
@@ -52,7 +54,7 @@ int am_matrix_modes(am_matrix *matrix, int count, const double *modes);
 void am_matrix_free(am_matrix *matrix);
 
 int am_solver_new(int rows, am_solver **out);
-int am_levels(am_solver *solver, am_matrix *matrix, int small);
+int am_levels(am_solver *solver, am_matrix *matrix, int kind);
 int am_cycle(am_solver *solver, const double *in, double *out);
 int am_solve(am_solver *solver, const am_callbacks *callbacks, const double *b, double *x, int *made);
 void am_solver_free(am_solver *solver);

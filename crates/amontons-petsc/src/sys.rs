@@ -50,7 +50,7 @@ unsafe extern "C" {
     fn am_matrix_new(
         nodes: c_int,
         size: c_int,
-        is_for_levels: c_int,
+        kind: c_int,
         inside: *const c_int,
         outside: *const c_int,
         out: *mut *mut RawMatrix,
@@ -68,7 +68,7 @@ unsafe extern "C" {
     fn am_matrix_modes(matrix: *mut RawMatrix, count: c_int, modes: *const f64) -> c_int;
     fn am_matrix_free(matrix: *mut RawMatrix);
     fn am_solver_new(rows: c_int, out: *mut *mut RawSolver) -> c_int;
-    fn am_levels(solver: *mut RawSolver, matrix: *mut RawMatrix, small: c_int) -> c_int;
+    fn am_levels(solver: *mut RawSolver, matrix: *mut RawMatrix, kind: c_int) -> c_int;
     fn am_cycle(solver: *mut RawSolver, r: *const f64, x: *mut f64) -> c_int;
     fn am_solve(
         solver: *mut RawSolver,
@@ -174,13 +174,13 @@ unsafe impl Send for Matrix {}
 unsafe impl Sync for Matrix {}
 
 impl Matrix {
-    /// A matrix with these numbers of blocks per own node among the own columns and among those of other processes.
-    pub fn new(size: usize, is_for_levels: bool, [inside, outside]: [&[i32]; 2]) -> Result<Matrix, Failure> {
+    /// A matrix for a preconditioner, or else for products, with these numbers of blocks per own node among the own columns and among those of other processes.
+    pub fn new(size: usize, kind: Option<LevelKind>, [inside, outside]: [&[i32]; 2]) -> Result<Matrix, Failure> {
         let mut raw = ptr::null_mut();
-        let (nodes, levels) = (inside.len(), c_int::from(is_for_levels));
+        let (nodes, kind) = (inside.len(), kind.map_or(-1, |kind| kind as c_int));
         // SAFETY: both lists have one number per own node.
         let code = unsafe {
-            am_matrix_new(nodes as c_int, size as c_int, levels, inside.as_ptr(), outside.as_ptr(), &raw mut raw)
+            am_matrix_new(nodes as c_int, size as c_int, kind, inside.as_ptr(), outside.as_ptr(), &raw mut raw)
         };
         let made = NonNull::new(raw).map(|raw| Matrix { raw, nodes, size });
         done(code)?;
@@ -262,6 +262,31 @@ pub struct Way {
     /// Number of products at most.
     pub limit: usize,
 }
+
+/// The preconditioner that is made of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LevelKind {
+    /// Smoothed aggregation.
+    Levels = 0,
+    /// A factor that every process has.
+    Copies = 1,
+    /// A distributed factor.
+    Factor = 2,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Debug, Default)]
+pub struct Iterated {
+    /// Own entries of the solution found.
+    pub x: Vec<f64>,
+    /// Number of products.
+    pub products: usize,
+    /// True if it broke down, as conjugate gradients do with a matrix that is not definite.
+    pub has_broken: bool,
+}
+
+/// `AM_FAILED` of `shim.h`.
+const BROKEN: c_int = 3;
 
 /// Krylov methods of PETSc with the levels of a multigrid method.
 #[derive(Debug)]
@@ -367,11 +392,10 @@ impl Solver {
         made.ok_or_else(|| Failure("no memory for a solver".to_owned()))
     }
 
-    /// Makes the levels of a matrix, or a factor if it has at most `small` rows. The same matrix with other entries
-    /// keeps its interpolations.
-    pub fn levels(&mut self, matrix: &Matrix, small: usize) -> Result<(), Failure> {
+    /// Makes the preconditioner from a matrix. The same matrix with other entries keeps its interpolations.
+    pub fn levels(&mut self, matrix: &Matrix, kind: LevelKind) -> Result<(), Failure> {
         // SAFETY: both are alive; PETSc counts the references to the matrix.
-        done(unsafe { am_levels(self.raw.as_ptr(), matrix.raw.as_ptr(), small as c_int) })
+        done(unsafe { am_levels(self.raw.as_ptr(), matrix.raw.as_ptr(), kind as c_int) })
     }
 
     /// An approximate solution by the levels.
@@ -383,8 +407,8 @@ impl Solver {
         done(unsafe { am_cycle(self.raw.as_ptr(), r.as_ptr(), x.as_mut_ptr()) })
     }
 
-    /// Iterates from zero; returns the solution and the number of products.
-    pub fn solve(&self, operators: &dyn Operators, b: &[f64], way: Way) -> Result<(Vec<f64>, usize), Broken> {
+    /// Iterates from zero.
+    pub fn solve(&self, operators: &dyn Operators, b: &[f64], way: Way) -> Result<Iterated, Broken> {
         if b.len() != self.rows {
             return Err(Broken::Library(Failure("a vector that does not fit the solver".to_owned())));
         }
@@ -409,7 +433,7 @@ impl Solver {
         if ended < 0 {
             done(ended).map_err(Broken::Library)?;
         }
-        Ok((x, made as usize))
+        Ok(Iterated { x, products: made as usize, has_broken: ended == BROKEN })
     }
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::local::ContactBlocks;
 use super::masked::{MaskedMatrix, bases};
-use super::precondition::{fill_level_block, has_unknowns, modes, moves_rigidly, softened};
+use super::precondition::{fill_level_block, has_unknowns, joined, modes, softened};
 use crate::linalg::error::SolveError;
 use crate::linalg::schur::STIFFLESS;
 use crate::linalg::sparse::BlockMatrix;
@@ -36,8 +36,8 @@ pub struct KeptMatrix {
 pub struct ContactParts {
     /// Local solver where contact acts, or `None` if it touches nothing.
     pub local: Option<ContactBlocks>,
-    /// Contribution to the levels, in the axes of space and capped where contact holds a node: row and column of a
-    /// block, and its entries, of which the first n × n are used, row by row.
+    /// Contribution to the levels, in the axes of space: row and column of a block, and its entries, of which the first
+    /// n × n are used, row by row.
     pub joints: Vec<(u32, u32, [f64; 9])>,
 }
 
@@ -151,12 +151,6 @@ impl KeptMatrix {
         }
     }
 
-    /// Number of rigid motions without stiffness, which rows for levels have and rows for products do not.
-    #[must_use]
-    pub fn stiffless(&self) -> usize {
-        self.stiffless.len()
-    }
-
     /// Modes of nearly zero energy, a block of n × m per node, and m: the rigid motions of the body.
     #[must_use]
     pub fn modes(&self) -> (Vec<f64>, usize) {
@@ -164,29 +158,25 @@ impl KeptMatrix {
     }
 
     /// The contribution of a tangent to a preconditioner, in the bases of `turns`, which are numbered by degree of
-    /// freedom.
+    /// freedom. For levels it is capped where contact holds a node; a factor can take it as it is.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn contact(&self, tangent: &Tangent, turns: &[Turn]) -> Result<ContactParts, SolveError> {
+    pub fn contact(&self, tangent: &Tangent, turns: &[Turn], is_capped: bool) -> Result<ContactParts, SolveError> {
         let (n, _) = self.matrix.block_shape();
         if tangent.is_empty() && turns.is_empty() {
             return Ok(ContactParts::default());
         }
         let (masked, by_degree) = (self.masked(), self.spread_springs(tangent));
-        let joints = softened(&masked, &by_degree, &bases(turns, n));
+        let bases = bases(turns, n);
+        let joints =
+            if is_capped { softened(&masked, &by_degree, &bases) } else { joined(&masked, &by_degree, &bases) };
         Ok(ContactParts { local: Some(ContactBlocks::new(&masked, &by_degree, turns)?), joints })
     }
 
     /// The tangent by degree of freedom, with stiffness on the diagonal in place of springs.
     pub(super) fn spread_springs(&self, tangent: &Tangent) -> Tangent {
         self.by_degree(&tangent.spread(&self.scale))
-    }
-
-    /// True if motions of a rigid body stand in the place of a node.
-    #[must_use]
-    pub fn moves_rigidly(&self, node: u32) -> bool {
-        moves_rigidly(&self.masked(), node)
     }
 
     /// The matrix with the data of its degrees of freedom.

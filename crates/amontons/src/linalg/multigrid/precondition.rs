@@ -99,6 +99,22 @@ pub(super) fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<
     joints
 }
 
+/// J as it is, in the axes of space, a block per pair of nodes.
+pub(super) fn joined(body: &MaskedMatrix, tangent: &Tangent, at: &BTreeMap<usize, [Point; 3]>) -> Vec<Joint> {
+    let (n, _) = body.matrix.block_shape();
+    let size = n as u32;
+    let mut summed: BTreeMap<(u32, u32), Vec<f64>> = BTreeMap::new();
+    for (i, j, value) in tangent.entries() {
+        let block = summed.entry((i / size, j / size)).or_insert_with(|| vec![0.0; n * n]);
+        block[(i % size * size + j % size) as usize] += value;
+    }
+    let basis = |node: u32| at.get(&(node as usize)).unwrap_or(&AXES);
+    let straight = |((i, j), block): ((u32, u32), Vec<f64>)| {
+        (i, j, padded(&in_basis(&block, [basis(i), basis(j)], n, false)))
+    };
+    summed.into_iter().map(straight).collect()
+}
+
 /// The matrix of sorted blocks.
 fn summed(body: &MaskedMatrix, joints: &[Joint]) -> BlockRowMatrix<f64> {
     let (n, _) = body.matrix.block_shape();
@@ -119,7 +135,7 @@ fn summed(body: &MaskedMatrix, joints: &[Joint]) -> BlockRowMatrix<f64> {
 }
 
 /// True if motions of a rigid body stand in the place of a node.
-pub(super) fn moves_rigidly(body: &MaskedMatrix, node: u32) -> bool {
+fn moves_rigidly(body: &MaskedMatrix, node: u32) -> bool {
     body.rigid.iter().any(|part| part.slots().contains(&node))
 }
 
