@@ -19,6 +19,8 @@ use crate::sys::{Broken, Iterated, LevelKind, Matrix, Solver, Way};
 const SMALL: usize = 3000;
 const MIDDLE: usize = 300_000;
 const MANY: usize = 200;
+/// Products that cost as much as to fill the levels anew.
+const FILLING: usize = 10;
 /// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
 /// GMRES stores two vectors per product: the number of products is [`NUMBERS`] over the number of own rows, within these
 /// limits.
@@ -153,6 +155,18 @@ pub struct Distributed {
     iterations: usize,
 }
 
+/// What an iteration has found so far.
+#[derive(Debug)]
+struct Found {
+    /// Own entries of the solution.
+    x: Vec<f64>,
+    /// Norm of the weighed residual relative to that of x = 0.
+    left: f64,
+    products: usize,
+    /// True as long as conjugate gradients may solve.
+    has_energy: bool,
+}
+
 /// The matrix of the levels, K plus what contact adds, with the solver that has them.
 #[derive(Debug)]
 struct Levels {
@@ -160,6 +174,17 @@ struct Levels {
     beside: Beside,
     joints: Vec<Joint>,
     solver: Solver,
+    /// Products of the first system after the levels were filled, or `None` before it; and contact that they lack.
+    products: Option<usize>,
+    newer: Option<Vec<Joint>>,
+}
+
+impl Levels {
+    /// Products that a system may take before the levels follow the contact.
+    /// Where contact acts, the local solutions follow it in any case.
+    fn patience(&self) -> Option<usize> {
+        self.products.map(|products| products + FILLING)
+    }
 }
 
 impl Distributed {
@@ -199,12 +224,25 @@ impl Distributed {
         Local { seen: Seen::new(session, rows, blocks.dofs()), scale, blocks }
     }
 
-    /// Builds the levels of K with these blocks of contact, or fills those that are there anew.
+    /// Builds the levels of K with these blocks of contact, or notes that those that are there lack them.
     fn add_levels(&mut self, joints: Vec<Joint>) -> Result<(), SolveError> {
-        let Shared { session, kept, rows, .. } = &*self.shared;
-        if self.levels.as_ref().is_some_and(|levels| levels.joints == joints) {
-            return Ok(());
+        match &mut self.levels {
+            Some(levels) if levels.joints == joints => levels.newer = None,
+            Some(levels) if self.kind == LevelKind::Levels && levels.products.is_some() => levels.newer = Some(joints),
+            _ => return self.fill_levels(joints),
         }
+        Ok(())
+    }
+
+    /// Lets the levels follow the contact, if they lack it; true if they did.
+    fn renew_levels(&mut self) -> Result<bool, SolveError> {
+        let newer = self.levels.as_mut().and_then(|levels| levels.newer.take());
+        newer.map_or(Ok(false), |joints| self.fill_levels(joints).map(|()| true))
+    }
+
+    /// Builds the levels of K with these blocks of contact, or fills those that are there anew.
+    fn fill_levels(&mut self, joints: Vec<Joint>) -> Result<(), SolveError> {
+        let Shared { session, kept, rows, .. } = &*self.shared;
         let new: Beside = joints
             .iter()
             .filter(|(i, j, _)| kept.matrix().graph().row(*i as usize).binary_search(j).is_err())
@@ -222,13 +260,13 @@ impl Distributed {
                     session.given(with_modes(&mut matrix, kept, rows))?;
                 }
                 let solver = session.given(Solver::new(rows.len()))?;
-                Levels { matrix, beside, joints: Vec::new(), solver }
+                Levels { matrix, beside, joints: Vec::new(), solver, products: None, newer: None }
             }
         };
         session.given(levels.matrix.clear())?;
         session.given(filled(&mut levels.matrix, kept, rows, (true, &joints, &levels.beside)))?;
         session.given(levels.solver.levels(&levels.matrix, self.kind))?;
-        levels.joints = joints;
+        (levels.joints, levels.products, levels.newer) = (joints, None, None);
         self.levels = Some(levels);
         Ok(())
     }
@@ -259,41 +297,63 @@ impl Distributed {
     }
 
     /// Iterates from x = 0 until the residual is `wanted` of b, and returns own entries of the solution, its relative
-    /// residual, and the number of products. It uses conjugate gradients if J is symmetric, as long as they meet no energy that is not positive,
-    /// otherwise GMRES.
-    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64, usize), SolveError> {
+    /// residual, and the number of products. Levels that turn out to lack the contact follow it in between.
+    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<Found, SolveError> {
         let jump = self.jump(tangent);
-        let mut has_energy = tangent.is_symmetric();
-        let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
-        let mut products = 0;
-        let most =
-            (NUMBERS / (self.shared.rows.all() / self.shared.session.size()).max(1)).clamp(PRODUCTS[0], PRODUCTS[1]);
-        let running = self.running(jump.as_ref());
-        let whole = running.weight(b)?;
+        let mut found = Found { x: vec![0.0; b.len()], left: 1.0, products: 0, has_energy: tangent.is_symmetric() };
+        let whole = self.running(jump.as_ref()).weight(b)?;
+        let share = (self.shared.rows.all() / self.shared.session.size()).max(1);
+        let most = (NUMBERS / share).clamp(PRODUCTS[0], PRODUCTS[1]);
         for _ in 0..LOOKS {
-            let goal = (wanted / left).min(0.1) * running.weight(&rest)?;
-            let had_energy = has_energy;
-            let way = Way { is_symmetric: has_energy, goal, limit: most };
-            let weighed = if has_energy { rest.clone() } else { running.weighed(&rest)? };
-            running.begin(has_energy);
-            let Iterated { x: change, products: made, has_broken } = self.krylov(&running, &weighed, way)?;
-            products += made;
-            x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
-            running.leave(b, &x, &mut rest)?;
-            running.settle(&rest, &mut x)?;
-            running.leave(b, &x, &mut rest)?;
-            let now = running.weight(&rest)? / whole;
-            // Close to the solution a nonpositive energy is round-off.
-            has_energy &= !((running.meets_none() || has_broken) && now > wanted.sqrt());
-            let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
-            left = now;
-            if left <= NEARLY * wanted || stalls || self.is_slow(products) {
+            let is_behind = self.levels.as_ref().is_some_and(|levels| levels.newer.is_some());
+            let patience = self.levels.as_ref().and_then(Levels::patience).filter(|_| is_behind);
+            let before = found;
+            found = self.look(jump.as_ref(), (b, whole, wanted), (&before, patience.unwrap_or(most)))?;
+            let is_reached = found.left <= NEARLY * wanted;
+            if is_behind && !is_reached && self.renew_levels()? {
+                continue;
+            }
+            // Energies that are not positive lead to another method, which begins with the next look.
+            let stalls =
+                (found.left > 0.5 * before.left || found.left.is_nan()) && found.has_energy == before.has_energy;
+            if is_reached || stalls || self.is_slow(found.products) {
                 break;
             }
         }
-        drop(running);
-        self.iterations += products;
-        Ok((x, left, products))
+        self.iterations += found.products;
+        if let Some(levels) = &mut self.levels {
+            levels.products.get_or_insert(found.products);
+        }
+        Ok(found)
+    }
+
+    /// Iterates on the residual of what is found, by conjugate gradients if J is symmetric, as long as they meet no
+    /// energy that is not positive, otherwise by GMRES.
+    fn look(
+        &self,
+        jump: Option<&Jump>,
+        (b, whole, wanted): (&[f64], f64, f64),
+        (found, limit): (&Found, usize),
+    ) -> Result<Found, SolveError> {
+        let (running, has_energy) = (self.running(jump), found.has_energy);
+        let (mut x, mut rest) = (found.x.clone(), b.to_vec());
+        if found.products > 0 {
+            running.leave(b, &x, &mut rest)?;
+        }
+        let goal = (wanted / found.left).min(0.1) * running.weight(&rest)?;
+        let way = Way { is_symmetric: has_energy, goal, limit };
+        let weighed = if has_energy { rest.clone() } else { running.weighed(&rest)? };
+        running.begin(has_energy);
+        let Iterated { x: change, products, has_broken } = self.krylov(&running, &weighed, way)?;
+        x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
+        running.leave(b, &x, &mut rest)?;
+        running.settle(&rest, &mut x)?;
+        running.leave(b, &x, &mut rest)?;
+        let left = running.weight(&rest)? / whole;
+        // Close to the solution a nonpositive energy is round-off.
+        let meets_none = (running.meets_none() || has_broken) && left > wanted.sqrt();
+        let has_energy = has_energy && !meets_none;
+        Ok(Found { x, left, products: found.products + products, has_energy })
     }
 
     /// Leaves the levels for a factor if they have taken many products; true if so.
@@ -365,12 +425,13 @@ impl Condensed for Distributed {
         }
         self.prepare(tangent)?;
         let own = shared.own(b);
-        let (mut x, mut left, products) = self.iterate(tangent, &own, enough)?;
-        if self.is_relieved(products) && left > NEARLY * enough {
+        let mut found = self.iterate(tangent, &own, enough)?;
+        if self.is_relieved(found.products) && found.left > NEARLY * enough {
             self.prepare(tangent)?;
-            (x, left, _) = self.iterate(tangent, &own, enough)?;
+            found = self.iterate(tangent, &own, enough)?;
         }
-        b.copy_from_slice(&shared.whole(&x)?);
+        let left = found.left;
+        b.copy_from_slice(&shared.whole(&found.x)?);
         // Half of the requested digits suffice for a stalled iteration.
         if left <= enough.sqrt() {
             Ok(())
@@ -393,6 +454,8 @@ impl Condensed for Distributed {
         self.prepare(&tangent.resisting())?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
+        // What is judged is the matrix, with levels that have its contact.
+        self.renew_levels()?;
         let (own, jump) = (shared.own(&b), self.jump(tangent));
         let running = self.running(jump.as_ref());
         running.begin_plain();
