@@ -109,9 +109,8 @@ pub(super) fn joined(body: &MaskedMatrix, tangent: &Tangent, at: &BTreeMap<usize
         block[(i % size * size + j % size) as usize] += value;
     }
     let basis = |node: u32| at.get(&(node as usize)).unwrap_or(&AXES);
-    let straight = |((i, j), block): ((u32, u32), Vec<f64>)| {
-        (i, j, padded(&in_basis(&block, [basis(i), basis(j)], n, false)))
-    };
+    let straight =
+        |((i, j), block): ((u32, u32), Vec<f64>)| (i, j, padded(&in_basis(&block, [basis(i), basis(j)], n, false)));
     summed.into_iter().map(straight).collect()
 }
 
